@@ -1,0 +1,19 @@
+# What every target of the project is built with. Settings belong to targets, never to directories.
+function(poise_target_settings target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  # The same bits from every compiler and on every instruction set: no contraction to fused multiply-add.
+  target_compile_options(${target} PRIVATE
+    -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
+    -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual -Wformat=2)
+  if(POISE_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(POISE_ASSERTIONS)
+    target_compile_definitions(${target} PRIVATE POISE_ASSERTIONS=1)
+  endif()
+  if(POISE_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${POISE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PRIVATE -fsanitize=${POISE_SANITIZE})
+  endif()
+endfunction()

@@ -1,0 +1,33 @@
+set(commit "unknown")
+if(GIT)
+  execute_process(COMMAND ${GIT} -C ${SOURCE_DIR} rev-parse --short=12 HEAD OUTPUT_VARIABLE head
+                  OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+  if(NOT failed)
+    set(commit "${head}")
+    execute_process(COMMAND ${GIT} -C ${SOURCE_DIR} status --porcelain --untracked-files=no
+                    OUTPUT_VARIABLE changes ERROR_QUIET)
+    if(changes)
+      string(APPEND commit "+changes")
+    endif()
+  endif()
+endif()
+set(flags "${BUILD_TYPE}")
+if(SANITIZE)
+  string(APPEND flags " sanitize=${SANITIZE}")
+endif()
+if(ASSERTIONS)
+  string(APPEND flags " assertions")
+endif()
+set(text "#pragma once
+#define POISE_BUILD_VERSION \"${VERSION}\"
+#define POISE_BUILD_COMMIT \"${commit}\"
+#define POISE_BUILD_COMPILER \"${COMPILER}\"
+#define POISE_BUILD_FLAGS \"${flags}\"
+")
+set(old "")
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} old)
+endif()
+if(NOT old STREQUAL text)
+  file(WRITE ${OUTPUT} "${text}")
+endif()

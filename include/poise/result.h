@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace poise {
+
+/// Why a call was refused. The command maps these to its exit codes.
+enum class ErrorKind {
+  BadInput,      ///< a file, field or argument breaks a rule that the message names
+  StaleHandle,   ///< the handle names something that was removed
+  OutputFailed,  ///< a file could not be written; nothing half-written is left behind
+  CapacityFull,  ///< a stated capacity is full; nothing was changed
+};
+
+/// A refusal: what was wrong, where, and the rule it breaks, as one line for a person,
+/// for example `pile.json: bodies[3].mass_kg = -1, must be > 0`.
+struct Error {
+  ErrorKind kind = ErrorKind::BadInput;
+  std::string message;
+};
+
+/// A value or an Error, returned by value. Nothing in the library throws across its API.
+/// Invariant: holds exactly one of the two. value() on an error is a caller's mistake.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
+  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}
+
+  [[nodiscard]] bool ok() const { return content_.index() == 0; }
+  explicit operator bool() const { return ok(); }
+  [[nodiscard]] T& value() & { return *std::get_if<0>(&content_); }
+  [[nodiscard]] const T& value() const& { return *std::get_if<0>(&content_); }
+  [[nodiscard]] T&& value() && { return std::move(*std::get_if<0>(&content_)); }
+  [[nodiscard]] const Error& error() const { return *std::get_if<1>(&content_); }
+
+ private:
+  std::variant<T, Error> content_;
+};
+
+struct Done {};
+/// The result of a call that has nothing to return but whether it was done.
+using Status = Result<Done>;
+
+inline Error bad_input(std::string message) { return {ErrorKind::BadInput, std::move(message)}; }
+
+}  // namespace poise

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "poise/mesh.h"
+#include "poise/result.h"
+#include "poise/sphere_tree.h"
+#include "poise/types.h"
+
+namespace poise {
+
+enum class ShapeKind : std::uint8_t {
+  Tree,   ///< a sphere tree; a ball is a tree of one node
+  Plane,  ///< a half-space, static only
+};
+
+/// What bodies share: a sphere tree and mass properties at density 1. Immutable once made, so any number of
+/// bodies, Worlds and threads may hold it.
+struct Shape {
+  ShapeKind kind = ShapeKind::Tree;
+  SphereTree tree;                          ///< in the body frame: origin at the centre of mass, axes of the mesh
+  double bounding_radius_m = 0;             ///< about the centre of mass, holds the whole root sphere
+  Vec3 origin_offset_m = Vec3::Zero();      ///< from the origin of the mesh (or of the list of spheres) to the centre of mass
+  double volume_m3 = 0;                     ///< mass at density 1
+  Vec3 principal_m5 = Vec3::Zero();         ///< principal moments of inertia at density 1
+  Quat principal_axes = Quat::Identity();   ///< turns the principal frame into the body frame
+  Vec3 plane_normal = Vec3::UnitZ();        ///< Plane: unit normal, away from the solid side, in the body frame
+  double plane_offset_m = 0;                ///< Plane: the surface is normal . x = offset
+};
+
+using ShapePtr = std::shared_ptr<const Shape>;
+
+/// A ball about its centre; radius finite and > 0.
+Result<ShapePtr> make_sphere_shape(double radius_m);
+
+/// The half-space normal . x <= offset; normal finite and not 0 (it is normalised).
+Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m);
+
+/// A rigid union of spheres, each counting whole for mass and inertia, also where they overlap.
+Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres);
+
+/// A shape from a tree whose leaves are the true surface, each counting whole.
+Result<ShapePtr> make_tree_shape(const SphereTree& tree);
+
+/// A shape from a closed mesh: tree by build_sphere_tree, mass in closed form. Any thread.
+Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options);
+
+}  // namespace poise

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "poise/mesh.h"
+#include "poise/result.h"
+#include "poise/types.h"
+
+namespace poise {
+
+inline constexpr std::uint32_t kTreeBranching = 8;
+
+/// A sphere with double precision, in metres, in the frame of its shape.
+struct Sphere {
+  Vec3 center_m = Vec3::Zero();
+  double radius_m = 0;
+};
+
+/// A tree of covering spheres in flat arrays, level after level, children of a node contiguous.
+///
+/// Invariant (coverage): every point of the object has a chain of nodes from the root to a leaf that all
+/// contain it. Children need not lie inside their parent. *Level L of the tree* is all nodes at level L
+/// together with the leaves above it: a leaf stands for itself below.
+///
+/// The arrays are padded by kTreeBranching entries, so that eight floats can be loaded at any node.
+struct SphereTree {
+  std::vector<float> x_m, y_m, z_m, radius_m;
+  std::vector<float> protrusion_max_m;   ///< by how much the exposed part of a node's sphere stands out of the object, largest
+  std::vector<float> protrusion_mean_m;  ///< the same, area-weighted mean
+  std::vector<NodeIndex> first_child;    ///< index of the first child; the node itself for a leaf
+  std::vector<std::uint8_t> child_count; ///< 0 for a leaf, at most kTreeBranching
+  std::vector<NodeIndex> level_begin;    ///< first node of each level, then the number of nodes
+
+  [[nodiscard]] std::size_t node_count() const { return level_begin.empty() ? 0 : level_begin.back(); }
+  /// Level of the deepest node; 0 for one sphere.
+  [[nodiscard]] Level depth() const { return static_cast<Level>(level_begin.size() < 2 ? 0 : level_begin.size() - 2); }
+  /// Nodes of level L as defined above, in order.
+  [[nodiscard]] std::vector<NodeIndex> nodes_at(Level level) const;
+  [[nodiscard]] Sphere sphere(NodeIndex node) const {
+    return {{x_m[node], y_m[node], z_m[node]}, radius_m[node]};
+  }
+};
+
+struct TreeBuildOptions {
+  Level depth = 3;               ///< levels below the root, at most kMaxTreeDepth
+  std::uint64_t seed = 1;
+  int threads = 0;               ///< 0 = as many as the machine has; the tree does not depend on it
+};
+
+/// Builds a covering sphere tree of a closed mesh, in the frame of the mesh. Deterministic for a mesh, depth
+/// and seed on any number of threads. Coverage of surface and inside is by construction, not by sampling
+/// (docs/sphere-trees.md). Refused: an open mesh, with the count of open edges; a depth out of range.
+Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options);
+
+/// The tree of an object that *is* a union of spheres: the leaves are its true surface (protrusion 0). Levels above
+/// the leaves are grouped so that each node has at most eight children and its sphere holds its children's.
+/// Refused: no sphere, or a centre or radius that is not finite or a radius that is not > 0.
+Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres);
+
+/// What a tree looks like at one level, measured by sampling against its mesh.
+struct TreeLevelFigures {
+  Level level = 0;
+  std::size_t spheres = 0;
+  double protrusion_max_m = 0;         ///< largest distance from exposed surface of the level to the mesh, where outside it
+  double protrusion_mean_m = 0;        ///< area-weighted mean of the same
+  double surface_coverage = 0;         ///< share of sampled surface points with a chain of nodes down to this level, 0..1
+  double inside_coverage = 0;          ///< share of sampled inside points, likewise
+  double volume_ratio = 0;             ///< volume of the union / volume of the mesh
+};
+
+/// Judges a tree against the mesh it was built for (same frame), by `samples` points a figure. Deterministic for a seed.
+Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh, std::size_t samples,
+                                                 std::uint64_t seed);
+
+/// Reads the text format `.sph` of Bradshaw and O'Sullivan's toolkit: first line `levels branch`, then rows
+/// `x y z r occupancy`, children of N at N*B+1.., a negative radius for an unused place; lines after the last row are ignored.
+/// A node whose only child is itself ends there. Protrusions are not in the format and are 0. Refused with line and rule.
+Result<SphereTree> read_sph(const std::filesystem::path& file);
+
+/// Writes the same format; a node that ends early is repeated down as its own only child, so that every level is whole.
+/// Written to a temporary file and renamed.
+Status write_sph(const SphereTree& tree, const std::filesystem::path& file);
+
+}  // namespace poise

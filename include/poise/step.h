@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "poise/types.h"
+
+namespace poise {
+
+using SteadyClock = std::chrono::steady_clock;
+using Nanoseconds = std::chrono::nanoseconds;
+
+/// How much a step may do beyond its mandatory part.
+struct Budget {
+  enum class Kind : std::uint8_t { Unlimited, Deadline, Work };
+  Kind kind = Kind::Unlimited;
+  SteadyClock::time_point deadline{};  ///< Deadline: when the step must have returned
+  std::uint64_t work_units = 0;        ///< Work: node-pair expansions (8 x 8 blocks) that refinement may charge
+
+  static Budget unlimited() { return {}; }
+  static Budget until(SteadyClock::time_point deadline) { return {Kind::Deadline, deadline, 0}; }
+  static Budget within(Nanoseconds time) { return until(SteadyClock::now() + time); }
+  static Budget work(std::uint64_t units) { return {Kind::Work, {}, units}; }
+};
+
+/// What the viewer sees; guides what is refined first and nothing else.
+struct View {
+  bool present = false;                ///< without a view all pairs weigh the same
+  Vec3 position_m = Vec3::Zero();
+  Vec3 forward = Vec3::UnitX();        ///< unit
+  Vec3 up = Vec3::UnitZ();             ///< unit, not parallel to forward
+  double vertical_fov_rad = 0.87;      ///< in (0, pi)
+  double aspect = 16.0 / 9.0;          ///< width / height, > 0
+  Vec3 gaze = Vec3::UnitX();           ///< unit direction that the viewer looks along
+};
+
+/// Work of the host (rendering, game logic) that must still happen before the deadline, reserved like the response.
+struct HostWork {
+  bool learn = false;                  ///< reserve what World::report_host_work lets expect, instead of `expected`
+  Nanoseconds expected{0};             ///< >= 0
+};
+
+struct StepInput {
+  double dt_s = 1.0 / 60.0;            ///< length of the step, finite and > 0
+  Budget budget;
+  View view;
+  HostWork host_work;
+  Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this
+};
+
+enum class StepStatus : std::uint8_t {
+  Done,
+  RefusedTimeStep,  ///< dt_s is not finite or not > 0; the World is unchanged
+  RefusedView,      ///< the view has a part that is not finite or out of range; the World is unchanged
+  RefusedHostWork,  ///< negative host work; the World is unchanged
+};
+
+/// Wall time of the stages of one step.
+struct StageTimes {
+  Nanoseconds predict{0};
+  Nanoseconds broad_phase{0};
+  Nanoseconds coarse{0};        ///< every candidate pair at its mandatory level
+  Nanoseconds refine{0};
+  Nanoseconds response{0};      ///< contacts in pair order, colouring, impulses
+  Nanoseconds integrate{0};
+  Nanoseconds publish{0};       ///< events and report
+  Nanoseconds total{0};
+};
+
+enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Forecast };
+
+/// What one step did. Plain numbers; no part points into the World.
+struct FrameReport {
+  StepStatus status = StepStatus::Done;
+  std::uint64_t frame = 0;               ///< number of steps done before this one
+  StageTimes times;
+
+  // Budget (wall clock only; 0 otherwise)
+  Nanoseconds budget{0};                 ///< from the start of the step to its deadline
+  Nanoseconds reserve_at_cut{0};         ///< kept for the tail when refinement ended
+  Nanoseconds tail_forecast{0};          ///< point forecast of the tail, without margin
+  Nanoseconds tail_actual{0};            ///< from the end of refinement to the end of the step
+  Nanoseconds refine_available{0};       ///< from the start of refinement to t_cut, 0 if there was none
+  Nanoseconds host_reserved{0};
+  Nanoseconds lateness{0};               ///< past the deadline (host work included), 0 if on time
+  MissCause cause = MissCause::None;
+  Nanoseconds off_cpu{0};                ///< wall time less thread CPU time less own waits, of the calling thread
+  Nanoseconds longest_job{0};
+  double cut_margin = 1;                 ///< reserve / point forecast
+
+  // Counted work
+  std::size_t bodies = 0;                ///< dynamic bodies
+  std::size_t candidate_pairs = 0;       ///< from the broad phase
+  std::size_t coarse_pairs = 0;          ///< those that overlap at their mandatory level
+  std::size_t contact_pairs = 0;         ///< answered as a contact
+  std::uint64_t work_mandatory = 0;      ///< node-pair expansions of the mandatory part
+  std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement
+  std::size_t jobs_done = 0;             ///< levels completed
+  std::size_t jobs_dropped = 0;          ///< started and not completed, or completed too late
+  std::size_t pairs_separated = 0;       ///< found apart by refinement
+  std::size_t pairs_left = 0;            ///< still refinable when refinement ended
+  std::array<std::uint32_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by completed level
+
+  // Capacities that were full (0 in a healthy frame)
+  std::size_t pairs_dropped = 0;         ///< candidate partners of a body beyond its limit
+  std::size_t fronts_full = 0;           ///< refinements refused because a front had no room
+  std::size_t colors_full = 0;           ///< contacts beyond the last colour, solved one after another
+  std::size_t degenerate = 0;            ///< contacts without a positive finite effective mass, answered by none
+
+  // Energy and momentum after the step; energy about gravity's potential at the origin
+  double kinetic_j = 0;
+  double potential_j = 0;
+};
+
+}  // namespace poise

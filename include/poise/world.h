@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "poise/result.h"
+#include "poise/scheduler/policy.h"
+#include "poise/shape.h"
+#include "poise/step.h"
+#include "poise/types.h"
+
+namespace poise {
+
+/// Which implementation runs parallel parts. The result of a step depends on neither kind nor threads.
+enum class ExecutorKind : std::uint8_t { Tbb, Threads, Serial };
+
+/// How the contacts of one pair become an impulse (docs/method.md).
+enum class ContactModel : std::uint8_t {
+  Paper,   ///< every sphere contact in canonical order, once, each with the approach speed taken anew (DO eq. 1-5)
+  Wrench,  ///< all sphere contacts together, weighted by overlap, one impulse a pair
+};
+
+struct WorldSettings {
+  Vec3 gravity_mps2 = Vec3::Zero();
+  ContactModel contact = ContactModel::Wrench;
+  scheduler::Policy policy;                      ///< what is refined next
+  ExecutorKind executor = ExecutorKind::Tbb;
+  int threads = 0;                               ///< calling thread included; 0 = as many as the machine has; at most 256
+  std::uint64_t seed = 1;
+  int substeps = 2;                              ///< of the resting-contact solver, 1 to 16
+  std::uint32_t max_partners = 256;              ///< candidate partners that a body keeps, 1 to 65536
+  std::uint32_t max_front_entries = 1U << 22;    ///< room for fronts, entries a worker thread, >= 64
+};
+
+struct Material {
+  double restitution = 0;                        ///< in [0, 1]; of two materials the larger counts
+  double friction = 0;                           ///< >= 0; kept, and not used yet
+  double density_kgpm3 = 1000;                   ///< > 0
+};
+
+struct BodyDefinition {
+  ShapeId shape;
+  MaterialId material;
+  bool is_static = false;
+  Vec3 position_m = Vec3::Zero();                ///< of the shape's own origin, world frame
+  Quat orientation = Quat::Identity();           ///< body to world; normalised; not 0
+  Vec3 velocity_mps = Vec3::Zero();              ///< of the centre of mass, world frame
+  Vec3 angular_velocity_radps = Vec3::Zero();    ///< world frame
+  double mass_kg = 0;                            ///< 0 = from volume and density
+  Vec3 inertia_kgm2 = Vec3::Zero();              ///< principal moments in the shape's principal frame; 0 = from the shape
+  std::uint32_t group = 1;                       ///< bits: which groups the body is in
+  std::uint32_t collides_with = 0xffffffffU;     ///< bits: which groups it meets; both sides must agree
+  double importance = 1;                         ///< a factor on the priority of its pairs, >= 0, finite
+};
+
+struct BodyState {
+  Vec3 position_m = Vec3::Zero();                ///< centre of mass, world frame
+  Quat orientation = Quat::Identity();           ///< axes of the mesh, body to world, unit
+  Vec3 velocity_mps = Vec3::Zero();              ///< of the centre of mass
+  Vec3 angular_velocity_radps = Vec3::Zero();    ///< world frame
+};
+
+/// One pair that the last step answered as a contact.
+struct Contact {
+  BodyId a, b;                                   ///< a comes before b in the order of slots
+  Level level = 0;                               ///< that was completed for the pair
+  Vec3 normal = Vec3::UnitZ();                   ///< from a to b, unit, mean over the pair
+  Vec3 point_m = Vec3::Zero();                   ///< world frame, mean over the pair
+  double gap_m = 0;                              ///< between the modelled surfaces at the start of the step, negative in overlap
+  Vec3 impulse_ns = Vec3::Zero();                ///< that b received in the step, kg m/s; a received the opposite
+};
+
+struct ContactEvent {
+  enum class Kind : std::uint8_t { Begin, End };
+  Kind kind = Kind::Begin;
+  BodyId a, b;
+};
+
+/// Sums over the dynamic bodies.
+struct Conserved {
+  Vec3 momentum_ns = Vec3::Zero();               ///< kg m/s
+  Vec3 angular_momentum_js = Vec3::Zero();       ///< about the world origin, kg m^2/s
+  double kinetic_j = 0;
+  double potential_j = 0;                        ///< -m g . x
+};
+
+/// A scene of rigid bodies that is stepped inside a budget. Invariant: every stored number is finite, and
+/// inverse masses and inertias are >= 0.
+///
+/// One thread at a time may call a World; several Worlds may step at once. Bad arguments are refused by value and
+/// leave the World as it was. step() does not allocate once its buffers have grown to the scene.
+class World {
+ public:
+  /// Refused: gravity not finite; settings out of the ranges given above.
+  static Result<World> create(const WorldSettings& settings);
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+  ~World();
+
+  ShapeId add_shape(ShapePtr shape);
+  Result<MaterialId> add_material(const Material& material);
+
+  /// Refused: unknown shape or material, numbers that are not finite or out of range, an inertia that breaks the
+  /// triangle inequality, a plane that is not static.
+  Result<BodyId> add_body(const BodyDefinition& definition);
+  Status remove_body(BodyId body);
+  [[nodiscard]] bool contains(BodyId body) const;
+  [[nodiscard]] std::size_t body_count() const;  ///< static ones and planes included
+
+  [[nodiscard]] Result<BodyState> state(BodyId body) const;
+  Status set_state(BodyId body, const BodyState& state);
+  /// 0 for static bodies.
+  [[nodiscard]] Result<double> mass_kg(BodyId body) const;
+  [[nodiscard]] Result<ShapePtr> shape(BodyId body) const;
+
+  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies.
+  Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
+  Status apply_torque(BodyId body, const Vec3& torque_nm);
+  /// Changes velocities at once by an impulse (kg m/s, world frame) at a world point.
+  Status apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m);
+  Status set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with);
+  Status set_importance(BodyId body, double importance);
+
+  /// Tells how long the host's own work took in the frame that has just ended, for HostWork::learn.
+  void report_host_work(Nanoseconds actual);
+
+  /// Steps once. The calling thread works too. Bad input is refused in FrameReport::status.
+  FrameReport step(const StepInput& input);
+
+  /// Of the last step, in order of (a, b); valid until the next call that is not const.
+  [[nodiscard]] std::span<const Contact> contacts() const;
+  /// Pairs that began and ceased to touch in the last step, in order of (a, b).
+  [[nodiscard]] std::span<const ContactEvent> contact_events() const;
+
+  [[nodiscard]] Conserved conserved() const;
+  /// Every bit of state that the next step depends on, time forecasts aside (xxHash64).
+  [[nodiscard]] std::uint64_t state_hash() const;
+  [[nodiscard]] int threads() const;
+
+ private:
+  struct Impl;
+  explicit World(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace poise

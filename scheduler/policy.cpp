@@ -1,0 +1,1 @@
+#include "poise/scheduler/policy.h"
