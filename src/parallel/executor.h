@@ -37,23 +37,28 @@ class Executor {
   [[nodiscard]] virtual int concurrency() const = 0;
   /// Calls loop(worker) on the calling thread and on those others that come in time, each with its own number
   /// in [0, concurrency()). Returns when every call that began has ended: it waits for work that was taken, never
-  /// for a worker that has not shown up. The loop must not throw and must not call run on the same executor.
+  /// for a worker that has not shown up. The loop must not throw. One thread at a time may call run; a call from inside a
+  /// loop of the same executor, or beside one, is worked off by its own thread alone, as worker 0.
   virtual void run(WorkerFunction loop) = 0;
   /// Asks sleeping workers to get up, because a run is about to come. Returns at once.
   virtual void wake() {}
 };
 
-/// `threads` as in WorldSettings; at least one. Nothing is thrown: if threads cannot be started, fewer are used.
+/// An executor with `threads` workers, the calling thread included: 0 or less means available_threads(), more than 256 means
+/// 256. If the system refuses to start threads, fewer are used. Tbb means Threads where oneTBB was left out of the build, and one
+/// thread means Serial. Several executors may exist and run at once.
 std::unique_ptr<Executor> make_executor(ExecutorKind kind, int threads);
 
 /// Number of threads this process may use (its affinity mask), at least 1.
 int available_threads();
 
 /// Calls body(begin, end, worker) over [0, n) in chunks of `grain` (the last may be shorter). Chunk borders depend on
-/// n and grain alone, so that per-chunk results put together in order do not depend on threads.
+/// n and grain alone, so that per-chunk results put together in order do not depend on threads. A grain of 0 counts as 1.
+/// The body must not throw; it may be called for several chunks at once, and calls with equal `worker` never overlap.
 template <class Body>
 void parallel_for(Executor& executor, std::size_t n, std::size_t grain, Body&& body) {
   if (n == 0) return;
+  if (grain == 0) grain = 1;
   if (n <= grain || executor.concurrency() == 1) {
     for (std::size_t begin = 0; begin < n; begin += grain) body(begin, begin + grain < n ? begin + grain : n, 0);
     return;
