@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "poise/scheduler/forecast.h"
+
+namespace poise::scheduler {
+
+/// A point in time that the caller read from its clock; the scheduler has none.
+using TimePoint = std::chrono::steady_clock::time_point;
+
+/// Decides, job by job, whether refinement may go on: t_cut = deadline - host work still to come - reserve, where the
+/// reserve is the forecast of the whole tail for the contacts that are published now, times the tracked margin.
+/// A plain value for one frame, read by any number of threads.
+struct FrameBudget {
+  bool limited = false;                  ///< false: there is no deadline
+  TimePoint deadline{};                  ///< of the frame, host work included
+  Nanoseconds host_work{0};              ///< still to come after the step
+  Nanoseconds tail_fixed{0};             ///< margin included, for everything but contacts
+  double tail_per_contact_ns = 0;        ///< margin included
+  double unit_cost_ns = 40;              ///< of one node-pair expansion on one thread
+  double job_overhead_ns = 150;
+
+  /// What is kept for the tail when `contacts` pairs are to be answered.
+  [[nodiscard]] Nanoseconds reserve(std::uint64_t contacts) const;
+  [[nodiscard]] TimePoint cut(std::uint64_t contacts) const { return deadline - host_work - reserve(contacts); }
+  /// May a job of `units` expansions begin at `now`?
+  [[nodiscard]] bool admits(TimePoint now, std::uint64_t units, std::uint64_t contacts) const;
+  /// Forecast of a job's duration.
+  [[nodiscard]] Nanoseconds job_cost(std::uint64_t units) const;
+};
+
+/// Makes the budget of a frame from the forecasts, for the tail work that is known before refinement
+/// (`work.contacts` is ignored: it changes while levels complete).
+FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const TailForecast& tail,
+                              const TrackedQuantile& margin, TailWork work, double unit_cost_ns);
+
+/// A bounded job: entries of a front that are expanded between two looks at the clock. At 25 to 40 ns each this is
+/// 15 to 20 us, within the quantum of 50 us also on a machine half as fast.
+inline constexpr std::uint64_t kQuantumUnits = 512;
+
+/// What a frame's measured times say about why it was late. Exclusive, in this order: the mandatory part alone did not
+/// fit; the machine took at least as much time away as the frame was late; one job ran longer than forecast by at least as
+/// much; all else is the forecast's.
+enum class Lateness : std::uint8_t { OnTime, Infeasible, Machine, Overrun, Forecast };
+struct LatenessFacts {
+  Nanoseconds lateness{0};       ///< past the deadline, <= 0 if on time
+  Nanoseconds mandatory{0};      ///< measured time of everything but refinement, host work included
+  Nanoseconds budget{0};         ///< from the start of the frame to its deadline
+  Nanoseconds off_cpu{0};        ///< taken by the machine
+  Nanoseconds longest_overrun{0};///< of a job beyond its forecast
+};
+Lateness classify(const LatenessFacts& facts);
+
+}  // namespace poise::scheduler

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace poise::scheduler {
+
+/// A refinement that could be done.
+struct Candidate {
+  double score = 0;
+  std::uint32_t pair = 0;    ///< place of the pair in canonical order
+  std::uint32_t units = 0;   ///< what it is charged: its front's size
+};
+
+/// The work clock: refinement in rounds of a fixed size, so that what is done depends on scores and budget alone, and
+/// never on threads. Candidates are admitted by (score, pair) while the budget lasts; one that no longer fits is left, and smaller
+/// ones behind it may still fit.
+class RoundSelector {
+ public:
+  static constexpr std::size_t kRoundSize = 512;
+
+  /// Forgets everything; `budget_units` is what may be charged in this frame.
+  void begin_frame(std::uint64_t budget_units, std::size_t expected_candidates);
+  void add(const Candidate& candidate);
+  /// The next round, best first; empty when nothing that fits is left. Valid until the next call.
+  std::span<const Candidate> next_round();
+  [[nodiscard]] std::uint64_t charged_units() const { return charged_; }
+
+ private:
+  std::vector<Candidate> heap_;
+  std::vector<Candidate> round_;
+  std::uint64_t budget_ = 0;
+  std::uint64_t charged_ = 0;
+};
+
+}  // namespace poise::scheduler

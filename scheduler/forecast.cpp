@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "poise/scheduler/forecast.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poise::scheduler {
+namespace {
+
+constexpr double kForgetting = 0.99;
+// Covariance of a coefficient that is as uncertain as before the first frame. Chosen: a microsecond a unit, widely missed.
+constexpr double kWideCovariance = 100.0;
+
+}  // namespace
+
+TailForecast::TailForecast() {
+  // Prior: 30 us, and per thousand: bodies 100 us, contacts 400 us, candidates 20 us, sphere contacts 100 us. On the slow
+  // side of the machines that we tried; the first tens of frames replace it.
+  coefficient_us_ = {30.0, 100.0, 400.0, 20.0, 100.0};
+  for (std::size_t i = 0; i < kFeatures; ++i) covariance_[i][i] = kWideCovariance;
+}
+
+TailForecast::Features TailForecast::features(const TailWork& work) {
+  const auto thousands = [](std::uint64_t count) { return static_cast<double>(count) * 1e-3; };
+  return {1.0, thousands(work.bodies), thousands(work.contacts), thousands(work.candidate_pairs),
+          thousands(work.sphere_contacts)};
+}
+
+Nanoseconds TailForecast::forecast(const TailWork& work) const {
+  const Features x = features(work);
+  double us = 0;
+  for (std::size_t i = 0; i < kFeatures; ++i) us += coefficient_us_[i] * x[i];
+  return Nanoseconds(static_cast<std::int64_t>(std::max(us, 1.0) * 1e3));
+}
+
+void TailForecast::learn(const TailWork& work, Nanoseconds actual) {
+  const Features x = features(work);
+  const double actual_us = static_cast<double>(actual.count()) * 1e-3;
+  Features px{};
+  double xpx = 0;
+  double forecast_us = 0;
+  for (std::size_t i = 0; i < kFeatures; ++i) {
+    for (std::size_t j = 0; j < kFeatures; ++j) px[i] += covariance_[i][j] * x[j];
+    xpx += x[i] * px[i];
+    forecast_us += coefficient_us_[i] * x[i];
+  }
+  // A frame ten times off the forecast was disturbed, not informative: its pull is bounded.
+  const double bound_us = 2.0 * std::max(forecast_us, 10.0);
+  const double residual_us = std::clamp(actual_us - forecast_us, -bound_us, bound_us);
+  const double denominator = kForgetting + xpx;
+  double trace = 0;
+  for (std::size_t i = 0; i < kFeatures; ++i) {
+    coefficient_us_[i] += px[i] / denominator * residual_us;
+    for (std::size_t j = 0; j < kFeatures; ++j) covariance_[i][j] -= px[i] * px[j] / denominator;
+    trace += covariance_[i][i];
+  }
+  // Forget only while the covariance is small: directions that are never excited would grow without bound.
+  if (trace < kWideCovariance * kFeatures) {
+    for (Features& row : covariance_) {
+      for (double& value : row) value /= kForgetting;
+    }
+  }
+}
+
+TrackedQuantile::TrackedQuantile(double alpha, double eta, double start)
+    : alpha_(std::clamp(alpha, 1e-6, 0.5)), eta_(std::clamp(eta, 1e-6, 1.0)), q_(std::clamp(start, kLow, kHigh)) {}
+
+double TrackedQuantile::factor() const { return std::exp(q_); }
+
+void TrackedQuantile::observe(Nanoseconds actual, Nanoseconds forecast) {
+  if (actual.count() <= 0 || forecast.count() <= 0) return;
+  const double raw = std::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
+  const double z = std::clamp(raw, kLow, kHigh);
+  if (z != raw) ++beyond_clip_;
+  ++observed_;
+  const bool above = z > q_;
+  if (above) ++exceeded_;
+  q_ += eta_ * ((above ? 1.0 : 0.0) - alpha_);
+}
+
+Nanoseconds DurationForecast::reserve() const {
+  if (!started_) return Nanoseconds(0);
+  return Nanoseconds(static_cast<std::int64_t>(mean_ns_ * margin_.factor()));
+}
+
+void DurationForecast::learn(Nanoseconds actual) {
+  const double ns = static_cast<double>(std::max<std::int64_t>(actual.count(), 0));
+  if (started_) {
+    margin_.observe(actual, Nanoseconds(static_cast<std::int64_t>(mean_ns_)));
+    mean_ns_ += 0.1 * (ns - mean_ns_);
+  } else {
+    mean_ns_ = ns;
+    started_ = true;
+  }
+}
+
+}  // namespace poise::scheduler

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "poise/scheduler/rounds.h"
+
+#include <algorithm>
+
+namespace poise::scheduler {
+namespace {
+
+// Heap order: the front is the largest score, and of equals the smallest pair.
+bool later(const Candidate& x, const Candidate& y) {
+  if (x.score != y.score) return x.score < y.score;
+  return x.pair > y.pair;
+}
+
+}  // namespace
+
+void RoundSelector::begin_frame(std::uint64_t budget_units, std::size_t expected_candidates) {
+  heap_.clear();
+  heap_.reserve(expected_candidates);
+  round_.clear();
+  round_.reserve(kRoundSize);
+  budget_ = budget_units;
+  charged_ = 0;
+}
+
+void RoundSelector::add(const Candidate& candidate) {
+  heap_.push_back(candidate);
+  std::push_heap(heap_.begin(), heap_.end(), later);
+}
+
+std::span<const Candidate> RoundSelector::next_round() {
+  round_.clear();
+  while (!heap_.empty() && round_.size() < kRoundSize) {
+    std::pop_heap(heap_.begin(), heap_.end(), later);
+    const Candidate best = heap_.back();
+    heap_.pop_back();
+    if (best.units > budget_ - charged_) continue;
+    charged_ += best.units;
+    round_.push_back(best);
+  }
+  return round_;
+}
+
+}  // namespace poise::scheduler
