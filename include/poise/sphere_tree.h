@@ -42,7 +42,7 @@ struct SphereTree {
   /// Nodes of level L as defined above, in order.
   [[nodiscard]] std::vector<NodeIndex> nodes_at(Level level) const;
   [[nodiscard]] Sphere sphere(NodeIndex node) const {
-    return {{x_m[node], y_m[node], z_m[node]}, radius_m[node]};
+    return {Vec3(double{x_m[node]}, double{y_m[node]}, double{z_m[node]}), double{radius_m[node]}};
   }
 };
 
