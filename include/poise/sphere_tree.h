@@ -42,7 +42,8 @@ struct SphereTree {
   /// Nodes of level L as defined above, in order.
   [[nodiscard]] std::vector<NodeIndex> nodes_at(Level level) const;
   [[nodiscard]] Sphere sphere(NodeIndex node) const {
-    return {Vec3(double{x_m[node]}, double{y_m[node]}, double{z_m[node]}), double{radius_m[node]}};
+    return {Vec3(static_cast<double>(x_m[node]), static_cast<double>(y_m[node]), static_cast<double>(z_m[node])),
+            static_cast<double>(radius_m[node])};
   }
 };
 
