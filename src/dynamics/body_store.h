@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "poise/shape.h"
+#include "poise/types.h"
+
+namespace poise::dynamics {
+
+/// The bodies of a World as structure of arrays, one entry a slot, double precision, SI units, world frame.
+/// Invariant: all arrays have slot_count() entries; a dead slot has zero velocity and zero inverse mass; numbers are
+/// finite. A slot that is used again gets the next generation.
+///
+/// Positions are those of the centre of mass; orientations turn the body frame (axes of the mesh) into the world.
+struct BodyStore {
+  std::vector<double> x_m, y_m, z_m;
+  std::vector<double> qw, qx, qy, qz;
+  std::vector<double> vx_mps, vy_mps, vz_mps;
+  std::vector<double> wx_radps, wy_radps, wz_radps;
+  std::vector<double> fx_n, fy_n, fz_n;        ///< applied for the next step
+  std::vector<double> tx_nm, ty_nm, tz_nm;     ///< applied for the next step, about the centre of mass
+  std::vector<double> mass_kg, inverse_mass;   ///< 0 for static bodies
+  std::vector<Vec3> principal_kgm2;            ///< moments in the principal frame; 0 for static bodies
+  std::vector<ShapePtr> shape;
+  std::vector<std::uint32_t> material;
+  std::vector<std::uint32_t> group, collides_with;
+  std::vector<double> importance;
+  std::vector<std::uint32_t> generation;
+  std::vector<std::uint8_t> alive;
+  std::vector<std::uint8_t> dynamic;           ///< alive and not static
+  std::vector<std::uint8_t> pushed;            ///< a force or torque waits
+
+  [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
+  [[nodiscard]] std::size_t alive_count() const { return alive_count_; }
+  [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }
+
+  /// A slot with all numbers zero and identity orientation: the lowest free one.
+  BodyId add();
+  /// Frees the slot; its handle becomes stale.
+  void remove(std::uint32_t slot);
+  [[nodiscard]] bool contains(BodyId id) const {
+    return id.slot < alive.size() && alive[id.slot] != 0 && generation[id.slot] == id.generation;
+  }
+  [[nodiscard]] BodyId id_of(std::uint32_t slot) const { return {slot, generation[slot]}; }
+  void make_dynamic(std::uint32_t slot);
+
+  [[nodiscard]] Vec3 position(std::size_t i) const { return {x_m[i], y_m[i], z_m[i]}; }
+  [[nodiscard]] Quat orientation(std::size_t i) const { return {qw[i], qx[i], qy[i], qz[i]}; }
+  [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx_mps[i], vy_mps[i], vz_mps[i]}; }
+  [[nodiscard]] Vec3 spin(std::size_t i) const { return {wx_radps[i], wy_radps[i], wz_radps[i]}; }
+  [[nodiscard]] Vec3 force(std::size_t i) const { return {fx_n[i], fy_n[i], fz_n[i]}; }
+  [[nodiscard]] Vec3 torque(std::size_t i) const { return {tx_nm[i], ty_nm[i], tz_nm[i]}; }
+  void set_position(std::size_t i, const Vec3& p);
+  void set_orientation(std::size_t i, const Quat& q);
+  void set_velocity(std::size_t i, const Vec3& v);
+  void set_spin(std::size_t i, const Vec3& w);
+  void set_force(std::size_t i, const Vec3& f);
+  void set_torque(std::size_t i, const Vec3& t);
+
+ private:
+  std::vector<std::uint32_t> free_;  // a heap whose front is the lowest free slot
+  std::size_t alive_count_ = 0;
+  std::size_t dynamic_count_ = 0;
+};
+
+/// Turns the principal frame of a body into the world.
+Quat principal_to_world(const BodyStore& bodies, std::size_t i);
+
+/// Inverse inertia in the world frame, 1/(kg m^2), symmetric; zero for static bodies.
+Mat3 inverse_inertia_world(const BodyStore& bodies, std::size_t i);
+
+/// Inertia in the world frame, kg m^2; zero for static bodies.
+Mat3 inertia_world(const BodyStore& bodies, std::size_t i);
+
+}  // namespace poise::dynamics

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "dynamics/body_store.h"
+#include "poise/world.h"
+
+namespace poise::dynamics {
+
+/// Sums over the dynamic bodies in slot order; potential energy is -m g . x.
+Conserved conserved_sums(const BodyStore& bodies, const Vec3& gravity_mps2);
+
+}  // namespace poise::dynamics
