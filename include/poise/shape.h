@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "poise/mesh.h"
 #include "poise/result.h"
@@ -34,10 +33,14 @@ struct Shape {
 
 using ShapePtr = std::shared_ptr<const Shape>;
 
-/// A ball about its centre; radius finite and > 0.
+// All of these: any thread; refused with the name of the argument, its value and the rule. Where the inertia is
+// diagonal in the axes of the mesh (to 1e-9 of its trace), principal_axes is exactly the identity and the principal moments stand
+// in the order x, y, z; otherwise they ascend.
+
+/// A ball about its centre; radius from 1e-9 to 1e9 m.
 Result<ShapePtr> make_sphere_shape(double radius_m);
 
-/// The half-space normal . x <= offset; normal finite and not 0 (it is normalised).
+/// The half-space n . x <= offset_m with n = normal / |normal|; normal finite and not 0, offset along n within 1e9 m.
 Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m);
 
 /// A rigid union of spheres, each counting whole for mass and inertia, also where they overlap.

@@ -15,6 +15,9 @@ namespace poise {
 
 inline constexpr std::uint32_t kTreeBranching = 8;
 
+/// Spheres that a union may have at most (five full levels).
+inline constexpr std::size_t kMaxUnionSpheres = 32768;
+
 /// A sphere with double precision, in metres, in the frame of its shape.
 struct Sphere {
   Vec3 center_m = Vec3::Zero();
@@ -59,8 +62,9 @@ struct TreeBuildOptions {
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options);
 
 /// The tree of an object that *is* a union of spheres: the leaves are its true surface (protrusion 0). Levels above
-/// the leaves are grouped so that each node has at most eight children and its sphere holds its children's.
-/// Refused: no sphere, or a centre or radius that is not finite or a radius that is not > 0.
+/// the leaves are grouped so that each node has at most eight children and its sphere holds all leaves below it, with the
+/// fewest levels that n spheres can have. One sphere is a single node. Centres and radii are rounded to the nearest float.
+/// Refused: no sphere, more than kMaxUnionSpheres, a centre that is not within 1e9 m, a radius not from 1e-9 to 1e9 m.
 Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres);
 
 /// What a tree looks like at one level, measured by sampling against its mesh.
