@@ -42,4 +42,7 @@ struct ShapeId {
   friend auto operator<=>(const ShapeId&, const ShapeId&) = default;
 };
 
+/// Which implementation runs parallel parts. The result of a step depends on neither kind nor threads.
+enum class ExecutorKind : std::uint8_t { Tbb, Threads, Serial };
+
 }  // namespace poise

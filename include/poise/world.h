@@ -13,9 +13,6 @@
 
 namespace poise {
 
-/// Which implementation runs parallel parts. The result of a step depends on neither kind nor threads.
-enum class ExecutorKind : std::uint8_t { Tbb, Threads, Serial };
-
 /// How the contacts of one pair become an impulse (docs/method.md).
 enum class ContactModel : std::uint8_t {
   Paper,   ///< every sphere contact in canonical order, once, each with the approach speed taken anew (DO eq. 1-5)

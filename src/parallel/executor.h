@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
 
-#include "poise/world.h"
+#include "parallel/shared.h"
+#include "poise/types.h"
 
 namespace poise::parallel {
 
@@ -63,10 +63,10 @@ void parallel_for(Executor& executor, std::size_t n, std::size_t grain, Body&& b
     for (std::size_t begin = 0; begin < n; begin += grain) body(begin, begin + grain < n ? begin + grain : n, 0);
     return;
   }
-  std::atomic<std::size_t> ticket{0};
+  Tickets tickets;
   executor.run([&](int worker) {
     for (;;) {
-      const std::size_t begin = ticket.fetch_add(grain, std::memory_order_relaxed);
+      const std::size_t begin = tickets.take(grain);
       if (begin >= n) return;
       body(begin, begin + grain < n ? begin + grain : n, worker);
     }

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "parallel/shared.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "parallel/executor.h"
+
+namespace poise::parallel {
+namespace {
+
+TEST(Tickets, GiveEachNumberToOneWorkerOnly) {
+  const auto executor = make_executor(ExecutorKind::Threads, 4);
+  std::vector<std::vector<std::size_t>> taken(4);
+  Tickets tickets;
+  executor->run([&](int worker) {
+    for (std::size_t ticket = tickets.take(3); ticket < 9000; ticket = tickets.take(3)) {
+      taken[static_cast<std::size_t>(worker)].push_back(ticket);
+    }
+  });
+  std::vector<std::size_t> all;
+  for (const auto& part : taken) all.insert(all.end(), part.begin(), part.end());
+  std::ranges::sort(all);
+  ASSERT_EQ(all.size(), 3000U);
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], 3 * i);
+}
+
+TEST(Tickets, StartAgainAtZeroAfterAReset) {
+  Tickets tickets;
+  EXPECT_EQ(tickets.take(5), 0U);
+  EXPECT_EQ(tickets.take(), 5U);
+  tickets.reset();
+  EXPECT_EQ(tickets.take(), 0U);
+}
+
+TEST(Shared, LosesNoAddition) {
+  const auto executor = make_executor(ExecutorKind::Threads, 4);
+  Shared<long> sum;
+  parallel_for(*executor, 1001, 1, [&](std::size_t begin, std::size_t, int) { sum.add(static_cast<long>(begin)); });
+  EXPECT_EQ(sum.get(), 500500);
+}
+
+TEST(Shared, ShowsWhatWasWrittenBeforeTheValueThatIsSeen) {
+  const auto executor = make_executor(ExecutorKind::Threads, 2);
+  for (int run = 0; run < 200; ++run) {
+    int written = 0;  // plain: the thread sanitizer objects if set() and get() do not order it
+    Shared<bool> ready{false};
+    Shared<int> seen{0};
+    executor->run([&](int worker) {
+      if (worker == 0) {
+        written = 7;
+        ready.set(true);
+      } else if (ready.get()) {
+        seen.set(written);
+      }
+    });
+    EXPECT_TRUE(seen.get() == 0 || seen.get() == 7) << seen.get();
+  }
+}
+
+}  // namespace
+}  // namespace poise::parallel
