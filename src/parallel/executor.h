@@ -14,9 +14,9 @@ namespace poise::parallel {
 class WorkerFunction {
  public:
   template <class F>
-    requires(!std::is_same_v<std::remove_cvref_t<F>, WorkerFunction>)
-  // NOLINTNEXTLINE(google-explicit-constructor): made at the call, lives as long as the call
-  WorkerFunction(F&& f)
+  requires(!std::is_same_v<std::remove_cvref_t<F>, WorkerFunction>)
+      // NOLINTNEXTLINE(google-explicit-constructor): made at the call, lives as long as the call
+      WorkerFunction(F&& f)
       : object_(const_cast<void*>(static_cast<const void*>(&f))),
         call_([](void* object, int worker) { (*static_cast<std::remove_reference_t<F>*>(object))(worker); }) {}
   void operator()(int worker) const { call_(object_, worker); }
@@ -37,24 +37,25 @@ class Executor {
   [[nodiscard]] virtual int concurrency() const = 0;
   /// Calls loop(worker) on the calling thread and on those others that come in time, each with its own number
   /// in [0, concurrency()). Returns when every call that began has ended: it waits for work that was taken, never
-  /// for a worker that has not shown up. The loop must not throw. One thread at a time may call run; a call from inside a
-  /// loop of the same executor, or beside one, is worked off by its own thread alone, as worker 0.
+  /// for a worker that has not shown up. The loop must not throw. One thread at a time may call run; a call from inside
+  /// a loop of the same executor, or beside one, is worked off by its own thread alone, as worker 0.
   virtual void run(WorkerFunction loop) = 0;
   /// Asks sleeping workers to get up, because a run is about to come. Returns at once.
   virtual void wake() {}
 };
 
-/// An executor with `threads` workers, the calling thread included: 0 or less means available_threads(), more than 256 means
-/// 256. If the system refuses to start threads, fewer are used. Tbb means Threads where oneTBB was left out of the build, and one
-/// thread means Serial. Several executors may exist and run at once.
+/// An executor with `threads` workers, the calling thread included: 0 or less means available_threads(), more than 256
+/// means 256. If the system refuses to start threads, fewer are used. Tbb means Threads where oneTBB was left out of
+/// the build, and one thread means Serial. Several executors may exist and run at once.
 std::unique_ptr<Executor> make_executor(ExecutorKind kind, int threads);
 
 /// Number of threads this process may use (its affinity mask), at least 1.
 int available_threads();
 
 /// Calls body(begin, end, worker) over [0, n) in chunks of `grain` (the last may be shorter). Chunk borders depend on
-/// n and grain alone, so that per-chunk results put together in order do not depend on threads. A grain of 0 counts as 1.
-/// The body must not throw; it may be called for several chunks at once, and calls with equal `worker` never overlap.
+/// n and grain alone, so that per-chunk results put together in order do not depend on threads. A grain of 0 counts
+/// as 1. The body must not throw; it may be called for several chunks at once, and calls with equal `worker` never
+/// overlap.
 template <class Body>
 void parallel_for(Executor& executor, std::size_t n, std::size_t grain, Body&& body) {
   if (n == 0) return;

@@ -20,8 +20,8 @@ class Tickets {
   alignas(64) std::atomic<std::size_t> next_{0};
 };
 
-/// A number that workers of a run share: a sum, a flag, the time of the cut. Any thread may call anything. A get() that sees
-/// a value also sees all that its writer wrote before.
+/// A number that workers of a run share: a sum, a flag, the time of the cut. Any thread may call anything. A get() that
+/// sees a value also sees all that its writer wrote before.
 template <class T>
 class Shared {
  public:
@@ -29,11 +29,7 @@ class Shared {
   [[nodiscard]] T get() const { return value_.load(std::memory_order_acquire); }
   void set(T value) { value_.store(value, std::memory_order_release); }
   /// Adds and gives the value before. Only whole numbers: the order of additions must not show in a result.
-  T add(T value)
-    requires std::is_integral_v<T>
-  {
-    return value_.fetch_add(value, std::memory_order_acq_rel);
-  }
+  T add(T value) requires std::is_integral_v<T> { return value_.fetch_add(value, std::memory_order_acq_rel); }
 
  private:
   alignas(64) std::atomic<T> value_;

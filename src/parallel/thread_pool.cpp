@@ -11,8 +11,8 @@ constexpr std::uint32_t kInsideMask = 0xffU;
 constexpr std::uint32_t kOpen = 0x100U;
 constexpr std::uint32_t kOneRun = 0x200U;
 
-// Chosen: longer than the serial stretches between two loops of a frame, and about what it costs to wake a sleeper (26 us
-// at the median, 63 us at p99). Without a bound, spinning on a loaded machine made frames 1000 times longer.
+// Chosen: longer than the serial stretches between two loops of a frame, and about what it costs to wake a sleeper (26
+// us at the median, 63 us at p99). Without a bound, spinning on a loaded machine made frames 1000 times longer.
 constexpr std::chrono::microseconds kSpin{50};
 
 void relax() {

@@ -74,7 +74,8 @@ TEST_P(EveryExecutor, GivesEachWorkerOfARunItsOwnNumberInRange) {
     std::vector<std::atomic<int>> calls(workers + 1);
     std::atomic<int> tickets{64};
     executor_->run([&](int worker) {
-      ++calls[static_cast<std::size_t>(worker < 0 || worker >= static_cast<int>(workers) ? static_cast<int>(workers) : worker)];
+      ++calls[static_cast<std::size_t>(worker < 0 || worker >= static_cast<int>(workers) ? static_cast<int>(workers)
+                                                                                         : worker)];
       while (tickets.fetch_sub(1) > 0) std::this_thread::yield();
     });
     EXPECT_EQ(calls[0], 1) << "the calling thread takes part once";

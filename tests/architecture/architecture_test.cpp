@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "architecture/source_rules.h"
+
+namespace poise::tests {
+namespace {
+
+const std::string kLicence = "// SPDX-License-Identifier: MIT\n";
+
+std::vector<std::string> broken_by(const std::string& path, const std::string& line) {
+  return broken_rules(path, kLicence + line + "\n");
+}
+
+struct Planted {
+  std::string path;
+  std::string line;
+  std::string rule;  // a part of the message
+};
+
+class PlantedViolation : public testing::TestWithParam<Planted> {};
+
+TEST_P(PlantedViolation, IsFoundAtItsLine) {
+  const std::vector<std::string> broken = broken_by(GetParam().path, GetParam().line);
+  ASSERT_EQ(broken.size(), 1U) << GetParam().line;
+  EXPECT_NE(broken[0].find(GetParam().path + ":2: "), std::string::npos) << broken[0];
+  EXPECT_NE(broken[0].find(GetParam().rule), std::string::npos) << broken[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfEveryRule, PlantedViolation,
+    testing::Values(Planted{"src/collision/a.h", "#include \"response/impulse.h\"", "may not include response"},
+                    Planted{"src/geometry/a.h", "#include \"dynamics/body_store.h\"", "may not include dynamics"},
+                    Planted{"src/geometry/a.h", "#include \"poise/world.h\"", "may not include interface"},
+                    Planted{"src/simulation/a.cpp", "#  include \"poise/scene.h\"", "may not include io"},
+                    Planted{"src/parallel/a.cpp", "#include \"poise/scheduler/policy.h\"", "may not include scheduler"},
+                    Planted{"src/io/a.cpp", "#include \"app/run_command.h\"", "may not include app"},
+                    Planted{"include/poise/mesh.h", "#include \"geometry/weld.h\"", "public ones alone"},
+                    Planted{"scheduler/a.cpp", "#include \"poise/types.h\"", "its own headers alone"},
+                    Planted{"scheduler/a.cpp", "#include <Eigen/Core>", "standard library alone"},
+                    Planted{"include/poise/scheduler/a.h", "#include <time.h>", "standard library alone"},
+                    Planted{"scheduler/a.cpp", "#include <atomic>", "src/parallel"},
+                    Planted{"src/simulation/a.cpp", "#include <mutex>", "src/parallel"},
+                    Planted{"src/geometry/a.cpp", "#include <tbb/parallel_for.h>", "src/parallel"},
+                    Planted{"src/collision/a.cpp", "  std::atomic<int> next{0};", "src/parallel"},
+                    Planted{"src/app/a.cpp", "const std::jthread worker(work);", "src/parallel"},
+                    Planted{"src/response/a.cpp", "const auto now = std::chrono::steady_clock::now();",
+                            "time is an argument"},
+                    Planted{"scheduler/a.cpp", "const auto now = Clock::now();", "time is an argument"},
+                    Planted{"include/poise/world.h", "const auto now = SteadyClock::now();", "time is an argument"},
+                    Planted{"src/io/a.cpp", "std::cout << 1;", "neither prints"},
+                    Planted{"src/geometry/a.cpp", "if (bad) abort();", "neither prints"},
+                    Planted{"src/geometry/a.cpp", "std::fprintf(stderr, \"bad\");", "neither prints"},
+                    Planted{"docs/a.md",
+                            "cd /ho"
+                            "me/someone/poise",
+                            "one machine"},
+                    Planted{"scenes/a.json",
+                            "\"file\": \"/tm"
+                            "p/cow.obj\"",
+                            "one machine"},
+                    Planted{"run.sh",
+                            "curl https://registry.npm"
+                            "js.org/three",
+                            "package registry"}));
+
+class Allowed : public testing::TestWithParam<Planted> {};
+
+TEST_P(Allowed, IsNotReported) { EXPECT_EQ(broken_by(GetParam().path, GetParam().line), std::vector<std::string>{}); }
+
+INSTANTIATE_TEST_SUITE_P(
+    WhatEachRoomMayDo, Allowed,
+    testing::Values(Planted{"src/response/a.cpp", "#include \"collision/contact.h\"", ""},
+                    Planted{"src/dynamics/a.cpp", "#include \"poise/world.h\"", ""},
+                    Planted{"src/simulation/a.cpp", "#include \"poise/scheduler/policy.h\"", ""},
+                    Planted{"src/simulation/a.cpp", "const auto now = SteadyClock::now();", ""},
+                    Planted{"src/parallel/a.cpp", "#include <atomic>", ""},
+                    Planted{"scheduler/a.cpp", "#include <cmath>", ""}, Planted{"src/app/a.cpp", "std::cout << 1;", ""},
+                    Planted{"src/io/a.cpp", "std::snprintf(text, size, \"%d\", 1);", ""},
+                    Planted{"src/collision/a.cpp", "// a std::mutex would cost more; see Clock::now()", ""},
+                    Planted{"src/collision/a.cpp", "const char* text = \"std::mutex\";", ""},
+                    Planted{"scenes/a.json", "\"file\": \"/usr/share/assimp/models/OBJ/box.obj\"", ""},
+                    Planted{"docs/a.md",
+                            "see https://example.org/wo"
+                            "rk/paper",
+                            ""}));
+
+TEST(SourceRules, CountTheLinesOfAFile) {
+  std::string text = kLicence;
+  for (int i = 0; i < 499; ++i) text += "\n";
+  EXPECT_EQ(broken_rules("src/io/a.cpp", text), std::vector<std::string>{});
+  EXPECT_EQ(broken_rules("src/io/a.cpp", text + "\n").size(), 1U);
+  EXPECT_EQ(broken_rules("scenes/a.json", text + "\n"), std::vector<std::string>{}) << "data may be long";
+}
+
+TEST(SourceRules, AskForTheLicenceInTheFirstLine) {
+  EXPECT_EQ(broken_rules("src/io/a.h", "#pragma once\n").size(), 1U);
+  EXPECT_EQ(broken_rules("bench/bench_a.cpp", "").size(), 1U);
+}
+
+TEST(CodeOnly, BlanksCommentsAndLiteralsAndKeepsLinesInPlace) {
+  EXPECT_EQ(code_only("a /* b\nc */ d // e\nf"), "a     \n     d     \nf");
+  EXPECT_EQ(code_only(R"(x = "a\"b"; y)"), "x =       ; y");
+  EXPECT_EQ(code_only("R\"q(\"//)q\" z"), "           z");
+  EXPECT_EQ(code_only("n = 1'000; c = '\"'; d"), "n = 1'000; c =    ; d");
+}
+
+// Whatever a checkout holds beside the sources: builds, results, what version control and editors keep.
+bool is_skipped(const std::filesystem::path& folder) {
+  constexpr std::array<std::string_view, 6> kSkipped{"build", "out", ".git", ".cache", "node_modules", "shared"};
+  const std::string name = folder.filename().string();
+  return std::ranges::find(kSkipped, name) != kSkipped.end();
+}
+
+TEST(Architecture, HoldsInEveryFileOfTheRepository) {
+  const std::filesystem::path root = POISE_SOURCE_DIR;
+  std::size_t files = 0;
+  std::string broken;
+  for (auto it = std::filesystem::recursive_directory_iterator(root); it != std::filesystem::end(it); ++it) {
+    if (it->is_directory() && is_skipped(it->path())) it.disable_recursion_pending();
+    const std::string path = it->path().lexically_relative(root).generic_string();
+    const std::string ending = it->path().extension().string();
+    const bool is_binary = ending == ".png" || ending == ".stl" || ending == ".ply" || ending == ".glb";
+    if (!it->is_regular_file() || is_binary || ending == ".obj") continue;
+    std::ifstream file(it->path(), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    for (const std::string& line : broken_rules(path, text)) broken += line + "\n";
+    ++files;
+  }
+  EXPECT_GT(files, 30U) << "looked in the wrong place: " << root;
+  EXPECT_EQ(broken, "");
+}
+
+}  // namespace
+}  // namespace poise::tests

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "architecture/source_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
+#include <optional>
+#include <regex>
+
+namespace poise::tests {
+namespace {
+
+constexpr std::size_t kMaxLines = 500;
+
+struct Room {
+  std::string_view place;  // a file, or a folder with its last slash
+  int rank;                // a file may include what has its own rank in its own room, and lower ranks
+  std::string_view name;
+};
+
+// The first place that matches counts.
+constexpr std::array kRooms{
+    Room{"scheduler/", 1, "scheduler"},
+    Room{"include/poise/scheduler/", 1, "scheduler"},
+    Room{"include/poise/result.h", 0, "values"},
+    Room{"include/poise/types.h", 0, "values"},
+    Room{"src/parallel/", 1, "parallel"},
+    Room{"include/poise/mesh.h", 2, "geometry"},
+    Room{"include/poise/shape.h", 2, "geometry"},
+    Room{"include/poise/sphere_tree.h", 2, "geometry"},
+    Room{"src/geometry/", 2, "geometry"},
+    Room{"include/poise/step.h", 3, "interface"},
+    Room{"include/poise/world.h", 3, "interface"},
+    Room{"src/dynamics/", 3, "dynamics"},
+    Room{"src/collision/", 4, "collision"},
+    Room{"src/response/", 5, "response"},
+    Room{"src/simulation/", 6, "simulation"},
+    Room{"src/io/", 7, "io"},
+    Room{"include/poise/", 7, "io"},
+    Room{"src/app/", 8, "app"},
+};
+
+constexpr std::array<std::string_view, 16> kThreadHeaders{
+    "atomic",    "barrier",     "condition_variable", "execution",    "future",     "latch",
+    "mutex",     "semaphore",   "semaphore.h",        "shared_mutex", "stop_token", "thread",
+    "pthread.h", "stdatomic.h", "threads.h",          "omp.h"};
+
+const Room* room_of(std::string_view path) {
+  const auto* room = std::ranges::find_if(kRooms, [&](const Room& r) { return path.starts_with(r.place); });
+  return room == kRooms.end() ? nullptr : room;
+}
+
+/// Where an include in quotes leads, as a path of the repository; includes are written from src/ and include/.
+std::string included_path(std::string_view include) {
+  const std::string_view folder = include.starts_with("poise/") ? "include/" : "src/";
+  return std::string(folder).append(include);
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return lines;
+}
+
+bool found(const std::regex& pattern, std::string_view line) {
+  return std::regex_search(line.begin(), line.end(), pattern);
+}
+
+bool is_thread_header(std::string_view name) {
+  return name.starts_with("tbb/") || name.starts_with("oneapi/") ||
+         std::ranges::find(kThreadHeaders, name) != kThreadHeaders.end();
+}
+
+std::optional<std::string> wrong_include(const Room& room, bool is_public, char quote, std::string_view name) {
+  if (is_thread_header(name) && room.name != "parallel") return "threads, locks and atomics belong to src/parallel";
+  if (quote == '<') {
+    if (room.name == "scheduler" && name.find_first_of("./") != std::string_view::npos) {
+      return "the scheduler may use the standard library alone";
+    }
+    return std::nullopt;
+  }
+  if (room.name == "scheduler" && !name.starts_with("poise/scheduler/")) {
+    return "the scheduler may include its own headers alone";
+  }
+  const std::string path = included_path(name);
+  if (is_public && !name.starts_with("poise/")) return "a public header may include public ones alone";
+  const Room* other = room_of(path);
+  if (other == nullptr) return std::nullopt;  // generated, or beside the file
+  const bool sibling = other->rank == room.rank && other->name != room.name && room.rank == 1;
+  if (other->rank > room.rank || sibling) {
+    return "room " + std::string(room.name) + " may not include " + std::string(other->name);
+  }
+  return std::nullopt;
+}
+
+/// Rules on what the code of a room says, includes aside.
+std::optional<std::string> wrong_code(const Room& room, std::string_view path, std::string_view code) {
+  static const std::regex threads(
+      R"(\bstd::(atomic|jthread|thread|mutex|shared_mutex|condition_variable|async|stop_token)\b)");
+  static const std::regex clocks(R"(\w*[cC]lock::now\b|\b(clock_gettime|gettimeofday|__rdtscp?)\s*\()");
+  static const std::regex prints(
+      R"(\bstd::(cout|cerr|clog|terminate|abort|exit|quick_exit)\b|\b(printf|fprintf|puts|abort|exit)\s*\(|\bfmt::print\b)");
+  if (room.name != "parallel" && found(threads, code)) return "threads, locks and atomics belong to src/parallel";
+  const bool may_read_clock =
+      room.name == "parallel" || room.name == "simulation" || room.name == "app" || path == "include/poise/step.h";
+  if (!may_read_clock && found(clocks, code))
+    return "time is an argument; only parallel, simulation and app read a clock";
+  if (room.name != "app" && found(prints, code)) return "the library neither prints nor ends the program";
+  return std::nullopt;
+}
+
+/// Rules on any text: nothing names the machine that it was written on, or where its packages were fetched from.
+std::optional<std::string> wrong_text(std::string_view raw) {
+  // Put together from parts, so that this file keeps its own rule.
+  static const std::regex machine_path(
+      "(^|[^A-Za-z0-9_.}/*-])/(home|wo"
+      "rk|root|Us"
+      "ers|tm"
+      "p)/[A-Za-z0-9_.]");
+  static const std::regex registry(
+      "registry\\.npm"
+      "js|py"
+      "pi\\.org|crat"
+      "es\\.io|deb\\.deb"
+      "ian\\.org|pythonhos"
+      "ted|conan\\."
+      "io|ghcr\\."
+      "io");
+  if (found(machine_path, raw)) return "no path of one machine";
+  if (found(registry, raw)) return "no host of a package registry";
+  return std::nullopt;
+}
+
+bool is_code(std::string_view path) { return path.ends_with(".h") || path.ends_with(".cpp"); }
+
+bool has_line_limit(std::string_view path) {
+  constexpr std::array<std::string_view, 9> kEndings{".h",  ".cpp", ".cmake", "CMakeLists.txt", ".sh", ".py",
+                                                     ".js", ".mjs", ".ts"};
+  return std::ranges::any_of(kEndings, [&](std::string_view ending) { return path.ends_with(ending); });
+}
+
+}  // namespace
+
+std::string code_only(std::string_view text) {
+  std::string code(text);
+  std::size_t at = 0;
+  const auto blank_up_to = [&](std::size_t end) {
+    for (end = std::min(end, code.size()); at < end; ++at) {
+      if (code[at] != '\n') code[at] = ' ';
+    }
+  };
+  const auto after = [&](std::string_view closing, std::size_t from) {
+    const std::size_t found_at = text.find(closing, from);
+    return found_at == std::string_view::npos ? text.size() : found_at + closing.size();
+  };
+  while (at < text.size()) {
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with("//")) {
+      blank_up_to(std::min(text.find('\n', at), text.size()));
+    } else if (rest.starts_with("/*")) {
+      blank_up_to(after("*/", at + 2));
+    } else if (rest.starts_with("R\"")) {
+      const std::size_t open = text.find('(', at);
+      const std::string closing = ")" + std::string(text.substr(at + 2, open - at - 2)) + "\"";
+      blank_up_to(after(closing, at));
+    } else if (rest[0] == '"' ||
+               (rest[0] == '\'' && !(at > 0 && std::isxdigit(static_cast<unsigned char>(text[at - 1])) != 0))) {
+      std::size_t end = at + 1;
+      while (end < text.size() && text[end] != rest[0] && text[end] != '\n') end += text[end] == '\\' ? 2U : 1U;
+      blank_up_to(end + 1);
+    } else {
+      ++at;
+    }
+  }
+  return code;
+}
+
+std::vector<std::string> broken_rules(std::string_view path, std::string_view text) {
+  static const std::regex include(R"(^\s*#\s*include\s*([<"])([^">]+)[">])");
+  std::vector<std::string> broken;
+  const auto report = [&](std::size_t line, std::string_view raw, const std::string& rule) {
+    broken.push_back(std::string(path) + ":" + std::to_string(line) + ": " + std::string(raw) + " (" + rule + ")");
+  };
+  const std::vector<std::string_view> raw = lines_of(text);
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    if (const auto rule = wrong_text(raw[i])) report(i + 1, raw[i], *rule);
+  }
+  if (has_line_limit(path) && raw.size() > kMaxLines) {
+    report(raw.size(), "too long", "at most " + std::to_string(kMaxLines) + " lines a file");
+  }
+  if (!is_code(path)) return broken;
+  if (raw.empty() || raw[0] != "// SPDX-License-Identifier: MIT") {
+    report(1, raw.empty() ? "" : raw[0], "the first line names the licence");
+  }
+  const Room* room = room_of(path);
+  if (room == nullptr) return broken;
+  const bool is_public = path.starts_with("include/");
+  const std::string stripped = code_only(text);
+  const std::vector<std::string_view> code = lines_of(stripped);
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    std::match_results<std::string_view::const_iterator> match;
+    if (std::regex_search(raw[i].begin(), raw[i].end(), match, include)) {
+      if (const auto rule = wrong_include(*room, is_public, *match[1].first, match[2].str()))
+        report(i + 1, raw[i], *rule);
+    } else if (const auto rule_of_code = wrong_code(*room, path, code[i])) {
+      report(i + 1, raw[i], *rule_of_code);
+    }
+  }
+  return broken;
+}
+
+}  // namespace poise::tests
