@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "io/scene_parse.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+namespace poise {
+namespace io {
+namespace {
+
+constexpr std::uintmax_t kMaxSceneBytes = 256U << 20U;
+constexpr Range kTimeStep{0, 1, true};
+constexpr Range kDeadline{0, 1e6, true};
+
+void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
+               const std::vector<std::string_view>& names, std::size_t& target) {
+  if (value.kind != JsonValue::Kind::String) {
+    problems.refuse(path, value, fmt::format("must be the name of a {}", what));
+    return;
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == value.text) {
+      target = i;
+      return;
+    }
+  }
+  problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, suggestion(value.text, names)));
+}
+
+void parse_frame(const ObjectReader& top, Scene& scene) {
+  const JsonValue* name = top.require("name");
+  top.text("name", scene.name);
+  if (name != nullptr && name->kind == JsonValue::Kind::String && name->text.empty()) {
+    top.problems().refuse("name", *name, "must not be empty");
+  }
+  top.text("description", scene.description);
+  top.require("dt_s");
+  top.number("dt_s", kTimeStep, scene.dt_s);
+  top.vec3("gravity_mps2", kAnyQuantity, scene.gravity_mps2);
+  top.whole("frames", 1, 1'000'000'000, scene.frames);
+  top.whole("seed", 0, UINT64_MAX, scene.seed);
+  if (top.has("deadline_ms")) {
+    double deadline_ms = 1;
+    top.number("deadline_ms", kDeadline, deadline_ms);
+    scene.deadline_ms = deadline_ms;
+  }
+}
+
+void parse_gaze(const ObjectReader& top, Scene& scene) {
+  const JsonValue* value = top.find("gaze_px");
+  if (value == nullptr) return;
+  std::array<double, 2> gaze{};
+  top.pair("gaze_px", kNotNegative, gaze);
+  scene.gaze_px = gaze;
+  if (!scene.camera) {
+    top.problems().refuse("gaze_px", *value, "needs a camera");
+    return;
+  }
+  const std::array<double, 2>& size = scene.camera->resolution_px;
+  if (gaze[0] > size[0] || gaze[1] > size[1]) {
+    top.problems().refuse("gaze_px", *value,
+                          fmt::format("must lie in the image of {:g} x {:g} pixels", size[0], size[1]));
+  }
+}
+
+void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
+  const ObjectReader top(root, "", problems,
+                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "policy",
+                          "camera", "gaze_px", "materials", "shapes", "bodies", "tray", "generators"});
+  if (root.kind != JsonValue::Kind::Object) return;
+  parse_frame(top, scene);
+  if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
+  if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);
+  parse_gaze(top, scene);
+  if (const JsonValue* value = top.require("materials")) parse_materials(*value, problems, scene);
+  if (const JsonValue* value = top.require("shapes")) parse_shapes(*value, problems, scene);
+  // A body that names a refused shape would be told about a second, made-up mistake.
+  if (problems.first()) return;
+  if (const JsonValue* value = top.find("bodies")) parse_bodies(*value, problems, scene);
+  if (const JsonValue* value = top.find("tray")) parse_tray(*value, problems, scene);
+  if (const JsonValue* value = top.find("generators")) parse_generators(*value, problems, scene);
+  if (scene.bodies.empty() && scene.generators.empty()) {
+    problems.refuse("", "bodies and generators are both empty or missing, at least one body or generator is required");
+  }
+  const std::uint64_t generated = generated_body_count(scene);
+  if (generated + scene.bodies.size() > kMaxSceneBodies) {
+    problems.refuse("generators",
+                    fmt::format("make {} bodies, the scene must have at most {}", generated, kMaxSceneBodies));
+  }
+}
+
+}  // namespace
+
+bool is_plane(const Scene& scene, std::size_t shape) {
+  return shape < scene.shapes.size() && std::holds_alternative<PlaneSource>(scene.shapes[shape].source);
+}
+
+void read_shape_name(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene,
+                     std::size_t& target) {
+  std::vector<std::string_view> names;
+  for (const SceneShape& shape : scene.shapes) names.emplace_back(shape.name);
+  read_name(value, path, problems, "shape", names, target);
+}
+
+void read_material_name(const ObjectReader& reader, const Scene& scene, std::size_t& target) {
+  const JsonValue* value = reader.require("material");
+  if (value == nullptr) return;
+  std::vector<std::string_view> names;
+  for (const SceneMaterial& material : scene.materials) names.emplace_back(material.name);
+  read_name(*value, reader.path("material"), reader.problems(), "material", names, target);
+}
+
+}  // namespace io
+
+Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base) {
+  Result<io::JsonValue> root = io::parse_json(text, name);
+  if (!root) return root.error();
+  Scene scene;
+  scene.source = name;
+  scene.base = base;
+  io::Problems problems(name);
+  io::parse_top(root.value(), problems, scene);
+  if (problems.first()) return *problems.first();
+  return scene;
+}
+
+Result<Scene> read_scene(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(file, failure);
+  if (!std::filesystem::exists(status)) return bad_input(name + ": no such file");
+  if (std::filesystem::is_directory(status)) return bad_input(name + ": is a directory, must be a scene file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return bad_input(name + ": cannot be opened for reading");
+  std::string text;
+  std::vector<char> block(1U << 16U);
+  while (stream.good()) {
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > io::kMaxSceneBytes) return bad_input(name + ": larger than 256 MiB, must be a scene file");
+  }
+  if (stream.bad()) return bad_input(name + ": cannot be read");
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) return bad_input(name + ": the file is empty");
+  return parse_scene(text, name, file.parent_path());
+}
+
+}  // namespace poise

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "poise/scene.h"
+
+namespace poise::io {
+
+/// Loads or makes the shapes of a scene, in its order; sphere trees are built on up to `threads` threads (0 = all).
+/// Refused with scene file and field.
+Result<std::vector<ShapePtr>> load_shapes(const Scene& scene, int threads);
+
+/// A tree `scale` times as large. Inner spheres are rounded outward, so that they still cover; leaves are the surface.
+SphereTree scaled_tree(SphereTree tree, double scale);
+
+}  // namespace poise::io
