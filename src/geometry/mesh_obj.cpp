@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include "geometry/mesh_files.h"
+#include "geometry/polygon.h"
+
+namespace poise::geometry {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view next_word(std::string_view& line) {
+  const std::size_t begin = std::min(line.find_first_not_of(kBlanks), line.size());
+  const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+  const std::string_view word = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return word;
+}
+
+bool is_finite_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
+}
+
+/// The loader reads a word that is no number as 0, so the coordinates are looked at here first. Empty when all are fine.
+std::string wrong_coordinate(std::string_view text) {
+  std::size_t line_number = 0;
+  while (!text.empty()) {
+    ++line_number;
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (next_word(line) != "v") continue;
+    for (const char axis : {'x', 'y', 'z'}) {
+      const std::string_view word = next_word(line);
+      if (!is_finite_number(word)) {
+        return fmt::format("line {}: {} of a vertex is '{}', must be a finite number", line_number, axis, word.substr(0, 40));
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<TriangleMesh> parse_obj(const std::string& text) {
+  if (std::string wrong = wrong_coordinate(text); !wrong.empty()) return bad_input(std::move(wrong));
+  tinyobj::ObjReaderConfig config;
+  config.triangulate = false;
+  config.vertex_color = false;
+  tinyobj::ObjReader reader;
+  if (!reader.ParseFromString(text, std::string(), config)) return bad_input(fmt::format("not a valid OBJ: {}", reader.Error()));
+  TriangleMesh mesh;
+  const auto& coordinates = reader.GetAttrib().vertices;
+  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3) {
+    mesh.vertices_m.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+  }
+  std::size_t face_number = 0;
+  std::vector<std::uint32_t> corners;
+  for (const tinyobj::shape_t& shape : reader.GetShapes()) {
+    std::size_t first = 0;
+    for (const auto corner_count : shape.mesh.num_face_vertices) {
+      ++face_number;
+      corners.clear();
+      for (std::size_t i = 0; i < corner_count; ++i) {
+        const int index = shape.mesh.indices[first + i].vertex_index;
+        if (index < 0 || static_cast<std::size_t>(index) >= mesh.vertices_m.size()) {
+          return bad_input(fmt::format("face {}: names vertex {} of {}, must exist", face_number, index + 1, mesh.vertices_m.size()));
+        }
+        corners.push_back(static_cast<std::uint32_t>(index));
+      }
+      first += corner_count;
+      triangulate_polygon(mesh.vertices_m, corners, mesh.triangles);
+    }
+  }
+  return mesh;
+}
+
+}  // namespace poise::geometry

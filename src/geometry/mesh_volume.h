@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "poise/mesh.h"
+
+namespace poise::geometry {
+
+/// Integrals over the signed tetrahedra between the triangles and a point near the mesh, whatever the mesh; they are volume,
+/// centre of mass and inertia where it is closed. The centre is 0 and the inertia 0 where the volume is 0.
+MassProperties mesh_volume(const TriangleMesh& mesh);
+
+/// Why a mesh does not enclose a volume, as one line with the count of open edges; empty for one that does.
+std::string why_not_closed(const TriangleMesh& mesh);
+
+}  // namespace poise::geometry
