@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "collision/front.h"
+#include "collision/pair_frame.h"
+#include "poise/types.h"
+
+namespace poise::collision {
+
+/// One contact of two spheres, or of a sphere and a plane, in the frame of a.
+struct SphereContact {
+  Vec3 normal = Vec3::UnitZ();  ///< from a to b, unit
+  Vec3 point_m = Vec3::Zero();  ///< DO eq. 5: on the centre line in proportion of the radii; for a plane o + R n
+  double gap_m = 0;             ///< between the two spheres, negative in overlap
+};
+
+/// The contact of one entry of a front, in double precision from the node indices (DO eq. 4, 5). Coinciding centres
+/// take the direction between the two centres of mass, and the z axis of a when these coincide as well.
+SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry);
+
+/// Weighted sums over the entries of a front, which make one wrench (docs/method.md). Sums of parts add up, so a front
+/// may be summed in pieces, in order.
+struct WrenchSum {
+  double weight_m = 0;                 ///< sum of w
+  Vec3 direction = Vec3::Zero();       ///< sum of w n
+  Vec3 moment_m2 = Vec3::Zero();       ///< sum of w c x n, about the centre of mass of a
+  Vec3 place_m2 = Vec3::Zero();        ///< sum of w c
+  double gap_m2 = 0;                   ///< sum of w gap
+  double expected_m2 = 0;              ///< sum of w (mean protrusion of both nodes)
+  double certain_m2 = 0;               ///< sum of w (largest protrusion of both nodes)
+};
+
+/// Two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by
+/// w = margin - gap over all. The second counts only while nothing touches.
+struct ContactSums {
+  WrenchSum touching;
+  WrenchSum near;
+  double least_gap_m = 1e300;
+};
+
+void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
+
+/// What a pair is answered by: one wrench about the two centres of mass, world frame, and how far apart the surfaces are.
+struct PairContact {
+  Vec3 direction = Vec3::Zero();   ///< l, from a to b, |l| <= 1
+  Vec3 moment_a_m = Vec3::Zero();  ///< t_a = sum w (c - x_a) x n / sum w
+  Vec3 moment_b_m = Vec3::Zero();  ///< t_b = sum w (c - x_b) x n / sum w
+  Vec3 arm_m = Vec3::Zero();       ///< mean contact point from the centre of mass of a
+  double gap_m = 0;                ///< mean gap of the spheres
+  double expected_m = 0;           ///< mean protrusion of both sides: gap + expected is the likely gap of the surfaces
+  double certain_m = 0;            ///< largest protrusion: gap + certain < 0 is penetration beyond doubt
+  double least_gap_m = 0;          ///< of any two spheres
+  bool present = false;            ///< something is nearer than the margin
+};
+
+PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a);
+
+}  // namespace poise::collision

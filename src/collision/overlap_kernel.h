@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "collision/front.h"
+#include "poise/sphere_tree.h"
+
+namespace poise::collision {
+
+/// The frame of b in the frame of a, single precision: p_a = rotation * p_b + offset, rotation by rows.
+struct FloatFrame {
+  float rotation[9];
+  float offset_m[3];
+};
+
+/// How far an expansion came.
+struct Expansion {
+  std::uint32_t consumed = 0;  ///< entries of the input that were expanded; fewer than given when there was no room left
+  std::uint32_t hits = 0;      ///< entries written
+};
+
+/// Expands each entry of a front into the overlapping pairs of its nodes' children (a leaf stands for itself), in order.
+/// Two nodes overlap when |o_a - o_b| < r_a + r_b + inflation_m; the caller's inflation covers the rounding of single
+/// precision. Needs kTreeBranching^2 free entries for each block. Any instruction set gives the same bits.
+Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
+                       std::span<const FrontEntry> front, std::span<FrontEntry> out);
+
+/// The same against the half-space normal . p <= offset, given in the frame of a: nodes with
+/// normal . o - offset < r + inflation_m. The b of each entry stays 0.
+Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, float inflation_m,
+                             std::span<const FrontEntry> front, std::span<FrontEntry> out);
+
+}  // namespace poise::collision

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "collision/pair_frame.h"
+
+#include <limits>
+
+namespace poise::collision {
+namespace {
+
+// The kernel rounds the frame once, three products and sums a coordinate, three squares and two radii: fewer than 16
+// roundings, each at most half an ulp of numbers no larger than the sizes and the distance together.
+constexpr double kRoundings = 16.0;
+constexpr double kEpsilon = static_cast<double>(std::numeric_limits<float>::epsilon());
+
+}  // namespace
+
+PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
+                          double skin_m) {
+  PairFrame frame;
+  frame.a = &a;
+  frame.b = &b;
+  frame.margin_m = margin_m;
+  frame.skin_m = skin_m;
+  const Mat3 to_a = pose_a.rotation.transpose();
+  if (frame.with_plane()) {
+    const Vec3 normal = pose_b.rotation * b.plane_normal;
+    const double height = normal.dot(pose_b.position_m) + b.plane_offset_m;
+    frame.plane_normal = to_a * normal;
+    frame.plane_height_m = height - normal.dot(pose_a.position_m);
+  } else {
+    frame.rotation = to_a * pose_b.rotation;
+    frame.offset_m = to_a * (pose_b.position_m - pose_a.position_m);
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        frame.rounded.rotation[3 * row + column] = static_cast<float>(frame.rotation(row, column));
+      }
+      frame.rounded.offset_m[row] = static_cast<float>(frame.offset_m[row]);
+    }
+  }
+  const double size = a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() +
+                      std::abs(frame.plane_height_m) + margin_m;
+  frame.inflation_m = static_cast<float>(margin_m + kRoundings * size * kEpsilon);
+  return frame;
+}
+
+Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  if (!frame.with_plane()) {
+    return expand_front(frame.a->tree, frame.b->tree, frame.rounded, frame.inflation_m, front, out);
+  }
+  const float normal[3] = {static_cast<float>(frame.plane_normal.x()), static_cast<float>(frame.plane_normal.y()),
+                           static_cast<float>(frame.plane_normal.z())};
+  return expand_plane_front(frame.a->tree, normal, static_cast<float>(frame.plane_height_m), frame.inflation_m, front,
+                            out);
+}
+
+bool roots_overlap(const PairFrame& frame) {
+  const Sphere a = frame.a->tree.sphere(0);
+  const double inflation = static_cast<double>(frame.inflation_m);
+  if (frame.with_plane()) {
+    return frame.plane_normal.dot(a.center_m) - frame.plane_height_m < a.radius_m + inflation;
+  }
+  const Sphere b = frame.b->tree.sphere(0);
+  const double reach = a.radius_m + b.radius_m + inflation;
+  return (frame.rotation * b.center_m + frame.offset_m - a.center_m).squaredNorm() < reach * reach;
+}
+
+}  // namespace poise::collision

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "collision/contact_sums.h"
+#include "collision/front.h"
+#include "collision/pair_frame.h"
+#include "poise/types.h"
+
+namespace poise::collision {
+
+/// The deepest completed level of a pair in this frame, and what it says.
+struct PairLevel {
+  Level level = 0;
+  Level deepest = 0;              ///< no level below brings anything
+  bool apart = false;             ///< no two nodes of this level are nearer than the margin
+  SegmentRef front;               ///< none at level 0: the two roots
+  std::uint32_t front_entries = 1;  ///< = expansions that the next level costs
+  PairContact contact;
+  [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
+};
+
+/// A level that is being worked out, by one worker at a time, in bounded pieces.
+struct LevelProgress {
+  SegmentRef reading;             ///< of the front that is expanded
+  std::uint32_t offset = 0;       ///< entries of it that are done
+  SegmentRef first, last;         ///< of the front that is made
+  std::uint32_t entries = 0;
+  ContactSums sums;
+  FrontPool::Mark mark{};         ///< of the worker's pool when the level was begun
+};
+
+enum class Quantum : std::uint8_t {
+  More,      ///< the level is not complete yet
+  Complete,  ///< the level may be published
+  Full,      ///< the pool has no room: the level is to be dropped whole
+};
+
+/// Level 0 of a pair: its two root spheres.
+PairLevel coarsest_level(const PairFrame& frame, const Mat3& rotation_a, Level max_level);
+
+LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
+
+/// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
+Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
+                    LevelProgress& progress);
+
+/// Makes a complete level the pair's own.
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelProgress& progress, PairLevel& pair);
+
+/// Calls visit(span of entries) over the pair's front, in order.
+template <class Visit>
+void for_each_segment(std::span<const FrontPool> pools, SegmentRef front, Visit&& visit);
+
+inline constexpr std::uint32_t kSegmentIndexBits = 24;
+inline SegmentRef segment_ref(int worker, std::uint32_t index) {
+  return {static_cast<std::uint32_t>(worker) << kSegmentIndexBits | index};
+}
+inline std::uint32_t segment_worker(SegmentRef ref) { return ref.bits >> kSegmentIndexBits; }
+inline std::uint32_t segment_index(SegmentRef ref) { return ref.bits & ((1U << kSegmentIndexBits) - 1U); }
+
+template <class Visit>
+void for_each_segment(std::span<const FrontPool> pools, SegmentRef front, Visit&& visit) {
+  if (front.none()) {
+    const FrontEntry roots{0, 0};
+    visit(std::span<const FrontEntry>(&roots, 1));
+    return;
+  }
+  for (SegmentRef ref = front; !ref.none();) {
+    const FrontPool& pool = pools[segment_worker(ref)];
+    const FrontSegment& segment = pool.segment(segment_index(ref));
+    visit(pool.entries(segment));
+    ref = segment.next;
+  }
+}
+
+}  // namespace poise::collision

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <memory>
+
+namespace poise::parallel {
+
+/// Items (small numbers) in bands of priority that any number of workers take from and put back into, without a lock and
+/// without allocation. Within a band the last one put is the first one taken.
+///
+/// Invariant: an item is in at most one band at a time, so one link an item is enough. Each band is a Treiber stack whose
+/// head carries a counter against reuse (Treiber 1986; the counter is IBM's remedy for the ABA problem).
+class PriorityBands {
+ public:
+  static constexpr std::uint32_t kBands = 256;
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+
+  /// Empties all bands and makes room for items 0 .. items - 1. One thread, no worker running. Allocates only to grow.
+  void reset(std::uint32_t items) {
+    if (items > capacity_) {
+      capacity_ = items + items / 2;
+      next_ = std::make_unique<std::atomic<std::uint32_t>[]>(capacity_);
+    }
+    for (auto& head : heads_) head.store(kNone, std::memory_order_relaxed);
+    for (auto& word : filled_) word.store(0, std::memory_order_relaxed);
+  }
+
+  /// Any thread. What the caller wrote before is seen by whoever takes the item.
+  void put(std::uint32_t item, std::uint32_t band) {
+    std::atomic<std::uint64_t>& head = heads_[band];
+    std::uint64_t old = head.load(std::memory_order_relaxed);
+    do {
+      next_[item].store(item_of(old), std::memory_order_relaxed);
+    } while (!head.compare_exchange_weak(old, with_item(old, item), std::memory_order_release,
+                                         std::memory_order_relaxed));
+    filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
+  }
+
+  /// An item of the highest band that is not empty, or kNone. Any thread.
+  std::uint32_t take() {
+    for (std::uint32_t word = kBands / 64; word-- > 0;) {
+      for (std::uint64_t bits = filled_[word].load(std::memory_order_acquire); bits != 0;) {
+        const auto bit = static_cast<std::uint32_t>(63 - std::countl_zero(bits));
+        const std::uint32_t item = take_from(64 * word + bit);
+        if (item != kNone) return item;
+        bits = clear_if_empty(word, bit);
+      }
+    }
+    return kNone;
+  }
+
+ private:
+  static std::uint32_t item_of(std::uint64_t head) { return static_cast<std::uint32_t>(head); }
+  static std::uint64_t with_item(std::uint64_t head, std::uint32_t item) {
+    return (((head >> 32U) + 1U) << 32U) | item;
+  }
+
+  std::uint32_t take_from(std::uint32_t band) {
+    std::atomic<std::uint64_t>& head = heads_[band];
+    std::uint64_t old = head.load(std::memory_order_acquire);
+    while (item_of(old) != kNone) {
+      const std::uint32_t next = next_[item_of(old)].load(std::memory_order_relaxed);
+      if (head.compare_exchange_weak(old, with_item(old, next), std::memory_order_acquire,
+                                     std::memory_order_acquire)) {
+        return item_of(old);
+      }
+    }
+    return kNone;
+  }
+
+  // The mark of a band that was found empty goes; if an item came meanwhile, the mark comes back.
+  std::uint64_t clear_if_empty(std::uint32_t word, std::uint32_t bit) {
+    const std::uint64_t mark = std::uint64_t{1} << bit;
+    std::uint64_t bits = filled_[word].fetch_and(~mark, std::memory_order_acq_rel) & ~mark;
+    if (item_of(heads_[64 * word + bit].load(std::memory_order_acquire)) != kNone) {
+      bits = filled_[word].fetch_or(mark, std::memory_order_acq_rel) | mark;
+    }
+    return bits;
+  }
+
+  std::atomic<std::uint64_t> heads_[kBands];
+  std::atomic<std::uint64_t> filled_[kBands / 64];
+  std::unique_ptr<std::atomic<std::uint32_t>[]> next_;
+  std::uint32_t capacity_ = 0;
+};
+
+}  // namespace poise::parallel
