@@ -1,0 +1,45 @@
+# Run by ctest; the arguments are in CMakeLists.txt beside it. Any command that fails ends the script with an error.
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  message(STATUS "${what}")
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${what} failed (${code}):\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+set(prefix "${FOLDER}/prefix")
+set(consumer "${FOLDER}/consumer")
+file(REMOVE_RECURSE "${prefix}" "${consumer}")
+
+run("installing" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}")
+run("configuring a consumer" ${CMAKE_COMMAND} -S "${SOURCE}/tests/package/consumer" -B "${consumer}" -G ${GENERATOR}
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
+  -DREADME=${SOURCE}/README.md -DPOISE_VERSION=${VERSION})
+run("building the consumer" ${CMAKE_COMMAND} --build "${consumer}")
+run("running a program on the policy alone" "${consumer}/policy_alone")
+run("running the program of the README" "${consumer}/readme_program")
+
+# No installed file may lead back to where it was built.
+file(GLOB_RECURSE installed "${prefix}/*.cmake" "${prefix}/*.h")
+list(LENGTH installed count)
+if(count LESS 10)
+  message(FATAL_ERROR "only ${count} headers and CMake files were installed")
+endif()
+foreach(file IN LISTS installed)
+  file(READ "${file}" text)
+  foreach(place IN ITEMS "${SOURCE}" "${BUILD}")
+    string(FIND "${text}" "${place}" at)
+    if(NOT at EQUAL -1)
+      message(FATAL_ERROR "${file} names ${place}")
+    endif()
+  endforeach()
+endforeach()
+
+file(GLOB_RECURSE command "${prefix}/bin/poise")
+run("asking the installed command for its version" "${command}" --version)
+string(FIND "${output}" "${VERSION}" at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "poise --version says '${output}', not ${VERSION}")
+endif()
+run("asking the installed command for its scenes" "${command}" scenes)
