@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "poise/step.h"
+
+namespace poise::simulation {
+
+/// One frame of a run as its driver saw it.
+struct RunFrame {
+  FrameReport report;
+  bool warm_up = false;                ///< simulated, but apart from the figures
+  std::uint64_t releases_skipped = 0;  ///< paced runs: releases that passed while this frame was still running
+  Nanoseconds release_delay{0};        ///< paced runs: from the release to the start of the frame
+};
+
+/// What the figures of a run depend on besides its frames.
+struct RunTerms {
+  bool deadlines = true;  ///< wall clock: a late frame is a miss; otherwise misses are not defined
+};
+
+/// Of a set of values: nearest rank, the smallest value that at least the named share of them does not exceed. All 0
+/// for an empty set.
+struct Percentiles {
+  double p50 = 0, p90 = 0, p95 = 0, p99 = 0, p99_9 = 0, max = 0, mean = 0;
+};
+/// `values` finite; share in (0, 1]. 0 for an empty set. The order of the values does not matter.
+double percentile(std::vector<double> values, double share);
+Percentiles percentiles(std::vector<double> values);
+
+struct Interval {
+  double low = 0, high = 1;
+};
+/// Exact interval of Clopper and Pearson ("The use of confidence or fiducial limits", Biometrika 1934) for `hits` of
+/// `trials` at the given confidence in (0, 1); [0, 1] without a trial.
+Interval clopper_pearson(std::uint64_t hits, std::uint64_t trials, double confidence);
+/// Regularised incomplete beta function I_x(a, b), a and b > 0, x in [0, 1], to 1e-12 for a + b up to 10^4; the error
+/// grows with the logarithms of the factorials.
+double incomplete_beta(double a, double b, double x);
+
+/// Late frames and passed releases. `count` is the sum of the four causes; a passed release has the cause of the frame
+/// that was running.
+struct MissFigures {
+  std::uint64_t count = 0;
+  std::uint64_t releases = 0;  ///< frames and passed releases
+  double rate = 0;             ///< count / releases
+  Interval interval_95;
+  std::uint64_t infeasible = 0, machine = 0, overrun = 0, forecast = 0;
+  std::uint64_t skipped_releases = 0;
+  std::uint64_t longest_run = 0;  ///< of releases missed one after another
+  std::uint64_t worst_1000 = 0;   ///< most misses among 1000 frames in a row
+  Percentiles tardiness_ms;       ///< of late frames
+  double share_of_time_late = 0;  ///< sum of lateness / sum of frame times
+};
+
+/// How the reserve for the tail did, over frames that had a forecast.
+struct TailFigures {
+  std::uint64_t frames = 0;
+  double coverage = 0;               ///< share of frames whose tail took no longer than its reserve
+  double reserve_over_actual = 0;    ///< mean
+  double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
+  Percentiles actual_over_forecast;  ///< of the point forecast, without margin
+  double margin_last = 1;
+};
+
+struct StageFigures {
+  const char* name = "";
+  Percentiles ms;
+};
+
+struct WorkFigures {
+  double mandatory_mean = 0, refine_mean = 0;
+  std::uint64_t mandatory = 0, refine = 0;
+  std::uint64_t jobs_done = 0, jobs_dropped = 0, pairs_separated = 0;
+  double candidate_pairs_mean = 0, coarse_pairs_mean = 0, pairs_left_mean = 0;
+  std::uint64_t frames_with_pairs_left = 0;
+};
+
+/// Sums of what was left out because a capacity was full; all 0 in a healthy run.
+struct CapacityFigures {
+  std::uint64_t pairs_dropped = 0, fronts_full = 0, colors_full = 0, degenerate = 0;
+};
+
+struct RunFigures {
+  std::uint64_t frames = 0;  ///< without warm-up
+  std::uint64_t warm_up_frames = 0;
+  std::uint64_t warm_up_misses = 0;
+  Percentiles frame_ms;          ///< StageTimes::total
+  double low_1_percent_fps = 0;  ///< frames a second over the slowest hundredth (at least one frame)
+  Percentiles release_delay_ms;
+  std::optional<MissFigures> misses;  ///< not defined on the work clock
+  /// Time used for refinement / time that there was for it, over the frames that ended with refinable pairs left; not
+  /// defined without such a frame. Above 1 where refinement ran past its end.
+  std::optional<double> refinement_used;
+  std::optional<double> refinement_used_all;  ///< the same over all frames with time for refinement
+  TailFigures tail;
+  std::array<StageFigures, 8> stages;
+  double off_cpu_ms_max = 0;
+  double longest_job_ms_max = 0;
+  std::optional<double> level_mean;  ///< over contact pairs of all frames; not defined without a contact
+  std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};
+  double contacts_mean = 0;
+  WorkFigures work;
+  CapacityFigures capacity;
+};
+
+/// The figures of a run. A pure function: no clock, no order but that of the frames.
+RunFigures run_figures(std::span<const RunFrame> frames, const RunTerms& terms);
+
+/// `none`, `infeasible`, `machine`, `overrun` or `forecast`.
+const char* cause_name(MissCause cause);
+
+}  // namespace poise::simulation
