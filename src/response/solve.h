@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "parallel/executor.h"
+#include "response/contact_row.h"
+
+namespace poise::response {
+
+/// What every row of a step is solved with. SI units.
+struct SolveSettings {
+  double dt_s = 1.0 / 60.0;
+  Vec3 gravity_mps2 = Vec3::Zero();
+  int substeps = 2;
+};
+
+/// External acceleration of one body in this step, gravity included: m/s^2 and rad/s^2.
+struct Acceleration {
+  Vec3 linear_mps2 = Vec3::Zero();
+  Vec3 angular_radps2 = Vec3::Zero();
+};
+
+/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` are those of the rows.
+struct System {
+  std::span<SolverBody> bodies;
+  std::span<const Acceleration> accelerations;  ///< one a body
+  std::span<ContactRow> rows;
+  std::span<const PointContact> points;
+  std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts only
+  const Coloring& coloring;
+};
+
+/// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that closes
+/// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces have met, with e = 0
+/// where the rebound would be slower than that; a row that will meet within the step and does not rebound is slowed so
+/// that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
+/// an impulse was needed, at most kImpactSweeps times. Linear and angular momentum are kept; energy never grows.
+void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
+inline constexpr int kImpactSweeps = 16;
+
+/// Adds forces and keeps bodies from sinking into each other: soft constraints in substeps with a relaxing sweep each
+/// (Catto, Solver2D 2024; Macklin et al. 2019), warm started from each row's impulse. Fills moved_m and turned_rad.
+void solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor);
+
+}  // namespace poise::response
