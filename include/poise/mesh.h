@@ -24,7 +24,7 @@ struct TriangleMesh {
 /// What mesh reading did to the input, for a person to judge.
 struct MeshRepair {
   std::size_t vertices_welded = 0;     ///< vertices that were merged into another
-  std::size_t triangles_dropped = 0;   ///< triangles without area after welding, or repeated
+  std::size_t triangles_dropped = 0;   ///< triangles that name a vertex twice after welding, or repeat another
   bool flipped = false;                ///< the whole mesh was turned inside out to get a positive volume
 };
 
@@ -40,15 +40,17 @@ struct MassProperties {
   Mat3 inertia_m5 = Mat3::Zero();            ///< about the centre of mass, axes of the mesh frame, symmetric
 };
 
-/// Reads an OBJ, STL, PLY, OFF, glTF or GLB file (chosen by its extension), welds and cleans it.
-/// Any thread. Refused with file, and place where known: unreadable or unknown files, indices out of
-/// range, numbers that are not finite, and files without a triangle. An open mesh is *not* refused
+/// Reads an OBJ, STL, PLY, OFF, glTF or GLB file (chosen by its extension), welds and cleans it. Polygons are cut into
+/// triangles; the transforms of glTF nodes are applied and all meshes of a file merged. Any thread.
+/// Refused with file, and place where known: unreadable or unknown files, indices out of range, coordinates that are not
+/// finite or (scaled) beyond 1e9 m, a diagonal under 1e-9 m, and files without a triangle. An open mesh is *not* refused
 /// here; see check_closed.
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file, const MeshReadOptions& options,
                                MeshRepair* repair = nullptr);
 
-/// Merges near vertices and drops degenerate triangles of a mesh in memory, in place.
-/// `weld_relative` as in MeshReadOptions.
+/// Merges vertices within `weld_relative` (as in MeshReadOptions) of the diagonal into the lowest-numbered one, drops triangles
+/// that name a vertex twice or repeat another, leaves out unused vertices, and turns a closed mesh of negative volume
+/// inside out; in place. Needles with three distinct corners stay: without them a closed mesh would not be.
 MeshRepair clean_mesh(TriangleMesh& mesh, double weld_relative);
 
 /// How far a mesh is from enclosing a volume.

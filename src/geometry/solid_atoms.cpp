@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/solid_atoms.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/mesh_volume.h"
+
+namespace poise::geometry {
+namespace {
+
+/// Cells that a grid has at most; bounds memory at some 30 MB. Chosen.
+constexpr double kMostCells = 4e6;
+
+struct Grid {
+  Vec3 origin;
+  double cell_m = 0;
+  std::array<std::size_t, 3> cells{};
+
+  [[nodiscard]] double plane(int axis, std::size_t i) const { return origin[axis] + cell_m * static_cast<double>(i); }
+  [[nodiscard]] std::size_t cell_index(std::size_t x, std::size_t y, std::size_t z) const {
+    return (z * cells[1] + y) * cells[0] + x;
+  }
+  [[nodiscard]] std::size_t corner_index(std::size_t x, std::size_t y, std::size_t z) const {
+    return (z * (cells[1] + 1) + y) * (cells[0] + 1) + x;
+  }
+  [[nodiscard]] std::size_t cell_count() const { return cells[0] * cells[1] * cells[2]; }
+  [[nodiscard]] std::size_t corner_count() const { return (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); }
+};
+
+/// A grid over the mesh with about `target` cells that meet the solid: volume / cell^3 whole ones, and about three for each
+/// two cell faces' worth of surface. Its planes are shifted by irrational shares of a cell, so that the round coordinates
+/// that meshes like to have do not fall on them.
+Grid choose_grid(const TriangleMesh& mesh, std::size_t target) {
+  const Bounds box = bounds_of(mesh.vertices_m);
+  const Vec3 size = box.high - box.low;
+  double area = 0;
+  for (const auto& t : mesh.triangles) {
+    area += 0.5 * (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]).norm();
+  }
+  const double volume = std::abs(mesh_volume(mesh).volume_m3);
+  const auto too_fine = [&](double h) {
+    const Vec3 cells = (size / h).array() + 2;
+    return volume / (h * h * h) + 1.5 * area / (h * h) > static_cast<double>(target) || cells.prod() > kMostCells;
+  };
+  double fine = size.maxCoeff() * 1e-3;
+  double coarse = size.maxCoeff();
+  for (int step = 0; step < 40; ++step) {
+    const double middle = 0.5 * (fine + coarse);
+    (too_fine(middle) ? fine : coarse) = middle;
+  }
+  Grid grid;
+  grid.cell_m = coarse;
+  const Vec3 shift(0.4142135623730951, 0.7320508075688772, 0.2360679774997897);
+  grid.origin = box.low - coarse * shift;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cells = std::floor((box.high[axis] - grid.origin[axis]) / coarse) + 1;
+    grid.cells[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(cells);
+  }
+  return grid;
+}
+
+using Polygon = std::vector<Vec3>;
+
+/// Cuts a convex polygon by the plane x[axis] = at; corners on the plane belong to both parts. The point on an edge is reckoned
+/// from its lower end, so that two triangles that share the edge get the same bits.
+void cut(const Polygon& polygon, int axis, double at, Polygon& below, Polygon& above) {
+  below.clear();
+  above.clear();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3& a = polygon[i];
+    const Vec3& b = polygon[(i + 1) % polygon.size()];
+    if (a[axis] <= at) below.push_back(a);
+    if (a[axis] >= at) above.push_back(a);
+    if ((a[axis] < at && b[axis] > at) || (a[axis] > at && b[axis] < at)) {
+      const Vec3& low = a[axis] < b[axis] ? a : b;
+      const Vec3& high = a[axis] < b[axis] ? b : a;
+      Vec3 crossing = low + (at - low[axis]) / (high[axis] - low[axis]) * (high - low);
+      crossing[axis] = at;
+      below.push_back(crossing);
+      above.push_back(crossing);
+    }
+  }
+}
+
+struct Piece {
+  std::size_t cell;
+  std::size_t first;
+  std::size_t count;
+};
+
+/// What one chunk of triangles leaves in the cells, in the order of the triangles.
+struct Pieces {
+  std::vector<Vec3> points;
+  std::vector<Piece> pieces;
+};
+
+/// Cuts a polygon into slabs along an axis, and each slab along the next; the last ones are pieces of cells.
+void cut_into_cells(const Grid& grid, Polygon polygon, int axis, std::array<std::size_t, 3> cell, Pieces& out) {
+  if (axis == 3) {
+    out.pieces.push_back({grid.cell_index(cell[0], cell[1], cell[2]), out.points.size(), polygon.size()});
+    out.points.insert(out.points.end(), polygon.begin(), polygon.end());
+    return;
+  }
+  double low = polygon[0][axis];
+  double high = low;
+  for (const Vec3& p : polygon) {
+    low = std::min(low, p[axis]);
+    high = std::max(high, p[axis]);
+  }
+  const auto a = static_cast<std::size_t>(axis);
+  const double guess = std::clamp(std::floor((low - grid.origin[axis]) / grid.cell_m), 0.0, static_cast<double>(grid.cells[a] - 1));
+  auto slab = static_cast<std::size_t>(guess);
+  // The division may be off by one near a plane; the planes themselves decide.
+  while (slab > 0 && grid.plane(axis, slab) >= low) --slab;
+  Polygon below;
+  Polygon above;
+  for (; slab < grid.cells[a] && !polygon.empty(); ++slab) {
+    cell[a] = slab;
+    const double top = grid.plane(axis, slab + 1);
+    if (slab + 1 == grid.cells[a] || top > high) {
+      cut_into_cells(grid, std::move(polygon), axis + 1, cell, out);
+      return;
+    }
+    cut(polygon, axis, top, below, above);
+    if (!below.empty()) cut_into_cells(grid, below, axis + 1, cell, out);
+    std::swap(polygon, above);
+  }
+}
+
+Pieces clip_all(const TriangleMesh& mesh, const Grid& grid, parallel::Executor& executor) {
+  constexpr std::size_t kGrain = 256;
+  std::vector<Pieces> chunks((mesh.triangles.size() + kGrain - 1) / kGrain);
+  parallel::parallel_for(executor, mesh.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    Pieces& out = chunks[begin / kGrain];
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& t = mesh.triangles[i];
+      cut_into_cells(grid, {mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]}, 0, {}, out);
+    }
+  });
+  Pieces all;
+  for (const Pieces& chunk : chunks) {
+    const std::size_t base = all.points.size();
+    all.points.insert(all.points.end(), chunk.points.begin(), chunk.points.end());
+    for (const Piece& piece : chunk.pieces) all.pieces.push_back({piece.cell, base + piece.first, piece.count});
+  }
+  std::ranges::stable_sort(all.pieces, {}, &Piece::cell);
+  return all;
+}
+
+/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the answer can only change between two
+/// corners whose edge a triangle may cross, so only corners beside cells with triangles are asked for.
+std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std::uint8_t>& has_surface, const TriangleBvh& bvh,
+                                         double near_m, parallel::Executor& executor) {
+  std::vector<std::uint8_t> inside(grid.corner_count(), 0);
+  const std::size_t lines = (grid.cells[1] + 1) * (grid.cells[2] + 1);
+  parallel::parallel_for(executor, lines, 8, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t line = begin; line < end; ++line) {
+      const std::size_t y = line % (grid.cells[1] + 1);
+      const std::size_t z = line / (grid.cells[1] + 1);
+      const auto crossed = [&](std::size_t x) {
+        for (std::size_t beside = 0; beside < 4; ++beside) {
+          const std::size_t cy = y - (beside & 1U);
+          const std::size_t cz = z - (beside >> 1U);  // below 0 wraps to a huge number, which the test refuses
+          if (cy < grid.cells[1] && cz < grid.cells[2] && has_surface[grid.cell_index(x, cy, cz)] != 0) return true;
+        }
+        return false;
+      };
+      bool state = false;  // the first corner of a line lies outside the box of the mesh
+      bool known = true;
+      for (std::size_t x = 0; x <= grid.cells[0]; ++x) {
+        if (x > 0 && crossed(x - 1)) known = false;
+        if (!known) {
+          const Vec3 corner(grid.plane(0, x), grid.plane(1, y), grid.plane(2, z));
+          state = bvh.inside(corner);
+          // A corner on the surface counts as inside for this point alone, because one point more never uncovers
+          // anything; the next corner is asked for again.
+          const bool touching = bvh.closest(corner, near_m * near_m).squared_distance_m2 < near_m * near_m;
+          inside[grid.corner_index(x, y, z)] = state || touching ? 1 : 0;
+          known = !touching;
+          continue;
+        }
+        inside[grid.corner_index(x, y, z)] = state ? 1 : 0;
+      }
+    }
+  });
+  return inside;
+}
+
+bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); }
+
+void close_atom(SolidAtoms& atoms) {
+  const std::size_t first = atoms.begin.back();
+  const auto begin = atoms.points_m.begin() + static_cast<std::ptrdiff_t>(first);
+  std::sort(begin, atoms.points_m.end(), before);  // equal points are the same bits, so their order does not matter
+  atoms.points_m.erase(std::unique(begin, atoms.points_m.end()), atoms.points_m.end());
+  if (atoms.points_m.size() == first) return;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = first; i < atoms.points_m.size(); ++i) sum += atoms.points_m[i];
+  atoms.middle_m.emplace_back(sum / static_cast<double>(atoms.points_m.size() - first));
+  atoms.begin.push_back(atoms.points_m.size());
+}
+
+}  // namespace
+
+SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target, parallel::Executor& executor) {
+  const Grid grid = choose_grid(mesh, target);
+  const Pieces pieces = clip_all(mesh, grid, executor);
+  std::vector<std::uint8_t> has_surface(grid.cell_count(), 0);
+  for (const Piece& piece : pieces.pieces) has_surface[piece.cell] = 1;
+  const std::vector<std::uint8_t> inside = inside_corners(grid, has_surface, bvh, 1e-9 * mesh.diagonal_m(), executor);
+
+  SolidAtoms atoms;
+  atoms.begin.push_back(0);
+  auto piece = pieces.pieces.begin();
+  for (std::size_t z = 0; z < grid.cells[2]; ++z) {
+    for (std::size_t y = 0; y < grid.cells[1]; ++y) {
+      for (std::size_t x = 0; x < grid.cells[0]; ++x) {
+        const std::size_t cell = grid.cell_index(x, y, z);
+        for (; piece != pieces.pieces.end() && piece->cell == cell; ++piece) {
+          const auto first = pieces.points.begin() + static_cast<std::ptrdiff_t>(piece->first);
+          atoms.points_m.insert(atoms.points_m.end(), first, first + static_cast<std::ptrdiff_t>(piece->count));
+        }
+        for (std::size_t corner = 0; corner < 8; ++corner) {
+          const std::size_t cx = x + (corner & 1U);
+          const std::size_t cy = y + (corner >> 1U & 1U);
+          const std::size_t cz = z + (corner >> 2U);
+          if (inside[grid.corner_index(cx, cy, cz)] == 0) continue;
+          atoms.points_m.emplace_back(grid.plane(0, cx), grid.plane(1, cy), grid.plane(2, cz));
+        }
+        close_atom(atoms);
+      }
+    }
+  }
+  return atoms;
+}
+
+}  // namespace poise::geometry
