@@ -24,6 +24,8 @@ namespace poise {
 
 /// Bodies that a scene may have at most, generated ones included.
 inline constexpr std::uint64_t kMaxSceneBodies = 10'000'000;
+/// Frames that a run may have at most: the report of each is kept in memory.
+inline constexpr std::uint64_t kMaxSceneFrames = 1'000'000;
 
 struct SceneMaterial {
   std::string name;

@@ -1,1 +1,49 @@
-int main() { return 0; }
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "app/exit_codes.h"
+#include "app/run_command.h"
+#include "app/scenes_command.h"
+#include "build_info.h"
+
+namespace {
+
+int run(int argc, char** argv) {
+  CLI::App app("Poise steps scenes of many rigid bodies inside a time budget.", "poise");
+  app.set_version_flag("--version", fmt::format("poise {} ({}, {}, {})", POISE_BUILD_VERSION, POISE_BUILD_COMMIT,
+                                                POISE_BUILD_COMPILER, POISE_BUILD_FLAGS));
+  app.require_subcommand(1);
+  app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
+  int exit_code = poise::app::kExitDone;
+  poise::app::add_run_command(app, exit_code);
+  poise::app::add_scenes_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& stop) {
+    // Help and the version end here too, with 0; every mistake is bad usage.
+    const int code = app.exit(stop);
+    if (code != 0) return poise::app::kExitBadUsage;
+    return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // A reader that goes away must end in exit code 4, not in a signal.
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "poise: %s\n", failure.what());
+  } catch (...) {
+    std::fprintf(stderr, "poise: failed for an unknown reason\n");
+  }
+  return poise::app::kExitBadInput;
+}

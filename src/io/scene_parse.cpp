@@ -41,7 +41,7 @@ void parse_frame(const ObjectReader& top, Scene& scene) {
   top.require("dt_s");
   top.number("dt_s", kTimeStep, scene.dt_s);
   top.vec3("gravity_mps2", kAnyQuantity, scene.gravity_mps2);
-  top.whole("frames", 1, 1'000'000'000, scene.frames);
+  top.whole("frames", 1, kMaxSceneFrames, scene.frames);
   top.whole("seed", 0, UINT64_MAX, scene.seed);
   if (top.has("deadline_ms")) {
     double deadline_ms = 1;

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "app/option_values.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace poise::app {
+namespace {
+
+template <class T>
+bool parse_whole_text(const std::string& text, T& value) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, failure] = std::from_chars(text.data(), end, value);
+  return failure == std::errc{} && stop == end;
+}
+
+}  // namespace
+
+CLI::Option* add_whole(CLI::App& app, const std::string& name, std::optional<std::uint64_t>& target, std::uint64_t min,
+                       std::uint64_t max, const std::string& help) {
+  const auto read = [&target, name, min, max](const std::string& text) {
+    std::uint64_t value = 0;
+    if (!parse_whole_text(text, value) || value < min || value > max) {
+      throw CLI::ValidationError(fmt::format("{} = {}, must be a whole number from {} to {}", name, text, min, max),
+                                 CLI::ExitCodes::ValidationError);
+    }
+    target = value;
+  };
+  return app.add_option_function<std::string>(name, read, help)->type_name("N");
+}
+
+CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<double>& target, double min,
+                        bool open_min, double max, const std::string& help) {
+  const auto read = [&target, name, min, open_min, max](const std::string& text) {
+    double value = 0;
+    const bool parsed = parse_whole_text(text, value) && std::isfinite(value);
+    if (!parsed || (open_min ? value <= min : value < min) || value > max) {
+      throw CLI::ValidationError(
+          fmt::format("{} = {}, must be a number {} {:g} and <= {:g}", name, text, open_min ? ">" : ">=", min, max),
+          CLI::ExitCodes::ValidationError);
+    }
+    target = value;
+  };
+  return app.add_option_function<std::string>(name, read, help)->type_name("MS");
+}
+
+}  // namespace poise::app

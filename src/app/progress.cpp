@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "app/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+namespace poise::app {
+
+Progress::Progress(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO) == 1), begin_(SteadyClock::now()) {}
+
+Progress::~Progress() { end(); }
+
+void Progress::say(std::string_view text) {
+  if (!on_) return;
+  fmt::print(stderr, "\r\x1b[K{}", text);
+  std::fflush(stderr);
+  shown_ = true;
+  begin_ = SteadyClock::now();
+}
+
+void Progress::frame(std::uint64_t done, std::uint64_t total, std::uint64_t misses, std::size_t bodies) {
+  if (!on_) return;
+  const SteadyClock::time_point now = SteadyClock::now();
+  if (now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  const double spent_s = std::chrono::duration<double>(now - begin_).count();
+  const double left_s = done > 0 ? spent_s / static_cast<double>(done) * static_cast<double>(total - done) : 0;
+  fmt::print(stderr, "\r\x1b[Kframe {} of {}, {} missed, {} bodies, {:.0f} s left", done, total, misses, bodies,
+             left_s);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void Progress::end() {
+  if (!shown_) return;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+  shown_ = false;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#include "app/run_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "app/exit_codes.h"
+#include "app/progress.h"
+#include "app/run_loop.h"
+#include "app/run_options.h"
+#include "app/run_table.h"
+#include "app/scene_files.h"
+#include "build_info.h"
+#include "io/atomic_file.h"
+#include "io/requirement.h"
+#include "io/run_document.h"
+#include "io/run_tables.h"
+#include "poise/scene.h"
+
+namespace poise::app {
+namespace {
+
+int refuse(int code, const std::string& message) {
+  fmt::print(stderr, "poise run: {}\n", message);
+  return code;
+}
+int refuse(const Error& error) { return refuse(exit_code_of(error), error.message); }
+
+/// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
+/// unless it is written to its end.
+struct Outputs {
+  std::optional<io::AtomicFile> json, states, frames_csv;
+
+  static Result<Outputs> open(const RunOptions& options) {
+    Outputs outputs;
+    const std::pair<const std::string*, std::optional<io::AtomicFile>*> wanted[] = {
+        {&options.json, &outputs.json}, {&options.states, &outputs.states}, {&options.frames_csv, &outputs.frames_csv}};
+    for (const auto& [path, file] : wanted) {
+      if (path->empty() || *path == "-") continue;
+      Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
+      if (!opened) return opened.error();
+      *file = std::move(opened).value();
+    }
+    return outputs;
+  }
+};
+
+/// Writes states as they come; in a paced run after it, since writing would eat the time between frames.
+class StatesWriter {
+ public:
+  StatesWriter(std::optional<io::AtomicFile>& file, bool keep, double dt_s) : file_(file), keep_(keep), dt_s_(dt_s) {}
+
+  StatesSink sink() {
+    if (!file_) return {};
+    return [this](std::uint64_t frame, std::span<const BodyState> states) -> Status {
+      if (!keep_) return write(frame, states);
+      kept_.emplace_back(states.begin(), states.end());
+      return Done{};
+    };
+  }
+  Status finish() {
+    if (!file_) return Done{};
+    for (std::size_t frame = 0; frame < kept_.size(); ++frame) {
+      const Status written = write(frame, kept_[frame]);
+      if (!written) return written;
+    }
+    return file_->commit();
+  }
+
+ private:
+  Status write(std::uint64_t frame, std::span<const BodyState> states) {
+    text_.clear();
+    if (frame == 0) text_ = io::states_header();
+    io::append_states(frame, static_cast<double>(frame) * dt_s_, states, text_);
+    return file_->write(text_);
+  }
+
+  std::optional<io::AtomicFile>& file_;
+  bool keep_;
+  double dt_s_;
+  std::string text_;
+  std::vector<std::vector<BodyState>> kept_;
+};
+
+LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
+  LoopSettings loop;
+  loop.frames = options.frames.value_or(scene.frames);
+  loop.warm_up = options.warmup.value_or(0);
+  loop.dt_s = scene.dt_s;
+  loop.wall_clock = options.clock == "wall";
+  const auto of_ms = [](double ms) { return Nanoseconds(static_cast<std::int64_t>(ms * 1e6)); };
+  loop.deadline = of_ms(options.deadline_ms.value_or(scene.deadline_ms.value_or(1000 * scene.dt_s)));
+  loop.paced = options.paced;
+  loop.host_work = of_ms(options.host_work_ms.value_or(0));
+  loop.budget_work = options.budget_work;
+  loop.max_level = static_cast<Level>(options.max_level.value_or(kMaxTreeDepth));
+  return loop;
+}
+
+/// Everything that is known before the first frame.
+io::RunDocument document_of(const RunOptions& options, const Scene& scene, const SceneRun& run,
+                            const LoopSettings& loop) {
+  io::RunDocument d;
+  d.scene = scene.name;
+  d.scene_file = scene.source;
+  d.frames_asked = loop.frames;
+  d.dt_s = loop.dt_s;
+  d.seed = options.seed.value_or(scene.seed);
+  d.threads = run.world().threads();
+  const WorldSettings world = world_settings(options, scene);
+  d.executor = executor_name(world.executor);
+  d.policy = policy_name(world.policy.kind);
+  d.policy_weights = world.policy;
+  d.contact = options.contact;
+  d.clock = options.clock;
+  d.paced = loop.paced;
+  if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) * 1e-6;
+  d.host_work_ms = options.host_work_ms.value_or(0);
+  d.budget_work = loop.budget_work;
+  d.max_level = loop.max_level;
+  d.tray_side_m = run.tray_side_m();
+  d.machine = io::this_machine();
+  d.version = POISE_BUILD_VERSION;
+  d.commit = POISE_BUILD_COMMIT;
+  d.compiler = POISE_BUILD_COMPILER;
+  d.flags = POISE_BUILD_FLAGS;
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    const bool at_origin = std::holds_alternative<SphereSource>(scene.shapes[i].source) ||
+                           std::holds_alternative<PlaneSource>(scene.shapes[i].source);
+    if (!at_origin) d.origin_offsets_m.emplace_back(scene.shapes[i].name, run.shapes()[i]->origin_offset_m);
+  }
+  d.requirement = options.require;
+  d.figures = simulation::run_figures({}, {loop.wall_clock});
+  return d;
+}
+
+void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
+  d.bodies = run.bodies().size();
+  for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.is_static ? 0 : 1;
+  d.stopped = result.stopped;
+  d.figures = simulation::run_figures(result.frames, {loop.wall_clock});
+  d.start = result.start;
+  d.end = result.end;
+  d.energy_max_j = result.energy_max_j;
+  d.state_hash = run.world().state_hash();
+}
+
+Status write_frames(const LoopResult& result, double dt_s, io::AtomicFile& file) {
+  std::string text = io::frames_header();
+  for (std::size_t i = 0; i < result.frames.size(); ++i) {
+    io::append_frame(result.frames[i], static_cast<double>(i + 1) * dt_s, text);
+  }
+  const Status written = file.write(text);
+  return written ? file.commit() : written;
+}
+
+Status write_json(const RunOptions& options, const io::RunDocument& document, Outputs& outputs) {
+  if (options.json.empty()) return Done{};
+  const std::string text = io::run_json(document);
+  if (options.json == "-") return io::write_stdout(text);
+  const Status written = outputs.json->write(text);
+  return written ? outputs.json->commit() : written;
+}
+
+Status print_table(const RunOptions& options, const io::RunDocument& document) {
+  if (options.quiet) return Done{};
+  const std::string table = run_table(document);
+  if (options.json != "-") return io::write_stdout(table);
+  fmt::print(stderr, "{}", table);
+  return Done{};
+}
+
+/// From a scene that stands to the exit code.
+int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, SceneRun& run,
+                 Outputs& outputs, Progress& progress) {
+  const LoopSettings loop = loop_settings(options, scene);
+  io::RunDocument document = document_of(options, scene, run, loop);
+  const Status known = io::check_names(requirement, io::named_figures(document));
+  if (!known) return refuse(kExitBadUsage, "--require: " + known.error().message);
+
+  StatesWriter states(outputs.states, loop.paced, loop.dt_s);
+  std::uint64_t missed = 0;
+  std::uint64_t done = 0;
+  const auto told = [&](const simulation::RunFrame& frame) {
+    missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
+    progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
+  };
+  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told);
+  progress.end();
+  if (!result) return refuse(result.error());
+
+  add_results(run, loop, result.value(), document);
+  document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
+  Status written = states.finish();
+  if (!written) return refuse(written.error());
+  if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
+  if (!written) return refuse(written.error());
+  written = write_json(options, document, outputs);
+  if (!written) return refuse(written.error());
+  written = print_table(options, document);
+  if (!written) return refuse(written.error());
+  for (const std::string& failed : document.requirements_failed)
+    fmt::print(stderr, "poise run: --require: {}\n", failed);
+  if (document.stopped) return kExitStopped;
+  return document.requirements_failed.empty() ? kExitDone : kExitRequirementFailed;
+}
+
+int run_scene(const RunOptions& options) {
+  const Status sound = check_run_options(options);
+  if (!sound) return refuse(kExitBadUsage, sound.error().message);
+  io::Requirement requirement;
+  if (options.require) {
+    Result<io::Requirement> parsed = io::parse_requirement(*options.require);
+    if (!parsed) return refuse(kExitBadUsage, "--require: " + parsed.error().message);
+    requirement = std::move(parsed).value();
+  }
+  const Result<std::filesystem::path> file = find_scene(options.scene);
+  if (!file) return refuse(file.error());
+  const Result<Scene> scene = read_scene(file.value());
+  if (!scene) return refuse(scene.error());
+  if (options.bodies && scene.value().generators.empty()) {
+    return refuse(kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
+  }
+  Result<Outputs> outputs = Outputs::open(options);
+  if (!outputs) return refuse(outputs.error());
+  Progress progress(!options.quiet);
+  progress.say("loading shapes and building sphere trees");
+  SceneRunOptions start;
+  start.world = world_settings(options, scene.value());
+  start.bodies = options.bodies;
+  start.seed = options.seed;
+  Result<SceneRun> run = SceneRun::create(scene.value(), start);
+  if (!run) {
+    progress.end();
+    return refuse(run.error());
+  }
+  return run_prepared(options, requirement, scene.value(), run.value(), outputs.value(), progress);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Simulate a scene under a deadline");
+  add_run_options(*command, *options);
+  command->footer(
+      "Examples:\n"
+      "  poise run pile --deadline 16 --paced --json report.json\n"
+      "  poise run jacks --bodies 5000 --frames 300 --require 'miss_rate < 0.01'\n"
+      "  poise run gas --clock work --budget-work 2000 --states states.csv\n\n"
+      "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
+      "Ctrl-C.");
+  command->callback([options, &exit_code] { exit_code = run_scene(*options); });
+}
+
+}  // namespace poise::app

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "app/run_loop.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string>
+
+namespace poise::app {
+namespace {
+
+/// Set by Ctrl-C. A signal handler has no argument to carry this in.
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// Catches Ctrl-C while it lives, so that the frame is finished and the reports are written. A second one ends at once.
+class CtrlC {
+ public:
+  CtrlC() {
+    stop_asked = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { stop_asked = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    ::sigaction(SIGINT, &action, &before_);
+  }
+  ~CtrlC() { ::sigaction(SIGINT, &before_, nullptr); }
+  CtrlC(const CtrlC&) = delete;
+  CtrlC& operator=(const CtrlC&) = delete;
+  [[nodiscard]] static bool asked() { return stop_asked != 0; }
+
+ private:
+  struct sigaction before_ {};
+};
+
+/// steady_clock is CLOCK_MONOTONIC here, so its time points can be slept until without drift. Ends early at Ctrl-C.
+void sleep_until(SteadyClock::time_point when) {
+  const auto since = std::chrono::duration_cast<Nanoseconds>(when.time_since_epoch()).count();
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const timespec target{static_cast<time_t>(since / kSecond), static_cast<long>(since % kSecond)};
+  while (!CtrlC::asked() && ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) == EINTR) {
+  }
+}
+
+Nanoseconds seconds(double s) { return Nanoseconds(static_cast<std::int64_t>(s * 1e9)); }
+
+/// The releases of a paced run: number n at begin + n * period. The grid never moves.
+class ReleaseGrid {
+ public:
+  ReleaseGrid(SteadyClock::time_point begin, double dt_s, Nanoseconds deadline)
+      : begin_(begin), dt_s_(dt_s), deadline_(deadline) {}
+  [[nodiscard]] SteadyClock::time_point release() const { return at(number_); }
+  [[nodiscard]] SteadyClock::time_point deadline() const { return release() + deadline_; }
+  /// Goes on to the next release that can still be served at `now`; returns how many passed.
+  std::uint64_t advance(SteadyClock::time_point now) {
+    ++number_;
+    std::uint64_t passed = 0;
+    while (now >= std::min(at(number_ + 1), deadline())) {
+      ++number_;
+      ++passed;
+    }
+    return passed;
+  }
+
+ private:
+  [[nodiscard]] SteadyClock::time_point at(std::uint64_t number) const {
+    return begin_ + seconds(static_cast<double>(number) * dt_s_);
+  }
+  SteadyClock::time_point begin_;
+  double dt_s_;
+  Nanoseconds deadline_;
+  std::uint64_t number_ = 0;
+};
+
+Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer, const StatesSink& sink) {
+  if (!sink) return Done{};
+  buffer.clear();
+  for (const RunBody& body : run.bodies()) {
+    const Result<BodyState> state = run.world().state(body.id);
+    if (!state) return state.error();
+    buffer.push_back(state.value());
+  }
+  return sink(frame, buffer);
+}
+
+StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
+  StepInput input;
+  input.dt_s = settings.dt_s;
+  input.view = run.view();
+  input.host_work.expected = settings.host_work;
+  input.max_level = settings.max_level;
+  input.measure_energy = true;
+  if (!settings.wall_clock && settings.budget_work) input.budget = Budget::work(*settings.budget_work);
+  return input;
+}
+
+}  // namespace
+
+Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
+                            const FrameSink& told) {
+  const CtrlC ctrl_c;
+  LoopResult result;
+  std::vector<BodyState> buffer;
+  result.start = run.world().conserved();
+  result.energy_max_j = result.start.kinetic_j + result.start.potential_j;
+  Status status = tell_states(run, 0, buffer, states);
+  if (!status) return status.error();
+  StepInput input = step_input(run, settings);
+  const std::uint64_t total = settings.warm_up + settings.frames;
+  result.frames.reserve(total);
+  ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
+  for (std::uint64_t i = 0; i < total && !CtrlC::asked(); ++i) {
+    status = run.before_frame(i);
+    if (!status) return status.error();
+    if (settings.paced) {
+      sleep_until(grid.release());
+      if (CtrlC::asked()) break;
+    }
+    const SteadyClock::time_point begin = SteadyClock::now();
+    if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);
+    simulation::RunFrame frame;
+    frame.warm_up = i < settings.warm_up;
+    frame.report = run.world().step(input);
+    if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
+    status = tell_states(run, i + 1, buffer, states);
+    if (!status) return status.error();
+    if (settings.paced) {
+      frame.release_delay = begin - grid.release();
+      frame.releases_skipped = grid.advance(SteadyClock::now());
+      // Releases that pass after the last frame were never to be served.
+      if (i + 1 == total) frame.releases_skipped = 0;
+    }
+    result.energy_max_j = std::max(result.energy_max_j, frame.report.kinetic_j + frame.report.potential_j);
+    result.frames.push_back(frame);
+    if (told) told(frame);
+  }
+  result.end = run.world().conserved();
+  result.stopped = CtrlC::asked();
+  return result;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "poise/scene.h"
+#include "simulation/run_report.h"
+
+namespace poise::app {
+
+/// How the frames of a run are driven.
+struct LoopSettings {
+  std::uint64_t warm_up = 0;
+  std::uint64_t frames = 1;  ///< measured ones, after warm_up
+  double dt_s = 1.0 / 60;
+  bool wall_clock = true;
+  Nanoseconds deadline{0};  ///< wall clock: of a frame, from its start or release
+  bool paced = false;       ///< wall clock: releases on a grid of dt_s
+  Nanoseconds host_work{0};
+  std::optional<std::uint64_t> budget_work;  ///< work clock
+  Level max_level = kMaxTreeDepth;
+};
+
+struct LoopResult {
+  std::vector<simulation::RunFrame> frames;  ///< warm-up included
+  Conserved start, end;
+  double energy_max_j = 0;
+  bool stopped = false;  ///< by Ctrl-C
+};
+
+/// Told the states after each frame (and of the start, as frame 0), outside of the frame's time.
+using StatesSink = std::function<Status(std::uint64_t frame, std::span<const BodyState> states)>;
+/// Told after each frame.
+using FrameSink = std::function<void(const simulation::RunFrame&)>;
+
+/// Runs a scene to its end or to Ctrl-C. `states` may be empty. Refused: what the World or the sink refuses.
+Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
+                            const FrameSink& frame);
+
+}  // namespace poise::app

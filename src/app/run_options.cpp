@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "app/run_options.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <vector>
+
+#include "app/option_values.h"
+
+namespace poise::app {
+namespace {
+
+constexpr double kLongestMs = 1e6;
+
+}  // namespace
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  constexpr std::uint64_t kMany = std::numeric_limits<std::uint64_t>::max();
+  command.add_option("scene", options.scene, "A scene file, or the name of a scene that ships (poise scenes)")
+      ->required()
+      ->type_name("SCENE");
+  add_whole(command, "--frames", options.frames, 1, kMaxSceneFrames,
+            "Frames to simulate and measure (default: the scene's)");
+  add_whole(command, "--bodies", options.bodies, 1, kMaxSceneBodies, "How many bodies the generators make together");
+  add_whole(command, "--warmup", options.warmup, 0, kMaxSceneFrames,
+            "Frames before those, simulated and written but kept apart from the figures (default 0)");
+  add_number(command, "--deadline", options.deadline_ms, 0, true, kLongestMs,
+             "Deadline of a frame in ms (default: the scene's deadline_ms, else its time step)");
+  command.add_flag("--paced", options.paced, "Release frames on a fixed grid of the time step instead of back to back");
+  add_number(command, "--host-work", options.host_work_ms, 0, false, kLongestMs,
+             "Work of the host in ms that is kept free before each deadline");
+  add_whole(command, "--threads", options.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  command
+      .add_option("--policy", options.policy,
+                  "What is refined first: perceptual, fifo or random (default: the scene's)")
+      ->check(CLI::IsMember({"perceptual", "fifo", "random"}))
+      ->type_name("P");
+  command.add_option("--contact", options.contact, "Contact model: paper or wrench (default wrench)")
+      ->check(CLI::IsMember({"paper", "wrench"}))
+      ->type_name("MODEL");
+  command
+      .add_option("--clock", options.clock,
+                  "wall: keep deadlines; work: count work, the same bits on any machine (default wall)")
+      ->check(CLI::IsMember({"wall", "work"}))
+      ->type_name("CLOCK");
+  add_whole(command, "--budget-work", options.budget_work, 0, kMany,
+            "Refinement a frame in node-pair expansions, with --clock work (default: unlimited)");
+  add_whole(command, "--max-level", options.max_level, 0, kMaxTreeDepth, "Refine no pair beyond this level");
+  add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
+  command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
+      ->check(CLI::IsMember({"tbb", "threads", "serial"}))
+      ->type_name("E");
+  command.add_option("--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output")
+      ->type_name("FILE");
+  command.add_option("--states", options.states, "Write every body after every frame as CSV")->type_name("FILE");
+  command.add_option("--frames-csv", options.frames_csv, "Write one row a frame as CSV")->type_name("FILE");
+  command
+      .add_option("--require", options.require,
+                  "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
+      ->type_name("EXPR");
+  command.add_flag("--quiet", options.quiet, "No progress and no table");
+}
+
+Status check_run_options(const RunOptions& options) {
+  const bool work = options.clock == "work";
+  if (options.budget_work && !work) return bad_input("--budget-work needs --clock work");
+  if (work && options.deadline_ms) return bad_input("--deadline has no meaning with --clock work");
+  if (work && options.paced) return bad_input("--paced has no meaning with --clock work");
+  if (work && options.host_work_ms) return bad_input("--host-work has no meaning with --clock work");
+#ifndef POISE_APP_HAVE_TBB
+  if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
+#endif
+  if (options.require && options.require->empty()) return bad_input("--require must not be empty");
+  std::vector<std::filesystem::path> outputs;
+  for (const std::string* path : {&options.json, &options.states, &options.frames_csv}) {
+    if (path->empty()) continue;
+    if (*path == "-" && path != &options.json) return bad_input("only --json can go to the standard output");
+    const std::filesystem::path normal = std::filesystem::path(*path).lexically_normal();
+    for (const std::filesystem::path& other : outputs) {
+      if (other == normal) return bad_input(*path + " is named for two outputs");
+    }
+    outputs.push_back(normal);
+  }
+  return Done{};
+}
+
+ExecutorKind executor_kind(const RunOptions& options) {
+  if (options.executor == "serial") return ExecutorKind::Serial;
+  if (options.executor == "threads") return ExecutorKind::Threads;
+#ifdef POISE_APP_HAVE_TBB
+  return ExecutorKind::Tbb;
+#else
+  return ExecutorKind::Threads;
+#endif
+}
+
+WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
+  WorldSettings settings;
+  settings.contact = options.contact == "paper" ? ContactModel::Paper : ContactModel::Wrench;
+  settings.policy = scene.policy;
+  if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
+  if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;
+  if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
+  settings.executor = executor_kind(options);
+  settings.threads = static_cast<int>(options.threads.value_or(0));
+  return settings;
+}
+
+const char* executor_name(ExecutorKind kind) {
+  switch (kind) {
+    case ExecutorKind::Tbb:
+      return "tbb";
+    case ExecutorKind::Threads:
+      return "threads";
+    case ExecutorKind::Serial:
+      return "serial";
+  }
+  return "serial";
+}
+
+const char* policy_name(scheduler::PolicyKind kind) {
+  switch (kind) {
+    case scheduler::PolicyKind::Perceptual:
+      return "perceptual";
+    case scheduler::PolicyKind::Fifo:
+      return "fifo";
+    case scheduler::PolicyKind::Random:
+      return "random";
+  }
+  return "perceptual";
+}
+
+}  // namespace poise::app

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "poise/result.h"
+#include "poise/scene.h"
+#include "poise/world.h"
+
+namespace poise::app {
+
+/// The command line of `poise run`, each value in its range, not yet checked against each other.
+struct RunOptions {
+  std::string scene;
+  std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed;
+  std::optional<double> deadline_ms, host_work_ms;
+  bool paced = false;
+  bool quiet = false;
+  std::string policy, contact = "wrench", clock = "wall", executor;
+  std::string json, states, frames_csv;
+  std::optional<std::string> require;
+};
+
+/// Declares the options on a subcommand.
+void add_run_options(CLI::App& command, RunOptions& options);
+
+/// Refused: options that contradict each other, as one line.
+Status check_run_options(const RunOptions& options);
+
+/// What the World is made with; gravity and seed come from the scene.
+WorldSettings world_settings(const RunOptions& options, const Scene& scene);
+ExecutorKind executor_kind(const RunOptions& options);
+/// `tbb`, `threads` or `serial`; `perceptual`, `fifo` or `random`.
+const char* executor_name(ExecutorKind kind);
+const char* policy_name(scheduler::PolicyKind kind);
+
+}  // namespace poise::app
