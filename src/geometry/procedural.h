@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "poise/mesh.h"
+
+namespace poise::geometry {
+
+/// Names of the shapes that can be made, in the order of the help text.
+std::span<const std::string_view> procedural_shapes();
+
+/// A closed mesh about 1 m across, outward oriented, made from dimensions chosen here (docs/sphere-trees.md):
+///   jack   three crossed round rods with round ends, 0.12 m thick radius, 1 m long
+///   torus  ring radius 0.35 m, tube radius 0.15 m
+///   slab   a box of 1.0 x 0.6 x 0.1 m
+///   l      an L of 0.8 x 0.8 m, arms 0.25 m wide, 0.25 m deep
+///   bowl   half a hollow ball, outer radius 0.5 m, wall 0.08 m
+///   cube   edge 0.7 m
+///   disc   radius 0.5 m, 0.12 m thick
+/// Coordinates are rounded to 1e-9 m, so that the mesh is the same as read back from its file. Refused: any other name.
+Result<TriangleMesh> make_procedural_shape(std::string_view kind);
+
+/// The mesh as OBJ text, nine decimals; `comment` stands in the first line.
+std::string obj_text(const TriangleMesh& mesh, std::string_view comment);
+
+}  // namespace poise::geometry

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include <unistd.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "geometry/rounding.h"
+#include "geometry/tree_layout.h"
+#include "poise/sphere_tree.h"
+
+namespace poise {
+namespace {
+
+namespace fs = std::filesystem;
+using geometry::LooseNode;
+
+/// Words of a text, line by line. Invariant: `rest` begins at a line's start between calls.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {}
+  /// The next line's words, or nothing at the end.
+  std::optional<std::vector<std::string_view>> next() {
+    if (rest_.empty()) return std::nullopt;
+    ++number_;
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    std::vector<std::string_view> words;
+    for (;;) {
+      const std::size_t begin = line.find_first_not_of(" \t\r");
+      if (begin == std::string_view::npos) return words;
+      line.remove_prefix(begin);
+      const std::size_t length = std::min(line.find_first_of(" \t\r"), line.size());
+      words.push_back(line.substr(0, length));
+      line.remove_prefix(length);
+    }
+  }
+  [[nodiscard]] std::size_t number() const { return number_; }
+
+ private:
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+template <class T>
+bool parse(std::string_view word, T& value) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size();
+}
+
+struct Row {
+  std::array<float, 4> sphere{};  ///< x, y, z, r
+  bool used = false;
+  std::size_t line = 0;
+};
+
+/// Empty when the row is fine.
+std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
+  if (words.size() != 4 && words.size() != 5) return fmt::format("has {} numbers, must be 'x y z r occupancy'", words.size());
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!parse(words[i], row.sphere[i]) || !std::isfinite(row.sphere[i])) {
+      return fmt::format("'{}' must be a finite number in single precision", words[i].substr(0, 40));
+    }
+  }
+  double occupancy = 0;
+  if (words.size() == 5 && (!parse(words[4], occupancy) || !std::isfinite(occupancy))) {
+    return fmt::format("occupancy '{}' must be a finite number", words[4].substr(0, 40));
+  }
+  row.used = row.sphere[3] >= 0;
+  if (!row.used) return {};
+  const auto radius_m = static_cast<double>(row.sphere[3]);
+  if (radius_m < geometry::kSmallestLength_m || radius_m > geometry::kLargestLength_m) {
+    return fmt::format("radius = {}, must be from {} to {} m, or negative for an unused place", radius_m, geometry::kSmallestLength_m,
+                       geometry::kLargestLength_m);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (std::abs(static_cast<double>(row.sphere[i])) > geometry::kLargestLength_m) {
+      return fmt::format("coordinate = {}, must be within {} m", row.sphere[i], geometry::kLargestLength_m);
+    }
+  }
+  return {};
+}
+
+/// Adds the subtree of a row; a chain of only children with the same sphere is one node.
+std::uint32_t add_rows(const std::vector<Row>& rows, std::size_t index, std::size_t branch, std::vector<LooseNode>& nodes) {
+  for (;;) {
+    std::vector<std::size_t> used;
+    for (std::size_t c = index * branch + 1; c <= index * branch + branch && c < rows.size(); ++c) {
+      if (rows[c].used) used.push_back(c);
+    }
+    if (used.size() == 1 && rows[used[0]].sphere == rows[index].sphere) {
+      index = used[0];
+      continue;
+    }
+    const auto added = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back();
+    nodes[added].center_m = {rows[index].sphere[0], rows[index].sphere[1], rows[index].sphere[2]};
+    nodes[added].radius_m = rows[index].sphere[3];
+    for (const std::size_t c : used) {
+      const std::uint32_t child = add_rows(rows, c, branch, nodes);
+      nodes[added].children.push_back(child);
+    }
+    return added;
+  }
+}
+
+Result<SphereTree> parse_sph(std::string_view text) {
+  Lines lines(text);
+  const auto refuse = [&](const std::string& rule) { return bad_input(fmt::format("line {}: {}", lines.number(), rule)); };
+  const auto head = lines.next();
+  int levels = 0;
+  int branch = 0;
+  if (!head || head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
+    return refuse("must be 'levels branch', two whole numbers");
+  }
+  if (levels < 1 || levels > kMaxTreeDepth + 1) return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));
+  if (branch < 1 || branch > static_cast<int>(kTreeBranching)) {
+    return refuse(fmt::format("branch = {}, must be from 1 to {}", branch, kTreeBranching));
+  }
+  std::size_t places = 0;
+  std::size_t on_level = 1;
+  for (int l = 0; l < levels; ++l, on_level *= static_cast<std::size_t>(branch)) places += on_level;
+  std::vector<Row> rows;
+  while (rows.size() < places) {
+    const auto words = lines.next();
+    if (!words) return refuse(fmt::format("ends after {} of {} rows", rows.size(), places));
+    if (words->empty()) continue;
+    Row row;
+    if (const std::string wrong = parse_row(*words, row); !wrong.empty()) return refuse(wrong);
+    const std::size_t index = rows.size();
+    if (index == 0 && !row.used) return refuse("the root must have a radius > 0");
+    if (index > 0 && row.used && !rows[(index - 1) / static_cast<std::size_t>(branch)].used) {
+      return refuse(fmt::format("node {} is used, but its parent {} is not", index, (index - 1) / static_cast<std::size_t>(branch)));
+    }
+    rows.push_back(row);
+  }
+  std::vector<LooseNode> nodes;
+  add_rows(rows, 0, static_cast<std::size_t>(branch), nodes);
+  return geometry::lay_out_tree(nodes);
+}
+
+std::string sph_text(const SphereTree& tree) {
+  std::string text = fmt::format("{} {}\n", tree.depth() + 1, kTreeBranching);
+  constexpr NodeIndex kUnused = 0xffffffffU;
+  std::vector<NodeIndex> places{0};
+  for (Level level = 0; level <= tree.depth(); ++level) {
+    std::vector<NodeIndex> below;
+    for (const NodeIndex node : places) {
+      if (node == kUnused) {
+        text += "0 0 0 -1 0\n";
+        below.insert(below.end(), kTreeBranching, kUnused);
+        continue;
+      }
+      // Nine digits give back the same float.
+      text += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} 1\n", tree.x_m[node], tree.y_m[node], tree.z_m[node], tree.radius_m[node]);
+      const NodeIndex children = tree.child_count[node];
+      for (NodeIndex c = 0; c < kTreeBranching; ++c) {
+        const NodeIndex own = children == 0 && c == 0 ? node : kUnused;
+        below.push_back(c < children ? tree.first_child[node] + c : own);
+      }
+    }
+    if (level < tree.depth()) places = std::move(below);
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<SphereTree> read_sph(const fs::path& file) {
+  try {
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) return bad_input(fmt::format("{}: cannot be read: no such file", file.string()));
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return bad_input(fmt::format("{}: cannot be read: no permission", file.string()));
+    const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    Result<SphereTree> tree = parse_sph(text);
+    if (!tree) return bad_input(fmt::format("{}: {}", file.string(), tree.error().message));
+    return tree;
+  } catch (const std::exception& failure) {
+    return bad_input(fmt::format("{}: {}", file.string(), failure.what()));
+  }
+}
+
+Status write_sph(const SphereTree& tree, const fs::path& file) {
+  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  try {
+    std::error_code error;
+    // A device or a pipe is written to as it is, never replaced. Anything else is written beside the target, so that renaming
+    // stays within one file system; the process id keeps two writers apart.
+    const fs::file_status target = fs::status(file, error);
+    const bool direct = fs::exists(target) && !fs::is_regular_file(target);
+    fs::path temporary = file;
+    if (!direct) temporary += fmt::format(".{}.tmp", getpid());
+    bool written = false;
+    error.clear();
+    {
+      std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+      stream << sph_text(tree);
+      stream.flush();
+      written = stream.good();
+    }
+    if (written && !direct) fs::rename(temporary, file, error);
+    if (written && !error) return Done{};
+    const std::string why = error ? error.message() : std::string("no such folder, no permission or no room");
+    if (!direct) fs::remove(temporary, error);
+    return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be written: {}", file.string(), why)};
+  } catch (const std::exception& failure) {
+    return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be written: {}", file.string(), failure.what())};
+  }
+}
+
+}  // namespace poise
