@@ -16,7 +16,7 @@ bool later(const Candidate& x, const Candidate& y) {
 
 void RoundSelector::begin_frame(std::uint64_t budget_units, std::size_t expected_candidates) {
   heap_.clear();
-  heap_.reserve(expected_candidates);
+  if (heap_.capacity() < expected_candidates) heap_.reserve(expected_candidates + expected_candidates / 2);
   round_.clear();
   round_.reserve(kRoundSize);
   budget_ = budget_units;

@@ -49,6 +49,7 @@ struct StepInput {
   View view;
   HostWork host_work;
   Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this
+  bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
 };
 
 enum class StepStatus : std::uint8_t {
@@ -88,7 +89,9 @@ struct FrameReport {
   Nanoseconds lateness{0};               ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
   Nanoseconds off_cpu{0};                ///< wall time less thread CPU time less own waits, of the calling thread
-  Nanoseconds longest_job{0};
+  Nanoseconds waited{0};                 ///< by the calling thread, for refinement that others had begun
+  Nanoseconds longest_job{0};            ///< of a bounded piece of refinement
+  Nanoseconds longest_overrun{0};        ///< of a piece beyond its forecast
   double cut_margin = 1;                 ///< reserve / point forecast
 
   // Counted work
@@ -110,7 +113,7 @@ struct FrameReport {
   std::size_t colors_full = 0;           ///< contacts beyond the last colour, solved one after another
   std::size_t degenerate = 0;            ///< contacts without a positive finite effective mass, answered by none
 
-  // Energy and momentum after the step; energy about gravity's potential at the origin
+  // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;
   double potential_j = 0;
 };

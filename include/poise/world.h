@@ -13,6 +13,10 @@
 
 namespace poise {
 
+namespace simulation {
+struct WorldState;
+}
+
 /// How the contacts of one pair become an impulse (docs/method.md).
 enum class ContactModel : std::uint8_t {
   Paper,   ///< every sphere contact in canonical order, once, each with the approach speed taken anew (DO eq. 1-5)
@@ -137,9 +141,8 @@ class World {
   [[nodiscard]] int threads() const;
 
  private:
-  struct Impl;
-  explicit World(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit World(std::unique_ptr<simulation::WorldState> state);
+  std::unique_ptr<simulation::WorldState> state_;
 };
 
 }  // namespace poise

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "poise/world.h"
+
+/// Checks of what comes from outside, at the door of the World: each gives the refusal, or nothing.
+namespace poise::simulation {
+
+// Beyond these, products of a few of them leave the range of double, or what is left of its precision means nothing.
+inline constexpr double kMaxPositionM = 1e12;
+inline constexpr double kMaxSpeedMps = 1e9;
+inline constexpr double kMaxSpinRadps = 1e9;
+inline constexpr double kMaxAccelerationMps2 = 1e9;
+inline constexpr double kMaxForceN = 1e30;
+inline constexpr double kMinDensityKgpm3 = 1e-9;
+inline constexpr double kMaxDensityKgpm3 = 1e12;
+inline constexpr double kMinMassKg = 1e-18;
+inline constexpr double kMaxMassKg = 1e18;
+inline constexpr double kMaxImportance = 1e6;
+
+/// `field = value, must be in [least, most]`; a number that is not finite is out of every range.
+std::optional<Error> check_range(const char* field, double value, double least, double most);
+/// Each component finite and within `most` of zero.
+std::optional<Error> check_vector(const char* field, const Vec3& value, double most);
+std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape);
+std::optional<Error> check_state(const BodyState& state, bool is_static);
+
+struct BodyMass {
+  double mass_kg = 0;
+  Vec3 principal_kgm2 = Vec3::Zero();
+};
+/// From the definition, and from shape and density where that is silent. Zero for static bodies.
+Result<BodyMass> mass_of(const BodyDefinition& definition, const Shape& shape, double density_kgpm3);
+
+}  // namespace poise::simulation

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <limits>
+
+#include "parallel/shared.h"
+#include "simulation/cpu_clock.h"
+#include "simulation/stages.h"
+
+namespace poise::simulation {
+namespace {
+
+struct Refinement {
+  WorldState& world;
+  const StepInput& input;
+  scheduler::FrameFacts facts;
+  std::span<WorkerTally> tallies;
+
+  double score(const ActivePair& pair, std::uint32_t index) const {
+    const scheduler::PairChain chain{pair.id(), pair.level.level,
+                                     std::span(pair.error_m).first(pair.level.deepest + 1U), pair.level.front_entries};
+    return scheduler::score(world.settings.policy, facts, chain, pair.cues, index);
+  }
+};
+
+enum class Outcome : std::uint8_t { Completed, Cut, Full };
+
+// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first.
+template <class GoOn>
+Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& go_on) {
+  FrameBuffers& buffers = world.buffers;
+  const collision::PairFrame frame = frame_of(world, pair);
+  collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
+  collision::LevelProgress progress = collision::begin_level(pair.level, pool);
+  std::uint32_t left = pair.level.front_entries;
+  for (;;) {
+    const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
+    const collision::Quantum quantum = collision::run_quantum(frame, buffers.pools, worker, units, progress);
+    if (quantum == collision::Quantum::Complete) break;
+    left -= units;
+    if (quantum == collision::Quantum::Full) pair.full = true;
+    if (pair.full || !go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) {
+      pool.release(progress.mark);
+      return pair.full ? Outcome::Full : Outcome::Cut;
+    }
+  }
+  collision::publish_level(frame, buffers.poses[pair.a].rotation, progress, pair.level);
+  return Outcome::Completed;
+}
+
+void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
+  if (outcome == Outcome::Completed) {
+    ++tally.jobs;
+    tally.units += units;
+    if (pair.level.apart) ++tally.separated;
+  } else {
+    ++tally.dropped;
+    if (outcome == Outcome::Full) ++tally.full;
+  }
+}
+
+// The loop of one worker under a deadline: the best job there is, as long as the forecast lets it begin.
+void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget, parallel::Shared<std::int64_t>& contacts,
+                    int worker) {
+  WorldState& world = refinement.world;
+  WorkerTally tally;
+  const Nanoseconds cpu_before = thread_cpu_time();
+  const TimePoint begun = SteadyClock::now();
+  TimePoint now = begun;
+  const auto admits = [&](std::uint64_t units) {
+    return budget.admits(now, units, static_cast<std::uint64_t>(std::max<std::int64_t>(contacts.get(), 0)));
+  };
+  for (;;) {
+    const std::uint32_t item = world.bands.take();
+    if (item == parallel::PriorityBands::kNone) break;
+    ActivePair& pair = world.buffers.pairs[item];
+    const std::uint64_t units = pair.level.front_entries;
+    if (!admits(std::min(units, scheduler::kQuantumUnits))) break;
+    TimePoint piece_begun = now;
+    std::uint64_t piece_units = std::min(units, scheduler::kQuantumUnits);
+    const auto note_piece = [&] {
+      now = SteadyClock::now();
+      tally.busy += now - piece_begun;
+      tally.longest = std::max(tally.longest, now - piece_begun);
+      tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
+      piece_begun = now;
+    };
+    const Outcome outcome = complete_level(world, pair, worker, [&](std::uint64_t next_units) {
+      note_piece();
+      piece_units = next_units;
+      return admits(next_units);
+    });
+    note_piece();
+    note_outcome(pair, units, outcome, tally);
+    if (outcome == Outcome::Cut) break;
+    if (outcome == Outcome::Full) continue;
+    if (pair.level.apart) contacts.add(-1);
+    if (pair.level.refinable()) {
+      world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
+    }
+  }
+  tally.ended = SteadyClock::now();
+  tally.off_cpu = std::max(Nanoseconds(0), tally.ended - begun - (thread_cpu_time() - cpu_before));
+  refinement.tallies[static_cast<std::size_t>(worker)] = tally;
+}
+
+void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& report) {
+  WorldState& world = refinement.world;
+  const StepInput& input = refinement.input;
+  const Nanoseconds host = input.host_work.learn ? world.host_work.reserve() : input.host_work.expected;
+  scheduler::FrameBudget budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin,
+                                                               tail_work(world, 0), world.unit_cost_ns);
+  std::int64_t present = 0;
+  world.bands.reset(static_cast<std::uint32_t>(world.buffers.pairs.size()));
+  // Put in reverse, because the last one put into a band is the first one taken.
+  for (std::size_t i = world.buffers.pairs.size(); i-- > 0;) {
+    const ActivePair& pair = world.buffers.pairs[i];
+    if (!pair.level.apart) ++present;
+    if (!pair.level.refinable()) continue;
+    const auto item = static_cast<std::uint32_t>(i);
+    world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
+  }
+  parallel::Shared<std::int64_t> contacts(present);
+  report.host_reserved = host;
+  report.refine_available = std::max(Nanoseconds(0), budget.cut(static_cast<std::uint64_t>(present)) - start);
+  world.executor->run([&](int worker) { work_until_cut(refinement, budget, contacts, worker); });
+  const TimePoint end = SteadyClock::now();
+  const auto left = static_cast<std::uint64_t>(std::max<std::int64_t>(contacts.get(), 0));
+  report.reserve_at_cut = budget.reserve(left);
+  report.tail_forecast = world.tail.forecast(tail_work(world, left));
+  report.cut_margin = world.margin.factor();
+  report.refine_available = std::max(report.refine_available, std::max(Nanoseconds(0), budget.cut(left) - start));
+  // While this thread waited for another one's job, the machine may have held that one up.
+  const WorkerTally& own = refinement.tallies[0];
+  report.waited = own.ended == TimePoint{} ? Nanoseconds(0) : end - own.ended;
+  Nanoseconds held_up{0};
+  for (std::size_t w = 1; w < refinement.tallies.size(); ++w) {
+    held_up = std::max(held_up, refinement.tallies[w].off_cpu);
+  }
+  report.off_cpu = std::min(report.waited, held_up);
+}
+
+// The work clock, and no limit at all: rounds whose members depend on scores and charges alone.
+void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
+  constexpr std::size_t kGrain = 8;
+  WorldState& world = refinement.world;
+  FrameBuffers& buffers = world.buffers;
+  const auto candidate = [&](std::uint32_t index) {
+    const ActivePair& pair = buffers.pairs[index];
+    return scheduler::Candidate{refinement.score(pair, index), index, pair.level.front_entries};
+  };
+  world.rounds.begin_frame(budget_units, buffers.pairs.size());
+  for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
+    if (buffers.pairs[i].level.refinable()) world.rounds.add(candidate(i));
+  }
+  // Whether there is room is decided from worst cases before a round, not by whose pool fills up first: an answer must not
+  // depend on threads.
+  std::uint64_t room = world.settings.max_front_entries;
+  for (;;) {
+    const std::span<const scheduler::Candidate> round = world.rounds.next_round();
+    if (round.empty()) break;
+    std::uint64_t worst = 0;
+    for (const scheduler::Candidate& chosen : round) {
+      const std::uint64_t could_make = std::uint64_t{chosen.units} * kTreeBranching * kTreeBranching;
+      buffers.pairs[chosen.pair].full = worst + could_make > room;
+      if (!buffers.pairs[chosen.pair].full) worst += could_make;
+    }
+    parallel::parallel_for(*world.executor, round.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
+      for (std::size_t i = begin; i < end; ++i) {
+        ActivePair& pair = buffers.pairs[round[i].pair];
+        const std::uint64_t units = pair.level.front_entries;
+        const Outcome outcome =
+            pair.full ? Outcome::Full : complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+        note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
+      }
+    });
+    for (const scheduler::Candidate& chosen : round) {
+      const ActivePair& pair = buffers.pairs[chosen.pair];
+      if (pair.full) continue;
+      room -= std::min<std::uint64_t>(room, pair.level.front_entries);
+      if (pair.level.refinable()) world.rounds.add(candidate(chosen.pair));
+    }
+  }
+}
+
+}  // namespace
+
+scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
+  scheduler::TailWork work;
+  work.bodies = world.bodies.dynamic_count();
+  work.contacts = contacts;
+  work.candidate_pairs = world.buffers.pairs.size();
+  if (world.settings.contact == ContactModel::Paper) {
+    for (const ActivePair& pair : world.buffers.pairs) {
+      if (!pair.level.apart) work.sphere_contacts += pair.level.front_entries;
+    }
+  }
+  return work;
+}
+
+void refine(WorldState& world, const StepInput& input, FrameReport& report) {
+  FrameBuffers& buffers = world.buffers;
+  const TimePoint begun = SteadyClock::now();
+  std::fill(buffers.tallies.begin(), buffers.tallies.end(), WorkerTally{});
+  Refinement refinement{world, input, {}, buffers.tallies};
+  for (collision::FrontPool& pool : buffers.pools) pool.clear();
+  for (const ActivePair& pair : buffers.pairs) {
+    if (!pair.level.refinable()) continue;
+    refinement.facts.deepest_level = std::max<std::uint32_t>(refinement.facts.deepest_level, pair.level.deepest);
+  }
+  refinement.facts.frame = world.frame;
+  refinement.facts.seed = world.settings.seed;
+  refinement.facts.pairs = static_cast<std::uint32_t>(buffers.pairs.size());
+  if (input.budget.kind == Budget::Kind::Deadline) {
+    refine_until_cut(refinement, begun, report);
+  } else {
+    refine_by_rounds(refinement, input.budget.kind == Budget::Kind::Work ? input.budget.work_units
+                                                                         : std::numeric_limits<std::uint64_t>::max());
+  }
+  Nanoseconds busy{0};
+  std::uint64_t units = 0;
+  for (const WorkerTally& tally : refinement.tallies) {
+    units += tally.units;
+    busy += tally.busy;
+    report.jobs_done += tally.jobs;
+    report.jobs_dropped += tally.dropped;
+    report.pairs_separated += tally.separated;
+    report.fronts_full += tally.full;
+    report.longest_job = std::max(report.longest_job, tally.longest);
+    report.longest_overrun = std::max(report.longest_overrun, tally.overrun);
+  }
+  report.work_refine = units;
+  if (input.budget.kind == Budget::Kind::Deadline) {
+    if (units >= 100) {
+      const double measured = static_cast<double>(busy.count()) / static_cast<double>(units);
+      world.unit_cost_ns += 0.2 * (measured - world.unit_cost_ns);
+    }
+  }
+  for (ActivePair& pair : buffers.pairs) {
+    if (pair.level.refinable()) ++report.pairs_left;
+  }
+  report.times.refine = SteadyClock::now() - begun;
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "parallel/shared.h"
+#include "simulation/stages.h"
+
+namespace poise::simulation {
+namespace {
+
+constexpr std::size_t kGrain = 256;
+// Overlap that is left alone, as a share of the smaller body's radius. Chosen: keeps contacts closed without being seen.
+constexpr double kSlopOfSkin = 0.2;
+
+void fill_bodies(WorldState& world, const StepInput& input) {
+  const dynamics::BodyStore& bodies = world.bodies;
+  FrameBuffers& buffers = world.buffers;
+  buffers.solver_bodies.resize(bodies.slot_count());
+  buffers.accelerations.resize(bodies.slot_count());
+  static_cast<void>(input);
+  parallel::parallel_for(*world.executor, bodies.slot_count(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      response::SolverBody& body = buffers.solver_bodies[i];
+      body = response::SolverBody{};
+      buffers.accelerations[i] = response::Acceleration{};
+      if (bodies.dynamic[i] == 0) continue;
+      body.velocity_mps = bodies.velocity(i);
+      body.spin_radps = bodies.spin(i);
+      body.inverse_mass = bodies.inverse_mass[i];
+      buffers.accelerations[i].linear_mps2 = world.settings.gravity_mps2;
+      if (bodies.pushed[i] == 0) continue;
+      buffers.accelerations[i].linear_mps2 += bodies.inverse_mass[i] * bodies.force(i);
+      buffers.accelerations[i].angular_radps2 = buffers.inverse_inertia[i] * bodies.torque(i);
+    }
+  });
+}
+
+// The pairs that are answered, in canonical order, coloured by the bodies that yield.
+void list_rows(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  buffers.row_pair.clear();
+  buffers.edges.clear();
+  buffers.points_begin.clear();
+  std::uint32_t points = 0;
+  const bool by_points = world.settings.contact == ContactModel::Paper;
+  for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
+    const ActivePair& pair = buffers.pairs[i];
+    if (pair.level.apart) continue;
+    buffers.row_pair.push_back(static_cast<std::uint32_t>(i));
+    buffers.edges.push_back({pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0});
+    buffers.points_begin.push_back(points);
+    if (by_points) points += pair.level.front_entries;
+  }
+  buffers.points_begin.push_back(points);
+  buffers.points.resize(points);
+  buffers.coloring.color(buffers.edges, world.bodies.slot_count());
+}
+
+void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place, response::ContactRow& row) {
+  FrameBuffers& buffers = world.buffers;
+  row.points_begin = row.points_end = buffers.points_begin[place];
+  const collision::PairFrame frame = frame_of(world, pair);
+  const Mat3& turn = buffers.poses[pair.a].rotation;
+  collision::for_each_segment(buffers.pools, pair.level.front, [&](std::span<const collision::FrontEntry> entries) {
+    for (const collision::FrontEntry entry : entries) {
+      const collision::SphereContact contact = collision::sphere_contact(frame, entry);
+      buffers.points[row.points_end++] = {turn * contact.normal, turn * contact.point_m,
+                                          turn * (contact.point_m - frame.offset_m), contact.gap_m};
+    }
+  });
+}
+
+response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_t& degenerate) {
+  FrameBuffers& buffers = world.buffers;
+  const ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
+  const collision::PairContact& contact = pair.level.contact;
+  response::ContactRow row;
+  row.a = pair.a;
+  row.b = pair.b;
+  row.pair = buffers.row_pair[place];
+  row.direction = contact.direction;
+  row.moment_a_m = contact.moment_a_m;
+  row.moment_b_m = contact.moment_b_m;
+  row.surely_m = contact.gap_m + contact.certain_m;
+  // The paper answers the spheres themselves; the wrench answers the surfaces that are likely inside them.
+  row.gap_m = world.settings.contact == ContactModel::Paper ? contact.gap_m : contact.gap_m + contact.expected_m;
+  row.slop_m = kSlopOfSkin * pair.skin_m;
+  row.restitution = std::max(world.materials[world.bodies.material[pair.a]].restitution,
+                             world.materials[world.bodies.material[pair.b]].restitution);
+  row.impulse_ns = pair.memory.impulse_ns;
+  if (!response::prepare_row(row, world.bodies.inverse_mass[pair.a], buffers.inverse_inertia[pair.a],
+                             world.bodies.inverse_mass[pair.b], buffers.inverse_inertia[pair.b])) {
+    ++degenerate;
+  }
+  if (world.settings.contact == ContactModel::Paper) fill_points(world, pair, place, row);
+  return row;
+}
+
+}  // namespace
+
+void respond(WorldState& world, const StepInput& input, FrameReport& report) {
+  FrameBuffers& buffers = world.buffers;
+  list_rows(world);
+  report.contact_pairs = buffers.row_pair.size();
+  report.colors_full = buffers.row_pair.size() - buffers.coloring.serial_begin();
+  for (const std::uint32_t i : buffers.row_pair) ++report.level_histogram[buffers.pairs[i].level.level];
+  fill_bodies(world, input);
+  buffers.rows.resize(buffers.row_pair.size());
+  parallel::Tickets degenerate;
+  parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::size_t found = 0;
+    for (std::size_t k = begin; k < end; ++k) buffers.rows[k] = make_row(world, buffers.coloring.order()[k], found);
+    if (found > 0) degenerate.take(found);
+  });
+  report.degenerate = degenerate.take(0);
+
+  const response::System system{buffers.solver_bodies, buffers.accelerations,   buffers.rows,
+                                buffers.points,        buffers.inverse_inertia, buffers.coloring};
+  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps};
+  response::solve_impacts(system, settings, *world.executor);
+  response::solve_rest(system, settings, *world.executor);
+}
+
+}  // namespace poise::simulation

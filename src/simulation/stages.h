@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "simulation/world_state.h"
+
+/// The stages of one step, in order. Each reads what those before it left in the World's buffers and counts its work in
+/// the report. They belong to World::step and are called by it alone, from its thread.
+namespace poise::simulation {
+
+using TimePoint = SteadyClock::time_point;
+
+/// The frame of refinement of an active pair, from the buffers of the frame.
+collision::PairFrame frame_of(const WorldState& world, const ActivePair& pair);
+
+/// Poses, inverse inertias and motion bounds from the state at the start of the step.
+void predict(WorldState& world, const StepInput& input);
+
+/// Candidate pairs, and of these the ones whose coarsest spheres are near: their first level, cues and memory.
+void find_pairs(WorldState& world, const StepInput& input, FrameReport& report);
+
+/// Refines until the budget says stop.
+void refine(WorldState& world, const StepInput& input, FrameReport& report);
+
+/// Impulses at the deepest completed level of each pair, and forces; velocities are those after the step.
+void respond(WorldState& world, const StepInput& input, FrameReport& report);
+
+/// Positions and orientations after the step.
+void integrate(WorldState& world, const StepInput& input);
+
+/// Contacts, events and the memory of pairs.
+void publish(WorldState& world);
+
+/// Counted work of the tail with this many answered pairs.
+scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts);
+
+}  // namespace poise::simulation

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/conserved.h"
+#include "simulation/cpu_clock.h"
+#include "simulation/stages.h"
+
+namespace poise {
+namespace {
+
+bool sound(const View& view) {
+  if (!view.present) return true;
+  const auto unit = [](const Vec3& v) { return v.allFinite() && std::abs(v.norm() - 1.0) < 1e-6; };
+  return view.position_m.allFinite() && unit(view.forward) && unit(view.up) && unit(view.gaze) &&
+         std::abs(view.forward.dot(view.up)) < 1.0 - 1e-6 && view.vertical_fov_rad > 0 &&
+         view.vertical_fov_rad < 3.14159 && std::isfinite(view.aspect) && view.aspect > 0;
+}
+
+StepStatus check(const StepInput& input) {
+  if (!std::isfinite(input.dt_s) || !(input.dt_s > 0)) return StepStatus::RefusedTimeStep;
+  if (!sound(input.view)) return StepStatus::RefusedView;
+  if (input.host_work.expected.count() < 0) return StepStatus::RefusedHostWork;
+  return StepStatus::Done;
+}
+
+// Pairs of bodies that were removed since the last step start anew, also where their slots are used again.
+void forget_removed(simulation::WorldState& world) {
+  if (world.removed_slots.empty()) return;
+  std::sort(world.removed_slots.begin(), world.removed_slots.end());
+  const auto removed = [&](std::uint32_t slot) {
+    return std::binary_search(world.removed_slots.begin(), world.removed_slots.end(), slot);
+  };
+  std::erase_if(world.memory,
+                [&](const simulation::PairMemory& pair) { return removed(pair.low) || removed(pair.high); });
+  world.removed_slots.clear();
+}
+
+// A stopwatch for stages that follow each other.
+class Laps {
+ public:
+  explicit Laps(SteadyClock::time_point start) : last_(start) {}
+  Nanoseconds lap() {
+    const SteadyClock::time_point now = SteadyClock::now();
+    const Nanoseconds passed = now - last_;
+    last_ = now;
+    return passed;
+  }
+
+ private:
+  SteadyClock::time_point last_;
+};
+
+// Why the frame was late, and what the forecasts learn from how long its tail took.
+void judge_time(simulation::WorldState& world, const StepInput& input, SteadyClock::time_point start, Nanoseconds cpu_before,
+                FrameReport& report) {
+  report.times.total = SteadyClock::now() - start;
+  if (input.budget.kind != Budget::Kind::Deadline) return;
+  const StageTimes& times = report.times;
+  report.budget = input.budget.deadline - start;
+  report.tail_actual = times.response + times.integrate + times.publish;
+  const Nanoseconds cpu = simulation::thread_cpu_time() - cpu_before;
+  report.off_cpu += std::max(Nanoseconds(0), times.total - cpu - report.waited);
+  scheduler::LatenessFacts facts;
+  facts.lateness = times.total + report.host_reserved - report.budget;
+  facts.mandatory = times.total - times.refine + report.host_reserved;
+  facts.budget = report.budget;
+  facts.off_cpu = report.off_cpu;
+  facts.longest_overrun = report.longest_overrun;
+  report.lateness = std::max(Nanoseconds(0), facts.lateness);
+  report.cause = static_cast<MissCause>(scheduler::classify(facts));
+  const scheduler::TailWork work = simulation::tail_work(world, report.contact_pairs);
+  world.margin.observe(report.tail_actual, world.tail.forecast(work));
+  world.tail.learn(work, report.tail_actual);
+}
+
+}  // namespace
+
+FrameReport World::step(const StepInput& input) {
+  const SteadyClock::time_point start = SteadyClock::now();
+  FrameReport report;
+  report.status = check(input);
+  if (report.status != StepStatus::Done) return report;
+  simulation::WorldState& world = *state_;
+  const Nanoseconds cpu_before = simulation::thread_cpu_time();
+  world.executor->wake();
+  report.frame = world.frame;
+  report.bodies = world.bodies.dynamic_count();
+
+  Laps laps(start);
+  forget_removed(world);
+  simulation::predict(world, input);
+  report.times.predict = laps.lap();
+  simulation::find_pairs(world, input, report);
+  laps.lap();
+  simulation::refine(world, input, report);
+  report.times.refine = laps.lap();
+  simulation::respond(world, input, report);
+  report.times.response = laps.lap();
+  simulation::integrate(world, input);
+  report.times.integrate = laps.lap();
+  simulation::publish(world);
+  ++world.frame;
+  report.times.publish = laps.lap();
+  judge_time(world, input, start, cpu_before, report);
+  if (input.measure_energy) {
+    const Conserved sums = conserved();
+    report.kinetic_j = sums.kinetic_j;
+    report.potential_j = sums.potential_j;
+  }
+  return report;
+}
+
+}  // namespace poise

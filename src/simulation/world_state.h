@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "collision/broad_phase.h"
+#include "collision/pair_refinement.h"
+#include "dynamics/body_store.h"
+#include "parallel/executor.h"
+#include "parallel/priority_bands.h"
+#include "poise/scheduler/forecast.h"
+#include "poise/scheduler/frame_budget.h"
+#include "poise/scheduler/policy.h"
+#include "poise/scheduler/rounds.h"
+#include "poise/world.h"
+#include "response/contact_row.h"
+#include "response/solve.h"
+
+namespace poise::simulation {
+
+/// What is known of a shape before any step.
+struct ShapeFacts {
+  ShapePtr shape;
+  std::array<float, kMaxTreeDepth + 1> error_m{};  ///< area-weighted mean protrusion of each level; the last one repeats
+};
+
+/// What a pair takes from one frame to the next. Part of the state.
+struct PairMemory {
+  std::uint32_t low = 0, high = 0;     ///< slots
+  std::uint32_t frames_waited = 0;     ///< since a level beyond the mandatory one was completed
+  bool touching = false;
+  double impulse_ns = 0;               ///< of resting contact, per substep
+};
+
+/// A candidate pair whose coarsest spheres are nearer than its margin, during one frame.
+struct ActivePair {
+  std::uint32_t low = 0, high = 0;     ///< slots in order
+  std::uint32_t a = 0, b = 0;          ///< the same, a plane always second
+  double margin_m = 0, skin_m = 0;
+  collision::PairLevel level;
+  scheduler::PairCues cues;
+  std::array<float, kMaxTreeDepth + 1> error_m{};
+  PairMemory memory;
+  bool full = false;                   ///< a front had no room: left at its level
+
+  [[nodiscard]] std::uint64_t id() const { return (std::uint64_t{low} << 32U) | high; }
+};
+
+/// What one worker did in a refinement; put together when all have ended.
+struct WorkerTally {
+  std::uint64_t units = 0;
+  std::uint64_t jobs = 0, dropped = 0, separated = 0, full = 0;
+  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0};
+  SteadyClock::time_point ended{};
+};
+
+/// Everything that one step works on. Invariant: buffers only grow.
+struct FrameBuffers {
+  std::vector<collision::Pose> poses;                  // one a slot
+  std::vector<Mat3> inverse_inertia;                   // one a slot, world frame
+  std::vector<collision::MotionBound> bounds;
+  std::vector<collision::PlaneBound> planes;
+  std::vector<std::uint32_t> active_of_chunk;          // per chunk of candidates
+  std::vector<std::uint32_t> active_candidate;         // candidates that are active, chunk after chunk
+  std::vector<ActivePair> pairs;                       // in canonical order
+  std::vector<collision::FrontPool> pools;             // one a worker
+  std::vector<WorkerTally> tallies;                    // one a worker
+  std::vector<std::uint32_t> row_pair;                 // pairs that are answered, in canonical order
+  std::vector<response::Coloring::Edge> edges;
+  response::Coloring coloring;
+  std::vector<response::ContactRow> rows;              // in the order of the colouring
+  std::vector<response::PointContact> points;
+  std::vector<std::uint32_t> points_begin;             // per answered pair
+  std::vector<response::SolverBody> solver_bodies;     // one a slot
+  std::vector<response::Acceleration> accelerations;   // one a slot
+};
+
+/// Everything that a World holds.
+struct WorldState {
+  WorldSettings settings;
+  std::unique_ptr<parallel::Executor> executor;
+  dynamics::BodyStore bodies;
+  std::vector<std::uint32_t> shape_of;                 // per slot: index into shapes
+  std::vector<ShapeFacts> shapes;
+  std::vector<Material> materials;
+  std::uint64_t frame = 0;
+
+  std::vector<PairMemory> memory;          // of the last step's active pairs, sorted
+  std::vector<PairMemory> next_memory;
+  std::vector<std::uint32_t> removed_slots;            // since the last step
+  std::vector<Contact> contacts;
+  std::vector<ContactEvent> events;
+
+  collision::BroadPhase broad_phase;
+  parallel::PriorityBands bands;
+  scheduler::RoundSelector rounds;
+  scheduler::TailForecast tail;
+  scheduler::TrackedQuantile margin;
+  scheduler::DurationForecast host_work;
+  double unit_cost_ns = 60;                            // prior; replaced by what is measured
+  FrameBuffers buffers;
+};
+
+}  // namespace poise::simulation
