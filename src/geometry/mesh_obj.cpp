@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -29,6 +30,29 @@ bool is_finite_number(std::string_view word) {
   return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
 }
 
+/// A line that ends in a backslash goes on in the next; the loader does not know that. Puts such lines together, each
+/// line end becoming a blank, and leaves the same number of line ends behind the whole, so that lines keep their numbers.
+std::string joined_lines(const std::string& text) {
+  if (text.find('\\') == std::string::npos) return text;
+  std::string joined;
+  std::size_t owed = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool carriage = text[i] == '\\' && i + 2 < text.size() && text[i + 1] == '\r' && text[i + 2] == '\n';
+    if (carriage || (text[i] == '\\' && i + 1 < text.size() && text[i + 1] == '\n')) {
+      joined += ' ';
+      ++owed;
+      i += carriage ? 2 : 1;
+      continue;
+    }
+    joined += text[i];
+    if (text[i] == '\n') {
+      joined.append(owed, '\n');
+      owed = 0;
+    }
+  }
+  return joined;
+}
+
 /// The loader reads a word that is no number as 0, so the coordinates are looked at here first. Empty when all are fine.
 std::string wrong_coordinate(std::string_view text) {
   std::size_t line_number = 0;
@@ -50,13 +74,18 @@ std::string wrong_coordinate(std::string_view text) {
 
 }  // namespace
 
-Result<TriangleMesh> parse_obj(const std::string& text) {
+Result<TriangleMesh> parse_obj(const std::string& file_text) {
+  const std::string text = joined_lines(file_text);
   if (std::string wrong = wrong_coordinate(text); !wrong.empty()) return bad_input(std::move(wrong));
   tinyobj::ObjReaderConfig config;
   config.triangulate = false;
   config.vertex_color = false;
   tinyobj::ObjReader reader;
-  if (!reader.ParseFromString(text, std::string(), config)) return bad_input(fmt::format("not a valid OBJ: {}", reader.Error()));
+  if (!reader.ParseFromString(text, std::string(), config)) {
+    std::string why = reader.Error();
+    std::ranges::replace(why, '\n', ' ');
+    return bad_input(fmt::format("not a valid OBJ: {}", why));
+  }
   TriangleMesh mesh;
   const auto& coordinates = reader.GetAttrib().vertices;
   for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3) {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "geometry/bounds.h"
+#include "geometry/mesh_counts.h"
 #include "geometry/mesh_files.h"
 #include "geometry/rounding.h"
 #include "poise/mesh.h"
@@ -34,6 +34,15 @@ std::string why_unreadable(const fs::path& file) {
   return std::ifstream(file, std::ios::binary) ? std::string() : "cannot be read: no permission";
 }
 
+/// The first bytes of a file, enough for any header.
+std::string start_of(const fs::path& file) {
+  std::string start(65536, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  return start;
+}
+
 Result<TriangleMesh> read_unscaled(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".obj") {
@@ -41,6 +50,10 @@ Result<TriangleMesh> read_unscaled(const fs::path& file) {
     const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     return geometry::parse_obj(text);
   }
+  std::string wrong;
+  if (extension == ".off") wrong = geometry::wrong_off_counts(start_of(file), fs::file_size(file));
+  if (extension == ".ply") wrong = geometry::wrong_ply_counts(start_of(file), fs::file_size(file));
+  if (!wrong.empty()) return bad_input(std::move(wrong));
   for (const char* known : {".stl", ".ply", ".off", ".gltf", ".glb"}) {
     if (extension == known) return geometry::import_with_assimp(file);
   }
