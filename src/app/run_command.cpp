@@ -118,7 +118,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.contact = options.contact;
   d.clock = options.clock;
   d.paced = loop.paced;
-  if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) * 1e-6;
+  if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) / 1e6;
   d.host_work_ms = options.host_work_ms.value_or(0);
   d.budget_work = loop.budget_work;
   d.max_level = loop.max_level;

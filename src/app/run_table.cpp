@@ -59,7 +59,7 @@ void misses(const simulation::RunFigures& f, Out out) {
 
 void refinement(const simulation::RunFigures& f, Out out) {
   const simulation::WorkFigures& w = f.work;
-  fmt::format_to(out, "\ncontacts       {:.1f} a frame, from {:.1f} candidate pairs\n", f.contacts_mean,
+  fmt::format_to(out, "\ncontacts       {:.4g} a frame, from {:.4g} candidate pairs\n", f.contacts_mean,
                  w.candidate_pairs_mean);
   fmt::format_to(out, "levels         ");
   if (f.level_mean) {

@@ -9,7 +9,7 @@
 namespace poise::io {
 namespace {
 
-double ms(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-6; }
+double ms(Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
 
 /// One pass over the columns serves header and rows, so that they cannot fall apart.
 class FrameRow {

@@ -9,7 +9,7 @@
 namespace poise::simulation {
 namespace {
 
-double ms(Nanoseconds time) { return static_cast<double>(time.count()) * 1e-6; }
+double ms(Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
 
 struct StageMember {
   const char* name;
