@@ -22,15 +22,12 @@ SphereContact contact_of(const PairFrame& frame, const Sphere& a, const Sphere& 
   return contact;
 }
 
-void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact, double expected, double certain) {
+void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
   const Vec3 normal = weight * contact.normal;
   sum.weight_m += weight;
   sum.direction += normal;
   sum.moment_m2 += contact.point_m.cross(normal);
   sum.place_m2 += weight * contact.point_m;
-  sum.gap_m2 += weight * contact.gap_m;
-  sum.expected_m2 += weight * expected;
-  sum.certain_m2 += weight * certain;
 }
 
 }  // namespace
@@ -58,12 +55,14 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
       expected += static_cast<double>(b.protrusion_mean_m[entry.b]);
       certain += static_cast<double>(b.protrusion_max_m[entry.b]);
     }
-    sums.least_gap_m = std::min(sums.least_gap_m, contact.gap_m);
+    sums.spheres_m = std::min(sums.spheres_m, contact.gap_m);
+    sums.likely_m = std::min(sums.likely_m, contact.gap_m + expected);
+    sums.surely_m = std::min(sums.surely_m, contact.gap_m + certain);
     if (contact.gap_m < frame.skin_m) {
-      add_weighted(sums.touching, frame.skin_m - contact.gap_m, contact, expected, certain);
+      add_weighted(sums.touching, frame.skin_m - contact.gap_m, contact);
     }
     if (sums.touching.weight_m == 0) {
-      add_weighted(sums.near, frame.margin_m - contact.gap_m, contact, expected, certain);
+      add_weighted(sums.near, frame.margin_m - contact.gap_m, contact);
     }
   }
 }
@@ -81,10 +80,9 @@ PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, cons
   contact.moment_a_m = rotation_a * moment_a;
   contact.moment_b_m = rotation_a * moment_b;
   contact.arm_m = rotation_a * (scale * sum.place_m2);
-  contact.gap_m = scale * sum.gap_m2;
-  contact.expected_m = scale * sum.expected_m2;
-  contact.certain_m = scale * sum.certain_m2;
-  contact.least_gap_m = sums.least_gap_m;
+  contact.spheres_m = sums.spheres_m;
+  contact.likely_m = sums.likely_m;
+  contact.surely_m = sums.surely_m;
   contact.present = true;
   return contact;
 }

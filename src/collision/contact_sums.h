@@ -27,9 +27,6 @@ struct WrenchSum {
   Vec3 direction = Vec3::Zero();       ///< sum of w n
   Vec3 moment_m2 = Vec3::Zero();       ///< sum of w c x n, about the centre of mass of a
   Vec3 place_m2 = Vec3::Zero();        ///< sum of w c
-  double gap_m2 = 0;                   ///< sum of w gap
-  double expected_m2 = 0;              ///< sum of w (mean protrusion of both nodes)
-  double certain_m2 = 0;               ///< sum of w (largest protrusion of both nodes)
 };
 
 /// Two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by
@@ -37,7 +34,9 @@ struct WrenchSum {
 struct ContactSums {
   WrenchSum touching;
   WrenchSum near;
-  double least_gap_m = 1e300;
+  double spheres_m = 1e300;            ///< least gap of two spheres
+  double likely_m = 1e300;             ///< least gap plus mean protrusion of both nodes
+  double surely_m = 1e300;             ///< least gap plus largest protrusion of both nodes
 };
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
@@ -48,10 +47,9 @@ struct PairContact {
   Vec3 moment_a_m = Vec3::Zero();  ///< t_a = sum w (c - x_a) x n / sum w
   Vec3 moment_b_m = Vec3::Zero();  ///< t_b = sum w (c - x_b) x n / sum w
   Vec3 arm_m = Vec3::Zero();       ///< mean contact point from the centre of mass of a
-  double gap_m = 0;                ///< mean gap of the spheres
-  double expected_m = 0;           ///< mean protrusion of both sides: gap + expected is the likely gap of the surfaces
-  double certain_m = 0;            ///< largest protrusion: gap + certain < 0 is penetration beyond doubt
-  double least_gap_m = 0;          ///< of any two spheres
+  double spheres_m = 0;            ///< least gap of two spheres
+  double likely_m = 0;             ///< likely gap of the two surfaces, least over the front
+  double surely_m = 0;             ///< below zero the two surfaces penetrate beyond doubt
   bool present = false;            ///< something is nearer than the margin
 };
 

@@ -52,15 +52,4 @@ Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std:
                             out);
 }
 
-bool roots_overlap(const PairFrame& frame) {
-  const Sphere a = frame.a->tree.sphere(0);
-  const double inflation = static_cast<double>(frame.inflation_m);
-  if (frame.with_plane()) {
-    return frame.plane_normal.dot(a.center_m) - frame.plane_height_m < a.radius_m + inflation;
-  }
-  const Sphere b = frame.b->tree.sphere(0);
-  const double reach = a.radius_m + b.radius_m + inflation;
-  return (frame.rotation * b.center_m + frame.offset_m - a.center_m).squaredNorm() < reach * reach;
-}
-
 }  // namespace poise::collision

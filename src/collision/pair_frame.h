@@ -36,7 +36,4 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
 /// Expands part of a front of the pair by one level on both sides.
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out);
 
-/// Do the root spheres overlap (margin included)?
-bool roots_overlap(const PairFrame& frame);
-
 }  // namespace poise::collision

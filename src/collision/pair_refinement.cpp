@@ -30,15 +30,15 @@ std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run
 
 }  // namespace
 
-PairLevel coarsest_level(const PairFrame& frame, const Mat3& rotation_a, Level max_level) {
-  PairLevel pair;
-  const Level depth_b = frame.with_plane() ? Level{0} : frame.b->tree.depth();
-  pair.deepest = std::min(max_level, std::max(frame.a->tree.depth(), depth_b));
+Level deepest_level(const Shape& a, const Shape& b, Level max_level) {
+  const Level depth_b = b.kind == ShapeKind::Plane ? Level{0} : b.tree.depth();
+  return std::min(max_level, std::max(a.tree.depth(), depth_b));
+}
+
+PairContact coarsest_contact(const PairFrame& frame, const Mat3& rotation_a) {
   ContactSums sums;
   add_to_sums(frame, kRoots, sums);
-  pair.contact = finish_contact(frame, sums, rotation_a);
-  pair.apart = !pair.contact.present;
-  return pair;
+  return finish_contact(frame, sums, rotation_a);
 }
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool) {

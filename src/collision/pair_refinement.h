@@ -38,8 +38,11 @@ enum class Quantum : std::uint8_t {
   Full,      ///< the pool has no room: the level is to be dropped whole
 };
 
-/// Level 0 of a pair: its two root spheres.
-PairLevel coarsest_level(const PairFrame& frame, const Mat3& rotation_a, Level max_level);
+/// The deepest level that refining two shapes can reach; b may be a plane.
+Level deepest_level(const Shape& a, const Shape& b, Level max_level);
+
+/// The contact of level 0: that of the two root spheres.
+PairContact coarsest_contact(const PairFrame& frame, const Mat3& rotation_a);
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
 

@@ -38,13 +38,22 @@ double margin_m(const WorldState& world, std::size_t a, std::size_t b, double sk
   return closing + skin_m;
 }
 
-const PairMemory* remembered(const std::vector<PairMemory>& memory, std::uint32_t low, std::uint32_t high) {
-  const auto at = std::lower_bound(memory.begin(), memory.end(), std::pair(low, high),
-                                   [](const PairMemory& m, const std::pair<std::uint32_t, std::uint32_t>& key) {
-                                     return std::pair(m.low, m.high) < key;
-                                   });
-  return at != memory.end() && at->low == low && at->high == high ? &*at : nullptr;
-}
+// Goes through last frame's pairs beside this frame's, both in canonical order.
+class Recollection {
+ public:
+  Recollection(const std::vector<PairMemory>& memory, std::uint32_t low, std::uint32_t high)
+      : at_(std::lower_bound(memory.begin(), memory.end(), std::pair(low, high), before)), end_(memory.end()) {}
+  PairMemory of(std::uint32_t low, std::uint32_t high) {
+    while (at_ != end_ && before(*at_, {low, high})) ++at_;
+    if (at_ != end_ && at_->low == low && at_->high == high) return *at_;
+    return {low, high, 0, false, 0};
+  }
+
+ private:
+  using Key = std::pair<std::uint32_t, std::uint32_t>;
+  static bool before(const PairMemory& memory, const Key& key) { return Key(memory.low, memory.high) < key; }
+  std::vector<PairMemory>::const_iterator at_, end_;
+};
 
 // Slots and margins of a candidate; nothing that needs its shapes refined.
 ActivePair outlined(const WorldState& world, const collision::CandidatePair& candidate, const StepInput& input) {
@@ -61,29 +70,42 @@ ActivePair outlined(const WorldState& world, const collision::CandidatePair& can
   return pair;
 }
 
-void fill(const WorldState& world, const StepInput& input, ActivePair& pair) {
+// Are the root spheres of a pair nearer than its margin? World frame, double precision.
+bool roots_near(const WorldState& world, const ActivePair& pair) {
+  const FrameBuffers& buffers = world.buffers;
+  const double radius_a = static_cast<double>(world.bodies.shape[pair.a]->tree.radius_m[0]);
+  const Vec3& center_a = buffers.root_center_m[pair.a];
+  const Shape& shape_b = *world.bodies.shape[pair.b];
+  if (shape_b.kind == ShapeKind::Plane) {
+    const Vec3 normal = buffers.poses[pair.b].rotation * shape_b.plane_normal;
+    const double height = normal.dot(center_a - buffers.poses[pair.b].position_m) - shape_b.plane_offset_m;
+    return height < radius_a + pair.margin_m;
+  }
+  const double reach = radius_a + static_cast<double>(shape_b.tree.radius_m[0]) + pair.margin_m;
+  return (buffers.root_center_m[pair.b] - center_a).squaredNorm() < reach * reach;
+}
+
+// What the viewer sees of a pair that is known by its root spheres alone.
+PairSighting sighting_of(const WorldState& world, const ActivePair& pair) {
   const FrameBuffers& buffers = world.buffers;
   const dynamics::BodyStore& bodies = world.bodies;
-  pair.level = collision::coarsest_level(frame_of(world, pair), buffers.poses[pair.a].rotation, input.max_level);
-  if (const PairMemory* memory = remembered(world.memory, pair.low, pair.high)) {
-    pair.memory = *memory;
-  } else {
-    pair.memory = {pair.low, pair.high, 0, false, 0};
-  }
-  if (!pair.level.refinable()) return;
-  const ShapeFacts& facts_a = world.shapes[world.shape_of[pair.a]];
-  const ShapeFacts& facts_b = world.shapes[world.shape_of[pair.b]];
-  for (std::size_t level = 0; level < pair.error_m.size(); ++level) {
-    pair.error_m[level] = facts_a.error_m[level] + facts_b.error_m[level];
-  }
+  const Shape& shape_b = *bodies.shape[pair.b];
   PairSighting sighting;
-  sighting.point_m = bodies.position(pair.a) + pair.level.contact.arm_m;
-  sighting.normal = pair.level.contact.direction;
+  const Vec3& center_a = buffers.root_center_m[pair.a];
+  if (shape_b.kind == ShapeKind::Plane) {
+    sighting.normal = -(buffers.poses[pair.b].rotation * shape_b.plane_normal);
+    sighting.point_m = center_a + static_cast<double>(bodies.shape[pair.a]->tree.radius_m[0]) * sighting.normal;
+  } else {
+    const Vec3 between = buffers.root_center_m[pair.b] - center_a;
+    const double distance = between.norm();
+    if (distance > 0) sighting.normal = between / distance;
+    sighting.point_m = center_a + 0.5 * between;
+  }
   sighting.extent_m = pair.skin_m / kSkin;
-  sighting.closing_mps = pair.level.contact.direction.dot(bodies.velocity(pair.a) - bodies.velocity(pair.b));
+  sighting.closing_mps = sighting.normal.dot(bodies.velocity(pair.a) - bodies.velocity(pair.b));
   sighting.importance = bodies.importance[pair.a] * bodies.importance[pair.b];
   sighting.frames_waited = pair.memory.frames_waited;
-  pair.cues = cues_of(input.view, sighting);
+  return sighting;
 }
 
 }  // namespace
@@ -100,6 +122,7 @@ void predict(WorldState& world, const StepInput& input) {
   const std::size_t slots = bodies.slot_count();
   buffers.poses.resize(slots);
   buffers.inverse_inertia.resize(slots);
+  buffers.root_center_m.resize(slots);
   buffers.bounds.clear();
   buffers.planes.clear();
   for (std::size_t i = 0; i < slots; ++i) {
@@ -113,6 +136,9 @@ void predict(WorldState& world, const StepInput& input) {
       if (bodies.alive[i] == 0) continue;
       buffers.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
       buffers.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
+      if (bodies.shape[i]->kind == ShapeKind::Plane) continue;
+      buffers.root_center_m[i] =
+          buffers.poses[i].position_m + buffers.poses[i].rotation * bodies.shape[i]->tree.sphere(0).center_m;
     }
   });
   parallel::parallel_for(*world.executor, buffers.bounds.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -149,7 +175,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!collision::roots_overlap(frame_of(world, outlined(world, found.pairs[i], input)))) continue;
+      if (!roots_near(world, outlined(world, found.pairs[i], input))) continue;
       buffers.active_candidate[begin + active++] = static_cast<std::uint32_t>(i);
     }
     buffers.active_of_chunk[begin / kGrain + 1] = active;
@@ -158,13 +184,20 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   buffers.pairs.resize(buffers.active_of_chunk[chunks]);
   parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
     const std::uint32_t first = buffers.active_of_chunk[chunk];
+    if (first == buffers.active_of_chunk[chunk + 1]) return;
+    const collision::CandidatePair& lowest = found.pairs[buffers.active_candidate[chunk * kGrain]];
+    Recollection recollection(world.memory, lowest.low, lowest.high);
     for (std::uint32_t k = first; k < buffers.active_of_chunk[chunk + 1]; ++k) {
       const std::uint32_t candidate = buffers.active_candidate[chunk * kGrain + (k - first)];
-      buffers.pairs[k] = outlined(world, found.pairs[candidate], input);
-      fill(world, input, buffers.pairs[k]);
+      ActivePair& pair = buffers.pairs[k];
+      pair = outlined(world, found.pairs[candidate], input);
+      pair.memory = recollection.of(pair.low, pair.high);
+      pair.level.deepest =
+          collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level);
+      if (pair.level.refinable()) pair.cues = cues_of(input.view, sighting_of(world, pair));
     }
   });
-  for (const ActivePair& pair : buffers.pairs) report.coarse_pairs += pair.level.apart ? 0 : 1;
+  report.coarse_pairs = buffers.pairs.size();
   report.times.coarse = SteadyClock::now() - start - report.times.broad_phase;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "parallel/shared.h"
@@ -16,8 +17,12 @@ struct Refinement {
   std::span<WorkerTally> tallies;
 
   double score(const ActivePair& pair, std::uint32_t index) const {
-    const scheduler::PairChain chain{pair.id(), pair.level.level,
-                                     std::span(pair.error_m).first(pair.level.deepest + 1U), pair.level.front_entries};
+    std::array<float, kMaxTreeDepth + 1> error_m;
+    const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
+    const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
+    for (std::size_t level = 0; level < error_m.size(); ++level) error_m[level] = error_a[level] + error_b[level];
+    const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
+                                     pair.level.front_entries};
     return scheduler::score(world.settings.policy, facts, chain, pair.cues, index);
   }
 };

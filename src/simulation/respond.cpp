@@ -71,8 +71,11 @@ void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place,
 
 response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_t& degenerate) {
   FrameBuffers& buffers = world.buffers;
-  const ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
-  const collision::PairContact& contact = pair.level.contact;
+  ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
+  collision::PairContact& contact = pair.level.contact;
+  if (pair.level.level == 0) {
+    contact = collision::coarsest_contact(frame_of(world, pair), buffers.poses[pair.a].rotation);
+  }
   response::ContactRow row;
   row.a = pair.a;
   row.b = pair.b;
@@ -80,9 +83,9 @@ response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_
   row.direction = contact.direction;
   row.moment_a_m = contact.moment_a_m;
   row.moment_b_m = contact.moment_b_m;
-  row.surely_m = contact.gap_m + contact.certain_m;
+  row.surely_m = contact.surely_m;
   // The paper answers the spheres themselves; the wrench answers the surfaces that are likely inside them.
-  row.gap_m = world.settings.contact == ContactModel::Paper ? contact.gap_m : contact.gap_m + contact.expected_m;
+  row.gap_m = world.settings.contact == ContactModel::Paper ? contact.spheres_m : contact.likely_m;
   row.slop_m = kSlopOfSkin * pair.skin_m;
   row.restitution = std::max(world.materials[world.bodies.material[pair.a]].restitution,
                              world.materials[world.bodies.material[pair.b]].restitution);

@@ -39,9 +39,8 @@ struct ActivePair {
   std::uint32_t low = 0, high = 0;     ///< slots in order
   std::uint32_t a = 0, b = 0;          ///< the same, a plane always second
   double margin_m = 0, skin_m = 0;
-  collision::PairLevel level;
+  collision::PairLevel level;          ///< the contact of level 0 is made only if the pair stays there
   scheduler::PairCues cues;
-  std::array<float, kMaxTreeDepth + 1> error_m{};
   PairMemory memory;
   bool full = false;                   ///< a front had no room: left at its level
 
@@ -60,6 +59,7 @@ struct WorkerTally {
 struct FrameBuffers {
   std::vector<collision::Pose> poses;                  // one a slot
   std::vector<Mat3> inverse_inertia;                   // one a slot, world frame
+  std::vector<Vec3> root_center_m;                     // one a slot, of the root sphere, world frame
   std::vector<collision::MotionBound> bounds;
   std::vector<collision::PlaneBound> planes;
   std::vector<std::uint32_t> active_of_chunk;          // per chunk of candidates
