@@ -7,7 +7,6 @@ set -euo pipefail
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
 "$root/cmake/install_packages.sh" build test
-echo "Building the library, the command, the tests and the benchmarks" >&2
 POISE_TESTS=ON "$root/cmake/build_release.sh" all all_verify_interface_header_sets
 cd -- "$root"
 exec ctest --preset release --parallel "$(nproc)" --progress "$@"

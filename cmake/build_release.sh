@@ -24,11 +24,12 @@ cd -- "$root"
 tests="${POISE_TESTS:-OFF}"
 configured="$(sed -n 's/^POISE_TESTS:BOOL=//p' "$build/CMakeCache.txt" 2>/dev/null || true)"
 if [[ ! -f "$build/build.ninja" || ("$tests" == ON && "$configured" != ON) ]]; then
+  echo "poise: building in build/release; the first time takes a few minutes" >&2
   cmake --preset release "-DPOISE_TESTS=$tests" "-DPOISE_BENCHMARKS=$tests" >"$log" 2>&1 </dev/null ||
     say_and_fail "could not be configured; see above"
 fi
 if [[ ! -t 2 ]]; then
-  cmake --build "$build" --target "$@" >"$log" 2>&1 </dev/null || say_and_fail "could not be built; see above"
+  cmake --build "$build" --target "$@" -- --quiet >"$log" 2>&1 </dev/null || say_and_fail "could not be built; see above"
 else
   # On a terminal ninja shows its progress in one line, and nothing stays of it when there was nothing to do.
   NINJA_STATUS="building poise [%f/%t] " cmake --build "$build" --target "$@" >&2 </dev/null || exit 1

@@ -8,11 +8,11 @@
 
 namespace poise::parallel {
 
-/// Items (small numbers) in bands of priority that any number of workers take from and put back into, without a lock and
-/// without allocation. Within a band the last one put is the first one taken.
+/// Items (small numbers) in bands of priority that any number of workers take from and put back into, without a lock
+/// and without allocation. Within a band the last one put is the first one taken.
 ///
-/// Invariant: an item is in at most one band at a time, so one link an item is enough. Each band is a Treiber stack whose
-/// head carries a counter against reuse (Treiber 1986; the counter is IBM's remedy for the ABA problem).
+/// Invariant: an item is in at most one band at a time, so one link an item is enough. Each band is a Treiber stack
+/// whose head carries a counter against reuse (Treiber 1986; the counter is IBM's remedy for the ABA problem).
 class PriorityBands {
  public:
   static constexpr std::uint32_t kBands = 256;
@@ -34,8 +34,8 @@ class PriorityBands {
     std::uint64_t old = head.load(std::memory_order_relaxed);
     do {
       next_[item].store(item_of(old), std::memory_order_relaxed);
-    } while (!head.compare_exchange_weak(old, with_item(old, item), std::memory_order_release,
-                                         std::memory_order_relaxed));
+    } while (
+        !head.compare_exchange_weak(old, with_item(old, item), std::memory_order_release, std::memory_order_relaxed));
     filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
   }
 
@@ -63,8 +63,7 @@ class PriorityBands {
     std::uint64_t old = head.load(std::memory_order_acquire);
     while (item_of(old) != kNone) {
       const std::uint32_t next = next_[item_of(old)].load(std::memory_order_relaxed);
-      if (head.compare_exchange_weak(old, with_item(old, next), std::memory_order_acquire,
-                                     std::memory_order_acquire)) {
+      if (head.compare_exchange_weak(old, with_item(old, next), std::memory_order_acquire, std::memory_order_acquire)) {
         return item_of(old);
       }
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/thread_pool.h"
 
+#include <sched.h>
+
 #include <chrono>
 #include <system_error>
 
@@ -37,6 +39,14 @@ bool spin_until(Done&& done) {
   return false;
 }
 
+/// Lets this thread run on all of `allowed` but `processor`. Where that leaves nothing, or the kernel refuses, all
+/// stays.
+void stay_away_from(const cpu_set_t& allowed, int processor) {
+  cpu_set_t others = allowed;
+  if (processor >= 0 && processor < CPU_SETSIZE) CPU_CLR(static_cast<std::size_t>(processor), &others);
+  if (CPU_COUNT(&others) > 0) sched_setaffinity(0, sizeof(others), &others);
+}
+
 }  // namespace
 
 ThreadPool::ThreadPool(int threads) {
@@ -57,6 +67,7 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::call_workers() {
+  caller_processor_.store(sched_getcpu(), std::memory_order_relaxed);
   calls_.fetch_add(1, std::memory_order_seq_cst);
   calls_.notify_all();
 }
@@ -106,6 +117,9 @@ bool ThreadPool::take_part(int worker, std::uint32_t& last_run) {
 }
 
 void ThreadPool::work(int worker) {
+  cpu_set_t allowed;
+  const bool knows_processors = sched_getaffinity(0, sizeof(allowed), &allowed) == 0;
+  int avoided_processor = -1;
   std::uint32_t last_run = 0;  // no run has number 0 until the count wraps, and then a worker stays out of that one
   for (;;) {
     // Read before the gate is looked at: a run that opens after the look has changed it, and wait() returns at once.
@@ -116,7 +130,14 @@ void ThreadPool::work(int worker) {
       return worked || stopping_.load(std::memory_order_acquire);
     });
     if (up && !worked) return;
-    if (!worked) calls_.wait(calls, std::memory_order_acquire);
+    if (worked) continue;
+    // The caller may have moved. To follow it costs the caller nothing here, and a frame at most comes in between.
+    const int processor = caller_processor_.load(std::memory_order_relaxed);
+    if (knows_processors && processor != avoided_processor) {
+      avoided_processor = processor;
+      stay_away_from(allowed, processor);
+    }
+    calls_.wait(calls, std::memory_order_acquire);
   }
 }
 

@@ -17,8 +17,9 @@ namespace poise::parallel {
 /// waits for the count to fall to 0. So a worker that the machine gave no time is never waited for, and cannot come in
 /// after the end. run() neither locks nor allocates.
 ///
-/// A worker without work spins for a bounded time and then sleeps. One thread at a time may call run(); a call while
-/// another one runs is worked off by its own thread alone.
+/// A worker without work spins for a bounded time and then sleeps, having left the caller's processor to the caller:
+/// some kernels wake a thread on the processor of its waker although others idle, and there it would come too late. One
+/// thread at a time may call run(); a call while another one runs is worked off by its own thread alone.
 class ThreadPool final : public Executor {
  public:
   /// `threads` in [1, 256], the calling thread included. Fewer are used if the system refuses to start them.
@@ -40,6 +41,7 @@ class ThreadPool final : public Executor {
   alignas(64) std::atomic<std::uint32_t> gate_{0};   ///< bits 0-7 workers inside, bit 8 open, the rest the run's number
   const WorkerFunction* loop_ = nullptr;             ///< written before the gate opens, read by those who entered
   alignas(64) std::atomic<std::uint32_t> calls_{0};  ///< sleepers wait for it to change
+  std::atomic<int> caller_processor_{-1};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> busy_{false};
   std::vector<std::jthread> threads_;  ///< last: its threads end before the words that they read

@@ -2,6 +2,7 @@
 #include "parallel/executor.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <array>
 #include <atomic>
@@ -227,6 +228,40 @@ TEST(Executor, HasAtMost256Workers) {
   std::atomic<int> items{0};
   parallel_for(*executor, 1000, 1, [&](std::size_t, std::size_t, int) { ++items; });
   EXPECT_EQ(items, 1000);
+}
+
+std::vector<bool> processors_of_this_thread() {
+  cpu_set_t allowed;
+  EXPECT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
+  std::vector<bool> processors;
+  for (std::size_t i = 0; i < CPU_SETSIZE; ++i) processors.push_back(CPU_ISSET(i, &allowed) != 0);
+  return processors;
+}
+
+TEST(Executor, LeavesTheCallersProcessorsAlone) {
+  const std::vector<bool> before = processors_of_this_thread();
+  for (const ExecutorKind kind : {ExecutorKind::Tbb, ExecutorKind::Threads}) {
+    const auto executor = make_executor(kind, 3);
+    for (int run = 0; run < 500; ++run) executor->run([](int) {});
+    EXPECT_EQ(processors_of_this_thread(), before);
+  }
+}
+
+// A thread that may use one processor alone: its workers have nowhere else to go, and the work is done all the same.
+TEST(Executor, WorksWhereThereIsOneProcessorOnly) {
+  std::size_t items = 0;
+  std::jthread([&items] {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+    ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
+    EXPECT_EQ(available_threads(), 1);
+    const auto executor = make_executor(ExecutorKind::Threads, 3);
+    std::atomic<std::size_t> done{0};
+    for (int run = 0; run < 50; ++run) parallel_for(*executor, 40, 1, [&](std::size_t, std::size_t, int) { ++done; });
+    items = done;
+  }).join();
+  EXPECT_EQ(items, 2000U);
 }
 
 TEST(AvailableThreads, IsAtLeastOneAndAtMostWhatTheMachineHas) {
