@@ -7,9 +7,12 @@
 namespace poise::scheduler {
 namespace {
 
-constexpr double kForgetting = 0.99;
-// Covariance of a coefficient that is as uncertain as before the first frame. Chosen: a microsecond a unit, widely missed.
-constexpr double kWideCovariance = 100.0;
+// How much a coefficient is thought to wander from frame to frame and one frame to be off, each as a share. Chosen: a
+// machine that changes its speed is followed within about ten frames.
+constexpr double kDrift = 0.02;
+constexpr double kNoise = 0.1;
+// Standard deviation of a coefficient of which nothing is known, as a share of its prior and of 1 us.
+constexpr double kIgnorance = 3.0;
 
 }  // namespace
 
@@ -17,7 +20,10 @@ TailForecast::TailForecast() {
   // Prior: 30 us, and per thousand: bodies 100 us, contacts 400 us, candidates 20 us, sphere contacts 100 us. On the slow
   // side of the machines that we tried; the first tens of frames replace it.
   coefficient_us_ = {30.0, 100.0, 400.0, 20.0, 100.0};
-  for (std::size_t i = 0; i < kFeatures; ++i) covariance_[i][i] = kWideCovariance;
+  for (std::size_t i = 0; i < kFeatures; ++i) {
+    const double deviation_us = kIgnorance * (coefficient_us_[i] + 1.0);
+    widest_[i] = covariance_[i][i] = deviation_us * deviation_us;
+  }
 }
 
 TailForecast::Features TailForecast::features(const TailWork& work) {
@@ -47,17 +53,25 @@ void TailForecast::learn(const TailWork& work, Nanoseconds actual) {
   // A frame ten times off the forecast was disturbed, not informative: its pull is bounded.
   const double bound_us = 2.0 * std::max(forecast_us, 10.0);
   const double residual_us = std::clamp(actual_us - forecast_us, -bound_us, bound_us);
-  const double denominator = kForgetting + xpx;
-  double trace = 0;
+  const double noise_us = kNoise * std::max(forecast_us, 10.0);
+  const double denominator = noise_us * noise_us + xpx;
   for (std::size_t i = 0; i < kFeatures; ++i) {
     coefficient_us_[i] += px[i] / denominator * residual_us;
     for (std::size_t j = 0; j < kFeatures; ++j) covariance_[i][j] -= px[i] * px[j] / denominator;
-    trace += covariance_[i][i];
   }
-  // Forget only while the covariance is small: directions that are never excited would grow without bound.
-  if (trace < kWideCovariance * kFeatures) {
-    for (Features& row : covariance_) {
-      for (double& value : row) value /= kForgetting;
+  widen();
+}
+
+// Every coefficient may have wandered since; none can be less known than before the first frame.
+void TailForecast::widen() {
+  for (std::size_t i = 0; i < kFeatures; ++i) {
+    const double drift_us = kDrift * (std::abs(coefficient_us_[i]) + 1.0);
+    covariance_[i][i] += drift_us * drift_us;
+    if (covariance_[i][i] <= widest_[i]) continue;
+    const double scale = std::sqrt(widest_[i] / covariance_[i][i]);
+    for (std::size_t j = 0; j < kFeatures; ++j) {
+      covariance_[i][j] *= scale;
+      covariance_[j][i] *= scale;
     }
   }
 }

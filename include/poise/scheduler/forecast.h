@@ -18,9 +18,9 @@ struct TailWork {
   std::uint64_t sphere_contacts = 0; ///< answered one by one (0 for models with one impulse a pair)
 };
 
-/// Point forecast of the tail: linear in counted work, fitted online by recursive least squares with forgetting
-/// (e.g. Haykin, Adaptive Filter Theory, ch. 10). Invariant: the covariance stays bounded, so work that never varies
-/// cannot blow the fit up. No clock: the caller measures.
+/// Point forecast of the tail: linear in counted work, its coefficients followed online as a random walk (Kalman filter;
+/// recursive least squares with forgetting is its special case, and stops learning where the work never varies).
+/// Invariant: the covariance stays between the drift of one frame and what was unknown at first. No clock: the caller measures.
 class TailForecast {
  public:
   TailForecast();
@@ -33,7 +33,9 @@ class TailForecast {
   static constexpr std::size_t kFeatures = 5;
   using Features = std::array<double, kFeatures>;
   static Features features(const TailWork& work);
+  void widen();
   Features coefficient_us_{};
+  Features widest_{};
   std::array<Features, kFeatures> covariance_{};
 };
 

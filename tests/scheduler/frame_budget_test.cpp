@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "poise/scheduler/frame_budget.h"
+
+#include <gtest/gtest.h>
+
+namespace poise::scheduler {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+// All times are invented.
+const TimePoint kStart{std::chrono::hours(5)};
+
+FrameBudget plain_budget() {
+  FrameBudget budget;
+  budget.limited = true;
+  budget.deadline = kStart + milliseconds(10);
+  budget.tail_fixed = milliseconds(2);
+  budget.tail_per_contact_ns = 1000;
+  budget.unit_cost_ns = 50;
+  budget.job_overhead_ns = 0;
+  return budget;
+}
+
+TEST(FrameBudget, TheCutIsTheDeadlineLessHostWorkLessReserve) {
+  FrameBudget budget = plain_budget();
+  budget.host_work = milliseconds(3);
+  EXPECT_EQ(budget.cut(0), kStart + milliseconds(5));
+  EXPECT_EQ(budget.cut(1000), kStart + milliseconds(4));
+}
+
+TEST(FrameBudget, APairFoundApartGivesItsResponseTimeBack) {
+  const FrameBudget budget = plain_budget();
+  EXPECT_EQ(budget.cut(99) - budget.cut(100), microseconds(1));
+}
+
+TEST(FrameBudget, AJobIsAdmittedOnlyIfItsForecastEndsBeforeTheCut) {
+  const FrameBudget budget = plain_budget();  // the cut is at 8 ms
+  const std::uint64_t units = 100;            // 5 us
+  EXPECT_TRUE(budget.admits(kStart + milliseconds(8) - microseconds(5), units, 0));
+  EXPECT_FALSE(budget.admits(kStart + milliseconds(8) - microseconds(5) + Nanoseconds(1), units, 0));
+}
+
+TEST(FrameBudget, WithoutADeadlineEveryJobIsAdmitted) {
+  EXPECT_TRUE(FrameBudget{}.admits(TimePoint::max() - std::chrono::hours(1), 1U << 20U, 1U << 20U));
+}
+
+TEST(FrameBudget, TheReserveIsTheForecastTimesTheMargin) {
+  TailForecast tail;
+  const TailWork work{1000, 0, 5000, 0};
+  for (int frame = 0; frame < 500; ++frame) {
+    TailWork varied = work;
+    varied.contacts = static_cast<std::uint64_t>(100 * (frame % 40));
+    tail.learn(varied, microseconds(500) + Nanoseconds(400 * varied.contacts));
+  }
+  const TrackedQuantile margin(0.01, 0.05, 0.7);
+  const FrameBudget budget = make_frame_budget(kStart + milliseconds(16), milliseconds(1), tail, margin, work, 33);
+  TailWork full = work;
+  full.contacts = 2500;
+  const double expected = static_cast<double>(tail.forecast(full).count()) * margin.factor();
+  EXPECT_NEAR(static_cast<double>(budget.reserve(2500).count()), expected, 1e-3 * expected);
+  EXPECT_EQ(budget.host_work, milliseconds(1));
+  EXPECT_DOUBLE_EQ(budget.unit_cost_ns, 33);
+}
+
+TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
+  // Costs of the tail that swing by half: after settling, the reserve is exceeded about as rarely as was asked.
+  TailForecast tail;
+  TrackedQuantile margin(0.05, 0.02, 0.0);
+  int exceeded = 0;
+  std::uint32_t noise = 1;
+  constexpr int kFrames = 5000;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    noise = noise * 1664525U + 1013904223U;
+    const TailWork work{1000, 500 + noise % 1000, 3000, 0};
+    const double swing = 1.0 + 0.5 * static_cast<double>(noise >> 16U) / 65536.0;
+    const Nanoseconds actual(static_cast<std::int64_t>((2e5 + 300.0 * static_cast<double>(work.contacts)) * swing));
+    const FrameBudget budget = make_frame_budget(kStart, Nanoseconds(0), tail, margin, work, 30);
+    if (frame >= 1000 && actual > budget.reserve(work.contacts)) ++exceeded;
+    margin.observe(actual, tail.forecast(work));
+    tail.learn(work, actual);
+  }
+  EXPECT_LT(exceeded, 0.07 * (kFrames - 1000));
+  EXPECT_GT(exceeded, 0.03 * (kFrames - 1000));
+}
+
+LatenessFacts late_by(Nanoseconds lateness) {
+  LatenessFacts facts;
+  facts.lateness = lateness;
+  facts.budget = milliseconds(16);
+  facts.mandatory = milliseconds(5);
+  return facts;
+}
+
+TEST(Lateness, NamesOneCauseEach) {
+  EXPECT_EQ(classify(late_by(Nanoseconds(0))), Lateness::OnTime);
+  EXPECT_EQ(classify(late_by(Nanoseconds(-5))), Lateness::OnTime);
+  EXPECT_EQ(classify(late_by(milliseconds(1))), Lateness::Forecast);
+
+  LatenessFacts infeasible = late_by(milliseconds(1));
+  infeasible.mandatory = milliseconds(17);
+  infeasible.off_cpu = milliseconds(9);
+  EXPECT_EQ(classify(infeasible), Lateness::Infeasible);
+
+  LatenessFacts machine = late_by(milliseconds(1));
+  machine.off_cpu = milliseconds(1);
+  machine.longest_overrun = milliseconds(2);
+  EXPECT_EQ(classify(machine), Lateness::Machine);
+
+  LatenessFacts overrun = late_by(milliseconds(1));
+  overrun.off_cpu = microseconds(999);
+  overrun.longest_overrun = milliseconds(1);
+  EXPECT_EQ(classify(overrun), Lateness::Overrun);
+}
+
+}  // namespace
+}  // namespace poise::scheduler
