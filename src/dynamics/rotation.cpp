@@ -9,8 +9,10 @@ namespace {
 
 // Angle per part of the midpoint rule. At 0.05 rad the asymmetric top of the tests flips within 0.1 % of its time.
 constexpr double kAnglePerPartRad = 0.05;
-// Bounds the cost of a body that spins absurdly fast; beyond it energy and momentum still hold, the phase does not.
-constexpr double kMaxParts = 64;
+// Bounds the cost of a body that spins absurdly fast: from 3 rad a step on the angle of a part grows, to one radian where
+// Newton's method still converges. Beyond 500 rad a step momentum still holds and energy stays within what the moments allow.
+constexpr double kMaxFineParts = 64;
+constexpr double kMaxParts = 512;
 
 // Newton's method on momentum_1 = momentum_0 + h m x (m / I), with m the mean of both. Body frame.
 Vec3 midpoint_momentum(const Vec3& before, const Vec3& inverse_moments, double h) {
@@ -49,17 +51,21 @@ Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double t
     return {(rotation_by(start.spin_radps * time_s) * start.orientation).normalized(), start.spin_radps};
   }
   const Vec3 inverse = moments_kgm2.cwiseInverse();
-  const double parts = std::clamp(std::ceil(speed * time_s / kAnglePerPartRad), 1.0, kMaxParts);
+  const double angle_rad = speed * time_s;
+  const double fine_parts = std::clamp(std::ceil(angle_rad / kAnglePerPartRad), 1.0, kMaxFineParts);
+  const double parts = std::clamp(std::ceil(angle_rad), fine_parts, kMaxParts);
   const double h = time_s / parts;
   Quat turn = start.orientation;
   Vec3 momentum = moments_kgm2.cwiseProduct(turn.conjugate() * start.spin_radps);
+  const Vec3 momentum_world = turn * momentum;
   for (int part = 0; part < static_cast<int>(parts); ++part) {
     const Vec3 after = midpoint_momentum(momentum, inverse, h);
     const Vec3 half = 0.5 * h * inverse.cwiseProduct(Vec3(0.5 * (momentum + after)));
     turn = (turn * Quat(1, half.x(), half.y(), half.z())).normalized();
     momentum = after;
   }
-  return {turn, turn * inverse.cwiseProduct(momentum)};
+  // The momentum in the world is that of the start, whatever rounding did to the orientation.
+  return {turn, turn * inverse.cwiseProduct(turn.conjugate() * momentum_world)};
 }
 
 }  // namespace poise::dynamics

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "collision/broad_phase.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "collision/shapes.h"
+
+namespace poise::collision {
+namespace {
+
+constexpr std::uint32_t kMany = 65536;
+
+std::vector<CandidatePair> brute_force(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes) {
+  std::vector<CandidatePair> pairs;
+  const auto meets = [](const auto& a, const auto& b) {
+    return (a.group & b.collides_with) != 0 && (b.group & a.collides_with) != 0;
+  };
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    for (std::size_t j = i + 1; j < bounds.size(); ++j) {
+      const double reach = bounds[i].radius_m + bounds[j].radius_m;
+      if ((bounds[i].center_m - bounds[j].center_m).squaredNorm() >= reach * reach) continue;
+      if (!bounds[i].dynamic && !bounds[j].dynamic) continue;
+      if (!meets(bounds[i], bounds[j])) continue;
+      pairs.push_back({std::min(bounds[i].slot, bounds[j].slot), std::max(bounds[i].slot, bounds[j].slot)});
+    }
+    for (const PlaneBound& plane : planes) {
+      if (!bounds[i].dynamic || !meets(bounds[i], plane)) continue;
+      if (plane.normal.dot(bounds[i].center_m) - plane.height_m >= bounds[i].radius_m) continue;
+      pairs.push_back({std::min(bounds[i].slot, plane.slot), std::max(bounds[i].slot, plane.slot)});
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(),
+            [](const auto& x, const auto& y) { return std::pair(x.low, x.high) < std::pair(y.low, y.high); });
+  return pairs;
+}
+
+std::vector<MotionBound> random_bounds(std::mt19937_64& random, std::size_t n, double spread_m, int octaves) {
+  std::vector<MotionBound> bounds(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    bounds[i].center_m = random_vector(random, spread_m);
+    bounds[i].radius_m = std::exp2(uniform(random, -octaves, 0));
+    bounds[i].slot = static_cast<std::uint32_t>(i * 3 + 1);
+    bounds[i].dynamic = random() % 8 != 0;
+    bounds[i].group = 1U << (random() % 3);
+    bounds[i].collides_with = static_cast<std::uint32_t>(random() % 8);
+  }
+  return bounds;
+}
+
+std::vector<CandidatePair> found(BroadPhase& broad, std::span<const MotionBound> bounds,
+                                 std::span<const PlaneBound> planes, parallel::Executor& executor) {
+  const auto result = broad.find(bounds, planes, kMany, executor);
+  return {result.pairs.begin(), result.pairs.end()};
+}
+
+RC_GTEST_PROP(BroadPhase, FindsExactlyThePairsOfOverlappingBounds, ()) {
+  std::mt19937_64 random(*rc::gen::arbitrary<std::uint64_t>());
+  const auto n = *rc::gen::inRange<std::size_t>(0, 300);
+  const double spread = *rc::gen::element(0.1, 2.0, 10.0, 1e4);
+  const int octaves = *rc::gen::element(0, 1, 6, 12);
+  const auto bounds = random_bounds(random, n, spread, octaves);
+  const std::vector<PlaneBound> planes = {{Vec3(0.6, 0, 0.8), 0.2, 0, 1, 0xffffffffU}, {Vec3::UnitY(), -1.0, 2, 6, 3}};
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  BroadPhase broad;
+  RC_ASSERT(found(broad, bounds, planes, *executor) == brute_force(bounds, planes));
+  // Again with what the first call left behind.
+  RC_ASSERT(found(broad, bounds, planes, *executor) == brute_force(bounds, planes));
+}
+
+TEST(BroadPhase, FarFromTheOriginAndBeyondTheCellsPairsAreStillFound) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  BroadPhase broad;
+  for (const double far : {1e7, 1e12}) {
+    std::vector<MotionBound> bounds(3);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      bounds[i] = {Vec3(far, -far, far), 0.5, i, 1, 0xffffffffU, true};
+    }
+    bounds[2].center_m = -bounds[2].center_m;
+    EXPECT_EQ(found(broad, bounds, {}, *executor), (std::vector<CandidatePair>{{0, 1}}));
+  }
+}
+
+TEST(BroadPhase, AnyNumberOfThreadsGivesTheSamePairs) {
+  std::mt19937_64 random(8);
+  const auto bounds = random_bounds(random, 5000, 12, 4);
+  const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);
+  BroadPhase broad;
+  const auto expected = found(broad, bounds, {}, *serial);
+  EXPECT_GT(expected.size(), 500U);
+  for (const int threads : {2, 3, 8}) {
+    const auto executor = parallel::make_executor(ExecutorKind::Threads, threads);
+    EXPECT_EQ(found(broad, bounds, {}, *executor), expected);
+  }
+}
+
+TEST(BroadPhase, PartnersBeyondTheLimitAreCountedNotLostInSilence) {
+  std::vector<MotionBound> bounds(40);
+  for (std::uint32_t i = 0; i < 40; ++i) bounds[i] = {Vec3::Zero(), 1, i, 1, 0xffffffffU, true};
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, 3);
+  BroadPhase broad;
+  const auto result = broad.find(bounds, {}, 10, *executor);
+  EXPECT_EQ(result.pairs.size() + result.dropped, 40U * 39U / 2U);
+  EXPECT_GT(result.dropped, 0U);
+  std::vector<int> partners(40, 0);
+  for (const CandidatePair& pair : result.pairs) {
+    ++partners[pair.low];
+    ++partners[pair.high];
+  }
+  for (const int count : partners) EXPECT_GE(count, 10);
+}
+
+}  // namespace
+}  // namespace poise::collision

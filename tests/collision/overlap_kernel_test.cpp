@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "collision/overlap_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "collision/shapes.h"
+
+namespace poise::collision {
+namespace {
+
+using Pairs = std::set<std::pair<NodeIndex, NodeIndex>>;
+
+// All overlapping nodes of two trees at a level, in double precision and without a tree walk.
+Pairs brute_force(const PairFrame& frame, Level level, double inflation_m) {
+  Pairs pairs;
+  for (const NodeIndex a : frame.a->tree.nodes_at(level)) {
+    for (const NodeIndex b : frame.b->tree.nodes_at(level)) {
+      const Sphere sa = frame.a->tree.sphere(a);
+      const Sphere sb = frame.b->tree.sphere(b);
+      const double distance = (frame.rotation * sb.center_m + frame.offset_m - sa.center_m).norm();
+      if (distance < sa.radius_m + sb.radius_m + inflation_m) pairs.insert({a, b});
+    }
+  }
+  return pairs;
+}
+
+TEST(OverlapKernel, FindsEveryOverlapOfTheChildrenAndLittleElse) {
+  std::mt19937_64 random(1);
+  const ShapePtr jack = make_jack();
+  int overlaps = 0;
+  for (int round = 0; round < 500; ++round) {
+    const PairFrame frame = make_pair_frame(*jack, random_pose(random, 0.5), *jack, random_pose(random, 0.5), 0.01, 0.001);
+    const FrontEntry roots[] = {{0, 0}};
+    FrontEntry out[64];
+    const Expansion made = expand(frame, roots, out);
+    ASSERT_EQ(made.consumed, 1U);
+    Pairs found;
+    for (const FrontEntry entry : std::span(out, made.hits)) found.insert({entry.a, entry.b});
+    ASSERT_EQ(found.size(), made.hits) << "a pair was listed twice";
+    const Pairs needed = brute_force(frame, 1, frame.margin_m);
+    const Pairs allowed = brute_force(frame, 1, 2.0 * static_cast<double>(frame.inflation_m) - frame.margin_m);
+    EXPECT_TRUE(std::includes(found.begin(), found.end(), needed.begin(), needed.end()));
+    EXPECT_TRUE(std::includes(allowed.begin(), allowed.end(), found.begin(), found.end()));
+    overlaps += static_cast<int>(made.hits);
+  }
+  EXPECT_GT(overlaps, 1000);
+}
+
+TEST(OverlapKernel, RoundingFarFromTheOriginLosesNoOverlap) {
+  // Two balls that touch exactly, ten thousand kilometres away: single precision in the world would be off by a metre.
+  const ShapePtr ball = make_sphere_shape(0.5).value();
+  std::mt19937_64 random(5);
+  for (int round = 0; round < 1000; ++round) {
+    const Vec3 far = Vec3(1e7, -1e7, 1e7) + random_vector(random, 100);
+    const Pose a{far, random_pose(random, 0).rotation};
+    const Pose b{far + random_vector(random, 1).normalized() * 0.99999, random_pose(random, 0).rotation};
+    const FrontEntry roots[] = {{0, 0}};
+    FrontEntry out[64];
+    EXPECT_EQ(expand(make_pair_frame(*ball, a, *ball, b, 0, 0), roots, out).hits, 1U);
+  }
+}
+
+TEST(OverlapKernel, StopsWhereThereIsNoRoomForAWholeBlock) {
+  const ShapePtr jack = make_jack();
+  const Pose pose;
+  const PairFrame frame = make_pair_frame(*jack, pose, *jack, pose, 0, 0);
+  const std::vector<FrontEntry> roots(3, FrontEntry{0, 0});
+  std::vector<FrontEntry> out(63);
+  EXPECT_EQ(expand(frame, roots, out).consumed, 0U);
+  out.resize(64);
+  EXPECT_EQ(expand(frame, roots, out).consumed, 1U);
+}
+
+TEST(OverlapKernel, PlaneFrontsHoldExactlyTheNodesThatReachBelow) {
+  std::mt19937_64 random(2);
+  const ShapePtr worm = make_worm(100);
+  const ShapePtr floor = make_plane_shape(Vec3(0.3, -0.2, 1), 0.1).value();
+  for (int round = 0; round < 200; ++round) {
+    const PairFrame frame = make_pair_frame(*worm, random_pose(random, 1.0), *floor, Pose{}, 0.02, 0.001);
+    std::vector<FrontEntry> front = {{0, 0}};
+    for (Level level = 1; level <= worm->tree.depth() && !front.empty(); ++level) {
+      std::vector<FrontEntry> next(1024);
+      next.resize(expand(frame, front, next).hits);
+      std::set<NodeIndex> found;
+      for (const FrontEntry entry : next) found.insert(entry.a);
+      for (const NodeIndex node : worm->tree.nodes_at(level)) {
+        const Sphere sphere = worm->tree.sphere(node);
+        const double gap = frame.plane_normal.dot(sphere.center_m) - frame.plane_height_m - sphere.radius_m;
+        // A node whose parent is above the plane may be left out only if what it covers is above as well.
+        if (gap < frame.margin_m && level == worm->tree.depth()) {
+          EXPECT_TRUE(found.contains(node));
+        }
+        if (gap > 2 * static_cast<double>(frame.inflation_m)) {
+          EXPECT_FALSE(found.contains(node));
+        }
+      }
+      front = next;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace poise::collision

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "collision/pair_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include "collision/shapes.h"
+
+namespace poise::collision {
+namespace {
+
+constexpr std::uint32_t kRoom = 1U << 16U;
+
+std::vector<FrontPool> make_pools(int workers, std::uint32_t room = kRoom) {
+  std::vector<FrontPool> pools;
+  for (int w = 0; w < workers; ++w) pools.emplace_back(room);
+  return pools;
+}
+
+PairLevel start(const PairFrame& frame) {
+  PairLevel pair;
+  pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
+  return pair;
+}
+
+// Refines one level, `units` expansions at a time, on the given worker.
+bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units, PairLevel& pair) {
+  LevelProgress progress = begin_level(pair, pools[static_cast<std::size_t>(worker)]);
+  for (;;) {
+    const Quantum quantum = run_quantum(frame, pools, worker, units, progress);
+    if (quantum == Quantum::Full) return false;
+    if (quantum == Quantum::Complete) break;
+  }
+  publish_level(frame, Mat3::Identity(), progress, pair);
+  return true;
+}
+
+double least_leaf_gap(const PairFrame& frame) {
+  double least = 1e300;
+  for (const NodeIndex a : frame.a->tree.nodes_at(frame.a->tree.depth())) {
+    for (const NodeIndex b : frame.b->tree.nodes_at(frame.b->tree.depth())) {
+      least = std::min(least, sphere_contact(frame, {a, b}).gap_m);
+    }
+  }
+  return least;
+}
+
+TEST(PairRefinement, NeverLosesATouchAndKnowsItsDepthAtTheLeaves) {
+  std::mt19937_64 random(11);
+  const ShapePtr shapes[] = {make_jack(), make_worm(60), make_sphere_shape(0.4).value()};
+  int touching = 0;
+  int apart = 0;
+  for (int round = 0; round < 600; ++round) {
+    const Shape& a = *shapes[random() % 3];
+    const Shape& b = *shapes[random() % 3];
+    const PairFrame frame = make_pair_frame(a, random_pose(random, 0.8), b, random_pose(random, 0.8), 0.02, 0.001);
+    const double exact = least_leaf_gap(frame);
+    auto pools = make_pools(1);
+    PairLevel pair = start(frame);
+    while (pair.refinable()) {
+      ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
+      if (exact < frame.margin_m) {
+        ASSERT_FALSE(pair.apart) << "a touch was lost at level " << int{pair.level};
+      }
+    }
+    if (pair.deepest == 0) continue;
+    if (exact < frame.margin_m) {
+      EXPECT_DOUBLE_EQ(pair.contact.spheres_m, exact);
+      ++touching;
+    } else {
+      EXPECT_TRUE(pair.apart);
+      ++apart;
+    }
+  }
+  EXPECT_GT(touching, 50);
+  EXPECT_GT(apart, 50);
+}
+
+TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
+  std::mt19937_64 random(12);
+  const ShapePtr worm = make_worm(200);
+  for (int round = 0; round < 50; ++round) {
+    const PairFrame frame = make_pair_frame(*worm, random_pose(random, 0.3), *worm, random_pose(random, 0.3), 0.05, 0.001);
+    auto whole_pools = make_pools(1);
+    auto split_pools = make_pools(3);
+    PairLevel whole = start(frame);
+    PairLevel split = start(frame);
+    while (whole.refinable()) {
+      ASSERT_TRUE(refine_once(frame, whole_pools, 0, 1U << 30U, whole));
+      ASSERT_TRUE(refine_once(frame, split_pools, static_cast<int>(random() % 3), 3, split));
+      ASSERT_EQ(whole.apart, split.apart);
+      ASSERT_EQ(whole.front_entries, split.front_entries);
+      EXPECT_EQ(whole.contact.direction, split.contact.direction);
+      EXPECT_EQ(whole.contact.moment_a_m, split.contact.moment_a_m);
+      EXPECT_EQ(whole.contact.likely_m, split.contact.likely_m);
+      std::vector<NodeIndex> fronts[2];
+      for_each_segment(whole_pools, whole.front, [&](auto entries) { for (auto e : entries) fronts[0].push_back(e.a * 1000 + e.b); });
+      for_each_segment(split_pools, split.front, [&](auto entries) { for (auto e : entries) fronts[1].push_back(e.a * 1000 + e.b); });
+      if (!whole.apart) {
+        EXPECT_EQ(fronts[0], fronts[1]);
+      }
+    }
+  }
+}
+
+TEST(PairRefinement, AFullPoolRefusesTheLevelWhole) {
+  const ShapePtr jack = make_jack();
+  const PairFrame frame = make_pair_frame(*jack, Pose{}, *jack, Pose{Vec3(0.1, 0, 0), Mat3::Identity()}, 0.01, 0.001);
+  auto pools = make_pools(1, 64);
+  PairLevel pair = start(frame);
+  ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
+  const PairLevel before = pair;
+  const FrontPool::Mark mark = pools[0].mark();
+  EXPECT_FALSE(refine_once(frame, pools, 0, 512, pair));
+  EXPECT_EQ(pair.level, before.level);
+  EXPECT_EQ(pair.front_entries, before.front_entries);
+  pools[0].release(mark);
+  EXPECT_EQ(pools[0].mark().entries, mark.entries);
+}
+
+TEST(PairRefinement, DeepestLevelIsThatOfTheDeeperTreeWithinTheLimit) {
+  const ShapePtr ball = make_sphere_shape(1).value();
+  const ShapePtr jack = make_jack();
+  const ShapePtr floor = make_plane_shape(Vec3::UnitZ(), 0).value();
+  EXPECT_EQ(deepest_level(*ball, *ball, 6), 0);
+  EXPECT_EQ(deepest_level(*ball, *jack, 6), jack->tree.depth());
+  EXPECT_EQ(deepest_level(*jack, *floor, 6), jack->tree.depth());
+  EXPECT_EQ(deepest_level(*jack, *jack, 1), 1);
+}
+
+}  // namespace
+}  // namespace poise::collision
