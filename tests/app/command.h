@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace poise::testing {
+
+struct CommandResult {
+  int exit_code = -1;  ///< 128 + signal where a signal ended it
+  std::string out;
+  std::string error;
+};
+
+/// Runs the built `poise` with these arguments, without a shell, and waits for it.
+CommandResult poise_command(const std::vector<std::string>& arguments);
+
+/// The same, with a pipe at `fifo` that the program writes to: at its first bytes it gets Ctrl-C. What came through the
+/// pipe until its end is added to `received`.
+CommandResult interrupted_command(const std::vector<std::string>& arguments, const std::string& fifo,
+                                  std::string& received);
+
+/// The same with the standard output going to `out_file`.
+CommandResult poise_command_into(const std::string& out_file, const std::vector<std::string>& arguments);
+
+}  // namespace poise::testing

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "app/command.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "io/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+using nlohmann::json;
+
+json figures_of(const std::vector<std::string>& arguments) {
+  std::vector<std::string> all = arguments;
+  all.insert(all.end(), {"--json", "-", "--quiet"});
+  const CommandResult result = poise_command(all);
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(result.error, "");
+  return json::parse(result.out, nullptr, false);
+}
+
+TEST(Command, PrintsATableThatNamesTheCausesOfMisses) {
+  const CommandResult result = poise_command({"run", "two-body", "--frames", "20"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(result.error, "") << "no progress where stderr is no terminal";
+  for (const char* part : {"two-body: 2 bodies", "p99", "misses", "infeasible", "machine", "overrun", "forecast",
+                           "levels", "energy", "state hash"}) {
+    EXPECT_NE(result.out.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(poise_command({"run", "two-body", "--frames", "2", "--quiet"}).out, "");
+}
+
+TEST(Command, WritesTheStatesOfEveryBodyFromTheStartOn) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("states.csv");
+  const CommandResult result = poise_command({"run", "two-body", "--frames", "12", "--states", file, "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const std::vector<std::string> rows = lines(contents(file));
+  ASSERT_EQ(rows.size(), 1U + 13U * 2U);
+  EXPECT_EQ(rows[0], "frame,time_s,body,x_m,y_m,z_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps,wx_radps,wy_radps,wz_radps");
+  EXPECT_EQ(rows[1], "0,0,0,-2,0,0.20000000000000001,1,0,0,0,2,0,0,0,0,0");
+  const std::vector<std::string> last = cells(rows.back());
+  EXPECT_EQ(last[0], "12");
+  EXPECT_EQ(last[2], "1");
+  EXPECT_NEAR(std::stod(last[1]), 0.2, 1e-15);
+  EXPECT_NEAR(std::stod(last[3]), 2 - 0.2, 1e-12) << "free flight before they meet";
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(Command, WritesStaticBodiesAndPlanesWithFiniteNumbersAndWarmUpFramesToo) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("states.csv");
+  const CommandResult result = poise_command({"run", "jacks", "--bodies", "7", "--frames", "3", "--warmup", "2",
+                                              "--states", file, "--quiet", "--json", folder.file("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const std::vector<std::string> rows = lines(contents(file));
+  ASSERT_EQ(rows.size(), 1U + 6U * 12U);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    for (const std::string& cell : cells(rows[i])) EXPECT_TRUE(std::isfinite(std::stod(cell))) << rows[i];
+  }
+  const json report = json::parse(contents(folder.file("r.json")));
+  EXPECT_EQ(report.at("bodies"), 12);
+  EXPECT_EQ(report.at("dynamic_bodies"), 7);
+  EXPECT_EQ(report.at("frames"), 3);
+  EXPECT_EQ(report.at("warm_up").at("frames"), 2);
+}
+
+TEST(Command, WritesOneRowAFrameAndCausesThatSumToTheMisses) {
+  const TemporaryFolder folder;
+  // No frame can be done in a nanosecond or two: every frame is a miss, whatever the machine.
+  const CommandResult result = poise_command({"run", "gas", "--frames", "5", "--deadline", "0.000001", "--frames-csv",
+                                              folder.file("f.csv"), "--json", folder.file("r.json"), "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const std::vector<std::string> rows = lines(contents(folder.file("f.csv")));
+  ASSERT_EQ(rows.size(), 6U);
+  for (const std::string& row : rows) EXPECT_EQ(cells(row).size(), cells(rows[0]).size());
+  const json misses = json::parse(contents(folder.file("r.json"))).at("misses");
+  EXPECT_EQ(misses.at("count"), 5);
+  EXPECT_EQ(misses.at("rate"), 1);
+  EXPECT_EQ(misses.at("longest_run"), 5);
+  EXPECT_EQ(misses.at("infeasible").get<int>() + misses.at("machine").get<int>() + misses.at("overrun").get<int>() +
+                misses.at("forecast").get<int>(),
+            5);
+}
+
+TEST(Command, GivesTheSameHashOnEveryThreadCountAndExecutorForTheSameWork) {
+  const std::vector<std::string> base{"run",     "jacks", "--bodies",      "60", "--frames", "40",
+                                      "--clock", "work",  "--budget-work", "300"};
+  const auto hash = [&base](const std::vector<std::string>& more) {
+    std::vector<std::string> all = base;
+    all.insert(all.end(), more.begin(), more.end());
+    const json report = figures_of(all);
+    EXPECT_GT(report.at("contacts_mean").get<double>(), 0);
+    EXPECT_TRUE(report.at("misses").at("count").is_null());
+    EXPECT_TRUE(report.at("deadline_ms").is_null());
+    return report.at("state_hash").get<std::string>();
+  };
+  const std::string expected = hash({"--threads", "1"});
+  EXPECT_EQ(hash({"--threads", "2"}), expected);
+  EXPECT_EQ(hash({"--threads", "3", "--executor", "threads"}), expected);
+  EXPECT_EQ(hash({"--threads", "8", "--executor", "threads"}), expected);
+  EXPECT_EQ(hash({"--executor", "serial"}), expected);
+  EXPECT_NE(hash({"--threads", "1", "--seed", "2"}), expected);
+  EXPECT_NE(hash({"--threads", "1", "--max-level", "0"}), expected);
+}
+
+TEST(Command, TakesItsOptionsIntoTheReport) {
+  const json report =
+      figures_of({"run",         "jacks",    "--bodies",    "20",        "--frames", "4",          "--threads",
+                  "2",           "--policy", "fifo",        "--contact", "paper",    "--deadline", "7.5",
+                  "--host-work", "0.5",      "--max-level", "1",         "--seed",   "5",          "--paced"});
+  EXPECT_EQ(report.at("schema"), "poise.run/1");
+  EXPECT_EQ(report.at("scene"), "jacks");
+  EXPECT_EQ(report.at("policy"), "fifo");
+  EXPECT_EQ(report.at("contact"), "paper");
+  EXPECT_EQ(report.at("clock"), "wall");
+  EXPECT_EQ(report.at("threads"), 2);
+  EXPECT_EQ(report.at("deadline_ms"), 7.5);
+  EXPECT_EQ(report.at("settings").at("host_work_ms"), 0.5);
+  EXPECT_EQ(report.at("settings").at("max_level"), 1);
+  EXPECT_EQ(report.at("settings").at("seed"), 5);
+  EXPECT_EQ(report.at("settings").at("paced"), true);
+  EXPECT_NEAR(report.at("tray_side_m").get<double>(), 1.05 * 2, 1e-9);
+  EXPECT_FALSE(report.at("build").at("commit").get<std::string>().empty());
+}
+
+TEST(Command, KeepsMomentumAndEnergyOfTheTwoBalls) {
+  const json report = figures_of({"run", "two-body", "--clock", "work"});
+  const json& momentum = report.at("momentum");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(momentum.at("end").at(i).get<double>(), momentum.at("start").at(i).get<double>(), 1e-9);
+  }
+  EXPECT_NEAR(report.at("energy_j").at("end").get<double>(), report.at("energy_j").at("start").get<double>(), 1e-9);
+  EXPECT_GT(report.at("contacts_mean").get<double>(), 0);
+}
+
+TEST(Command, JudgesARunByItsFigures) {
+  const auto require = [](const std::string& expression) {
+    return poise_command({"run", "two-body", "--frames", "5", "--clock", "work", "--quiet", "--require", expression});
+  };
+  EXPECT_EQ(require("frames == 5 && contacts_mean <= 1").exit_code, 0);
+  const CommandResult failed = require("frames == 5 && frames > 7");
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_EQ(failed.error, "poise run: --require: frames > 7 does not hold: frames = 5\n");
+  EXPECT_EQ(require("miss_rate < 1").exit_code, 1) << "misses are not defined on the work clock";
+  const CommandResult wall = poise_command({"run", "two-body", "--frames", "5", "--deadline", "1000000", "--quiet",
+                                            "--require", "miss_rate<0.01 && frame_ms.p99<1e6"});
+  EXPECT_EQ(wall.exit_code, 0) << wall.error;
+}
+
+TEST(Command, EndsAtCtrlCWithItsReportsWritten) {
+  const TemporaryFolder folder;
+  std::string states;
+  const CommandResult result =
+      interrupted_command({"run", "gas", "--frames", "1000000", "--json", folder.file("r.json"), "--states",
+                           folder.file("states"), "--quiet"},
+                          folder.file("states"), states);
+  EXPECT_EQ(result.exit_code, 130) << result.error;
+  const json report = json::parse(contents(folder.file("r.json")), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report.at("stopped"), true);
+  EXPECT_EQ(report.at("settings").at("frames_asked"), 1000000);
+  const auto frames = report.at("frames").get<std::size_t>();
+  EXPECT_EQ(lines(states).size(), 1 + (frames + 1) * 1006);
+}
+
+TEST(Command, ListsTheScenesThatShip) {
+  const CommandResult table = poise_command({"scenes"});
+  EXPECT_EQ(table.exit_code, 0) << table.error;
+  for (const char* name : {"two-body", "pile", "gas", "jacks", "real-meshes"}) {
+    EXPECT_NE(table.out.find(name), std::string::npos) << name;
+  }
+  const json list = json::parse(poise_command({"scenes", "--json"}).out, nullptr, false);
+  ASSERT_TRUE(list.is_array());
+  EXPECT_GE(list.size(), 5U);
+  EXPECT_EQ(list.at(0).at("name"), "gas");
+  EXPECT_EQ(list.at(0).at("bodies"), 1006);
+}
+
+TEST(Command, HelpsAndTellsItsVersion) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"run", "--help"}, {"scenes", "--help"}, {"--version"}}) {
+    const CommandResult result = poise_command(arguments);
+    EXPECT_EQ(result.exit_code, 0) << arguments.back();
+    EXPECT_NE(result.out.find("poise"), std::string::npos);
+  }
+  EXPECT_NE(poise_command({"run", "--help"}).out.find("Examples:"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace poise::testing

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "app/command.h"
+#include "io/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+struct Case {
+  std::vector<std::string> arguments;
+  std::string message;  ///< somewhere in what it says
+};
+
+void expect_refusals(int exit_code, const std::vector<Case>& cases) {
+  for (const Case& c : cases) {
+    std::string line;
+    for (const std::string& word : c.arguments) line += word + " ";
+    const CommandResult result = poise_command(c.arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << line << "\n" << result.error;
+    EXPECT_NE(result.error.find(c.message), std::string::npos) << line << "\n" << result.error;
+    EXPECT_EQ(result.out, "") << line;
+  }
+}
+
+Case run(const std::vector<std::string>& options, const std::string& message) {
+  std::vector<std::string> arguments{"run", "two-body", "--frames", "2"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return {arguments, message};
+}
+
+TEST(Refusals, OfBadUsageEndWithTwo) {
+  expect_refusals(
+      2,
+      {
+          {{}, "subcommand is required"},
+          {{"fly"}, "fly"},
+          {{"run"}, "scene is required"},
+          {{"run", "two-body", "--frames", "0"}, "--frames = 0, must be a whole number from 1 to 1000000"},
+          {{"run", "two-body", "--frames", "-1"}, "--frames = -1, must be a whole number from 1 to 1000000"},
+          {{"run", "two-body", "--frames", "2.5"}, "--frames = 2.5, must be"},
+          {{"run", "two-body", "--frames", "99999999999999999999"}, "--frames = 99999999999999999999, must be"},
+          {{"run", "two-body", "--frames", "many"}, "--frames = many, must be"},
+          {{"run", "two-body", "--frames"}, "--frames"},
+          run({"--deadline", "0"}, "--deadline = 0, must be a number > 0"),
+          run({"--deadline", "-3"}, "--deadline = -3, must be a number > 0"),
+          run({"--deadline", "nan"}, "--deadline = nan, must be a number > 0"),
+          run({"--deadline", "inf"}, "--deadline = inf, must be a number > 0"),
+          run({"--deadline", "1e400"}, "--deadline = 1e400, must be a number > 0"),
+          run({"--host-work", "-1"}, "--host-work = -1, must be a number >= 0"),
+          run({"--threads", "257"}, "--threads = 257, must be a whole number from 0 to 256"),
+          run({"--bodies", "0"}, "--bodies = 0, must be a whole number from 1"),
+          run({"--bodies", "5"}, "--bodies: the scene two-body has no generators"),
+          run({"--seed", "-1"}, "--seed = -1, must be"),
+          run({"--max-level", "7"}, "--max-level = 7, must be a whole number from 0 to 6"),
+          run({"--policy", "best"}, "--policy"),
+          run({"--contact", "magic"}, "--contact"),
+          run({"--clock", "sun"}, "--clock"),
+          run({"--executor", "magic"}, "--executor"),
+          run({"--zebra"}, "--zebra"),
+          run({"another-scene"}, "another-scene"),
+          run({"--budget-work", "5"}, "--budget-work needs --clock work"),
+          run({"--clock", "work", "--deadline", "5"}, "--deadline has no meaning with --clock work"),
+          run({"--clock", "work", "--paced"}, "--paced has no meaning with --clock work"),
+          run({"--clock", "work", "--host-work", "1"}, "--host-work has no meaning with --clock work"),
+          run({"--states", "-"}, "only --json can go to the standard output"),
+          run({"--json", "a", "--states", "./a"}, "named for two outputs"),
+          run({"--require", "miss_rate <"}, "must be a name or a number"),
+          run({"--require", ""}, "--require"),
+          run({"--require", "mis_rate < 1"}, "no figure of a run is called \"mis_rate\"; did you mean \"miss_rate\"?"),
+      });
+}
+
+TEST(Refusals, OfBadInputEndWithThree) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("bad.json")) << "{\n  \"name\": \"x\",\n  \"dt_s\": 1e400\n}\n";
+  std::ofstream(folder.file("syntax.json")) << "{\n  \"name\": \"x\",\n  \"dt_s\" 1\n}\n";
+  std::ofstream(folder.file("empty.json"));
+  expect_refusals(
+      3, {
+             {{"run", "no-such-scene"}, "no scene of this name ships (gas, jacks, pile, real-meshes, two-body"},
+             {{"run", folder.file("none.json")}, "none.json: no such file"},
+             {{"run", folder.path().string()}, "is a directory, must be a scene file"},
+             {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
+             {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
+             {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
+         });
+  EXPECT_EQ(folder.entries(), 3U);
+}
+
+TEST(Refusals, OfOutputEndWithFourAndLeaveNothingBehind) {
+  const TemporaryFolder folder;
+  expect_refusals(
+      4, {
+             run({"--json", folder.file("no/such/r.json")}, "cannot be written: No such file or directory"),
+             run({"--states", folder.path().string()}, "cannot be written: Is a directory"),
+             run({"--quiet", "--json", "/dev/full"}, "/dev/full: cannot be written: No space left on device"),
+             run({"--quiet", "--states", "/dev/full"}, "/dev/full: cannot be written: No space left on device"),
+             run({"--quiet", "--frames-csv", "/dev/full"}, "/dev/full: cannot be written: No space left on device"),
+             run({"--quiet", "--states", folder.file("s.csv"), "--json", "/dev/full"}, "/dev/full: cannot be written"),
+         });
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run", "two-body", "--frames", "2"},
+                                                    {"run", "two-body", "--frames", "2", "--quiet", "--json", "-"},
+                                                    {"scenes"}}) {
+    const CommandResult result = poise_command_into("/dev/full", arguments);
+    EXPECT_EQ(result.exit_code, 4) << result.error;
+    EXPECT_NE(result.error.find("standard output: cannot be written"), std::string::npos) << result.error;
+  }
+}
+
+}  // namespace
+}  // namespace poise::testing

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "io/scene_shapes.h"
+#include "io/scene_text.h"
+#include "io/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+SceneRunOptions serial() {
+  SceneRunOptions options;
+  options.world.executor = ExecutorKind::Serial;
+  options.world.threads = 1;
+  return options;
+}
+
+SceneRun run_of(const Scene& scene, const SceneRunOptions& options = serial()) {
+  Result<SceneRun> run = SceneRun::create(scene, options);
+  EXPECT_TRUE(run) << run.error().message;
+  return std::move(run).value();
+}
+
+TEST(SceneRun, PutsTheBodiesOfTheFileIntoTheWorld) {
+  const Result<Scene> scene = parse(scene_text(R"("gravity_mps2": [0, 0, -10], )",
+                                               R"([{"shape": "floor", "material": "hard", "static": true},
+          {"shape": "ball", "material": "hard", "position_m": [1, 2, 3], "orientation_wxyz": [0, 0, 0, 2], "velocity_mps": [4, 5, 6],
+           "angular_velocity_radps": [0, 0, 7]},
+          {"shape": "ball", "material": "hard", "position_m": [9, 9, 9], "mass_kg": 3}])"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  SceneRun run = run_of(scene.value());
+  ASSERT_EQ(run.bodies().size(), 3U);
+  EXPECT_TRUE(run.bodies()[0].is_static);
+  const World& world = run.world();
+  const BodyState ball = world.state(run.bodies()[1].id).value();
+  EXPECT_EQ(ball.position_m, Vec3(1, 2, 3));
+  EXPECT_EQ(ball.orientation.z(), 1);
+  EXPECT_EQ(ball.velocity_mps, Vec3(4, 5, 6));
+  EXPECT_EQ(ball.angular_velocity_radps, Vec3(0, 0, 7));
+  EXPECT_NEAR(world.mass_kg(run.bodies()[1].id).value(), 1000 * 4.0 / 3 * M_PI * 0.125, 1e-9);
+  EXPECT_EQ(world.mass_kg(run.bodies()[2].id).value(), 3);
+  EXPECT_EQ(world.mass_kg(run.bodies()[0].id).value(), 0);
+  // Gravity: the potential is m g z.
+  const double m1 = world.mass_kg(run.bodies()[1].id).value();
+  EXPECT_NEAR(world.conserved().potential_j, 10 * (3 * m1 + 9 * 3), 1e-6);
+}
+
+TEST(SceneRun, PlacesASingleBodyByItsOriginAndAGeneratedOneByItsCentreOfMass) {
+  const Result<Scene> scene = parse(R"({"name": "x", "dt_s": 0.01, "materials": {"m": {}},
+    "shapes": {"two": {"spheres": {"centers_m": [[1, 0, 0], [3, 0, 0]], "radii_m": [0.5, 0.5]}}},
+    "bodies": [{"shape": "two", "material": "m", "position_m": [10, 0, 0], "orientation_wxyz": [0, 0, 0, 1]}],
+    "generators": [{"grid": {"shape": "two", "material": "m", "count": [1, 1, 1], "spacing_m": 1, "origin_m": [0, 0, 50], "random_orientation": true}}]})");
+  ASSERT_TRUE(scene) << scene.error().message;
+  SceneRun run = run_of(scene.value());
+  EXPECT_NEAR((run.shapes()[0]->origin_offset_m - Vec3(2, 0, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((run.world().state(run.bodies()[0].id).value().position_m - Vec3(8, 0, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((run.world().state(run.bodies()[1].id).value().position_m - Vec3(0, 0, 50)).norm(), 0, 1e-12);
+}
+
+TEST(SceneRun, KeepsSceneOrderWithTheTrayBetweenBodiesAndGrids) {
+  const Result<Scene> scene = parse(scene_text(
+      R"("tray": {"material": "hard", "side_m": 8}, "generators": [{"grid": {"shape": "ball", "material": "hard", "in_tray": true, "bodies": 5, "spacing_m": 2}}], )",
+      R"([{"shape": "ball", "material": "hard", "position_m": [0, 0, 20]}])"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  SceneRun run = run_of(scene.value());
+  ASSERT_EQ(run.bodies().size(), 11U);
+  for (std::size_t i = 0; i < 11; ++i) EXPECT_EQ(run.bodies()[i].is_static, i >= 1 && i <= 5) << i;
+  EXPECT_EQ(run.tray_side_m(), 8);
+  const Vec3 normals[] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+  for (std::size_t i = 0; i < 5; ++i) {
+    const ShapePtr plane = run.world().shape(run.bodies()[i + 1].id).value();
+    EXPECT_EQ(plane->plane_normal, normals[i]);
+    EXPECT_EQ(plane->plane_offset_m, i == 0 ? 0 : -4);
+  }
+}
+
+TEST(SceneRun, AddsStreamBodiesInTheFrameTheyAreDueIn) {
+  const Result<Scene> scene = parse(scene_text(
+      R"("generators": [{"stream": {"shape": "ball", "material": "hard", "per_second": 50, "from_s": 0.01, "total": 3, "region_min_m": [5, 5, 5], "region_max_m": [9, 9, 9]}}], )"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  SceneRun run = run_of(scene.value());
+  const std::size_t expected[] = {1, 2, 2, 3, 3, 4, 4};  // due at 0.01, 0.03 and 0.05 s; a frame is 0.01 s
+  for (std::uint64_t frame = 0; frame < 7; ++frame) {
+    ASSERT_TRUE(run.before_frame(frame));
+    EXPECT_EQ(run.bodies().size(), expected[frame]) << frame;
+    EXPECT_EQ(run.final_body_count(), 4U);
+  }
+}
+
+TEST(SceneRun, GivesTheSameHashForTheSameSeedAndAnotherForAnother) {
+  const Result<Scene> scene = parse(scene_text(
+      R"("generators": [{"grid": {"shape": "ball", "material": "hard", "count": [3, 3, 3], "spacing_m": 2, "jitter_m": 0.1, "origin_m": [3, 3, 3]}}], )"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  SceneRunOptions other = serial();
+  other.seed = 99;
+  const std::uint64_t hash = run_of(scene.value()).world().state_hash();
+  EXPECT_EQ(run_of(scene.value()).world().state_hash(), hash);
+  EXPECT_NE(run_of(scene.value(), other).world().state_hash(), hash);
+}
+
+TEST(SceneRun, RefusesFilesThatAreMissingOrWrongWithSceneAndField) {
+  const TemporaryFolder folder;
+  const auto refusal_of = [&folder](const std::string& source) {
+    const std::string text = R"({"name": "x", "dt_s": 1, "materials": {"m": {}}, "shapes": {"s": )" + source +
+                             R"(}, "bodies": [{"shape": "s", "material": "m"}]})";
+    const Result<Scene> scene = parse_scene(text, "s.json", folder.path());
+    EXPECT_TRUE(scene) << scene.error().message;
+    const Result<SceneRun> run = SceneRun::create(scene.value(), serial());
+    return run ? std::string("accepted") : run.error().message;
+  };
+  const std::string missing = refusal_of(R"({"mesh": {"file": "no.obj"}})");
+  EXPECT_EQ(missing.rfind("s.json: shapes.s.mesh: ", 0), 0U) << missing;
+  EXPECT_NE(missing.find(folder.file("no.obj")), std::string::npos) << missing;
+  EXPECT_EQ(refusal_of(R"({"tree": {"file": "no.sph"}})").rfind("s.json: shapes.s.tree: ", 0), 0U);
+  std::ofstream(folder.file("open.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string open = refusal_of(R"({"mesh": {"file": "open.obj"}})");
+  EXPECT_NE(open.find("3 open edges"), std::string::npos) << open;
+}
+
+TEST(SceneRun, RefusesANumberOfBodiesWithoutGenerators) {
+  SceneRunOptions options = serial();
+  options.bodies = 5;
+  EXPECT_EQ(SceneRun::create(parse(scene_text("")).value(), options).error().message,
+            "s.json: has no generators, so the number of bodies cannot be chosen");
+}
+
+TEST(ScaledTree, StillHoldsTheScaledLeavesInEveryInnerSphere) {
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 60; ++i) {
+    spheres.push_back({Vec3(std::cos(i), std::sin(2.0 * i), 0.1 * i), 0.05 + 0.01 * (i % 7)});
+  }
+  const Result<SphereTree> tree = tree_of_spheres(spheres);
+  ASSERT_TRUE(tree);
+  for (const double scale : {0.001, 0.3, 3.0, 1e4}) {
+    const SphereTree scaled = io::scaled_tree(tree.value(), scale);
+    for (NodeIndex node = 0; node < scaled.node_count(); ++node) {
+      std::vector<NodeIndex> below{node};
+      for (std::size_t i = 0; i < below.size(); ++i) {
+        const NodeIndex at = below[i];
+        for (NodeIndex c = 0; c < scaled.child_count[at]; ++c) below.push_back(scaled.first_child[at] + c);
+        if (scaled.child_count[at] > 0) continue;
+        const Sphere outer = scaled.sphere(node);
+        const Sphere leaf = scaled.sphere(at);
+        EXPECT_LE((outer.center_m - leaf.center_m).norm() + leaf.radius_m, outer.radius_m);
+      }
+    }
+    EXPECT_FLOAT_EQ(scaled.radius_m.back() + 1, tree.value().radius_m.back() * static_cast<float>(scale) + 1);
+  }
+}
+
+}  // namespace
+}  // namespace poise::testing
