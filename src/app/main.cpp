@@ -17,7 +17,7 @@ int run(int argc, char** argv) {
   CLI::App app("Poise steps scenes of many rigid bodies inside a time budget.", "poise");
   app.set_version_flag("--version", fmt::format("poise {} ({}, {}, {})", POISE_BUILD_VERSION, POISE_BUILD_COMMIT,
                                                 POISE_BUILD_COMPILER, POISE_BUILD_FLAGS));
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
   poise::app::add_run_command(app, exit_code);
@@ -29,6 +29,10 @@ int run(int argc, char** argv) {
     const int code = app.exit(stop);
     if (code != 0) return poise::app::kExitBadUsage;
     return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
+  }
+  if (app.get_subcommands().empty()) {
+    std::fprintf(stderr, "poise: a command is required; poise --help lists them\n");
+    return poise::app::kExitBadUsage;
   }
   return exit_code;
 }

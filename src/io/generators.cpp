@@ -39,6 +39,13 @@ GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& 
   return body;
 }
 
+/// From the point of a grid to the farthest that its body can reach: the largest bounding radius and the jitter.
+double reach_m(const GridGenerator& grid, std::span<const double> radius_m) {
+  double largest_m = 0;
+  for (const std::size_t shape : grid.kind.shapes) largest_m = std::max(largest_m, radius_m[shape]);
+  return largest_m + grid.jitter_m;
+}
+
 struct Layout {
   std::uint64_t nx = 1, ny = 1;
   Vec3 first_m = Vec3::Zero();
@@ -47,19 +54,18 @@ struct Layout {
 Result<Layout> layout_of(const GridGenerator& grid, std::size_t number, const Scene& scene,
                          const ExpandOptions& options) {
   if (!grid.in_tray) return Layout{grid.count[0], grid.count[1], grid.origin_m};
-  double radius_m = 0;
-  for (const std::size_t shape : grid.kind.shapes) radius_m = std::max(radius_m, options.radius_m[shape]);
-  const double room_m = options.tray_side_m - 2 * (radius_m + grid.jitter_m);
+  const double reach = reach_m(grid, options.radius_m);
+  const double room_m = options.tray_side_m - 2 * reach;
   if (!(room_m >= 0)) {
     return bad_input(
         fmt::format("{}: generators[{}].grid.in_tray: a tray of side {:g} m is too small for a body of radius {:g} m "
                     "with jitter {:g} m",
-                    scene.source, number, options.tray_side_m, radius_m, grid.jitter_m));
+                    scene.source, number, options.tray_side_m, reach - grid.jitter_m, grid.jitter_m));
   }
   const double across = std::min(std::floor(room_m / grid.spacing_m), static_cast<double>(kMaxSceneBodies)) + 1;
   const double first = -0.5 * (across - 1) * grid.spacing_m;
   const auto n = static_cast<std::uint64_t>(across);
-  return Layout{n, n, {first, first, grid.bottom_m + radius_m + grid.jitter_m}};
+  return Layout{n, n, {first, first, grid.bottom_m + reach}};
 }
 
 void expand_grid(const GridGenerator& grid, const Layout& layout, std::uint64_t bodies, std::uint64_t seed,
@@ -109,10 +115,15 @@ std::vector<std::uint64_t> share_bodies(std::span<const std::uint64_t> own, std:
   return shares;
 }
 
-double tray_side_m(const Scene& scene, std::uint64_t generated) {
+double tray_side_m(const Scene& scene, std::uint64_t generated, std::span<const double> radius_m) {
   if (!scene.tray) return 0;
   if (scene.tray->side_m > 0) return scene.tray->side_m;
-  return scene.tray->side_per_sqrt_body_m * std::sqrt(static_cast<double>(generated));
+  double side_m = scene.tray->side_per_sqrt_body_m * std::sqrt(static_cast<double>(generated));
+  for (const SceneGenerator& generator : scene.generators) {
+    const auto* grid = std::get_if<GridGenerator>(&generator);
+    if (grid != nullptr && grid->in_tray) side_m = std::max(side_m, 2 * reach_m(*grid, radius_m));
+  }
+  return side_m;
 }
 
 Result<std::vector<GeneratedBody>> expand_generators(const Scene& scene, const ExpandOptions& options) {

@@ -32,8 +32,9 @@ struct ExpandOptions {
 /// `total` shared out in proportion to `own` (each at least 1), rounded down, the rest one each to the first ones.
 std::vector<std::uint64_t> share_bodies(std::span<const std::uint64_t> own, std::uint64_t total);
 
-/// Side of the tray for `generated` bodies; 0 without a tray.
-double tray_side_m(const Scene& scene, std::uint64_t generated);
+/// Side of the tray for `generated` bodies, 0 without a tray. A side that follows from the number of bodies is at least
+/// what one body needs. `radius_m` as in ExpandOptions.
+double tray_side_m(const Scene& scene, std::uint64_t generated, std::span<const double> radius_m);
 
 /// All generated bodies: those of the start in generator order, then the streamed ones by due time (ties: generator
 /// order). Body k of a generator is the same whatever the number of bodies, where its place does not depend on it.

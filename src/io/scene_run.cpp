@@ -100,10 +100,11 @@ Status SceneRun::Impl::add_start(const SceneRunOptions& options, std::uint64_t s
   io::ExpandOptions expand;
   expand.bodies = options.bodies;
   expand.seed = seed;
-  expand.tray_side_m = tray_side_m;
   std::vector<double> radius_m;
   for (const ShapePtr& shape : shapes) radius_m.push_back(shape->bounding_radius_m);
   expand.radius_m = radius_m;
+  tray_side_m = io::tray_side_m(scene, options.bodies.value_or(generated_body_count(scene)), radius_m);
+  expand.tray_side_m = tray_side_m;
   Result<std::vector<io::GeneratedBody>> made = io::expand_generators(scene, expand);
   if (!made) return made.error();
   generated = std::move(made).value();
@@ -137,7 +138,6 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   if (!world) return world.error();
   auto impl =
       std::make_unique<Impl>(Impl{scene, std::move(world).value(), scene_view(scene), {}, {}, {}, {}, {}, 0, 0});
-  impl->tray_side_m = io::tray_side_m(impl->scene, options.bodies.value_or(generated_body_count(scene)));
   const Status loaded = impl->add_shapes_and_materials(settings.threads);
   if (!loaded) return loaded.error();
   const Status started = impl->add_start(options, settings.seed);

@@ -37,8 +37,8 @@ TEST(Refusals, OfBadUsageEndWithTwo) {
   expect_refusals(
       2,
       {
-          {{}, "subcommand is required"},
-          {{"fly"}, "fly"},
+          {{}, "a command is required"},
+          {{"fly"}, "not expected: fly"},
           {{"run"}, "scene is required"},
           {{"run", "two-body", "--frames", "0"}, "--frames = 0, must be a whole number from 1 to 1000000"},
           {{"run", "two-body", "--frames", "-1"}, "--frames = -1, must be a whole number from 1 to 1000000"},

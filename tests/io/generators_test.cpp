@@ -26,7 +26,8 @@ Scene scene_with(const std::string& generators, const std::string& more = "") {
 std::vector<GeneratedBody> expand(const Scene& scene, std::optional<std::uint64_t> bodies = {},
                                   std::uint64_t seed = 1) {
   const std::vector<double> radius_m(scene.shapes.size(), 0.5);
-  ExpandOptions options{bodies, seed, radius_m, tray_side_m(scene, bodies.value_or(generated_body_count(scene)))};
+  ExpandOptions options{bodies, seed, radius_m,
+                        tray_side_m(scene, bodies.value_or(generated_body_count(scene)), radius_m)};
   Result<std::vector<GeneratedBody>> made = expand_generators(scene, options);
   EXPECT_TRUE(made) << made.error().message;
   return made ? std::move(made).value() : std::vector<GeneratedBody>{};
@@ -110,7 +111,7 @@ TEST(TrayGrid, FillsLayersInsideTheWallsAboveTheFloor) {
     const std::vector<GeneratedBody> bodies = expand(scene, n);
     ASSERT_EQ(bodies.size(), n);
     const double side_m = 1.05 * std::sqrt(static_cast<double>(n) / 5);
-    EXPECT_NEAR(tray_side_m(scene, n), side_m, 1e-12 * side_m);
+    EXPECT_NEAR(tray_side_m(scene, n, std::vector<double>(2, 0.5)), side_m, 1e-12 * side_m);
     double lowest = 1e9;
     double widest = 0;
     for (const GeneratedBody& body : bodies) {
@@ -123,6 +124,16 @@ TEST(TrayGrid, FillsLayersInsideTheWallsAboveTheFloor) {
     // One more row across would not fit.
     EXPECT_GT(widest, 0.5 * side_m - 0.5 * 1.9 - 0.08);
   }
+}
+
+TEST(TrayGrid, GrowsItsTrayToHoldOneBodyWhereTheFormulaGivesLess) {
+  const Scene scene = scene_with(
+      R"({"grid": {"shape": "ball", "material": "hard", "in_tray": true, "bodies": 9, "spacing_m": 1, "jitter_m": 0.1}})",
+      R"("tray": {"material": "hard", "side_per_sqrt_body_m": 1}, )");
+  const std::vector<double> radius_m(2, 0.5);
+  EXPECT_EQ(tray_side_m(scene, 9, radius_m), 3);
+  EXPECT_EQ(tray_side_m(scene, 1, radius_m), 1.2);
+  EXPECT_EQ(expand(scene, 1).size(), 1U);
 }
 
 TEST(TrayGrid, RefusesATrayThatHoldsNoBody) {
