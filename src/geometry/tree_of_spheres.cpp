@@ -113,7 +113,7 @@ std::vector<Group> split(std::span<const Sphere> spheres, const Group& group, st
     }
   }
   std::erase_if(groups, [](const Group& g) { return g.empty(); });
-  const bool fits = std::ranges::all_of(groups, [&](const Group& g) { return g.size() <= capacity; });
+  const bool fits = groups.size() > 1 && std::ranges::all_of(groups, [&](const Group& g) { return g.size() <= capacity; });
   return fits ? groups : split_evenly(spheres, group);
 }
 
@@ -130,7 +130,7 @@ std::uint32_t add_node(std::span<const Sphere> spheres, const Group& group, Leve
   double reach_m = 0;
   for (const std::uint32_t i : group) {
     const Vec3 member = geometry::to_float(spheres[i].center_m).cast<double>();
-    reach_m = std::max(reach_m, (member - center).norm() + static_cast<double>(static_cast<float>(spheres[i].radius_m)));
+    reach_m = std::max(reach_m, (member - center).norm() + geometry::stored_as_float(spheres[i].radius_m));
   }
   nodes[index].radius_m = geometry::covering_radius(reach_m, reach_m);
   std::vector<Group> groups;

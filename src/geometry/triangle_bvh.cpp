@@ -9,8 +9,10 @@ namespace poise::geometry {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
-/// A cluster acts as a dipole from this many of its reaches on; at 2 (the paper's choice) errors stay far below 1/2.
+/// A cluster acts as a dipole from this many of its reaches on (the paper's choice); errors reached 0.2 on a thin bowl.
 constexpr double kDipoleFrom = 2.0;
+/// A winding number is a whole one; one that is reckoned within this of a half is summed up exactly instead.
+constexpr double kUnsure = 0.2;
 
 Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -135,7 +137,15 @@ double TriangleBvh::winding_below(std::uint32_t index, const Vec3& point) const 
 
 double TriangleBvh::winding_number(const Vec3& point) const { return nodes_.empty() ? 0.0 : winding_below(0, point); }
 
-bool TriangleBvh::inside(const Vec3& point) const { return std::abs(winding_number(point)) > 0.5; }
+bool TriangleBvh::inside(const Vec3& point) const {
+  double winding = std::abs(winding_number(point));
+  if (std::abs(winding - 0.5) < kUnsure) {
+    winding = 0;
+    for (const auto& t : corners_m_) winding += winding_of_triangle(point, t);
+    winding = std::abs(winding);
+  }
+  return winding > 0.5;
+}
 
 double TriangleBvh::outside_distance_m(const Vec3& point) const {
   return inside(point) ? 0.0 : std::sqrt(closest(point).squared_distance_m2);

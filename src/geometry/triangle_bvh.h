@@ -25,8 +25,9 @@ class TriangleBvh {
   [[nodiscard]] Closest closest(const Vec3& point, double squared_bound_m2 = std::numeric_limits<double>::infinity()) const;
 
   /// How often the surface winds around a point: 1 inside a closed mesh, 0 outside. Solid angles of triangles (Van Oosterom and
-  /// Strackee 1983) nearby, dipoles of clusters farther away (Barill et al., "Fast winding numbers", 2018); within 0.1.
+  /// Strackee 1983) nearby, dipoles of clusters farther away (Barill et al., "Fast winding numbers", 2018); within 0.3.
   [[nodiscard]] double winding_number(const Vec3& point) const;
+  /// Whether the surface winds around the point, either way; on the surface either answer may come.
   [[nodiscard]] bool inside(const Vec3& point) const;
 
   /// Distance to the surface in metres, 0 inside.

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "poise/shape.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+#include "meshes.h"
+
+namespace poise {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::vector<Sphere> jack_spheres() {
+  std::vector<Sphere> spheres{{Vec3::Zero(), 0.28}};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      spheres.push_back({sign * 0.35 * Vec3::Unit(axis), 0.22});
+      spheres.push_back({sign * 0.68 * Vec3::Unit(axis), 0.18});
+    }
+  }
+  return spheres;
+}
+
+std::vector<Sphere> random_spheres(std::mt19937_64& random, std::size_t count) {
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < count; ++i) {
+    spheres.push_back({test::random_in_box(random, Vec3::Constant(-2), Vec3::Constant(3)), 0.05 + 0.4 * test::uniform(random)});
+  }
+  return spheres;
+}
+
+TEST(SphereShape, IsOneNodeAtItsCentreWithTheMassOfABall) {
+  const ShapePtr shape = make_sphere_shape(0.5).value();
+  EXPECT_EQ(shape->kind, ShapeKind::Tree);
+  EXPECT_EQ(shape->tree.node_count(), 1U);
+  EXPECT_EQ(shape->tree.depth(), 0);
+  EXPECT_EQ(shape->tree.sphere(0).center_m, Vec3(0, 0, 0));
+  EXPECT_EQ(shape->tree.sphere(0).radius_m, 0.5);
+  EXPECT_EQ(shape->tree.protrusion_max_m[0], 0);
+  EXPECT_EQ(shape->bounding_radius_m, 0.5);
+  EXPECT_EQ(shape->origin_offset_m, Vec3(0, 0, 0));
+  EXPECT_NEAR(shape->volume_m3, kPi / 6, 1e-15);
+  EXPECT_NEAR(shape->principal_m5.x(), 0.4 * 0.25 * kPi / 6, 1e-16);
+  EXPECT_EQ(shape->principal_m5.x(), shape->principal_m5.y());
+  EXPECT_EQ(shape->principal_m5.x(), shape->principal_m5.z());
+  EXPECT_EQ(shape->principal_axes.coeffs(), Quat::Identity().coeffs());
+}
+
+TEST(SphereShape, RefusesRadiiThatAreNotPositiveAndFinite) {
+  for (const double radius : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e300, 1e-300}) {
+    const auto shape = make_sphere_shape(radius);
+    ASSERT_FALSE(shape.ok()) << radius;
+    EXPECT_NE(shape.error().message.find("radius_m"), std::string::npos);
+    EXPECT_NE(shape.error().message.find("must be > 0"), std::string::npos);
+  }
+}
+
+TEST(PlaneShape, NormalisesItsNormal) {
+  for (const double length : {1e-200, 2.0, 1e200}) {
+    const ShapePtr shape = make_plane_shape({0, 0, length}, 1.5).value();
+    EXPECT_EQ(shape->kind, ShapeKind::Plane);
+    EXPECT_EQ(shape->plane_normal, Vec3(0, 0, 1));
+    EXPECT_EQ(shape->plane_offset_m, 1.5);
+  }
+  EXPECT_NEAR(make_plane_shape({1, 2, -3}, 0).value()->plane_normal.norm(), 1, 1e-15);
+}
+
+TEST(PlaneShape, RefusesANormalOfZeroAndNumbersThatAreNotFinite) {
+  EXPECT_FALSE(make_plane_shape({0, 0, 0}, 0).ok());
+  EXPECT_FALSE(make_plane_shape({0, std::nan(""), 1}, 0).ok());
+  EXPECT_FALSE(make_plane_shape({0, 0, std::numeric_limits<double>::infinity()}, 0).ok());
+  EXPECT_FALSE(make_plane_shape({0, 0, 1}, std::nan("")).ok());
+  EXPECT_FALSE(make_plane_shape({0, 0, 1}, 1e300).ok());
+}
+
+TEST(SpheresShape, OfAJackHasTheSumOfItsBallsAndTwoLevels) {
+  const ShapePtr shape = make_spheres_shape(jack_spheres()).value();
+  double volume = 0;
+  double moment = 0;
+  for (const Sphere& s : jack_spheres()) {
+    const double v = 4.0 / 3 * kPi * std::pow(s.radius_m, 3);
+    volume += v;
+    moment += v * (0.4 * s.radius_m * s.radius_m + s.center_m.y() * s.center_m.y() + s.center_m.z() * s.center_m.z());
+  }
+  EXPECT_NEAR(shape->volume_m3, volume, 1e-15);
+  EXPECT_LT((shape->principal_m5 - Vec3::Constant(moment)).norm(), 1e-14);
+  EXPECT_EQ(shape->principal_axes.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(shape->origin_offset_m, Vec3(0, 0, 0));
+  EXPECT_EQ(shape->tree.depth(), 2);
+  EXPECT_LE(shape->tree.child_count[0], kTreeBranching);
+  EXPECT_NEAR(shape->bounding_radius_m, 0.86, 0.005);
+  EXPECT_GE(shape->bounding_radius_m, 0.86);
+}
+
+TEST(SpheresShape, TurnsADiagonalRodIntoItsPrincipalFrame) {
+  const Vec3 along = Vec3(1, 2, -2) / 3;
+  std::vector<Sphere> rod;
+  for (int i = -3; i <= 3; ++i) rod.push_back({Vec3(5, 5, 5) + 0.3 * i * along, 0.2});
+  const ShapePtr shape = make_spheres_shape(rod).value();
+  EXPECT_LT((shape->origin_offset_m - Vec3(5, 5, 5)).norm(), 1e-14);
+  EXPECT_LE(shape->principal_m5.x(), shape->principal_m5.y());
+  EXPECT_LE(shape->principal_m5.y(), shape->principal_m5.z());
+  const Mat3 axes = shape->principal_axes.toRotationMatrix();
+  EXPECT_NEAR(axes.determinant(), 1, 1e-14);
+  EXPECT_NEAR(std::abs(axes.col(0).dot(along)), 1, 1e-12);
+}
+
+TEST(SpheresShape, RefusesEachBadSphereByItsPlace) {
+  EXPECT_FALSE(make_spheres_shape({}).ok());
+  const auto message = [](const Sphere& bad) {
+    const std::vector<Sphere> spheres{{Vec3::Zero(), 1}, bad};
+    const auto shape = make_spheres_shape(spheres);
+    return shape.ok() ? std::string() : shape.error().message;
+  };
+  EXPECT_NE(message({Vec3::Zero(), 0}).find("spheres[1].radius_m = 0, must be > 0"), std::string::npos);
+  EXPECT_NE(message({Vec3::Zero(), std::nan("")}).find("spheres[1].radius_m"), std::string::npos);
+  EXPECT_NE(message({{0, std::numeric_limits<double>::infinity(), 0}, 1}).find("spheres[1].center_m"), std::string::npos);
+  EXPECT_NE(message({{1e10, 0, 0}, 1}).find("spheres[1].center_m"), std::string::npos);
+  const std::vector<Sphere> many(kMaxUnionSpheres + 1, Sphere{Vec3::Zero(), 1});
+  EXPECT_NE(make_spheres_shape(many).error().message.find("at most 32768"), std::string::npos);
+}
+
+TEST(TreeOfSpheres, TheLeavesAreTheSpheresRoundedToFloat) {
+  const std::vector<Sphere> spheres = jack_spheres();
+  const SphereTree tree = tree_of_spheres(spheres).value();
+  std::vector<bool> found(spheres.size(), false);
+  for (NodeIndex node = 0; node < tree.node_count(); ++node) {
+    if (tree.child_count[node] > 0) continue;
+    EXPECT_EQ(tree.protrusion_max_m[node], 0);
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const bool same = tree.x_m[node] == static_cast<float>(spheres[i].center_m.x()) &&
+                        tree.y_m[node] == static_cast<float>(spheres[i].center_m.y()) &&
+                        tree.z_m[node] == static_cast<float>(spheres[i].center_m.z()) &&
+                        tree.radius_m[node] == static_cast<float>(spheres[i].radius_m);
+      if (same) found[i] = true;
+    }
+  }
+  EXPECT_EQ(tree.nodes_at(tree.depth()).size(), spheres.size());
+  for (std::size_t i = 0; i < spheres.size(); ++i) EXPECT_TRUE(found[i]) << i;
+}
+
+/// Checks that every leaf lies inside all nodes above it.
+void expect_leaves_inside(const SphereTree& tree, NodeIndex node, std::vector<NodeIndex>& above) {
+  if (tree.child_count[node] == 0) {
+    const Sphere leaf = tree.sphere(node);
+    for (const NodeIndex a : above) {
+      const Sphere holder = tree.sphere(a);
+      EXPECT_LE((holder.center_m - leaf.center_m).norm() + leaf.radius_m, holder.radius_m);
+    }
+    return;
+  }
+  above.push_back(node);
+  for (NodeIndex c = 0; c < tree.child_count[node]; ++c) expect_leaves_inside(tree, tree.first_child[node] + c, above);
+  above.pop_back();
+}
+
+TEST(TreeOfSpheres, EveryInnerSphereHoldsTheLeavesBelowItAndTheLevelsAreFewest) {
+  std::mt19937_64 random(3);
+  const std::vector<std::pair<std::size_t, int>> counts{{1, 0}, {2, 1}, {8, 1}, {9, 2}, {13, 2}, {64, 2}, {65, 3}, {500, 3}};
+  for (const auto& [count, depth] : counts) {
+    const SphereTree tree = tree_of_spheres(random_spheres(random, count)).value();
+    EXPECT_EQ(tree.depth(), depth) << count;
+    EXPECT_EQ(tree.nodes_at(tree.depth()).size(), count);
+    std::vector<NodeIndex> above;
+    expect_leaves_inside(tree, 0, above);
+    for (NodeIndex node = 0; node < tree.node_count(); ++node) EXPECT_LE(tree.child_count[node], kTreeBranching);
+  }
+}
+
+TEST(TreeOfSpheres, EqualSpheresAreGroupedToo) {
+  const std::vector<Sphere> same(100, Sphere{Vec3(1, 2, 3), 0.5});
+  const SphereTree tree = tree_of_spheres(same).value();
+  EXPECT_EQ(tree.depth(), 3);
+  EXPECT_EQ(tree.nodes_at(3).size(), 100U);
+}
+
+TEST(TreeOfSpheres, TheProtrusionOfARootOverTwoBallsIsItsWaist) {
+  // Two unit balls at +-2: the root has radius 3 and stands out most at its waist, sqrt(4 + 9) - 1.
+  const std::vector<Sphere> two{{{-2, 0, 0}, 1}, {{2, 0, 0}, 1}};
+  const SphereTree tree = tree_of_spheres(two).value();
+  EXPECT_NEAR(tree.radius_m[0], 3, 0.03);
+  EXPECT_NEAR(tree.protrusion_max_m[0], std::sqrt(13.0) - 1, 0.03);
+  // The mean over the sphere of |p - nearer centre| - 1, with x = 3 t uniform: mean of sqrt(13 - 12 t) over t in [0, 1], less 1.
+  EXPECT_NEAR(tree.protrusion_mean_m[0], (std::pow(13.0, 1.5) - 1) / 18 - 1, 0.03);
+}
+
+TEST(TreeShape, KeepsItsLeavesAndItsInnerSpheresHoldThem) {
+  std::mt19937_64 random(4);
+  std::vector<Sphere> spheres = random_spheres(random, 70);
+  for (Sphere& s : spheres) s.center_m += Vec3(1000, -2000, 500);
+  const SphereTree tree = tree_of_spheres(spheres).value();
+  const ShapePtr shape = make_tree_shape(tree).value();
+  std::vector<NodeIndex> above;
+  expect_leaves_inside(shape->tree, 0, above);
+  for (NodeIndex node = 0; node < tree.node_count(); ++node) {
+    if (tree.child_count[node] == 0) {
+      EXPECT_EQ(shape->tree.radius_m[node], tree.radius_m[node]);
+    }
+    EXPECT_GE(shape->tree.radius_m[node], tree.radius_m[node]);
+  }
+  EXPECT_FALSE(make_tree_shape({}).ok());
+}
+
+TEST(TreeShape, OfATreeAboutItsCentreOfMassIsThatTree) {
+  const SphereTree tree = tree_of_spheres(jack_spheres()).value();
+  const ShapePtr shape = make_tree_shape(tree).value();
+  EXPECT_LT(shape->origin_offset_m.norm(), 1e-8);  // the leaves are floats
+  EXPECT_NEAR(shape->volume_m3, make_spheres_shape(jack_spheres()).value()->volume_m3, 1e-7);
+}
+
+TEST(MeshShape, OfAnLStandsAboutItsCentreOfMassAndStillCoversIt) {
+  const Vec3 shift(40, -30, 20);
+  const TriangleMesh mesh = test::moved(geometry::make_procedural_shape("l").value(), 1, Mat3::Identity(), shift);
+  const ShapePtr shape = make_mesh_shape(mesh, {.depth = 2}).value();
+  const Vec3 offset = mesh_mass_properties(mesh).value().center_of_mass_m;
+  EXPECT_EQ(shape->origin_offset_m, offset);
+  for (const Vec3& p : test::surface_points(mesh, 2000)) {
+    EXPECT_EQ(test::levels_covered(shape->tree, p - offset), 3U);
+    EXPECT_LE((p - offset).norm(), shape->bounding_radius_m);
+  }
+  const Mat3 axes = shape->principal_axes.toRotationMatrix();
+  const Mat3 inertia = axes * shape->principal_m5.asDiagonal() * axes.transpose();
+  const Mat3 expected = mesh_mass_properties(mesh).value().inertia_m5;
+  EXPECT_LT((inertia - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_NEAR(axes.determinant(), 1, 1e-14);
+}
+
+TEST(MeshShape, OfABoxKeepsTheAxesOfTheMesh) {
+  const ShapePtr shape = make_mesh_shape(test::box_mesh({3, 1, 2}), {.depth = 1}).value();
+  EXPECT_EQ(shape->principal_axes.coeffs(), Quat::Identity().coeffs());
+  EXPECT_NEAR(shape->principal_m5.x(), 6.0 / 12 * 5, 1e-13);
+  EXPECT_NEAR(shape->principal_m5.y(), 6.0 / 12 * 13, 1e-13);
+  EXPECT_NEAR(shape->principal_m5.z(), 6.0 / 12 * 10, 1e-13);
+}
+
+TEST(MeshShape, RefusesAnOpenMesh) {
+  TriangleMesh mesh = test::box_mesh(Vec3::Ones());
+  mesh.triangles.pop_back();
+  EXPECT_NE(make_mesh_shape(mesh, {}).error().message.find("3 open edges"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace poise
