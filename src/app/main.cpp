@@ -9,6 +9,8 @@
 #include "app/exit_codes.h"
 #include "app/run_command.h"
 #include "app/scenes_command.h"
+#include "app/shape_command.h"
+#include "app/tree_command.h"
 #include "build_info.h"
 
 namespace {
@@ -21,6 +23,8 @@ int run(int argc, char** argv) {
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
   poise::app::add_run_command(app, exit_code);
+  poise::app::add_tree_command(app, exit_code);
+  poise::app::add_shape_command(app, exit_code);
   poise::app::add_scenes_command(app, exit_code);
   try {
     app.parse(argc, argv);
