@@ -39,12 +39,12 @@ bool spin_until(Done&& done) {
   return false;
 }
 
-/// Lets this thread run on all of `allowed` but `processor`. Where that leaves nothing, or the kernel refuses, all
+/// Lets this thread run on all of `allowed` but `processor`. Where that leaves nothing the kernel refuses, and all
 /// stays.
 void stay_away_from(const cpu_set_t& allowed, int processor) {
   cpu_set_t others = allowed;
   if (processor >= 0 && processor < CPU_SETSIZE) CPU_CLR(static_cast<std::size_t>(processor), &others);
-  if (CPU_COUNT(&others) > 0) sched_setaffinity(0, sizeof(others), &others);
+  sched_setaffinity(0, sizeof(others), &others);
 }
 
 }  // namespace

@@ -138,16 +138,21 @@ TEST_P(EveryExecutor, MakesWhatWorkersWroteVisibleToTheCaller) {
   }
 }
 
-TEST_P(EveryExecutor, WorksOffARunFromInsideItsOwnLoop) {
-  std::atomic<int> inner{0};
-  executor_->run([&](int worker) {
-    if (worker != 0) return;
-    executor_->run([&](int nested_worker) {
-      EXPECT_EQ(nested_worker, 0);
-      ++inner;
+TEST_P(EveryExecutor, WorksOffARunFromInsideItsOwnLoopOnTheSameThread) {
+  for (int run = 0; run < 20; ++run) {
+    std::atomic<int> inner{0};
+    executor_->run([&](int worker) {
+      if (worker != 0) return;
+      const std::thread::id outer_thread = std::this_thread::get_id();
+      executor_->run([&](int nested_worker) {
+        EXPECT_EQ(nested_worker, 0);
+        EXPECT_EQ(std::this_thread::get_id(), outer_thread);
+        for (int i = 0; i < 50; ++i) std::this_thread::yield();  // time for others to come, were they called
+        ++inner;
+      });
     });
-  });
-  EXPECT_EQ(inner, 1);
+    EXPECT_EQ(inner, 1);
+  }
 }
 
 TEST_P(EveryExecutor, MayRunTheLoopOfAnotherExecutorInsideItsOwn) {

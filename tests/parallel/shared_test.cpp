@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <thread>
 #include <vector>
 
 #include "parallel/executor.h"
@@ -36,10 +37,15 @@ TEST(Tickets, StartAgainAtZeroAfterAReset) {
 }
 
 TEST(Shared, LosesNoAddition) {
-  const auto executor = make_executor(ExecutorKind::Threads, 4);
+  const auto executor = make_executor(ExecutorKind::Threads, 2);
+  Shared<int> present;
   Shared<long> sum;
-  parallel_for(*executor, 1001, 1, [&](std::size_t begin, std::size_t, int) { sum.add(static_cast<long>(begin)); });
-  EXPECT_EQ(sum.get(), 500500);
+  executor->run([&](int) {
+    present.add(1);
+    while (present.get() < 2) std::this_thread::yield();
+    for (int i = 0; i < 200000; ++i) sum.add(1);
+  });
+  EXPECT_EQ(sum.get(), 400000);
 }
 
 TEST(Shared, ShowsWhatWasWrittenBeforeTheValueThatIsSeen) {
