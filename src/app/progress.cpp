@@ -24,10 +24,12 @@ void Progress::say(std::string_view text) {
 void Progress::frame(std::uint64_t done, std::uint64_t total, std::uint64_t misses, std::size_t bodies) {
   if (!on_) return;
   const SteadyClock::time_point now = SteadyClock::now();
-  if (now - last_ < std::chrono::milliseconds(100)) return;
+  // Loading is over: only frames tell how long frames take.
+  if (done <= 1) begin_ = now;
+  if (done <= 1 || now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   const double spent_s = std::chrono::duration<double>(now - begin_).count();
-  const double left_s = done > 0 ? spent_s / static_cast<double>(done) * static_cast<double>(total - done) : 0;
+  const double left_s = spent_s / static_cast<double>(done - 1) * static_cast<double>(total - done);
   fmt::print(stderr, "\r\x1b[Kframe {} of {}, {} missed, {} bodies, {:.0f} s left", done, total, misses, bodies,
              left_s);
   std::fflush(stderr);
