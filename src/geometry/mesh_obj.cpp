@@ -23,9 +23,8 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-bool is_finite_number(std::string_view word) {
+bool parse_finite(std::string_view word, double& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
 }
@@ -53,8 +52,9 @@ std::string joined_lines(const std::string& text) {
   return joined;
 }
 
-/// The loader reads a word that is no number as 0, so the coordinates are looked at here first. Empty when all are fine.
-std::string wrong_coordinate(std::string_view text) {
+/// The loader reads a word that is no number as 0, and its numbers are off in their last digit, so the coordinates are read
+/// here first. Says what is wrong with one; empty when all are fine.
+std::string read_coordinates(std::string_view text, std::vector<Vec3>& vertices) {
   std::size_t line_number = 0;
   while (!text.empty()) {
     ++line_number;
@@ -62,10 +62,11 @@ std::string wrong_coordinate(std::string_view text) {
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (next_word(line) != "v") continue;
-    for (const char axis : {'x', 'y', 'z'}) {
+    Vec3& vertex = vertices.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
       const std::string_view word = next_word(line);
-      if (!is_finite_number(word)) {
-        return fmt::format("line {}: {} of a vertex is '{}', must be a finite number", line_number, axis, word.substr(0, 40));
+      if (!parse_finite(word, vertex[axis])) {
+        return fmt::format("line {}: {} of a vertex is '{}', must be a finite number", line_number, "xyz"[axis], word.substr(0, 40));
       }
     }
   }
@@ -76,7 +77,8 @@ std::string wrong_coordinate(std::string_view text) {
 
 Result<TriangleMesh> parse_obj(const std::string& file_text) {
   const std::string text = joined_lines(file_text);
-  if (std::string wrong = wrong_coordinate(text); !wrong.empty()) return bad_input(std::move(wrong));
+  TriangleMesh mesh;
+  if (std::string wrong = read_coordinates(text, mesh.vertices_m); !wrong.empty()) return bad_input(std::move(wrong));
   tinyobj::ObjReaderConfig config;
   config.triangulate = false;
   config.vertex_color = false;
@@ -86,10 +88,9 @@ Result<TriangleMesh> parse_obj(const std::string& file_text) {
     std::ranges::replace(why, '\n', ' ');
     return bad_input(fmt::format("not a valid OBJ: {}", why));
   }
-  TriangleMesh mesh;
-  const auto& coordinates = reader.GetAttrib().vertices;
-  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3) {
-    mesh.vertices_m.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+  if (reader.GetAttrib().vertices.size() != 3 * mesh.vertices_m.size()) {
+    return bad_input(fmt::format("not a valid OBJ: {} lines 'v', but {} vertices", mesh.vertices_m.size(),
+                                 reader.GetAttrib().vertices.size() / 3));
   }
   std::size_t face_number = 0;
   std::vector<std::uint32_t> corners;
