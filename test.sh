@@ -9,4 +9,6 @@ root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
 "$root/cmake/install_packages.sh" build test
 POISE_TESTS=ON "$root/cmake/build_release.sh" all all_verify_interface_header_sets
 cd -- "$root"
-exec ctest --preset release --parallel "$(nproc)" --progress "$@"
+progress=()
+if [[ -t 1 ]]; then progress=(--progress); fi
+exec ctest --preset release --parallel "$(nproc)" "${progress[@]}" "$@"

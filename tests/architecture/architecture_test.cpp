@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,8 @@ struct Planted {
   std::string line;
   std::string rule;  // a part of the message
 };
+
+void PrintTo(const Planted& planted, std::ostream* out) { *out << planted.path; }
 
 class PlantedViolation : public testing::TestWithParam<Planted> {};
 

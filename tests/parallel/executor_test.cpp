@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <numeric>
+#include <ostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +19,8 @@ struct Choice {
   ExecutorKind kind;
   int threads;
 };
+
+void PrintTo(const Choice& choice, std::ostream* out) { *out << choice.threads << " threads"; }
 
 std::string name_of(const testing::TestParamInfo<Choice>& info) {
   const std::array<const char*, 3> kinds{"Tbb", "Threads", "Serial"};
