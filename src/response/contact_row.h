@@ -80,6 +80,11 @@ class Coloring {
     bool yields_a = true, yields_b = true;
   };
   void color(std::span<const Edge> edges, std::size_t bodies);
+  void reserve(std::size_t edges) {
+    color_of_.reserve(edges);
+    order_.reserve(edges);
+    begin_.reserve(kColors + 2);
+  }
   /// order()[k] = the edge at place k; places of colour c are [begin(c), begin(c + 1)).
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
   [[nodiscard]] std::uint32_t colors() const { return colors_; }

@@ -8,22 +8,22 @@
 namespace poise::response {
 namespace {
 
-// Speeds below this are rounding, also where there is no gravity.
-constexpr double kStillMps = 1e-12;
+// Is this step the one whose start is nearest to the moment when the surfaces meet? Waiting for overlap would answer half
+// a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
+bool meets_now(double gap_m, double closing_mps, double dt_s) { return gap_m <= 0.5 * closing_mps * dt_s; }
 
 // DO eq. 1-3, contact by contact in canonical order, each with the approach speed taken anew.
-bool answer_points(const System& system, ContactRow& row, double still_mps) {
+bool answer_points(const System& system, ContactRow& row, double dt_s, double still_mps) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
   bool answered = false;
   for (std::uint32_t p = row.points_begin; p < row.points_end; ++p) {
     const PointContact& point = system.points[p];
-    if (point.gap_m > 0) continue;
     const Vec3& n = point.normal;
     const Vec3 velocity = a.velocity_mps + a.spin_radps.cross(point.arm_a_m) - b.velocity_mps -
                           b.spin_radps.cross(point.arm_b_m);
     const double closing = n.dot(velocity);
-    if (closing <= still_mps) continue;
+    if (closing <= still_mps || !meets_now(point.gap_m, closing, dt_s)) continue;
     ContactRow single = row;
     single.direction = n;
     single.moment_a_m = point.arm_a_m.cross(n);
@@ -48,9 +48,9 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
   if (closing <= still_mps) return false;
   const bool rebounds = row.restitution * closing > still_mps;
   double lambda = 0;
-  if (row.gap_m <= 0) {
+  if (meets_now(row.gap_m, closing, dt_s)) {
     lambda = (1.0 + (rebounds ? row.restitution : 0.0)) * closing * row.effective_mass;
-  } else if (!rebounds && closing * dt_s > row.gap_m * (1.0 + 1e-9)) {
+  } else if (!rebounds && closing * dt_s > row.gap_m) {
     lambda = (closing - row.gap_m / dt_s) * row.effective_mass;
   }
   if (lambda <= 0) return false;
@@ -62,21 +62,22 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
 }  // namespace
 
 void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
-  const double still_mps = std::max(settings.gravity_mps2.norm() * settings.dt_s, kStillMps);
-  sweep(system, executor, [&](ContactRow& row) {
-    const double closing = approach_mps(row, system.bodies[row.a], system.bodies[row.b]);
-    row.bounces = row.restitution * closing > still_mps;
-  });
+  const double still_mps = response::still_mps(settings);
   for (int round = 0; round < kImpactSweeps; ++round) {
     parallel::Shared<int> answered(0);
     sweep(system, executor, [&](ContactRow& row) {
       if (row.effective_mass == 0) return;
-      const bool here = row.points_begin < row.points_end ? round == 0 && answer_points(system, row, still_mps)
+      const bool here = row.points_begin < row.points_end ? round == 0 && answer_points(system, row, settings.dt_s, still_mps)
                                                           : answer_wrench(system, row, settings.dt_s, still_mps);
       if (here && answered.get() == 0) answered.set(1);
     });
-    if (answered.get() == 0) return;
+    if (answered.get() == 0) break;
   }
+  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's.
+  sweep(system, executor, [&](ContactRow& row) {
+    const double closing = approach_mps(row, system.bodies[row.a], system.bodies[row.b]);
+    row.bounces = row.restitution * closing > still_mps;
+  });
 }
 
 }  // namespace poise::response

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "parallel/executor.h"
@@ -15,10 +16,17 @@ struct SolveSettings {
   int substeps = 2;
 };
 
+/// Speeds up to this do not count as motion of a contact: what gravity adds in a step, and rounding where there is none.
+inline double still_mps(const SolveSettings& settings) {
+  constexpr double kRoundingMps = 1e-12;
+  return std::max(settings.gravity_mps2.norm() * settings.dt_s, kRoundingMps);
+}
+
 /// External acceleration of one body in this step, gravity included: m/s^2 and rad/s^2.
 struct Acceleration {
   Vec3 linear_mps2 = Vec3::Zero();
   Vec3 angular_radps2 = Vec3::Zero();
+  [[nodiscard]] bool none() const { return linear_mps2.isZero(0) && angular_radps2.isZero(0); }
 };
 
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` are those of the rows.
@@ -32,15 +40,16 @@ struct System {
 };
 
 /// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that closes
-/// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces have met, with e = 0
-/// where the rebound would be slower than that; a row that will meet within the step and does not rebound is slowed so
-/// that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
+/// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to this step's
+/// start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets later in the step
+/// and does not rebound is slowed so that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
 /// an impulse was needed, at most kImpactSweeps times. Linear and angular momentum are kept; energy never grows.
 void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 inline constexpr int kImpactSweeps = 16;
 
-/// Adds forces and keeps bodies from sinking into each other: soft constraints in substeps with a relaxing sweep each
-/// (Catto, Solver2D 2024; Macklin et al. 2019), warm started from each row's impulse. Fills moved_m and turned_rad.
+/// Adds forces and keeps bodies from sinking into each other, in substeps (Macklin et al. 2019): one sweep over the
+/// velocities, warm started from each row's impulse, and one over the positions of pairs that overlap beyond doubt. Pushing
+/// positions alone leaves no speed behind, whatever is not yet solved. Fills moved_m and turned_rad.
 void solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 
 }  // namespace poise::response

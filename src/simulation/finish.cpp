@@ -86,6 +86,9 @@ void integrate(WorldState& world, const StepInput& input) {
 void publish(WorldState& world) {
   FrameBuffers& buffers = world.buffers;
   world.next_memory.clear();
+  world.next_memory.reserve(buffers.pairs.capacity());
+  world.contacts.reserve(buffers.pairs.capacity());
+  world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   for (ActivePair& pair : buffers.pairs) {
     PairMemory memory = pair.memory;
     memory.frames_waited = pair.level.level > 0 || !pair.level.refinable() ? 0 : memory.frames_waited + 1;

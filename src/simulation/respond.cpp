@@ -40,6 +40,11 @@ void list_rows(WorldState& world) {
   buffers.row_pair.clear();
   buffers.edges.clear();
   buffers.points_begin.clear();
+  // All grow with the pairs, so that later frames whose share of answered pairs is larger need no room of their own.
+  buffers.row_pair.reserve(buffers.pairs.capacity());
+  buffers.edges.reserve(buffers.pairs.capacity());
+  buffers.points_begin.reserve(buffers.pairs.capacity() + 1);
+  buffers.rows.reserve(buffers.pairs.capacity());
   std::uint32_t points = 0;
   const bool by_points = world.settings.contact == ContactModel::Paper;
   for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
@@ -52,6 +57,7 @@ void list_rows(WorldState& world) {
   }
   buffers.points_begin.push_back(points);
   buffers.points.resize(points);
+  buffers.coloring.reserve(buffers.pairs.capacity());
   buffers.coloring.color(buffers.edges, world.bodies.slot_count());
 }
 
