@@ -13,15 +13,15 @@ namespace {
 
 constexpr std::size_t kGrain = 256;
 constexpr double kFarthestCell = 1e9;
+constexpr double kLeastCellM = 1e-6;
 
-// The grid of a ball: cells of the smallest power of two that is no smaller than its diameter.
+// The grid of a ball: those whose diameters lie within one octave share it. Its cells are as wide as its largest ball, so
+// they are wider than any ball of a finer grid.
 int grid_of(double radius_m) {
   int exponent = 0;
-  std::frexp(std::max(2.0 * radius_m, 1e-6), &exponent);
+  std::frexp(std::max(2.0 * radius_m, kLeastCellM), &exponent);
   return std::clamp(exponent + 24, 0, 63);
 }
-
-double cells_per_m(int grid) { return std::ldexp(1.0, 24 - grid); }
 
 std::int32_t cell_of(double x_m, double cells_per_meter) {
   return static_cast<std::int32_t>(std::clamp(std::floor(x_m * cells_per_meter), -kFarthestCell, kFarthestCell));
@@ -66,15 +66,22 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
   cell_of_.resize(n);
   entries_.resize(n);
   bucket_of_.resize(n);
+  std::fill(grids_.begin(), grids_.end(), Grid{});
+  for (std::size_t i = 0; i < n; ++i) {
+    cell_of_[i].grid = grid_of(bounds[i].radius_m);
+    Grid& grid = grids_[static_cast<std::size_t>(cell_of_[i].grid)];
+    grid.widest_m = std::max(grid.widest_m, 2.0 * bounds[i].radius_m);
+  }
+  for (Grid& grid : grids_) grid.cells_per_m = 1.0 / std::max(grid.widest_m, kLeastCellM);
   parallel::parallel_for(executor, n, 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const int grid = grid_of(bounds[i].radius_m);
-      const double scale = cells_per_m(grid);
+      const double scale = grids_[static_cast<std::size_t>(cell_of_[i].grid)].cells_per_m;
       const Vec3& center = bounds[i].center_m;
-      cell_of_[i] = {cell_of(center.x(), scale), cell_of(center.y(), scale), cell_of(center.z(), scale), grid};
+      cell_of_[i].x = cell_of(center.x(), scale);
+      cell_of_[i].y = cell_of(center.y(), scale);
+      cell_of_[i].z = cell_of(center.z(), scale);
     }
   });
-  std::fill(grids_.begin(), grids_.end(), Grid{});
   struct Range {
     std::int64_t least[3], most[3];
   };
@@ -95,7 +102,6 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
     Grid& grid = grids_[static_cast<std::size_t>(g)];
     if (!grid.used) continue;
     used_grids_.push_back(g);
-    grid.cells_per_m = cells_per_m(g);
     std::uint64_t size[3];
     for (int axis = 0; axis < 3; ++axis) {
       grid.least[axis] = ranges[g].least[axis] - 1;  // a free border: searches reach one cell beyond

@@ -63,6 +63,7 @@ class BroadPhase {
     std::uint32_t bound = 0;
   };
   struct Grid {
+    double widest_m = 0;
     double cells_per_m = 1;
     std::int64_t least[3] = {0, 0, 0};
     std::uint64_t row = 1, layer = 1, base = 0;

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// The response of a block of balls on a floor: nanoseconds a contact, colouring apart.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <vector>
+
+#include "latencies.h"
+#include "response/solve.h"
+
+namespace poise::response {
+namespace {
+
+/// side x side x 5 balls in a cubic grid, resting on static ground in slot 0.
+struct Block {
+  std::vector<SolverBody> bodies;
+  std::vector<Acceleration> accelerations;
+  std::vector<Mat3> inverse_inertia;
+  std::vector<Coloring::Edge> edges;
+  std::vector<Vec3> directions;
+  std::vector<ContactRow> rows;
+  Coloring coloring;
+
+  explicit Block(std::uint32_t side) {
+    bodies.emplace_back();
+    accelerations.emplace_back();
+    const auto slot = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return 1 + x + side * (y + side * z); };
+    for (std::uint32_t z = 0; z < 5; ++z) {
+      for (std::uint32_t y = 0; y < side; ++y) {
+        for (std::uint32_t x = 0; x < side; ++x) {
+          bodies.emplace_back().inverse_mass = 1;
+          accelerations.push_back({Vec3(0, 0, -9.81), Vec3::Zero()});
+          if (x > 0) connect(slot(x - 1, y, z), slot(x, y, z), Vec3::UnitX());
+          if (y > 0) connect(slot(x, y - 1, z), slot(x, y, z), Vec3::UnitY());
+          connect(z > 0 ? slot(x, y, z - 1) : 0, slot(x, y, z), Vec3::UnitZ());
+        }
+      }
+    }
+    inverse_inertia.assign(bodies.size(), Mat3::Identity());
+    coloring.color(edges, bodies.size());
+    for (const std::uint32_t i : coloring.order()) {
+      ContactRow row;
+      row.a = edges[i].a;
+      row.b = edges[i].b;
+      row.direction = directions[i];
+      prepare_row(row, bodies[row.a].inverse_mass, Mat3::Identity(), 1, Mat3::Identity());
+      rows.push_back(row);
+    }
+  }
+  void connect(std::uint32_t a, std::uint32_t b, const Vec3& direction) {
+    edges.push_back({a, b, a != 0, true});
+    directions.push_back(direction);
+  }
+  System system() { return {bodies, accelerations, rows, {}, inverse_inertia, coloring}; }
+};
+
+void step(Block& block, parallel::Executor& executor) {
+  const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2};
+  solve_impacts(block.system(), settings, executor);
+  solve_rest(block.system(), settings, executor);
+  for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
+}
+
+void rest(benchmark::State& state) {
+  const auto executor = parallel::make_executor(ExecutorKind::Tbb, static_cast<int>(state.range(1)));
+  Block block(static_cast<std::uint32_t>(state.range(0)));
+  for (int i = 0; i < 200; ++i) step(block, *executor);
+  double fastest = 0;
+  for (const SolverBody& body : block.bodies) fastest = std::max(fastest, body.velocity_mps.norm());
+  if (!(fastest < 0.02)) state.SkipWithError("the block does not rest");
+  bench::Latencies latencies;
+  for (auto _ : state) latencies.time(state, [&] { step(block, *executor); });
+  latencies.report(state);
+  state.counters["s_per_contact"] = benchmark::Counter(
+      static_cast<double>(block.rows.size()),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(rest)
+    ->ArgNames({"side", "threads"})
+    ->ArgsProduct({{20, 63}, {1, 2}})
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
+
+void coloring(benchmark::State& state) {
+  Block block(static_cast<std::uint32_t>(state.range(0)));
+  for (auto _ : state) {
+    block.coloring.color(block.edges, block.bodies.size());
+    benchmark::DoNotOptimize(block.coloring.order().data());
+  }
+  if (block.coloring.serial_begin() != block.edges.size()) state.SkipWithError("colours ran out");
+  state.counters["s_per_contact"] = benchmark::Counter(
+      static_cast<double>(block.rows.size()),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(coloring)->ArgName("side")->Arg(63)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace poise::response
