@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -16,6 +18,7 @@
 #include "app/scene_files.h"
 #include "build_info.h"
 #include "io/atomic_file.h"
+#include "io/picture.h"
 #include "io/requirement.h"
 #include "io/run_document.h"
 #include "io/run_tables.h"
@@ -33,12 +36,15 @@ int refuse(const Error& error) { return refuse(exit_code_of(error), error.messag
 /// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
 /// unless it is written to its end.
 struct Outputs {
-  std::optional<io::AtomicFile> json, states, frames_csv;
+  std::optional<io::AtomicFile> json, states, frames_csv, picture;
 
   static Result<Outputs> open(const RunOptions& options) {
     Outputs outputs;
     const std::pair<const std::string*, std::optional<io::AtomicFile>*> wanted[] = {
-        {&options.json, &outputs.json}, {&options.states, &outputs.states}, {&options.frames_csv, &outputs.frames_csv}};
+        {&options.json, &outputs.json},
+        {&options.states, &outputs.states},
+        {&options.frames_csv, &outputs.frames_csv},
+        {&options.picture, &outputs.picture}};
     for (const auto& [path, file] : wanted) {
       if (path->empty() || *path == "-") continue;
       Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
@@ -174,6 +180,17 @@ Status print_table(const RunOptions& options, const io::RunDocument& document) {
   return Done{};
 }
 
+/// As large as the scene's camera says.
+Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& file) {
+  const std::array<double, 2> size_px = scene.camera.value_or(SceneCamera{}).resolution_px;
+  const io::Image image =
+      io::draw_run(run, static_cast<std::uint32_t>(size_px[0]), static_cast<std::uint32_t>(size_px[1]));
+  const Result<std::string> png = io::png_bytes(image);
+  if (!png) return png.error();
+  const Status written = file.write(png.value());
+  return written ? file.commit() : written;
+}
+
 /// From a scene that stands to the exit code.
 int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, SceneRun& run,
                  Outputs& outputs, Progress& progress) {
@@ -198,6 +215,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   Status written = states.finish();
   if (!written) return refuse(written.error());
   if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
+  if (!written) return refuse(written.error());
+  if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
   if (!written) return refuse(written.error());
   written = write_json(options, document, outputs);
   if (!written) return refuse(written.error());

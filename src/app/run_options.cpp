@@ -55,6 +55,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->type_name("FILE");
   command.add_option("--states", options.states, "Write every body after every frame as CSV")->type_name("FILE");
   command.add_option("--frames-csv", options.frames_csv, "Write one row a frame as CSV")->type_name("FILE");
+  command.add_option("--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level")
+      ->type_name("FILE");
   command
       .add_option("--require", options.require,
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
@@ -73,7 +75,7 @@ Status check_run_options(const RunOptions& options) {
 #endif
   if (options.require && options.require->empty()) return bad_input("--require must not be empty");
   std::vector<std::filesystem::path> outputs;
-  for (const std::string* path : {&options.json, &options.states, &options.frames_csv}) {
+  for (const std::string* path : {&options.json, &options.states, &options.frames_csv, &options.picture}) {
     if (path->empty()) continue;
     if (*path == "-" && path != &options.json) return bad_input("only --json can go to the standard output");
     const std::filesystem::path normal = std::filesystem::path(*path).lexically_normal();

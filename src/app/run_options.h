@@ -20,7 +20,7 @@ struct RunOptions {
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "wrench", clock = "wall", executor;
-  std::string json, states, frames_csv;
+  std::string json, states, frames_csv, picture;
   std::optional<std::string> require;
 };
 
