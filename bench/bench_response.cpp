@@ -20,6 +20,7 @@ struct Block {
   std::vector<Vec3> directions;
   std::vector<ContactRow> rows;
   Coloring coloring;
+  SolveScratch scratch;
 
   explicit Block(std::uint32_t side) {
     bodies.emplace_back();
@@ -51,7 +52,7 @@ struct Block {
     edges.push_back({a, b, a != 0, true});
     directions.push_back(direction);
   }
-  System system() { return {bodies, accelerations, rows, {}, inverse_inertia, coloring}; }
+  System system() { return {bodies, accelerations, rows, {}, inverse_inertia, coloring, scratch}; }
 };
 
 void step(Block& block, parallel::Executor& executor) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "io/scene_shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "io/json_document.h"
+#include "parallel/executor.h"
 
 namespace poise::io {
 namespace {
@@ -65,15 +67,23 @@ SphereTree scaled_tree(SphereTree tree, double scale) {
 }
 
 Result<std::vector<ShapePtr>> load_shapes(const Scene& scene, int threads) {
+  // Side by side, each on one thread, where there is more than one to build: the roots of trees are split by one thread.
+  const auto meshes = std::count_if(scene.shapes.begin(), scene.shapes.end(), [](const SceneShape& shape) {
+    return std::holds_alternative<MeshSource>(shape.source);
+  });
+  const Loader loader{scene, meshes > 1 ? 1 : threads};
+  std::vector<Result<ShapePtr>> made(scene.shapes.size(), Result<ShapePtr>(ShapePtr{}));
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, threads);
+  parallel::parallel_for(*executor, made.size(), 1, [&](std::size_t i, std::size_t, int) {
+    made[i] = std::visit(loader, scene.shapes[i].source);
+  });
   std::vector<ShapePtr> shapes;
-  shapes.reserve(scene.shapes.size());
-  for (const SceneShape& shape : scene.shapes) {
-    Result<ShapePtr> made = std::visit(Loader{scene, threads}, shape.source);
-    if (!made) {
-      const std::string path = member_path(member_path("shapes", shape.name), kind_name(shape));
-      return Error{made.error().kind, scene.source + ": " + path + ": " + made.error().message};
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    if (!made[i]) {
+      const std::string path = member_path(member_path("shapes", scene.shapes[i].name), kind_name(scene.shapes[i]));
+      return Error{made[i].error().kind, scene.source + ": " + path + ": " + made[i].error().message};
     }
-    shapes.push_back(std::move(made).value());
+    shapes.push_back(std::move(made[i]).value());
   }
   return shapes;
 }

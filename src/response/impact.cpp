@@ -63,18 +63,31 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
 
 void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
   const double still_mps = response::still_mps(settings);
-  for (int round = 0; round < kImpactSweeps; ++round) {
+  std::vector<std::uint32_t>& changed = system.scratch.changed;
+  std::vector<RowGate>& gates = system.scratch.gates;
+  changed.assign(system.bodies.size(), 0);
+  gates.resize(system.rows.size());
+  for (std::uint32_t round = 1; round <= kImpactSweeps; ++round) {
     parallel::Shared<int> answered(0);
-    sweep(system, executor, [&](ContactRow& row) {
+    sweep(system, executor, [&](std::size_t i) {
+      ContactRow& row = system.rows[i];
+      if (round == 1) gates[i] = {row.a, row.b, row.surely_m + row.slop_m < 0};
+      // What neither body's velocity has changed since the last round needs no other look.
+      if (round > 1 && changed[gates[i].a] + 1 < round && changed[gates[i].b] + 1 < round) return;
       if (row.effective_mass == 0) return;
-      const bool here = row.points_begin < row.points_end ? round == 0 && answer_points(system, row, settings.dt_s, still_mps)
-                                                          : answer_wrench(system, row, settings.dt_s, still_mps);
-      if (here && answered.get() == 0) answered.set(1);
+      const bool here = row.points_begin < row.points_end
+                            ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
+                            : answer_wrench(system, row, settings.dt_s, still_mps);
+      if (!here) return;
+      if (row.inverse_mass_a > 0) changed[row.a] = round;
+      if (row.inverse_mass_b > 0) changed[row.b] = round;
+      if (answered.get() == 0) answered.set(1);
     });
     if (answered.get() == 0) break;
   }
   // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's.
-  sweep(system, executor, [&](ContactRow& row) {
+  sweep(system, executor, [&](std::size_t i) {
+    ContactRow& row = system.rows[i];
     const double closing = approach_mps(row, system.bodies[row.a], system.bodies[row.b]);
     row.bounces = row.restitution * closing > still_mps;
   });

@@ -70,7 +70,8 @@ void solve_rest(const System& system, const SolveSettings& settings, parallel::E
         body.spin_radps += h_s * system.accelerations[i].angular_radps2;
       }
     });
-    sweep(system, executor, [&](ContactRow& row) {
+    sweep(system, executor, [&](std::size_t i) {
+      ContactRow& row = system.rows[i];
       if (!counts(row)) {
         row.impulse_ns = 0;
         return;
@@ -85,7 +86,8 @@ void solve_rest(const System& system, const SolveSettings& settings, parallel::E
       apply_impulse(row, row.impulse_ns, system.bodies[row.a], system.bodies[row.b]);
       mark(row, system.bodies[row.a], system.bodies[row.b]);
     });
-    sweep(system, executor, [&](ContactRow& row) {
+    sweep(system, executor, [&](std::size_t i) {
+      ContactRow& row = system.rows[i];
       if (counts(row)) solve_velocity(system, row, h_s);
     });
     parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -95,7 +97,9 @@ void solve_rest(const System& system, const SolveSettings& settings, parallel::E
         body.turned_rad += h_s * body.spin_radps;
       }
     });
-    sweep(system, executor, [&](ContactRow& row) {
+    sweep(system, executor, [&](std::size_t i) {
+      if (!system.scratch.gates[i].may_push) return;
+      const ContactRow& row = system.rows[i];
       if (counts(row)) push_apart(system, row, h_s, still_mps(settings));
     });
   }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "parallel/executor.h"
 #include "response/contact_row.h"
@@ -29,6 +31,18 @@ struct Acceleration {
   [[nodiscard]] bool none() const { return linear_mps2.isZero(0) && angular_radps2.isZero(0); }
 };
 
+/// What a sweep looks at before it touches a row: small, because most sweeps leave most rows alone.
+struct RowGate {
+  std::uint32_t a = 0, b = 0;
+  bool may_push = false;              ///< the pair overlaps beyond doubt
+};
+
+/// Buffers of the solver. Invariant: they only grow.
+struct SolveScratch {
+  std::vector<RowGate> gates;         ///< one a row
+  std::vector<std::uint32_t> changed; ///< one a body: the last round of impacts that changed its velocity, from 1
+};
+
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` are those of the rows.
 struct System {
   std::span<SolverBody> bodies;
@@ -37,6 +51,7 @@ struct System {
   std::span<const PointContact> points;
   std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts only
   const Coloring& coloring;
+  SolveScratch& scratch;
 };
 
 /// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that closes
@@ -45,7 +60,7 @@ struct System {
 /// and does not rebound is slowed so that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
 /// an impulse was needed, at most kImpactSweeps times. Linear and angular momentum are kept; energy never grows.
 void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
-inline constexpr int kImpactSweeps = 16;
+inline constexpr std::uint32_t kImpactSweeps = 8;
 
 /// Adds forces and keeps bodies from sinking into each other, in substeps (Macklin et al. 2019): one sweep over the
 /// velocities, warm started from each row's impulse, and one over the positions of pairs that overlap beyond doubt. Pushing

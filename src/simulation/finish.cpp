@@ -89,21 +89,27 @@ void publish(WorldState& world) {
   world.next_memory.reserve(buffers.pairs.capacity());
   world.contacts.reserve(buffers.pairs.capacity());
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
-  for (ActivePair& pair : buffers.pairs) {
-    PairMemory memory = pair.memory;
-    memory.frames_waited = pair.level.level > 0 || !pair.level.refinable() ? 0 : memory.frames_waited + 1;
-    memory.touching = false;
-    memory.impulse_ns = 0;
-    world.next_memory.push_back(memory);
-  }
+  world.next_memory.resize(buffers.pairs.size());
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ActivePair& pair = buffers.pairs[i];
+      PairMemory& memory = world.next_memory[i];
+      memory = pair.memory;
+      memory.frames_waited = pair.level.level > 0 || !pair.level.refinable() ? 0 : memory.frames_waited + 1;
+      memory.touching = false;
+      memory.impulse_ns = 0;
+    }
+  });
   world.contacts.resize(buffers.rows.size());
-  for (std::size_t k = 0; k < buffers.rows.size(); ++k) {
-    const response::ContactRow& row = buffers.rows[k];
-    PairMemory& memory = world.next_memory[row.pair];
-    memory.impulse_ns = row.impulse_ns;
-    memory.touching = row.gap_m <= 0 || row.total_ns > 0 || row.point_impulse_ns.squaredNorm() > 0;
-    world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row);
-  }
+  parallel::parallel_for(*world.executor, buffers.rows.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const response::ContactRow& row = buffers.rows[k];
+      PairMemory& memory = world.next_memory[row.pair];
+      memory.impulse_ns = row.impulse_ns;
+      memory.touching = row.gap_m <= 0 || row.total_ns > 0 || row.point_impulse_ns.squaredNorm() > 0;
+      world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row);
+    }
+  });
   world.events.clear();
   make_events(world);
   std::swap(world.memory, world.next_memory);

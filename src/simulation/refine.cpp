@@ -108,32 +108,44 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
   refinement.tallies[static_cast<std::size_t>(worker)] = tally;
 }
 
+void put_into_bands(Refinement& refinement) {
+  constexpr std::size_t kGrain = 256;
+  WorldState& world = refinement.world;
+  const std::size_t count = world.buffers.pairs.size();
+  world.bands.reset(static_cast<std::uint32_t>(count));
+  parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
+    // Backwards, because the last one put into a band is the first one taken.
+    for (std::size_t i = end; i-- > begin;) {
+      const ActivePair& pair = world.buffers.pairs[i];
+      if (!pair.level.refinable()) continue;
+      const auto item = static_cast<std::uint32_t>(i);
+      world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
+    }
+  });
+}
+
 void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& report) {
   WorldState& world = refinement.world;
   const StepInput& input = refinement.input;
   const Nanoseconds host = input.host_work.learn ? world.host_work.reserve() : input.host_work.expected;
   scheduler::FrameBudget budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin,
                                                                tail_work(world, 0), world.unit_cost_ns);
-  std::int64_t present = 0;
-  world.bands.reset(static_cast<std::uint32_t>(world.buffers.pairs.size()));
-  // Put in reverse, because the last one put into a band is the first one taken.
-  for (std::size_t i = world.buffers.pairs.size(); i-- > 0;) {
-    const ActivePair& pair = world.buffers.pairs[i];
-    if (!pair.level.apart) ++present;
-    if (!pair.level.refinable()) continue;
-    const auto item = static_cast<std::uint32_t>(i);
-    world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
-  }
+  // Every active pair is answered unless a refinement finds it apart.
+  const auto present = static_cast<std::int64_t>(world.buffers.pairs.size());
   parallel::Shared<std::int64_t> contacts(present);
+  const TimePoint first_cut = budget.cut(static_cast<std::uint64_t>(present));
   report.host_reserved = host;
-  report.refine_available = std::max(Nanoseconds(0), budget.cut(static_cast<std::uint64_t>(present)) - start);
+  report.reserve_at_cut = budget.reserve(static_cast<std::uint64_t>(present));
+  report.tail_forecast = world.tail.forecast(tail_work(world, static_cast<std::uint64_t>(present)));
+  report.cut_margin = world.margin.factor();
+  if (first_cut <= start) return;
+  put_into_bands(refinement);
   world.executor->run([&](int worker) { work_until_cut(refinement, budget, contacts, worker); });
   const TimePoint end = SteadyClock::now();
   const auto left = static_cast<std::uint64_t>(std::max<std::int64_t>(contacts.get(), 0));
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = world.tail.forecast(tail_work(world, left));
-  report.cut_margin = world.margin.factor();
-  report.refine_available = std::max(report.refine_available, std::max(Nanoseconds(0), budget.cut(left) - start));
+  report.refine_available = std::max(first_cut, budget.cut(left)) - start;
   // While this thread waited for another one's job, the machine may have held that one up.
   const WorkerTally& own = refinement.tallies[0];
   report.waited = own.ended == TimePoint{} ? Nanoseconds(0) : end - own.ended;
@@ -208,9 +220,8 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   std::fill(buffers.tallies.begin(), buffers.tallies.end(), WorkerTally{});
   Refinement refinement{world, input, {}, buffers.tallies};
   for (collision::FrontPool& pool : buffers.pools) pool.clear();
-  for (const ActivePair& pair : buffers.pairs) {
-    if (!pair.level.refinable()) continue;
-    refinement.facts.deepest_level = std::max<std::uint32_t>(refinement.facts.deepest_level, pair.level.deepest);
+  for (const ShapeFacts& facts : world.shapes) {
+    refinement.facts.deepest_level = std::max<std::uint32_t>(refinement.facts.deepest_level, facts.shape->tree.depth());
   }
   refinement.facts.frame = world.frame;
   refinement.facts.seed = world.settings.seed;
@@ -239,9 +250,6 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
       const double measured = static_cast<double>(busy.count()) / static_cast<double>(units);
       world.unit_cost_ns += 0.2 * (measured - world.unit_cost_ns);
     }
-  }
-  for (ActivePair& pair : buffers.pairs) {
-    if (pair.level.refinable()) ++report.pairs_left;
   }
   report.times.refine = SteadyClock::now() - begun;
 }

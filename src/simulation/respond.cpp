@@ -11,12 +11,11 @@ constexpr std::size_t kGrain = 256;
 // Overlap that is left alone, as a share of the smaller body's radius. Chosen: keeps contacts closed without being seen.
 constexpr double kSlopOfSkin = 0.2;
 
-void fill_bodies(WorldState& world, const StepInput& input) {
+void fill_bodies(WorldState& world) {
   const dynamics::BodyStore& bodies = world.bodies;
   FrameBuffers& buffers = world.buffers;
   buffers.solver_bodies.resize(bodies.slot_count());
   buffers.accelerations.resize(bodies.slot_count());
-  static_cast<void>(input);
   parallel::parallel_for(*world.executor, bodies.slot_count(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       response::SolverBody& body = buffers.solver_bodies[i];
@@ -35,7 +34,7 @@ void fill_bodies(WorldState& world, const StepInput& input) {
 }
 
 // The pairs that are answered, in canonical order, coloured by the bodies that yield.
-void list_rows(WorldState& world) {
+void list_rows(WorldState& world, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   buffers.row_pair.clear();
   buffers.edges.clear();
@@ -45,11 +44,14 @@ void list_rows(WorldState& world) {
   buffers.edges.reserve(buffers.pairs.capacity());
   buffers.points_begin.reserve(buffers.pairs.capacity() + 1);
   buffers.rows.reserve(buffers.pairs.capacity());
+  buffers.scratch.gates.reserve(buffers.pairs.capacity());
   std::uint32_t points = 0;
   const bool by_points = world.settings.contact == ContactModel::Paper;
   for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
     const ActivePair& pair = buffers.pairs[i];
     if (pair.level.apart) continue;
+    ++report.level_histogram[pair.level.level];
+    if (pair.level.refinable()) ++report.pairs_left;
     buffers.row_pair.push_back(static_cast<std::uint32_t>(i));
     buffers.edges.push_back({pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0});
     buffers.points_begin.push_back(points);
@@ -108,11 +110,10 @@ response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_
 
 void respond(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
-  list_rows(world);
+  list_rows(world, report);
   report.contact_pairs = buffers.row_pair.size();
   report.colors_full = buffers.row_pair.size() - buffers.coloring.serial_begin();
-  for (const std::uint32_t i : buffers.row_pair) ++report.level_histogram[buffers.pairs[i].level.level];
-  fill_bodies(world, input);
+  fill_bodies(world);
   buffers.rows.resize(buffers.row_pair.size());
   parallel::Tickets degenerate;
   parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -123,7 +124,7 @@ void respond(WorldState& world, const StepInput& input, FrameReport& report) {
   report.degenerate = degenerate.take(0);
 
   const response::System system{buffers.solver_bodies, buffers.accelerations,   buffers.rows,
-                                buffers.points,        buffers.inverse_inertia, buffers.coloring};
+                                buffers.points,        buffers.inverse_inertia, buffers.coloring, buffers.scratch};
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps};
   response::solve_impacts(system, settings, *world.executor);
   response::solve_rest(system, settings, *world.executor);

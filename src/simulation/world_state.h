@@ -70,6 +70,7 @@ struct FrameBuffers {
   std::vector<std::uint32_t> row_pair;                 // pairs that are answered, in canonical order
   std::vector<response::Coloring::Edge> edges;
   response::Coloring coloring;
+  response::SolveScratch scratch;
   std::vector<response::ContactRow> rows;              // in the order of the colouring
   std::vector<response::PointContact> points;
   std::vector<std::uint32_t> points_begin;             // per answered pair
