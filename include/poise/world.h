@@ -130,7 +130,8 @@ class World {
   /// Steps once. The calling thread works too. Bad input is refused in FrameReport::status.
   FrameReport step(const StepInput& input);
 
-  /// Of the last step, in order of (a, b); valid until the next call that is not const.
+  /// Of the last step, in order of (a, b); valid until the next call that is not const. Made at the first call after a
+  /// step, so a caller that does not ask does not pay; empty once a body was removed.
   [[nodiscard]] std::span<const Contact> contacts() const;
   /// Pairs that began and ceased to touch in the last step, in order of (a, b).
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;

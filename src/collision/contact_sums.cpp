@@ -7,21 +7,6 @@
 namespace poise::collision {
 namespace {
 
-SphereContact contact_of(const PairFrame& frame, const Sphere& a, const Sphere& b) {
-  const Vec3 between = frame.rotation * b.center_m + frame.offset_m - a.center_m;
-  const double distance = between.norm();
-  const double reach = a.radius_m + b.radius_m;
-  SphereContact contact;
-  if (distance > 1e-12 * reach) {
-    contact.normal = between / distance;
-  } else if (frame.offset_m.squaredNorm() > 0) {
-    contact.normal = frame.offset_m.normalized();
-  }
-  contact.point_m = a.center_m + between * (a.radius_m / reach);
-  contact.gap_m = distance - reach;
-  return contact;
-}
-
 void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
   const Vec3 normal = weight * contact.normal;
   sum.weight_m += weight;
@@ -32,9 +17,28 @@ void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
 
 }  // namespace
 
+SphereContact contact_of_spheres(const Vec3& between_m, double radius_a_m, double reach_m, const Vec3& fallback) {
+  const double distance = between_m.norm();
+  SphereContact contact;
+  if (distance > 1e-12 * reach_m) {
+    contact.normal = between_m / distance;
+  } else if (fallback.squaredNorm() > 0) {
+    contact.normal = fallback.normalized();
+  }
+  contact.point_m = between_m * (radius_a_m / reach_m);
+  contact.gap_m = distance - reach_m;
+  return contact;
+}
+
 SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry) {
   const Sphere a = frame.a->tree.sphere(entry.a);
-  if (!frame.with_plane()) return contact_of(frame, a, frame.b->tree.sphere(entry.b));
+  if (!frame.with_plane()) {
+    const Sphere b = frame.b->tree.sphere(entry.b);
+    SphereContact contact = contact_of_spheres(frame.rotation * b.center_m + frame.offset_m - a.center_m, a.radius_m,
+                                               a.radius_m + b.radius_m, frame.offset_m);
+    contact.point_m += a.center_m;
+    return contact;
+  }
   SphereContact contact;
   contact.normal = -frame.plane_normal;
   contact.point_m = a.center_m + a.radius_m * contact.normal;

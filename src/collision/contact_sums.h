@@ -20,6 +20,10 @@ struct SphereContact {
 /// take the direction between the two centres of mass, and the z axis of a when these coincide as well.
 SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry);
 
+/// The same for two spheres whose centres are `between_m` apart (from a to b), with `reach_m` the sum of their radii; the
+/// point is measured from the centre of a. `fallback` is the direction that coinciding centres take, if it is not zero.
+SphereContact contact_of_spheres(const Vec3& between_m, double radius_a_m, double reach_m, const Vec3& fallback);
+
 /// Weighted sums over the entries of a front, which make one wrench (docs/method.md). Sums of parts add up, so a front
 /// may be summed in pieces, in order.
 struct WrenchSum {

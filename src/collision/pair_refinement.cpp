@@ -14,6 +14,19 @@ constexpr FrontEntry kRoots[1] = {{0, 0}};
 // the largest. Measured: heights of settled piles of jacks at level 0 are then within 5 % of those at full depth.
 constexpr double kNesting = 0.25;
 
+// A wrench of one contact, with the gaps of level 0. The moment about b is left to the caller.
+PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double mean_m, double most_m) {
+  PairContact contact;
+  contact.direction = touch.normal;
+  contact.arm_m = arm_m;
+  contact.moment_a_m = arm_m.cross(touch.normal);
+  contact.spheres_m = touch.gap_m;
+  contact.likely_m = touch.gap_m + mean_m + kNesting * (most_m - mean_m);
+  contact.surely_m = touch.gap_m + most_m;
+  contact.present = true;
+  return contact;
+}
+
 // Expands up to `units` entries of one run into one segment; entries expanded, or none when there is no room.
 std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run, FrontPool& pool, int worker,
                          std::span<FrontPool> pools, LevelProgress& progress) {
@@ -39,11 +52,29 @@ Level deepest_level(const Shape& a, const Shape& b, Level max_level) {
   return std::min(max_level, std::max(a.tree.depth(), depth_b));
 }
 
-PairContact coarsest_contact(const PairFrame& frame, const Mat3& rotation_a) {
-  ContactSums sums;
-  add_to_sums(frame, kRoots, sums);
-  sums.likely_m += kNesting * (sums.surely_m - sums.likely_m);
-  return finish_contact(frame, sums, rotation_a);
+PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b) {
+  const SphereTree& tree_a = a.shape->tree;
+  const SphereTree& tree_b = b.shape->tree;
+  const double radius_a = static_cast<double>(tree_a.radius_m[0]);
+  const double reach = radius_a + static_cast<double>(tree_b.radius_m[0]);
+  const SphereContact touch = contact_of_spheres(b.center_m - a.center_m, radius_a, reach, b.mass_center_m - a.mass_center_m);
+  const Vec3 point = a.center_m + touch.point_m;
+  const double mean = static_cast<double>(tree_a.protrusion_mean_m[0]) + static_cast<double>(tree_b.protrusion_mean_m[0]);
+  const double most = static_cast<double>(tree_a.protrusion_max_m[0]) + static_cast<double>(tree_b.protrusion_max_m[0]);
+  PairContact contact = lone_contact(touch, point - a.mass_center_m, mean, most);
+  contact.moment_b_m = (point - b.mass_center_m).cross(touch.normal);
+  return contact;
+}
+
+PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m) {
+  const SphereTree& tree = a.shape->tree;
+  const double radius = static_cast<double>(tree.radius_m[0]);
+  SphereContact touch;
+  touch.normal = -normal;
+  touch.gap_m = normal.dot(a.center_m) - height_m - radius;
+  const Vec3 arm = a.center_m - a.mass_center_m + radius * touch.normal;
+  return lone_contact(touch, arm, static_cast<double>(tree.protrusion_mean_m[0]),
+                      static_cast<double>(tree.protrusion_max_m[0]));
 }
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool) {

@@ -41,8 +41,16 @@ enum class Quantum : std::uint8_t {
 /// The deepest level that refining two shapes can reach; b may be a plane.
 Level deepest_level(const Shape& a, const Shape& b, Level max_level);
 
-/// The contact of level 0: that of the two root spheres.
-PairContact coarsest_contact(const PairFrame& frame, const Mat3& rotation_a);
+/// A root sphere in the world, and the centre of mass of its body.
+struct PlacedRoot {
+  const Shape* shape = nullptr;
+  Vec3 center_m = Vec3::Zero();
+  Vec3 mass_center_m = Vec3::Zero();
+};
+/// The contact of level 0: that of the two root spheres, whatever their distance.
+PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
+/// The same of a root sphere and the half-space normal . x <= height, world frame.
+PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
 

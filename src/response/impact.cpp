@@ -59,6 +59,10 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
   return true;
 }
 
+void note_rebound(const System& system, ContactRow& row, double still_mps) {
+  row.bounces = row.restitution * approach_mps(row, system.bodies[row.a], system.bodies[row.b]) > still_mps;
+}
+
 }  // namespace
 
 void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
@@ -70,10 +74,13 @@ void solve_impacts(const System& system, const SolveSettings& settings, parallel
   for (std::uint32_t round = 1; round <= kImpactSweeps; ++round) {
     parallel::Shared<int> answered(0);
     sweep(system, executor, [&](std::size_t i) {
-      ContactRow& row = system.rows[i];
-      if (round == 1) gates[i] = {row.a, row.b, row.surely_m + row.slop_m < 0};
       // What neither body's velocity has changed since the last round needs no other look.
       if (round > 1 && changed[gates[i].a] + 1 < round && changed[gates[i].b] + 1 < round) return;
+      ContactRow& row = system.rows[i];
+      if (round == 1) {
+        gates[i] = {row.a, row.b, row.surely_m + row.slop_m < 0};
+        note_rebound(system, row, still_mps);
+      }
       if (row.effective_mass == 0) return;
       const bool here = row.points_begin < row.points_end
                             ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
@@ -85,11 +92,11 @@ void solve_impacts(const System& system, const SolveSettings& settings, parallel
     });
     if (answered.get() == 0) break;
   }
-  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's.
+  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's. The
+  // first sweep has noted it; what impulses have changed since is looked at again.
   sweep(system, executor, [&](std::size_t i) {
-    ContactRow& row = system.rows[i];
-    const double closing = approach_mps(row, system.bodies[row.a], system.bodies[row.b]);
-    row.bounces = row.restitution * closing > still_mps;
+    if (changed[gates[i].a] == 0 && changed[gates[i].b] == 0) return;
+    note_rebound(system, system.rows[i], still_mps);
   });
 }
 

@@ -87,7 +87,6 @@ void publish(WorldState& world) {
   FrameBuffers& buffers = world.buffers;
   world.next_memory.clear();
   world.next_memory.reserve(buffers.pairs.capacity());
-  world.contacts.reserve(buffers.pairs.capacity());
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());
   parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -100,19 +99,28 @@ void publish(WorldState& world) {
       memory.impulse_ns = 0;
     }
   });
-  world.contacts.resize(buffers.rows.size());
   parallel::parallel_for(*world.executor, buffers.rows.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const response::ContactRow& row = buffers.rows[k];
       PairMemory& memory = world.next_memory[row.pair];
       memory.impulse_ns = row.impulse_ns;
       memory.touching = row.gap_m <= 0 || row.total_ns > 0 || row.point_impulse_ns.squaredNorm() > 0;
-      world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row);
     }
   });
+  world.contacts_listed = false;
   world.events.clear();
   make_events(world);
   std::swap(world.memory, world.next_memory);
+}
+
+void list_contacts(WorldState& world) {
+  const FrameBuffers& buffers = world.buffers;
+  world.contacts.resize(buffers.rows.size());
+  for (std::size_t k = 0; k < buffers.rows.size(); ++k) {
+    const response::ContactRow& row = buffers.rows[k];
+    world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row);
+  }
+  world.contacts_listed = true;
 }
 
 }  // namespace poise::simulation

@@ -77,12 +77,25 @@ void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place,
   });
 }
 
+collision::PairContact coarsest_contact_of(const WorldState& world, const ActivePair& pair) {
+  const FrameBuffers& buffers = world.buffers;
+  const auto placed = [&](std::uint32_t slot) {
+    return collision::PlacedRoot{world.bodies.shape[slot].get(), buffers.root_center_m[slot],
+                                 buffers.poses[slot].position_m};
+  };
+  const Shape& shape_b = *world.bodies.shape[pair.b];
+  if (shape_b.kind == ShapeKind::Tree) return collision::coarsest_contact(placed(pair.a), placed(pair.b));
+  const Vec3 normal = buffers.poses[pair.b].rotation * shape_b.plane_normal;
+  const double height = normal.dot(buffers.poses[pair.b].position_m) + shape_b.plane_offset_m;
+  return collision::coarsest_plane_contact(placed(pair.a), normal, height);
+}
+
 response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_t& degenerate) {
   FrameBuffers& buffers = world.buffers;
   ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
   collision::PairContact& contact = pair.level.contact;
   if (pair.level.level == 0) {
-    contact = collision::coarsest_contact(frame_of(world, pair), buffers.poses[pair.a].rotation);
+    contact = coarsest_contact_of(world, pair);
   }
   response::ContactRow row;
   row.a = pair.a;

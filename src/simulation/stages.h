@@ -27,8 +27,11 @@ void respond(WorldState& world, const StepInput& input, FrameReport& report);
 /// Positions and orientations after the step.
 void integrate(WorldState& world, const StepInput& input);
 
-/// Contacts, events and the memory of pairs.
+/// Events and the memory of pairs.
 void publish(WorldState& world);
+
+/// The contacts of the last step, made when somebody asks for them.
+void list_contacts(WorldState& world);
 
 /// Counted work of the tail with this many answered pairs.
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts);

@@ -9,6 +9,7 @@
 
 #include "dynamics/conserved.h"
 #include "simulation/checks.h"
+#include "simulation/stages.h"
 #include "simulation/world_state.h"
 
 namespace poise {
@@ -121,6 +122,7 @@ Status World::remove_body(BodyId body) {
   state_->bodies.remove(body.slot);
   state_->removed_slots.push_back(body.slot);
   state_->contacts.clear();
+  state_->contacts_listed = true;
   state_->events.clear();
   return Done{};
 }
@@ -211,7 +213,10 @@ Status World::set_importance(BodyId body, double importance) {
 }
 
 void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(actual); }
-std::span<const Contact> World::contacts() const { return state_->contacts; }
+std::span<const Contact> World::contacts() const {
+  if (!state_->contacts_listed) simulation::list_contacts(*state_);
+  return state_->contacts;
+}
 std::span<const ContactEvent> World::contact_events() const { return state_->events; }
 Conserved World::conserved() const {
   return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);

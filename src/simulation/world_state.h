@@ -92,6 +92,7 @@ struct WorldState {
   std::vector<PairMemory> next_memory;
   std::vector<std::uint32_t> removed_slots;            // since the last step
   std::vector<Contact> contacts;
+  bool contacts_listed = true;                         // contacts are those of the last step
   std::vector<ContactEvent> events;
 
   collision::BroadPhase broad_phase;
