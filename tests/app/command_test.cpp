@@ -34,6 +34,17 @@ TEST(Command, PrintsATableThatNamesTheCausesOfMisses) {
   EXPECT_EQ(poise_command({"run", "two-body", "--frames", "2", "--quiet"}).out, "");
 }
 
+TEST(Command, DrawsAPictureAndTellsABadPlaceForItAtOnce) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.png");
+  const CommandResult drawn = poise_command({"run", "two-body", "--frames", "3", "--picture", file, "--quiet"});
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.error;
+  EXPECT_EQ(contents(file).substr(1, 3), "PNG");
+  const CommandResult refused = poise_command({"run", "two-body", "--picture", folder.file("none/run.png")});
+  EXPECT_EQ(refused.exit_code, 4);
+  EXPECT_NE(refused.error.find("none/run.png"), std::string::npos);
+}
+
 TEST(Command, WritesTheStatesOfEveryBodyFromTheStartOn) {
   const TemporaryFolder folder;
   const std::string file = folder.file("states.csv");
