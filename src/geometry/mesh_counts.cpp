@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "geometry/text_words.h"
+
 namespace poise::geometry {
 namespace {
 
@@ -15,18 +17,6 @@ std::string_view take_line(std::string_view& text) {
   const std::string_view line = text.substr(0, end);
   text.remove_prefix(std::min(end + 1, text.size()));
   return line.substr(0, line.find('#'));
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (;;) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const std::size_t length = std::min(line.find_first_of(" \t\r"), line.size());
-    words.push_back(line.substr(0, length));
-    line.remove_prefix(length);
-  }
 }
 
 /// The number a word begins with, the largest one where it is too large to hold; 0 for none.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "geometry/rounding.h"
+#include "geometry/text_words.h"
 #include "geometry/tree_layout.h"
 #include "poise/sphere_tree.h"
 
@@ -29,17 +30,9 @@ class Lines {
     if (rest_.empty()) return std::nullopt;
     ++number_;
     const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
+    const std::string_view line = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    std::vector<std::string_view> words;
-    for (;;) {
-      const std::size_t begin = line.find_first_not_of(" \t\r");
-      if (begin == std::string_view::npos) return words;
-      line.remove_prefix(begin);
-      const std::size_t length = std::min(line.find_first_of(" \t\r"), line.size());
-      words.push_back(line.substr(0, length));
-      line.remove_prefix(length);
-    }
+    return geometry::words_of(line);
   }
   [[nodiscard]] std::size_t number() const { return number_; }
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "geometry/mesh_volume.h"
-#include "geometry/sampling.h"
+#include "geometry/random.h"
 #include "geometry/tree_protrusion.h"
 #include "geometry/triangle_bvh.h"
 #include "poise/sphere_tree.h"
@@ -16,7 +16,7 @@ namespace {
 
 using namespace geometry;
 
-std::vector<Vec3> surface_points(const TriangleMesh& mesh, std::size_t samples, RandomStream& random) {
+std::vector<Vec3> surface_points(const TriangleMesh& mesh, std::size_t samples, Random& random) {
   std::vector<double> area_until;
   double area = 0;
   for (const auto& t : mesh.triangles) {
@@ -25,22 +25,22 @@ std::vector<Vec3> surface_points(const TriangleMesh& mesh, std::size_t samples, 
   }
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < samples; ++i) {
-    const auto place = std::ranges::upper_bound(area_until, random.uniform() * area);
+    const auto place = std::ranges::upper_bound(area_until, random.unit() * area);
     const auto index = std::min(static_cast<std::size_t>(place - area_until.begin()), area_until.size() - 1);
     const auto& t = mesh.triangles[index];
-    const double s = std::sqrt(random.uniform());
-    const double u = random.uniform();
+    const double s = std::sqrt(random.unit());
+    const double u = random.unit();
     points.emplace_back((1 - s) * mesh.vertices_m[t[0]] + s * (1 - u) * mesh.vertices_m[t[1]] + s * u * mesh.vertices_m[t[2]]);
   }
   return points;
 }
 
 /// Points drawn from the bounding box, those inside kept; fewer than asked where the mesh fills little of its box.
-std::vector<Vec3> inside_points(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t samples, RandomStream& random) {
+std::vector<Vec3> inside_points(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t samples, Random& random) {
   const Bounds box = bounds_of(mesh.vertices_m);
   std::vector<Vec3> points;
   for (std::size_t tries = 0; tries < 100 * samples && points.size() < samples; ++tries) {
-    const Vec3 share(random.uniform(), random.uniform(), random.uniform());
+    const Vec3 share(random.unit(), random.unit(), random.unit());
     const Vec3 point = box.low + share.cwiseProduct(box.high - box.low);
     if (bvh.inside(point)) points.push_back(point);
   }
@@ -86,8 +86,8 @@ class NodeDraw {
     }
   }
   [[nodiscard]] double total() const { return until_.back(); }
-  std::size_t draw(RandomStream& random) const {
-    const auto place = std::ranges::upper_bound(until_, random.uniform() * total());
+  std::size_t draw(Random& random) const {
+    const auto place = std::ranges::upper_bound(until_, random.unit() * total());
     return std::min(static_cast<std::size_t>(place - until_.begin()), until_.size() - 1);
   }
 
@@ -95,7 +95,7 @@ class NodeDraw {
   std::vector<double> until_;
 };
 
-void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double mesh_volume_m3, std::size_t samples, RandomStream& random,
+void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double mesh_volume_m3, std::size_t samples, Random& random,
                  parallel::Executor& executor, TreeLevelFigures& figures) {
   const std::vector<NodeIndex> nodes = tree.nodes_at(figures.level);
   figures.spheres = nodes.size();
@@ -121,7 +121,7 @@ void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double mesh_vol
   for (std::size_t i = 0; i < samples; ++i) {
     const std::size_t drawn = by_volume.draw(random);
     const Sphere sphere = tree.sphere(nodes[drawn]);
-    const double radius_m = sphere.radius_m * std::cbrt(random.uniform());
+    const double radius_m = sphere.radius_m * std::cbrt(random.unit());
     const Vec3 point = sphere.center_m + radius_m * random.direction();
     std::size_t holders = 1;
     for (const NodeIndex other : overlapping[drawn]) {
@@ -143,7 +143,7 @@ Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const T
   const Result<MassProperties> mass = mesh_mass_properties(mesh);
   if (!mass) return mass.error();
   const TriangleBvh bvh(mesh);
-  RandomStream random(seed);
+  Random random(seed);
   const std::vector<double> surface = coverage(tree, surface_points(mesh, samples, random));
   const std::vector<double> inside = coverage(tree, inside_points(mesh, bvh, samples, random));
   const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "geometry/enclosing_ball.h"
-#include "geometry/sampling.h"
+#include "geometry/random.h"
 
 namespace poise::geometry {
 namespace {
@@ -36,7 +36,7 @@ double reach_m(std::span<const Vec3> points, const Vec3& from) {
 
 /// The first start spreads by always taking the farthest atom; the others draw with chances by squared distance (Arthur
 /// and Vassilvitskii, "k-means++", 2007).
-std::vector<Vec3> start_centers(const SolidAtoms& atoms, std::span<const std::uint32_t> members, int start, RandomStream& random) {
+std::vector<Vec3> start_centers(const SolidAtoms& atoms, std::span<const std::uint32_t> members, int start, Random& random) {
   std::vector<double> nearest2(members.size(), std::numeric_limits<double>::infinity());
   std::vector<Vec3> centers;
   Vec3 last = Vec3::Zero();
@@ -57,7 +57,7 @@ std::vector<Vec3> start_centers(const SolidAtoms& atoms, std::span<const std::ui
     }
     if (k > 0 && !(largest2 > 0)) break;
     if (start > 0) {
-      double left = random.uniform() * sum2;
+      double left = random.unit() * sum2;
       for (std::size_t i = 0; i < members.size() && left >= 0; ++i) {
         farthest = i;
         left -= nearest2[i];
@@ -165,7 +165,7 @@ DeepBall deep_ball(const SolidAtoms& atoms, std::span<const std::uint32_t> membe
 
 std::vector<SplitGroup> split_atoms(const SolidAtoms& atoms, std::span<const std::uint32_t> members, const TriangleBvh& bvh,
                                     std::uint64_t seed) {
-  RandomStream random(seed);
+  Random random(seed);
   std::vector<SplitGroup> best;
   double least = std::numeric_limits<double>::infinity();
   for (int start = 0; start < kStarts; ++start) {

@@ -8,11 +8,13 @@
 #include <numeric>
 #include <utility>
 
-#include "io/random.h"
+#include "geometry/random.h"
 
 namespace poise {
 namespace io {
 namespace {
+
+using geometry::Random;
 
 std::uint64_t own_count(const SceneGenerator& generator) {
   if (const auto* stream = std::get_if<StreamGenerator>(&generator)) return stream->total;

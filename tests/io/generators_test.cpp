@@ -8,11 +8,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "io/random.h"
+#include "geometry/random.h"
 #include "io/scene_text.h"
 
 namespace poise::io {
 namespace {
+
+using geometry::Random;
 
 using testing::parse;
 using testing::scene_text;

@@ -6,7 +6,7 @@
 
 #include "poise/types.h"
 
-namespace poise::io {
+namespace poise::geometry {
 
 /// SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014): a counter with a
 /// mixing function. Everything here uses only exactly rounded operations, so a scene is the same on every machine.
@@ -64,4 +64,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace poise::io
+}  // namespace poise::geometry
