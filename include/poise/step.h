@@ -43,8 +43,11 @@ struct HostWork {
   Nanoseconds expected{0};             ///< >= 0
 };
 
+/// Longest step: beyond it, what the limits of speeds and accelerations allow would leave the range of double.
+inline constexpr double kMaxTimeStepS = 1000.0;
+
 struct StepInput {
-  double dt_s = 1.0 / 60.0;            ///< length of the step, finite and > 0
+  double dt_s = 1.0 / 60.0;            ///< length of the step, > 0 and at most kMaxTimeStepS
   Budget budget;
   View view;
   HostWork host_work;
@@ -54,7 +57,7 @@ struct StepInput {
 
 enum class StepStatus : std::uint8_t {
   Done,
-  RefusedTimeStep,  ///< dt_s is not finite or not > 0; the World is unchanged
+  RefusedTimeStep,  ///< dt_s is not in (0, kMaxTimeStepS]; the World is unchanged
   RefusedView,      ///< the view has a part that is not finite or out of range; the World is unchanged
   RefusedHostWork,  ///< negative host work; the World is unchanged
 };

@@ -30,15 +30,15 @@ struct BodyId {
   friend auto operator<=>(const BodyId&, const BodyId&) = default;
 };
 
-/// Names a material of one World.
+/// Names a material of one World; by default none.
 struct MaterialId {
-  std::uint32_t index = 0;
+  std::uint32_t index = 0xffffffffU;
   friend auto operator<=>(const MaterialId&, const MaterialId&) = default;
 };
 
-/// Names a shape that was added to one World.
+/// Names a shape that was added to one World; by default none.
 struct ShapeId {
-  std::uint32_t index = 0;
+  std::uint32_t index = 0xffffffffU;
   friend auto operator<=>(const ShapeId&, const ShapeId&) = default;
 };
 

@@ -100,6 +100,7 @@ class World {
   World& operator=(World&&) noexcept;
   ~World();
 
+  /// A null pointer gives a ShapeId that no body may have.
   ShapeId add_shape(ShapePtr shape);
   Result<MaterialId> add_material(const Material& material);
 

@@ -18,7 +18,7 @@ bool sound(const View& view) {
 }
 
 StepStatus check(const StepInput& input) {
-  if (!std::isfinite(input.dt_s) || !(input.dt_s > 0)) return StepStatus::RefusedTimeStep;
+  if (!(input.dt_s > 0 && input.dt_s <= kMaxTimeStepS)) return StepStatus::RefusedTimeStep;
   if (!sound(input.view)) return StepStatus::RefusedView;
   if (input.host_work.expected.count() < 0) return StepStatus::RefusedHostWork;
   return StepStatus::Done;

@@ -68,6 +68,7 @@ Result<World> World::create(const WorldSettings& settings) {
 }
 
 ShapeId World::add_shape(ShapePtr shape) {
+  if (!shape) return {};
   state_->shapes.push_back(facts_of(std::move(shape)));
   return {static_cast<std::uint32_t>(state_->shapes.size() - 1)};
 }

@@ -73,6 +73,10 @@ TEST(World, RefusesEveryKindOfBadBodyAndStaysAsItWas) {
   BodyDefinition plane = good;
   plane.shape = stage.world.add_shape(make_plane_shape(Vec3::UnitZ(), 0).value());
   EXPECT_NE(refusal_of(stage.world.add_body(plane)).find("a plane must be static"), std::string::npos);
+  BodyDefinition shapeless = good;
+  shapeless.shape = stage.world.add_shape(nullptr);
+  EXPECT_NE(refusal_of(stage.world.add_body(shapeless)).find("no such shape"), std::string::npos);
+  EXPECT_FALSE(stage.world.add_body(BodyDefinition{}).ok());
   EXPECT_EQ(stage.world.body_count(), 0U);
 }
 
@@ -96,7 +100,7 @@ TEST(World, RefusesBadSteps) {
   Stage stage({});
   stage.add(stage.ball(0.5), Vec3::Zero(), Vec3(1, 0, 0));
   const std::uint64_t hash = stage.world.state_hash();
-  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+  for (const double bad : {0.0, -1.0, 1e4, kNan, kInfinity}) {
     EXPECT_EQ(stage.world.step(step_of(bad)).status, StepStatus::RefusedTimeStep);
   }
   StepInput view = step_of(0.01);
