@@ -86,6 +86,8 @@ void integrate(WorldState& world, const StepInput& input) {
 void publish(WorldState& world) {
   FrameBuffers& buffers = world.buffers;
   world.next_memory.clear();
+  // Both, since they change places: a later frame must find the room that this one needed.
+  world.memory.reserve(buffers.pairs.capacity());
   world.next_memory.reserve(buffers.pairs.capacity());
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());

@@ -39,6 +39,13 @@ simulation::ShapeFacts facts_of(ShapePtr shape) {
   return facts;
 }
 
+// A quaternion that is of unit length but for rounding stays as it is, so that a state that is read and set again is the
+// same to the bit.
+Quat unit(const Quat& turn) {
+  constexpr double kRounding = 1e-14;
+  return std::abs(turn.squaredNorm() - 1.0) <= kRounding ? turn : Quat(turn.normalized());
+}
+
 Result<Done> check_settings(const WorldSettings& settings) {
   if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
   if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
@@ -98,7 +105,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
   dynamics::BodyStore& bodies = state_->bodies;
   const BodyId id = bodies.add();
   const std::size_t i = id.slot;
-  const Quat turn = definition.orientation.normalized();
+  const Quat turn = unit(definition.orientation);
   bodies.shape[i] = shape;
   bodies.material[i] = definition.material.index;
   bodies.group[i] = definition.group;
@@ -144,7 +151,7 @@ Status World::set_state(BodyId body, const BodyState& state) {
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = simulation::check_state(state, bodies.dynamic[body.slot] == 0)) return *bad;
   bodies.set_position(body.slot, state.position_m);
-  bodies.set_orientation(body.slot, state.orientation.normalized());
+  bodies.set_orientation(body.slot, unit(state.orientation));
   bodies.set_velocity(body.slot, state.velocity_mps);
   bodies.set_spin(body.slot, state.angular_velocity_radps);
   return Done{};

@@ -96,6 +96,17 @@ TEST(World, RefusesBadStatesForcesAndImpulses) {
   EXPECT_EQ(stage.world.state_hash(), hash);
 }
 
+TEST(World, AStateThatIsReadAndSetAgainIsTheSameToTheBit) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage stage(settings, 0.2);
+  stage.jacks(40, 4);
+  for (int i = 0; i < 60; ++i) stage.world.step(step_of(1.0 / 60));
+  const std::uint64_t hash = stage.world.state_hash();
+  for (const BodyId body : stage.bodies) ASSERT_TRUE(stage.world.set_state(body, stage.at(body)).ok());
+  EXPECT_EQ(stage.world.state_hash(), hash);
+}
+
 TEST(World, RefusesBadSteps) {
   Stage stage({});
   stage.add(stage.ball(0.5), Vec3::Zero(), Vec3(1, 0, 0));
