@@ -56,7 +56,8 @@ void TailForecast::learn(const TailWork& work, Nanoseconds actual) {
   const double noise_us = kNoise * std::max(forecast_us, 10.0);
   const double denominator = noise_us * noise_us + xpx;
   for (std::size_t i = 0; i < kFeatures; ++i) {
-    coefficient_us_[i] += px[i] / denominator * residual_us;
+    // No work has a negative cost; a fit that says so would make a reserve of nothing for other counts.
+    coefficient_us_[i] = std::max(0.0, coefficient_us_[i] + px[i] / denominator * residual_us);
     for (std::size_t j = 0; j < kFeatures; ++j) covariance_[i][j] -= px[i] * px[j] / denominator;
   }
   widen();

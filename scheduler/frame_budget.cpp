@@ -10,8 +10,12 @@ Nanoseconds from_ns(double ns) { return Nanoseconds(static_cast<std::int64_t>(ns
 
 }  // namespace
 
-Nanoseconds FrameBudget::reserve(std::uint64_t contacts) const {
+Nanoseconds FrameBudget::tail_forecast(std::uint64_t contacts) const {
   return tail_fixed + from_ns(tail_per_contact_ns * static_cast<double>(contacts));
+}
+
+Nanoseconds FrameBudget::reserve(std::uint64_t contacts) const {
+  return from_ns(margin * static_cast<double>(tail_forecast(contacts).count()));
 }
 
 Nanoseconds FrameBudget::job_cost(std::uint64_t units) const {
@@ -25,17 +29,17 @@ bool FrameBudget::admits(TimePoint now, std::uint64_t units, std::uint64_t conta
 
 FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const TailForecast& tail,
                               const TrackedQuantile& margin, TailWork work, double unit_cost_ns) {
-  constexpr std::uint64_t kProbe = 1000;
-  work.contacts = 0;
-  const double fixed_ns = static_cast<double>(tail.forecast(work).count());
-  work.contacts = kProbe;
-  const double probe_ns = static_cast<double>(tail.forecast(work).count());
+  // The forecast is linear in contacts, so two values give all; many contacts, so that rounding to nanoseconds is nothing.
+  constexpr std::uint64_t kProbe = 1'000'000;
   FrameBudget budget;
   budget.limited = true;
   budget.deadline = deadline;
   budget.host_work = host_work;
-  budget.tail_fixed = from_ns(fixed_ns * margin.factor());
-  budget.tail_per_contact_ns = std::max(0.0, (probe_ns - fixed_ns) / kProbe) * margin.factor();
+  work.contacts = 0;
+  budget.tail_fixed = tail.forecast(work);
+  work.contacts = kProbe;
+  budget.tail_per_contact_ns = static_cast<double>((tail.forecast(work) - budget.tail_fixed).count()) / kProbe;
+  budget.margin = margin.factor();
   budget.unit_cost_ns = unit_cost_ns;
   return budget;
 }

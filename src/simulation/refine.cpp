@@ -136,15 +136,15 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   const TimePoint first_cut = budget.cut(static_cast<std::uint64_t>(present));
   report.host_reserved = host;
   report.reserve_at_cut = budget.reserve(static_cast<std::uint64_t>(present));
-  report.tail_forecast = world.tail.forecast(tail_work(world, static_cast<std::uint64_t>(present)));
-  report.cut_margin = world.margin.factor();
+  report.tail_forecast = budget.tail_forecast(static_cast<std::uint64_t>(present));
+  report.cut_margin = budget.margin;
   if (first_cut <= start) return;
   put_into_bands(refinement);
   world.executor->run([&](int worker) { work_until_cut(refinement, budget, contacts, worker); });
   const TimePoint end = SteadyClock::now();
   const auto left = static_cast<std::uint64_t>(std::max<std::int64_t>(contacts.get(), 0));
   report.reserve_at_cut = budget.reserve(left);
-  report.tail_forecast = world.tail.forecast(tail_work(world, left));
+  report.tail_forecast = budget.tail_forecast(left);
   report.refine_available = std::max(first_cut, budget.cut(left)) - start;
   // While this thread waited for another one's job, the machine may have held that one up.
   const WorkerTally& own = refinement.tallies[0];

@@ -69,9 +69,9 @@ void judge_time(simulation::WorldState& world, const StepInput& input, SteadyClo
   facts.longest_overrun = report.longest_overrun;
   report.lateness = std::max(Nanoseconds(0), facts.lateness);
   report.cause = static_cast<MissCause>(scheduler::classify(facts));
-  const scheduler::TailWork work = simulation::tail_work(world, report.contact_pairs);
-  world.margin.observe(report.tail_actual, world.tail.forecast(work));
-  world.tail.learn(work, report.tail_actual);
+  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
+  world.margin.observe(report.tail_actual, report.tail_forecast);
+  world.tail.learn(simulation::tail_work(world, report.contact_pairs), report.tail_actual);
 }
 
 }  // namespace

@@ -64,6 +64,26 @@ TEST(FrameBudget, TheReserveIsTheForecastTimesTheMargin) {
   EXPECT_DOUBLE_EQ(budget.unit_cost_ns, 33);
 }
 
+TEST(FrameBudget, TheReserveFollowsTheForecastWhateverTheFitExtrapolates) {
+  // Tails that were seen at many contacts only, and grow faster there than a line through nothing would.
+  TailForecast tail;
+  for (int frame = 0; frame < 400; ++frame) {
+    const TailWork work{2000, 9000 + static_cast<std::uint64_t>(53 * frame) % 2000, 18000, 0};
+    tail.learn(work, Nanoseconds(500 * work.contacts) - milliseconds(3));
+  }
+  const TailWork work{2000, 0, 18000, 0};
+  const FrameBudget budget = make_frame_budget(kStart, Nanoseconds(0), tail, TrackedQuantile(0.01, 0.05, 0.0), work, 30);
+  for (const std::uint64_t contacts : {0ULL, 100ULL, 1000ULL, 10'000ULL, 50'000ULL}) {
+    TailWork asked = work;
+    asked.contacts = contacts;
+    const double expected = static_cast<double>(tail.forecast(asked).count());
+    EXPECT_NEAR(static_cast<double>(budget.reserve(contacts).count()), expected, 1e-3 * expected + 1000) << "1 us at least";
+    EXPECT_EQ(budget.tail_forecast(contacts), budget.reserve(contacts));
+  }
+  // Near what was seen it is right.
+  EXPECT_NEAR(static_cast<double>(budget.reserve(10'000).count()), 2e6, 0.3e6);
+}
+
 TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
   // Costs of the tail that swing by half: after settling, the reserve is exceeded about as rarely as was asked.
   TailForecast tail;
@@ -78,7 +98,7 @@ TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
     const Nanoseconds actual(static_cast<std::int64_t>((2e5 + 300.0 * static_cast<double>(work.contacts)) * swing));
     const FrameBudget budget = make_frame_budget(kStart, Nanoseconds(0), tail, margin, work, 30);
     if (frame >= 1000 && actual > budget.reserve(work.contacts)) ++exceeded;
-    margin.observe(actual, tail.forecast(work));
+    margin.observe(actual, budget.tail_forecast(work.contacts));
     tail.learn(work, actual);
   }
   EXPECT_LT(exceeded, 0.07 * (kFrames - 1000));

@@ -20,7 +20,7 @@ struct TailWork {
 
 /// Point forecast of the tail: linear in counted work, its coefficients followed online as a random walk (Kalman filter;
 /// recursive least squares with forgetting is its special case, and stops learning where the work never varies).
-/// Invariant: the covariance stays between the drift of one frame and what was unknown at first. No clock: the caller measures.
+/// Invariant: no coefficient is negative, so more work never takes less time; the covariance stays between the drift of one frame and what was unknown at first. No clock: the caller measures.
 class TailForecast {
  public:
   TailForecast();

@@ -18,12 +18,15 @@ struct FrameBudget {
   bool limited = false;                  ///< false: there is no deadline
   TimePoint deadline{};                  ///< of the frame, host work included
   Nanoseconds host_work{0};              ///< still to come after the step
-  Nanoseconds tail_fixed{0};             ///< margin included, for everything but contacts
-  double tail_per_contact_ns = 0;        ///< margin included
+  Nanoseconds tail_fixed{0};             ///< point forecast of the tail without contacts
+  double tail_per_contact_ns = 0;        ///< and for each contact
+  double margin = 1;                     ///< reserve / point forecast
   double unit_cost_ns = 40;              ///< of one node-pair expansion on one thread
   double job_overhead_ns = 150;
 
-  /// What is kept for the tail when `contacts` pairs are to be answered.
+  /// Point forecast of the tail when `contacts` pairs are to be answered: what the margin is tracked against.
+  [[nodiscard]] Nanoseconds tail_forecast(std::uint64_t contacts) const;
+  /// What is kept for it.
   [[nodiscard]] Nanoseconds reserve(std::uint64_t contacts) const;
   [[nodiscard]] TimePoint cut(std::uint64_t contacts) const { return deadline - host_work - reserve(contacts); }
   /// May a job of `units` expansions begin at `now`?
