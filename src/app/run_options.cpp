@@ -41,7 +41,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->type_name("MODEL");
   command
       .add_option("--clock", options.clock,
-                  "wall: keep deadlines; work: count work, the same bits on any machine (default wall)")
+                  "wall: keep deadlines; work: count work, the same bits on any number of threads (default wall)")
       ->check(CLI::IsMember({"wall", "work"}))
       ->type_name("CLOCK");
   add_whole(command, "--budget-work", options.budget_work, 0, kMany,
