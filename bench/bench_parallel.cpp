@@ -57,7 +57,7 @@ void empty_run(benchmark::State& state) {
 }
 BENCHMARK(empty_run)->Apply(name);
 
-void loop_of_400_us(benchmark::State& state) {
+void loop_of_400_items(benchmark::State& state) {
   const auto executor = executor_of(state);
   const std::vector<std::uint64_t> expected = expected_results();
   std::vector<std::uint64_t> results(kItems);
@@ -68,7 +68,7 @@ void loop_of_400_us(benchmark::State& state) {
   if (results != expected) state.SkipWithError("a wrong answer");
   latencies.report(state);
 }
-BENCHMARK(loop_of_400_us)->Apply(name);
+BENCHMARK(loop_of_400_items)->Apply(name);
 
 /// The frame's way: a pause until the release, a serial stretch (with or without a wake before it), then the loop.
 void loop_after_a_pause(benchmark::State& state, bool wake) {
