@@ -21,6 +21,12 @@ struct TriangleMesh {
   [[nodiscard]] double diagonal_m() const;
 };
 
+/// What counts as the object that a mesh stands for.
+enum class Solidity : std::uint8_t {
+  Solid,  ///< the surface, and the points around which it winds (winding number above one half)
+  Shell,  ///< the surface alone
+};
+
 /// What mesh reading did to the input, for a person to judge.
 struct MeshRepair {
   std::size_t vertices_welded = 0;     ///< vertices that were merged into another

@@ -13,6 +13,7 @@ enum class ErrorKind {
   StaleHandle,   ///< the handle names something that was removed
   OutputFailed,  ///< a file could not be written; nothing half-written is left behind
   CapacityFull,  ///< a stated capacity is full; nothing was changed
+  Cancelled,     ///< the caller asked the work to end before it was done
 };
 
 /// A refusal: what was wrong, where, and the rule it breaks, as one line for a person,

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "poise/mesh.h"
@@ -15,6 +18,9 @@ namespace poise {
 
 inline constexpr std::uint32_t kTreeBranching = 8;
 
+/// Version of the tree's layout and of what its figures mean; files and caches of another version are not used.
+inline constexpr std::uint32_t kTreeVersion = 2;
+
 /// Spheres that a union may have at most (five full levels).
 inline constexpr std::size_t kMaxUnionSpheres = 32768;
 
@@ -22,6 +28,13 @@ inline constexpr std::size_t kMaxUnionSpheres = 32768;
 struct Sphere {
   Vec3 center_m = Vec3::Zero();
   double radius_m = 0;
+};
+
+/// The object's surface inside a node's sphere, for contact models. 12 bytes.
+struct NodeSurface {
+  std::array<std::int16_t, 3> normal{};  ///< area-weighted mean of the outward unit normals, in 1/32767; shorter the more they differ
+  std::int16_t offset = 0;               ///< from the centre to the surface's mean plane along that normal's direction, in radius/32767
+  float area_m2 = 0;                     ///< area inside the sphere; 0 for a node without surface
 };
 
 /// A tree of covering spheres in flat arrays, level after level, children of a node contiguous.
@@ -35,6 +48,7 @@ struct SphereTree {
   std::vector<float> x_m, y_m, z_m, radius_m;
   std::vector<float> protrusion_max_m;   ///< by how much the exposed part of a node's sphere stands out of the object, largest
   std::vector<float> protrusion_mean_m;  ///< the same, area-weighted mean
+  std::vector<NodeSurface> surface;      ///< what each node knows of the surface inside it; all zero where it was not measured
   std::vector<NodeIndex> first_child;    ///< index of the first child; the node itself for a leaf
   std::vector<std::uint8_t> child_count; ///< 0 for a leaf, at most kTreeBranching
   std::vector<NodeIndex> level_begin;    ///< first node of each level, then the number of nodes
@@ -50,15 +64,27 @@ struct SphereTree {
   }
 };
 
-struct TreeBuildOptions {
-  Level depth = 3;               ///< levels below the root, at most kMaxTreeDepth
-  std::uint64_t seed = 1;
-  int threads = 0;               ///< 0 = as many as the machine has; the tree does not depend on it
+/// How much time a tree is worth.
+enum class TreePreset : std::uint8_t {
+  Fast,     ///< about a fifth of the time of Default
+  Default,
+  Best,     ///< about ten times the time of Default
 };
 
-/// Builds a covering sphere tree of a closed mesh, in the frame of the mesh. Deterministic for a mesh, depth
-/// and seed on any number of threads. Coverage of surface and inside is by construction, not by sampling
-/// (docs/sphere-trees.md). Refused: an open mesh, with the count of open edges; a depth out of range.
+struct TreeBuildOptions {
+  Level depth = 3;               ///< levels below the root, at most kMaxTreeDepth
+  TreePreset preset = TreePreset::Default;
+  Solidity solidity = Solidity::Solid;
+  std::uint64_t seed = 1;
+  int threads = 0;               ///< 0 = as many as the machine has; the tree does not depend on it
+  /// Called now and then on the calling thread with the share that is done, ascending from 0 to 1; may be empty.
+  std::function<void(double share)> progress = {};
+  std::stop_token stop = {};     ///< asks the build to end; it returns ErrorKind::Cancelled soon after
+};
+
+/// Builds a covering sphere tree of a mesh, in the frame of the mesh. Deterministic for a mesh and options on any number of
+/// threads. Coverage of surface and inside is by construction, not by sampling (docs/sphere-trees.md). Any thread.
+/// Refused: a mesh without triangles, or with indices, coordinates or a size out of range; a depth out of range.
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options);
 
 /// The tree of an object that *is* a union of spheres: the leaves are its true surface (protrusion 0). Levels above

@@ -55,6 +55,7 @@ void pad_tree(SphereTree& tree) {
   for (auto* array : {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
     array->resize(size, 0.0F);
   }
+  tree.surface.resize(size);
   tree.first_child.resize(size, 0);
   tree.child_count.resize(size, 0);
 }
