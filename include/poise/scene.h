@@ -17,6 +17,7 @@
 #include "poise/scheduler/policy.h"
 #include "poise/shape.h"
 #include "poise/step.h"
+#include "poise/tree_cache.h"
 #include "poise/types.h"
 #include "poise/world.h"
 
@@ -50,7 +51,10 @@ struct SpheresSource {
 };
 struct TreeSource {
   std::filesystem::path file;  ///< a `.sph` file, as MeshSource::file
-  double scale = 1;
+  double scale = 1;            ///< of tree and mesh
+  std::filesystem::path mesh;  ///< what the tree stands for; empty: its leaves are the object
+  bool allow_leaks = false;    ///< with a mesh: use the tree though it does not cover the surface
+  double shell_thickness_m = 0;  ///< with a mesh: as MeshSource::shell_thickness_m
 };
 
 /// A named shape as the file gives it: nothing is loaded yet.
@@ -159,6 +163,13 @@ struct SceneRunOptions {
   std::optional<std::uint64_t>
       bodies;  ///< how many bodies the generators make together, in proportion to their own counts
   std::optional<std::uint64_t> seed;  ///< instead of the scene's; moves generated bodies too
+  std::optional<TreeCacheSettings> tree_cache;  ///< where built trees are kept; without it no file but the scene's is touched
+};
+
+/// How many trees of a scene's meshes came how (TreeCacheOutcome).
+struct TreeCacheUse {
+  std::size_t off = 0, hits = 0, built = 0, rebuilt = 0, not_writable = 0;
+  std::size_t evicted = 0;  ///< entries of others that went to keep the limit
 };
 
 /// One body of a scene that runs.
@@ -190,6 +201,7 @@ class SceneRun {
   [[nodiscard]] std::span<const RunBody> bodies() const;
   /// What is not certain about shapes that were loaded, one line each with scene file and field, in the order of the shapes.
   [[nodiscard]] std::vector<std::string> warnings() const;
+  [[nodiscard]] const TreeCacheUse& tree_cache_use() const;
   /// In the order of Scene::shapes; with a tray, its five planes follow.
   [[nodiscard]] std::span<const ShapePtr> shapes() const;
   [[nodiscard]] const View& view() const;

@@ -140,6 +140,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
     if (!at_origin) d.origin_offsets_m.emplace_back(scene.shapes[i].name, run.shapes()[i]->origin_offset_m);
   }
   d.warnings = run.warnings();
+  d.tree_cache_use = run.tree_cache_use();
   d.requirement = options.require;
   d.figures = simulation::run_figures({}, {loop.wall_clock});
   return d;
@@ -257,10 +258,17 @@ int run_scene(const RunOptions& options) {
   start.world = world_settings(options, scene.value());
   start.bodies = options.bodies;
   start.seed = options.seed;
+  const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
+  if (!cache) return refuse(kExitBadUsage, cache.error().message);
+  start.tree_cache = cache.value();
   Result<SceneRun> run = SceneRun::create(scene.value(), start);
   if (!run) {
     progress.end();
     return refuse(run.error());
+  }
+  if (run.value().tree_cache_use().not_writable > 0) {
+    progress.end();
+    fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
   return run_prepared(options, requirement, scene.value(), run.value(), outputs.value(), progress);
 }

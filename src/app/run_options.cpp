@@ -61,6 +61,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_option("--require", options.require,
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
       ->type_name("EXPR");
+  add_tree_cache_options(command, options.tree_cache);
   command.add_flag("--quiet", options.quiet, "No progress and no table");
 }
 
@@ -74,6 +75,8 @@ Status check_run_options(const RunOptions& options) {
   if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
 #endif
   if (options.require && options.require->empty()) return bad_input("--require must not be empty");
+  const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
+  if (!cache) return cache.error();
   std::vector<std::filesystem::path> outputs;
   for (const std::string* path : {&options.json, &options.states, &options.frames_csv, &options.picture}) {
     if (path->empty()) continue;

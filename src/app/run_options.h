@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/tree_cache_options.h"
 #include "poise/result.h"
 #include "poise/scene.h"
 #include "poise/world.h"
@@ -22,6 +23,7 @@ struct RunOptions {
   std::string policy, contact = "wrench", clock = "wall", executor;
   std::string json, states, frames_csv, picture;
   std::optional<std::string> require;
+  TreeCacheOptions tree_cache;
 };
 
 /// Declares the options on a subcommand.

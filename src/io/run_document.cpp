@@ -143,6 +143,12 @@ Json document_json(const RunDocument& d) {
   json["origin_offset_m"] = Json::object();
   for (const auto& [shape, offset] : d.origin_offsets_m) json["origin_offset_m"][shape] = list(offset);
   json["warnings"] = d.warnings;
+  json["tree_cache"] = {{"off", d.tree_cache_use.off},
+                        {"hits", d.tree_cache_use.hits},
+                        {"built", d.tree_cache_use.built},
+                        {"rebuilt", d.tree_cache_use.rebuilt},
+                        {"not_writable", d.tree_cache_use.not_writable},
+                        {"evicted", d.tree_cache_use.evicted}};
   json["require"] = {{"expression", d.requirement ? Json(*d.requirement) : Json(nullptr)},
                      {"failed", d.requirements_failed}};
   json["machine"] = {{"system", d.machine.system}, {"processor", d.machine.processor}, {"cores", d.machine.cores}};

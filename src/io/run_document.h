@@ -49,6 +49,7 @@ struct RunDocument {
   /// Mesh, tree and sphere-list shapes: from the origin of the shape to its centre of mass.
   std::vector<std::pair<std::string, Vec3>> origin_offsets_m;
   std::vector<std::string> warnings;  ///< SceneRun::warnings
+  TreeCacheUse tree_cache_use;
   std::vector<std::string> requirements_failed;
   std::optional<std::string> requirement;
 };

@@ -33,15 +33,20 @@ void parse_plane(const JsonValue& value, const std::string& path, Problems& prob
   shape.source = source;
 }
 
-void read_file(const ObjectReader& reader, std::filesystem::path& target) {
-  const JsonValue* file = reader.require("file");
+void read_file_name(const ObjectReader& reader, const char* key, std::filesystem::path& target) {
+  const JsonValue* file = reader.find(key);
   std::string text;
-  reader.text("file", text);
+  reader.text(key, text);
   if (file != nullptr && file->kind == JsonValue::Kind::String &&
       (text.empty() || text.find('\0') != std::string::npos)) {
-    reader.problems().refuse(reader.path("file"), *file, "must be the name of a file");
+    reader.problems().refuse(reader.path(key), *file, "must be the name of a file");
   }
   target = text;
+}
+
+void read_file(const ObjectReader& reader, std::filesystem::path& target) {
+  reader.require("file");
+  read_file_name(reader, "file", target);
 }
 
 void parse_mesh(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
@@ -57,10 +62,17 @@ void parse_mesh(const JsonValue& value, const std::string& path, Problems& probl
 }
 
 void parse_tree(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
-  const ObjectReader reader(value, path, problems, {"file", "scale"});
+  const ObjectReader reader(value, path, problems, {"file", "scale", "mesh", "allow_leaks", "shell_thickness_m"});
   TreeSource source;
   read_file(reader, source.file);
   reader.number("scale", kPositive, source.scale);
+  read_file_name(reader, "mesh", source.mesh);
+  reader.flag("allow_leaks", source.allow_leaks);
+  reader.number("shell_thickness_m", kLength, source.shell_thickness_m);
+  for (const char* key : {"allow_leaks", "shell_thickness_m"}) {
+    const JsonValue* given = reader.find(key);
+    if (given != nullptr && reader.find("mesh") == nullptr) problems.refuse(reader.path(key), *given, "needs a mesh beside it");
+  }
   shape.source = std::move(source);
 }
 

@@ -23,10 +23,11 @@ struct SceneRun::Impl {
   std::vector<io::GeneratedBody> generated;  ///< points into scene
   std::size_t next_streamed = 0;             ///< index into generated
   double tray_side_m = 0;
+  TreeCacheUse tree_cache_use = {};
 
   Status add(const BodyDefinition& definition, std::size_t shape, std::size_t material, const std::string& place);
   Status add_generated(const io::GeneratedBody& body);
-  Status add_shapes_and_materials(int threads);
+  Status add_shapes_and_materials(const io::LoadSettings& settings);
   Status add_tray();
   Status add_start(const SceneRunOptions& options, std::uint64_t seed);
 };
@@ -55,10 +56,11 @@ Status SceneRun::Impl::add_generated(const io::GeneratedBody& body) {
   return add(definition, body.shape, body.kind->material, "generators");
 }
 
-Status SceneRun::Impl::add_shapes_and_materials(int threads) {
-  Result<std::vector<ShapePtr>> loaded = io::load_shapes(scene, threads);
+Status SceneRun::Impl::add_shapes_and_materials(const io::LoadSettings& settings) {
+  Result<io::LoadedShapes> loaded = io::load_shapes(scene, settings);
   if (!loaded) return loaded.error();
-  shapes = std::move(loaded).value();
+  tree_cache_use = loaded.value().tree_cache_use;
+  shapes = std::move(loaded.value().shapes);
   for (const ShapePtr& shape : shapes) shape_ids.push_back(world.add_shape(shape));
   for (const SceneMaterial& material : scene.materials) {
     const Result<MaterialId> made = world.add_material(material.material);
@@ -138,7 +140,7 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   if (!world) return world.error();
   auto impl =
       std::make_unique<Impl>(Impl{scene, std::move(world).value(), scene_view(scene), {}, {}, {}, {}, {}, 0, 0});
-  const Status loaded = impl->add_shapes_and_materials(settings.threads);
+  const Status loaded = impl->add_shapes_and_materials({settings.threads, options.tree_cache});
   if (!loaded) return loaded.error();
   const Status started = impl->add_start(options, settings.seed);
   if (!started) return started.error();
@@ -160,6 +162,7 @@ World& SceneRun::world() { return impl_->world; }
 const World& SceneRun::world() const { return impl_->world; }
 std::span<const RunBody> SceneRun::bodies() const { return impl_->bodies; }
 std::vector<std::string> SceneRun::warnings() const { return io::shape_warnings(impl_->scene, impl_->shapes); }
+const TreeCacheUse& SceneRun::tree_cache_use() const { return impl_->tree_cache_use; }
 std::span<const ShapePtr> SceneRun::shapes() const { return impl_->shapes; }
 const View& SceneRun::view() const { return impl_->view; }
 double SceneRun::tray_side_m() const { return impl_->tray_side_m; }

@@ -146,11 +146,99 @@ TEST(SceneRun, UsesOpenMeshesWithAWarningAndSheetsAsShells) {
   EXPECT_EQ(run.world().step(step).status, StepStatus::Done);
 }
 
+/// A box of 1 x 2 x 3 m in box.obj, and its tree in box.sph.
+void write_box(const TemporaryFolder& folder) {
+  std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n"
+                                           "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
+  const TriangleMesh mesh = read_mesh(folder.file("box.obj"), {}).value();
+  ASSERT_TRUE(write_sph(build_sphere_tree(mesh, {.depth = 1, .threads = 1}).value(), folder.file("box.sph")));
+}
+
+Result<SceneRun> run_with_shape(const TemporaryFolder& folder, const std::string& shape, const SceneRunOptions& options = serial()) {
+  const Result<Scene> scene = parse_scene(R"({"name": "x", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": 1000}}, "shapes": {"a": )" +
+                                              shape + R"(}, "bodies": [{"shape": "a", "material": "m"}]})",
+                                          "s.json", folder.path());
+  if (!scene) return scene.error();
+  return SceneRun::create(scene.value(), options);
+}
+
+TEST(SceneRun, ATreeWithItsMeshHasTheMassOfTheMesh) {
+  const TemporaryFolder folder;
+  write_box(folder);
+  const Result<SceneRun> run = run_with_shape(folder, R"({"tree": {"file": "box.sph", "mesh": "box.obj", "scale": 0.1}})");
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_NEAR(run.value().world().mass_kg(run.value().bodies()[0].id).value(), 6, 1e-9);
+  EXPECT_NEAR((run.value().shapes()[0]->origin_offset_m - Vec3(0.05, 0.1, 0.15)).norm(), 0, 1e-12);
+  EXPECT_TRUE(run.value().warnings().empty());
+  const SphereTree& tree = run.value().shapes()[0]->tree;
+  for (std::size_t i = 0; i < tree.node_count(); ++i) EXPECT_GT(tree.protrusion_max_m[i], 0) << "measured on load";
+}
+
+TEST(SceneRun, ATreeThatLeaksIsRefusedUnlessTheSceneAllowsIt) {
+  const TemporaryFolder folder;
+  write_box(folder);
+  SphereTree tree = read_sph(folder.file("box.sph")).value();
+  tree.radius_m[2] *= 0.6F;
+  ASSERT_TRUE(write_sph(tree, folder.file("leaks.sph")));
+  const Result<SceneRun> refused = run_with_shape(folder, R"({"tree": {"file": "leaks.sph", "mesh": "box.obj"}})");
+  ASSERT_FALSE(refused);
+  const std::string& message = refused.error().message;
+  EXPECT_EQ(message.find("s.json: shapes.a.tree: leaks.sph on box.obj: surface covered to 9"), 0U) << message;
+  EXPECT_NE(message.find("(level 1)"), std::string::npos) << message;
+  EXPECT_NE(message.find("\"allow_leaks\": true uses it all the same"), std::string::npos) << message;
+  const Result<SceneRun> allowed = run_with_shape(folder, R"({"tree": {"file": "leaks.sph", "mesh": "box.obj", "allow_leaks": true}})");
+  ASSERT_TRUE(allowed) << allowed.error().message;
+  ASSERT_EQ(allowed.value().warnings().size(), 1U);
+  EXPECT_EQ(allowed.value().warnings()[0].find("s.json: shapes.a.tree: leaks.sph on box.obj: surface covered to 9"), 0U);
+}
+
+TEST(SceneRun, KeepsTreesWhereItIsToldAndSaysWhatBecameOfThem) {
+  const TemporaryFolder folder;
+  write_box(folder);
+  const std::string shape = R"({"mesh": {"file": "box.obj", "depth": 1}})";
+  const TemporaryFolder cache;
+  SceneRunOptions options = serial();
+  const Result<SceneRun> off = run_with_shape(folder, shape, options);
+  EXPECT_EQ(off.value().tree_cache_use().off, 1U);
+  EXPECT_EQ(cache.entries(), 0U);
+  options.tree_cache = TreeCacheSettings{.folder = cache.path()};
+  const Result<SceneRun> cold = run_with_shape(folder, shape, options);
+  EXPECT_EQ(cold.value().tree_cache_use().built, 1U);
+  const Result<SceneRun> warm = run_with_shape(folder, shape, options);
+  EXPECT_EQ(warm.value().tree_cache_use().hits, 1U);
+  EXPECT_EQ(cache.entries(), 1U);
+  const Result<SceneRun> shell = run_with_shape(folder, R"({"mesh": {"file": "box.obj", "depth": 1, "shell_thickness_m": 0.01}})", options);
+  ASSERT_TRUE(shell) << shell.error().message;
+  EXPECT_EQ(shell.value().tree_cache_use().built, 1U) << "a shell is another tree";
+  EXPECT_NEAR(shell.value().world().mass_kg(shell.value().bodies()[0].id).value(), 220, 1e-9);
+  EXPECT_EQ(warm.value().world().state_hash(), off.value().world().state_hash());
+  EXPECT_EQ(warm.value().shapes()[0]->tree.radius_m, off.value().shapes()[0]->tree.radius_m);
+  EXPECT_EQ(warm.value().shapes()[0]->volume_m3, off.value().shapes()[0]->volume_m3);
+  std::ofstream(folder.file("file")) << "";
+  options.tree_cache->folder = folder.file("file");
+  const Result<SceneRun> without = run_with_shape(folder, shape, options);
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without.value().tree_cache_use().not_writable, 1U);
+}
+
 TEST(SceneRun, RefusesANumberOfBodiesWithoutGenerators) {
   SceneRunOptions options = serial();
   options.bodies = 5;
   EXPECT_EQ(SceneRun::create(parse(scene_text("")).value(), options).error().message,
             "s.json: has no generators, so the number of bodies cannot be chosen");
+}
+
+TEST(ScaledTree, HoldsTheScaledLeavesTooWhereTheyOnlyCover) {
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 20; ++i) spheres.push_back({Vec3(std::cos(i), 100 + std::sin(2.0 * i), 0.1 * i), 0.05 + 0.01 * (i % 7)});
+  const SphereTree tree = tree_of_spheres(spheres).value();
+  for (const double scale : {0.001, 0.3, 3.0, 1e4}) {
+    const SphereTree scaled = io::scaled_tree(tree, scale, false);
+    for (NodeIndex node = 0; node < tree.node_count(); ++node) {
+      const double moved_m = (scaled.sphere(node).center_m - scale * tree.sphere(node).center_m).norm();
+      EXPECT_GE(scaled.sphere(node).radius_m, scale * tree.sphere(node).radius_m + moved_m);
+    }
+  }
 }
 
 TEST(ScaledTree, StillHoldsTheScaledLeavesInEveryInnerSphere) {
@@ -161,7 +249,7 @@ TEST(ScaledTree, StillHoldsTheScaledLeavesInEveryInnerSphere) {
   const Result<SphereTree> tree = tree_of_spheres(spheres);
   ASSERT_TRUE(tree);
   for (const double scale : {0.001, 0.3, 3.0, 1e4}) {
-    const SphereTree scaled = io::scaled_tree(tree.value(), scale);
+    const SphereTree scaled = io::scaled_tree(tree.value(), scale, true);
     for (NodeIndex node = 0; node < scaled.node_count(); ++node) {
       std::vector<NodeIndex> below{node};
       for (std::size_t i = 0; i < below.size(); ++i) {
