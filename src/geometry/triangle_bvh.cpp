@@ -30,6 +30,17 @@ Vec3 closest_on_edges(const Vec3& p, const TriangleCorners& t) {
   return best;
 }
 
+/// From a point to each of a node's boxes, in the frame of the boxes; infinite for no child.
+BvhNode::Four squared_distances(const BvhNode& node, const Eigen::Vector3f& p) {
+  BvhNode::Four sum = BvhNode::Four::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float x = p[static_cast<Eigen::Index>(axis)];
+    const BvhNode::Four beyond = (node.low[axis] - x).max(x - node.high[axis]).max(0.0F);
+    sum += beyond * beyond;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Vec3 closest_on_triangle(const Vec3& p, const TriangleCorners& t) {
@@ -77,7 +88,7 @@ TriangleBvh::TriangleBvh(const TriangleMesh& mesh, Solidity solidity) : solidity
     corners_m_.push_back({mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]});
   }
   nodes_ = std::move(layout.nodes);
-  if (!closed_ && solidity_ == Solidity::Solid) clusters_ = clusters_of(nodes_, corners_m_, origin_m_);
+  if (!closed_) clusters_ = clusters_of(nodes_, corners_m_, origin_m_);
 }
 
 TriangleBvh::Closest TriangleBvh::closest(const Vec3& point, double squared_bound_m2) const {
@@ -120,12 +131,7 @@ void TriangleBvh::search(const Vec3& point, Closest& best) const {
       }
     } else {
       const BvhNode& node = nodes_[next];
-      BvhNode::Four least2 = BvhNode::Four::Zero();
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const float x = p[static_cast<Eigen::Index>(axis)];
-        const BvhNode::Four beyond = (node.low[axis] - x).max(x - node.high[axis]).max(0.0F);
-        least2 += beyond * beyond;
-      }
+      const BvhNode::Four least2 = squared_distances(node, p);
       // The nearest child comes out on top.
       const std::size_t base = count;
       for (std::size_t slot = 0; slot < 4; ++slot) {
@@ -153,12 +159,7 @@ void TriangleBvh::triangles_near(const Vec3& point, double radius_m, std::vector
   waiting[count++] = 0;
   while (count > 0) {
     const BvhNode& node = nodes_[waiting[--count]];
-    BvhNode::Four least2 = BvhNode::Four::Zero();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float x = p[static_cast<Eigen::Index>(axis)];
-      const BvhNode::Four beyond = (node.low[axis] - x).max(x - node.high[axis]).max(0.0F);
-      least2 += beyond * beyond;
-    }
+    const BvhNode::Four least2 = squared_distances(node, p);
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const std::uint32_t child = node.child[slot];
       if (child == BvhNode::kNone || !(least2[static_cast<Eigen::Index>(slot)] <= limit2)) continue;

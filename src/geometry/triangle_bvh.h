@@ -53,6 +53,8 @@ class TriangleBvh {
   [[nodiscard]] double signed_distance_m(const Vec3& point) const;
 
   [[nodiscard]] std::size_t triangle_count() const { return corners_m_.size(); }
+  /// Of the box around all triangles.
+  [[nodiscard]] double diagonal_m() const { return nodes_.empty() ? 0.0 : (box_.high - box_.low).norm(); }
   /// Whether every edge is run through in both directions equally often.
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] const TriangleCorners& corners(std::uint32_t triangle) const { return corners_m_[place_[triangle]]; }

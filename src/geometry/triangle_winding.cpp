@@ -15,18 +15,38 @@ constexpr float kDipoleFromNearHalf = 5;
 constexpr double kUnsure = 0.25;
 constexpr std::size_t kMostWaiting = 256;
 
-/// Share of the sphere around p that a triangle covers, signed, in (-1/2, 1/2].
-double winding_of_triangle(const Vec3& p, const TriangleCorners& t) {
-  const Vec3 a = t[0] - p;
-  const Vec3 b = t[1] - p;
-  const Vec3 c = t[2] - p;
-  const double la = a.norm();
-  const double lb = b.norm();
-  const double lc = c.norm();
-  const double above = a.dot(b.cross(c));
-  const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return std::atan2(above, below) / (2 * std::numbers::pi);
-}
+/// A sum of solid angles. Half of each is the direction of a complex number, and directions are added by multiplying, with whole
+/// turns counted apart: one arc tangent for all triangles together.
+class SolidAngles {
+ public:
+  // Invariant: the sum so far is 2 * (direction of (real_, imaginary_) + 2 pi turns_).
+  void add(const Vec3& p, const TriangleCorners& t) {
+    const Vec3 a = t[0] - p;
+    const Vec3 b = t[1] - p;
+    const Vec3 c = t[2] - p;
+    const double la = a.norm();
+    const double lb = b.norm();
+    const double lc = c.norm();
+    const double above = a.dot(b.cross(c)) + 0.0;  // no negative zero
+    const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    const double size = std::abs(above) + std::abs(below);
+    if (!(size > 0)) return;
+    const double real = (real_ * below - imaginary_ * above) / size;
+    const double imaginary = (real_ * above + imaginary_ * below) / size + 0.0;
+    if (imaginary_ >= 0 && above >= 0) turns_ += imaginary < 0 ? 1 : 0;
+    if (imaginary_ < 0 && above < 0) turns_ -= imaginary >= 0 ? 1 : 0;
+    const double scale = 1 / (std::abs(real) + std::abs(imaginary));
+    real_ = real * scale;
+    imaginary_ = imaginary * scale;
+  }
+  /// As a share of the whole sphere.
+  [[nodiscard]] double winding() const { return std::atan2(imaginary_, real_) / (2 * std::numbers::pi) + turns_; }
+
+ private:
+  double real_ = 1;
+  double imaginary_ = 0;
+  int turns_ = 0;
+};
 
 /// Which way an edge a-b crosses the half-line from p along u: up (+1), down (-1) or not. The end that lies above p comes second
 /// whatever the direction, so that both triangles of an edge reckon with the same numbers.
@@ -103,7 +123,7 @@ double TriangleBvh::solid_angles(const Vec3& point, float dipole_from) const {
   std::array<std::uint32_t, kMostWaiting> waiting;
   std::size_t count = 0;
   waiting[count++] = 0;
-  double sum = 0;
+  SolidAngles near;
   double dipoles = 0;
   while (count > 0) {
     const std::uint32_t next = waiting[--count];
@@ -123,13 +143,13 @@ double TriangleBvh::solid_angles(const Vec3& point, float dipole_from) const {
       if (distance2[at] > from2 * clusters.reach2[at]) {
         dipoles += static_cast<double>(share[at]);
       } else if ((child & BvhNode::kTriangle) != 0) {
-        sum += winding_of_triangle(point, corners_m_[child & ~BvhNode::kTriangle]);
+        near.add(point, corners_m_[child & ~BvhNode::kTriangle]);
       } else {
         waiting[count++] = child;
       }
     }
   }
-  return sum + dipoles / (4 * std::numbers::pi);
+  return near.winding() + dipoles / (4 * std::numbers::pi);
 }
 
 double TriangleBvh::winding_number(const Vec3& point) const {
