@@ -11,6 +11,7 @@
 #include "geometry/tree_layout.h"
 #include "geometry/tree_protrusion.h"
 #include "geometry/tree_split.h"
+#include "geometry/tree_surface.h"
 #include "geometry/triangle_bvh.h"
 #include "poise/sphere_tree.h"
 
@@ -116,6 +117,7 @@ Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOp
   const SolidAtoms atoms = cut_into_atoms(mesh, bvh, atoms_for(options.depth), *executor);
   SphereTree tree = lay_out_tree(grow(atoms, bvh, diagonal_m, options, *executor));
   measure_protrusions(tree, bvh, *executor);
+  measure_surfaces(tree, bvh, *executor);
   return tree;
 }
 
