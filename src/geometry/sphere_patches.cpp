@@ -180,25 +180,20 @@ class PatchSet {
       at = patch.corners[i];
       patch.exposed_seen = true;
     }
-    const double radius_m = own_.radius_m;
-    const NearestSurface nearest = object_.nearest(own_.center_m + radius_m * at, guess);
-    patch.piece = nearest.piece;
-    const double cos_from = std::min({patch.corners[0].dot(at), patch.corners[1].dot(at), patch.corners[2].dot(at)});
-    if (nearest.inside) {
-      // The chord to the farthest corner; a spherical triangle reaches no farther than its corners from a point of it.
-      const double reach_m = radius_m * std::sqrt(std::max(0.0, 2 - 2 * cos_from)) * (1 + kSlack);
-      patch.max_m = std::max(0.0, reach_m - nearest.distance_m);
-      patch.mean_m = patch.max_m;
-    } else {
-      // |x - q| for the closest point q: its largest, and the root of the mean of its square (Jensen's inequality).
-      patch.seen_m = nearest.distance_m;
-      const Vec3 from = own_.center_m - nearest.point_m;
-      const double squares = radius_m * radius_m + from.squaredNorm();
-      const double most = std::min(most_along(patch, from), from.norm());
-      patch.max_m = std::sqrt(std::max(0.0, squares + 2 * radius_m * most));
-      const Vec3 mean = direction_integral(patch.corners) / patch.area;
-      patch.mean_m = std::sqrt(std::max(0.0, squares + 2 * radius_m * from.dot(mean)));
-    }
+    const Vec3 point = own_.center_m + own_.radius_m * at;
+    const ObjectBall ball = object_.nearest(point, guess);
+    patch.piece = ball.piece;
+    patch.seen_m = std::max(0.0, (point - ball.center_m).norm() - ball.radius_m);
+    // The distance to the ball's centre: its largest and least, and the root of the mean of its square (Jensen's inequality).
+    const Vec3 from = own_.center_m - ball.center_m;
+    const double squares = own_.radius_m * own_.radius_m + from.squaredNorm();
+    const auto distance_m = [&](double along) { return std::sqrt(std::max(0.0, squares + 2 * own_.radius_m * along)); };
+    const double length = from.norm();
+    const double least_m = distance_m(std::max(-length, -most_along(patch, -from))) - ball.radius_m;
+    const double mean_m = distance_m(from.dot(direction_integral(patch.corners)) / patch.area) - ball.radius_m;
+    patch.max_m = std::max(0.0, distance_m(std::min(length, most_along(patch, from))) - ball.radius_m);
+    // Where a part of the patch is in the ball, the mean leaves out what is negative.
+    patch.mean_m = std::min(patch.max_m, mean_m + std::max(0.0, -least_m));
     if (patch.max_m > 0 && patch.piece != TriangleBvh::kNoTriangle) bound_by_piece(patch);
     if (patch.cap_count > 0) patch.mean_m = patch.max_m;
   }

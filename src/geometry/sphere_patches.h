@@ -12,19 +12,19 @@
 
 namespace poise::geometry {
 
-/// What an object answers about a point.
-struct NearestSurface {
-  double distance_m = 0;   ///< outside: to the object. Inside: a ball of this radius about the point lies inside too
-  bool inside = false;
-  Vec3 point_m = Vec3::Zero();  ///< outside: the point of the object at that distance
-  std::uint32_t piece = TriangleBvh::kNoTriangle;  ///< the convex piece of the object that the answer comes from
+/// A ball that is part of an object (its surface included), such that the object is as far from the point that was asked for as the ball
+/// is: a point of the surface with radius 0, or a ball about the point itself where that is inside.
+struct ObjectBall {
+  Vec3 center_m = Vec3::Zero();
+  double radius_m = 0;
+  std::uint32_t piece = TriangleBvh::kNoTriangle;  ///< the convex piece of the object that the answer comes from, if it has any
 };
 
 /// An object as the protrusion of spheres sees it. Called from any thread.
 struct ObjectQueries {
   /// `guess` is a piece that may be near, or kNoTriangle; it changes the time only.
-  std::function<NearestSurface(const Vec3& point, std::uint32_t guess)> nearest;
-  /// Distance in metres to one convex piece of the object.
+  std::function<ObjectBall(const Vec3& point, std::uint32_t guess)> nearest;
+  /// Distance in metres to one convex piece of the object. Asked for the pieces that `nearest` names.
   std::function<double(std::uint32_t piece, const Vec3& point)> to_piece;
 };
 

@@ -172,14 +172,7 @@ geometry::ObjectQueries leaves_of(const SphereTree& tree) {
     NearestLeaf nearest;
     find_nearest_leaf(tree, 0, point, nearest);
     const Sphere leaf = tree.sphere(nearest.node);
-    const Vec3 from_center = point - leaf.center_m;
-    geometry::NearestSurface answer{std::abs(nearest.distance_m), nearest.distance_m <= 0, leaf.center_m, nearest.node};
-    if (!answer.inside) answer.point_m += leaf.radius_m / from_center.norm() * from_center;
-    return answer;
-  };
-  object.to_piece = [&tree](std::uint32_t node, const Vec3& point) {
-    const Sphere leaf = tree.sphere(node);
-    return std::max(0.0, (point - leaf.center_m).norm() - leaf.radius_m);
+    return geometry::ObjectBall{leaf.center_m, leaf.radius_m};
   };
   return object;
 }

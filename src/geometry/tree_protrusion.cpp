@@ -75,7 +75,8 @@ void measure_protrusions(SphereTree& tree, const TriangleBvh& bvh, parallel::Exe
   ObjectQueries object;
   object.nearest = [&bvh](const Vec3& point, std::uint32_t guess) {
     const TriangleBvh::Closest closest = bvh.closest_from(point, guess);
-    return NearestSurface{std::sqrt(closest.squared_distance_m2), bvh.inside(point), closest.point_m, closest.triangle};
+    if (!bvh.inside(point)) return ObjectBall{closest.point_m, 0, closest.triangle};
+    return ObjectBall{point, std::sqrt(closest.squared_distance_m2), closest.triangle};
   };
   object.to_piece = [&bvh](std::uint32_t triangle, const Vec3& point) {
     return (closest_on_triangle(point, bvh.corners(triangle)) - point).norm();
