@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kSamples = 1000000;
 
 TriangleMesh mesh_named(const std::string& name) {
-  if (name == "ring") return test::torus_mesh(0.35, 0.15, 64, 36);
+  if (name == "ring") return test::torus_mesh(0.35, 0.15, 32, 16);
   if (name.starts_with("/")) return read_mesh(name, {}).value();
   return make_procedural_shape(name).value();
 }
