@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -46,13 +45,6 @@ struct SphereChoice {
 /// 1e9 m, a radius not from 1e-9 to 1e9 m, files above 64 MiB, an unknown link or level. Any thread.
 Result<std::vector<Sphere>> read_spheres(const std::filesystem::path& file, const SphereChoice& choice = {});
 
-struct AdoptOptions {
-  std::size_t samples = 20000;  ///< points for each figure, 1 to 1e8
-  std::uint64_t seed = 1;
-  Solidity solidity = Solidity::Solid;
-  int threads = 0;  ///< 0 = as many as the machine has; the result does not depend on it
-};
-
 /// What a tree from elsewhere is worth for a mesh.
 struct ForeignTreeReport {
   std::vector<TreeLevelFigures> levels;
@@ -64,9 +56,9 @@ struct ForeignTreeReport {
   [[nodiscard]] std::string summary() const;
 };
 
-/// Takes in a tree that was not built here: judges it against its mesh (same frame), and fills the protrusions of its nodes, which
-/// files do not have. The tree's spheres stay as they are, leaking or not: the caller decides by the report. Deterministic for a
-/// seed. Any thread. Refused as judge_tree refuses; the tree is then as it was.
-Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const AdoptOptions& options = {});
+/// Takes in a tree that was not built here: judges it against its mesh (same frame), and fills what its nodes know of
+/// protrusion and surface, which files do not have. The tree's spheres stay as they are, leaking or not: the caller decides by the report. Deterministic for a
+/// seed on any number of threads. Any thread. Refused as judge_tree refuses; the tree is then as it was.
+Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options = {});
 
 }  // namespace poise

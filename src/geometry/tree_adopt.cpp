@@ -5,14 +5,12 @@
 #include <fmt/format.h>
 
 #include "geometry/tree_protrusion.h"
+#include "geometry/tree_surface.h"
 #include "geometry/triangle_bvh.h"
 #include "poise/tree_formats.h"
 
 namespace poise {
 namespace {
-
-/// As the builder measures its own trees.
-constexpr int kProtrusionSamples = 256;
 
 /// A share as a percentage that says 100 only where nothing is missing.
 std::string percent(double share) {
@@ -34,8 +32,8 @@ std::string ForeignTreeReport::summary() const {
   return text;
 }
 
-Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const AdoptOptions& options) {
-  Result<std::vector<TreeLevelFigures>> judged = judge_tree(tree, mesh, options.samples, options.seed);
+Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options) {
+  Result<std::vector<TreeLevelFigures>> judged = judge_tree(tree, mesh, options);
   if (!judged) return judged.error();
   ForeignTreeReport report;
   report.levels = std::move(judged).value();
@@ -43,10 +41,10 @@ Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh,
     report.surface_coverage = std::min(report.surface_coverage, level.surface_coverage);
     report.inside_coverage = std::min(report.inside_coverage, level.inside_coverage);
   }
-  const geometry::TriangleBvh bvh(mesh);
+  const geometry::TriangleBvh bvh(mesh, options.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Threads, options.threads);
-  geometry::measure_protrusions(
-      tree, [&bvh](const Vec3& point) { return bvh.outside_distance_m(point); }, kProtrusionSamples, *executor);
+  geometry::measure_protrusions(tree, bvh, *executor);
+  geometry::measure_surfaces(tree, bvh, *executor);
   return report;
 }
 

@@ -63,7 +63,7 @@ struct Loader {
 
   /// A shape from a foreign tree, whose coverage of its mesh is measured before it is used.
   [[nodiscard]] Result<ShapePtr> adopted(const TreeSource& source, SphereTree tree, const TriangleMesh& mesh) const {
-    AdoptOptions adopt;
+    TreeJudgeOptions adopt;
     adopt.threads = threads;
     if (source.shell_thickness_m > 0) adopt.solidity = Solidity::Shell;
     const Result<ForeignTreeReport> report = adopt_tree(tree, mesh, adopt);

@@ -286,13 +286,16 @@ TEST(AdoptTree, ATreeThatCoversIsSoundAndGetsItsProtrusions) {
   const SphereTree built = build_sphere_tree(mesh, {.depth = 1, .threads = 1}).value();
   SphereTree foreign = built;
   std::ranges::fill(foreign.protrusion_max_m, 0.0F);
+  std::ranges::fill(foreign.surface, NodeSurface{});
   const auto report = adopt_tree(foreign, mesh, {.samples = 2000, .threads = 2});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report.value().covers_surface());
   EXPECT_EQ(report.value().inside_coverage, 1);
   EXPECT_EQ(report.value().levels.size(), 2U);
   EXPECT_EQ(report.value().summary(), "surface covered to 100 %, inside to 100 %");
-  for (std::size_t i = 0; i < built.node_count(); ++i) EXPECT_GT(foreign.protrusion_max_m[i], 0) << i;
+  EXPECT_EQ(foreign.protrusion_max_m, built.protrusion_max_m);
+  EXPECT_GT(foreign.protrusion_max_m[0], 0);
+  for (std::size_t i = 0; i < built.node_count(); ++i) EXPECT_EQ(foreign.surface[i].area_m2, built.surface[i].area_m2) << i;
   EXPECT_EQ(foreign.radius_m, built.radius_m);
 }
 
