@@ -43,6 +43,7 @@ struct MeshSource {
   std::filesystem::path file;  ///< as written; relative ones are meant from Scene::base
   double scale = 1;            ///< metres per unit of the file
   Level depth = 3;             ///< of the sphere tree
+  double shell_thickness_m = 0;  ///< > 0: the surface alone, as plates so thick; 0: a solid
 };
 struct SpheresSource {
   std::vector<Sphere> spheres;
@@ -187,6 +188,8 @@ class SceneRun {
   [[nodiscard]] World& world();
   [[nodiscard]] const World& world() const;
   [[nodiscard]] std::span<const RunBody> bodies() const;
+  /// What is not certain about shapes that were loaded, one line each with scene file and field, in the order of the shapes.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /// In the order of Scene::shapes; with a tray, its five planes follow.
   [[nodiscard]] std::span<const ShapePtr> shapes() const;
   [[nodiscard]] const View& view() const;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "poise/mesh.h"
 #include "poise/result.h"
@@ -29,6 +30,7 @@ struct Shape {
   Quat principal_axes = Quat::Identity();   ///< turns the principal frame into the body frame
   Vec3 plane_normal = Vec3::UnitZ();        ///< Plane: unit normal, away from the solid side, in the body frame
   double plane_offset_m = 0;                ///< Plane: the surface is normal . x = offset
+  std::string note;                         ///< what is not certain about inside and mass, one line; empty where nothing is
 };
 
 using ShapePtr = std::shared_ptr<const Shape>;
@@ -49,7 +51,15 @@ Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres);
 /// A shape from a tree whose leaves are the true surface, each counting whole.
 Result<ShapePtr> make_tree_shape(const SphereTree& tree);
 
-/// A shape from a closed mesh: tree by build_sphere_tree, mass in closed form. Any thread.
-Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options);
+/// A shape from a mesh, with a tree by build_sphere_tree. A closed mesh has its mass in closed form. An open one is solid where its
+/// winding number is above one half, its mass is sampled (winding_mass_properties), and `note` says so. With
+/// shell_thickness_m > 0 (1e-9 to 1e9) any mesh is its surface alone (Solidity::Shell whatever the options say), with the mass
+/// of plates so thick; the thickness counts for the mass, not for the tree. Any thread. Refused as build_sphere_tree does, and:
+/// a mesh that encloses nothing, or options that ask for a shell, without a thickness.
+Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options, double shell_thickness_m = 0);
+
+/// The same with a tree that is there already, in the frame of the mesh, such as one from a file or a cache; whether it
+/// covers the mesh is the caller's affair. Refused: as above, and an empty tree.
+Result<ShapePtr> make_mesh_shape_with_tree(const TriangleMesh& mesh, const SphereTree& tree, double shell_thickness_m = 0);
 
 }  // namespace poise

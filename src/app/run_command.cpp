@@ -139,6 +139,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
                            std::holds_alternative<PlaneSource>(scene.shapes[i].source);
     if (!at_origin) d.origin_offsets_m.emplace_back(scene.shapes[i].name, run.shapes()[i]->origin_offset_m);
   }
+  d.warnings = run.warnings();
   d.requirement = options.require;
   d.figures = simulation::run_figures({}, {loop.wall_clock});
   return d;
@@ -196,6 +197,10 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
                  Outputs& outputs, Progress& progress) {
   const LoopSettings loop = loop_settings(options, scene);
   io::RunDocument document = document_of(options, scene, run, loop);
+  for (const std::string& warning : document.warnings) {
+    progress.end();
+    fmt::print(stderr, "poise run: warning: {}\n", warning);
+  }
   const Status known = io::check_names(requirement, io::named_figures(document));
   if (!known) return refuse(kExitBadUsage, "--require: " + known.error().message);
 

@@ -8,7 +8,8 @@
 #include <unordered_map>
 
 #include "geometry/bounds.h"
-#include "geometry/mesh_volume.h"
+#include "geometry/mesh_edges.h"
+#include "geometry/mesh_orient.h"
 
 namespace poise {
 namespace {
@@ -121,41 +122,24 @@ MeshRepair clean_mesh(TriangleMesh& mesh, double weld_relative) {
   }
   repair.triangles_dropped += drop_triangles(mesh.triangles);
   compact_vertices(mesh);
-  if (check_closed(mesh).closed() && geometry::mesh_volume(mesh).volume_m3 < 0) {
-    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-    repair.flipped = true;
-  }
+  const geometry::Orientation orientation = geometry::orient_triangles(mesh);
+  repair.triangles_turned = orientation.triangles_turned;
+  repair.pieces_turned = orientation.pieces_turned;
+  repair.flipped = orientation.all_turned;
   return repair;
 }
 
 ClosedCheck check_closed(const TriangleMesh& mesh) {
-  struct Edge {
-    std::uint32_t low, high;
-    int direction;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = t[i];
-      const std::uint32_t to = t[(i + 1) % 3];
-      edges.push_back({std::min(from, to), std::max(from, to), from < to ? 1 : -1});
-    }
-  }
-  const auto key = [](const Edge& e) { return std::uint64_t{e.low} << 32U | e.high; };
-  std::ranges::sort(edges, {}, key);
+  const std::vector<geometry::EdgeUse> uses = geometry::edge_uses(mesh.triangles);
   ClosedCheck check;
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin;
-    int balance = 0;
-    for (; end < edges.size() && key(edges[end]) == key(edges[begin]); ++end) balance += edges[end].direction;
-    if (end - begin == 1) {
+  geometry::for_each_edge(uses, [&check](std::span<const geometry::EdgeUse> edge) {
+    if (edge.size() == 1) {
       ++check.open_edges;
-    } else if (balance != 0) {
+    } else if (geometry::edge_balance(edge) != 0) {
       ++check.inconsistent_edges;
     }
-    begin = end;
-  }
+    check.crowded_edges += edge.size() > 2 ? 1U : 0U;
+  });
   return check;
 }
 

@@ -55,33 +55,53 @@ std::string one_line(std::string text) {
   return text.substr(0, 300);
 }
 
-}  // namespace
+Result<TriangleMesh> merged(const aiScene* scene, const char* error) {
+  if (scene == nullptr || scene->mRootNode == nullptr) return bad_input(one_line(error));
+  TriangleMesh mesh;
+  std::vector<std::pair<const aiNode*, Transform>> waiting{{scene->mRootNode, Transform::Identity()}};
+  while (!waiting.empty()) {
+    const auto [node, parent] = waiting.back();
+    waiting.pop_back();
+    const Transform transform = parent * to_transform(node->mTransformation);
+    for (unsigned i = 0; i < node->mNumMeshes; ++i) {
+      if (node->mMeshes[i] >= scene->mNumMeshes) return bad_input("a node names a mesh that does not exist");
+      std::string wrong = add_mesh(*scene->mMeshes[node->mMeshes[i]], transform, mesh);
+      if (!wrong.empty()) return bad_input(std::move(wrong));
+    }
+    for (unsigned i = node->mNumChildren; i > 0; --i) waiting.emplace_back(node->mChildren[i - 1], transform);
+  }
+  return mesh;
+}
 
-Result<TriangleMesh> import_with_assimp(const std::filesystem::path& file) {
+/// Calls read(importer) for a scene, and merges it. No post-processing: some of its steps follow indices before anything has
+/// checked them.
+template <class Read>
+Result<TriangleMesh> import(Read&& read) {
   try {
     Assimp::Importer importer;
-    // No post-processing: some of its steps follow indices before anything has checked them.
-    const aiScene* scene = importer.ReadFile(file.string(), 0);
-    if (scene == nullptr || scene->mRootNode == nullptr) return bad_input(one_line(importer.GetErrorString()));
-    TriangleMesh mesh;
-    std::vector<std::pair<const aiNode*, Transform>> waiting{{scene->mRootNode, Transform::Identity()}};
-    while (!waiting.empty()) {
-      const auto [node, parent] = waiting.back();
-      waiting.pop_back();
-      const Transform transform = parent * to_transform(node->mTransformation);
-      for (unsigned i = 0; i < node->mNumMeshes; ++i) {
-        if (node->mMeshes[i] >= scene->mNumMeshes) return bad_input("a node names a mesh that does not exist");
-        std::string wrong = add_mesh(*scene->mMeshes[node->mMeshes[i]], transform, mesh);
-        if (!wrong.empty()) return bad_input(std::move(wrong));
-      }
-      for (unsigned i = node->mNumChildren; i > 0; --i) waiting.emplace_back(node->mChildren[i - 1], transform);
-    }
-    return mesh;
+    const aiScene* scene = read(importer);
+    return merged(scene, importer.GetErrorString());
   } catch (const std::exception& failure) {
     return bad_input(one_line(failure.what()));
   } catch (...) {
     return bad_input("the reader failed");
   }
+}
+
+}  // namespace
+
+Result<TriangleMesh> import_with_assimp(const std::filesystem::path& file) {
+  return import([&](Assimp::Importer& importer) { return importer.ReadFile(file.string(), 0); });
+}
+
+Result<TriangleMesh> import_gltf_with_assimp(const std::string& text) {
+  Result<TriangleMesh> mesh =
+      import([&](Assimp::Importer& importer) { return importer.ReadFileFromMemory(text.data(), text.size(), 0, "gltf"); });
+  // What it says where it has left out every face for an index out of range.
+  if (!mesh && mesh.error().message.ends_with("has no faces")) {
+    return bad_input(mesh.error().message + " whose corners all exist");
+  }
+  return mesh;
 }
 
 }  // namespace poise::geometry

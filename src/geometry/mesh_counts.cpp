@@ -48,10 +48,14 @@ std::string wrong_off_counts(std::string_view start, std::uint64_t file_bytes) {
 }
 
 std::string wrong_ply_counts(std::string_view start, std::uint64_t file_bytes) {
+  bool has_faces = false;
   while (!start.empty()) {
     const std::vector<std::string_view> words = words_of(take_line(start));
-    if (!words.empty() && words[0] == "end_header") return {};
+    if (!words.empty() && words[0] == "end_header") {
+      return has_faces ? "" : "has no triangle: its header has no element 'face'; points have no surface";
+    }
     if (words.size() < 3 || words[0] != "element") continue;
+    has_faces = has_faces || words[1] == "face" || words[1] == "tristrips";
     std::string wrong = judge(fmt::format("entries '{}'", words[1].substr(0, 40)), leading_count(words[2]), file_bytes);
     if (!wrong.empty()) return wrong;
   }

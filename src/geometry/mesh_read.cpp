@@ -43,18 +43,44 @@ std::string start_of(const fs::path& file) {
   return start;
 }
 
+std::string whole_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// Text without a byte order mark, two-byte text as one-byte text: all that counts is ASCII, the rest becomes '?'.
+std::string plain_text(std::string text) {
+  if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
+  const bool big_end_first = text.starts_with("\xfe\xff");
+  if (!big_end_first && !text.starts_with("\xff\xfe")) return text;
+  std::string plain;
+  plain.reserve(text.size() / 2);
+  for (std::size_t i = 2; i + 1 < text.size(); i += 2) {
+    const char high = text[big_end_first ? i : i + 1];
+    const char low = text[big_end_first ? i + 1 : i];
+    plain += high == 0 && static_cast<unsigned char>(low) < 0x80 ? low : '?';
+  }
+  return plain;
+}
+
+std::string why_no_triangle(std::size_t vertices) {
+  if (vertices == 0) return "has no triangle, and no vertex either";
+  return fmt::format("has no triangle: {} vertices, but no face with three corners; points and lines have no surface", vertices);
+}
+
 Result<TriangleMesh> read_unscaled(const fs::path& file) {
   const std::string extension = lower_extension(file);
-  if (extension == ".obj") {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-    return geometry::parse_obj(text);
+  if (extension == ".obj") return geometry::parse_obj(plain_text(whole_file(file)));
+  if (extension == ".gltf" || extension == ".glb") {
+    const Result<std::string> plain = geometry::plain_gltf(whole_file(file), file.parent_path());
+    if (!plain) return plain.error();
+    return geometry::import_gltf_with_assimp(plain.value());
   }
   std::string wrong;
   if (extension == ".off") wrong = geometry::wrong_off_counts(start_of(file), fs::file_size(file));
   if (extension == ".ply") wrong = geometry::wrong_ply_counts(start_of(file), fs::file_size(file));
   if (!wrong.empty()) return bad_input(std::move(wrong));
-  for (const char* known : {".stl", ".ply", ".off", ".gltf", ".glb"}) {
+  for (const char* known : {".stl", ".ply", ".off"}) {
     if (extension == known) return geometry::import_with_assimp(file);
   }
   return bad_input(fmt::format("extension '{}' is not known, must be one of .obj .stl .ply .off .gltf .glb", extension));
@@ -81,9 +107,10 @@ Result<TriangleMesh> read_mesh(const fs::path& file, const MeshReadOptions& opti
                                   geometry::kLargestLength_m));
       }
     }
+    if (mesh.triangles.empty()) return refuse(why_no_triangle(mesh.vertices_m.size()));
     const MeshRepair done = clean_mesh(mesh, options.weld_relative);
     if (repair != nullptr) *repair = done;
-    if (mesh.triangles.empty()) return refuse("has no triangle with an area, at least one is needed");
+    if (mesh.triangles.empty()) return refuse("has no triangle with three corners apart, at least one is needed");
     if (mesh.diagonal_m() < geometry::kSmallestLength_m) {
       return refuse(fmt::format("is {} m across, must be at least {} m", mesh.diagonal_m(), geometry::kSmallestLength_m));
     }

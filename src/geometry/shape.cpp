@@ -8,6 +8,8 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "geometry/mesh_verdict.h"
+#include "geometry/mesh_volume.h"
 #include "geometry/rounding.h"
 #include "geometry/tree_layout.h"
 
@@ -53,7 +55,7 @@ MassProperties mass_of_balls(std::span<const Sphere> balls) {
   return mass;
 }
 
-ShapePtr finish(SphereTree tree, const MassProperties& mass) {
+ShapePtr finish(SphereTree tree, const MassProperties& mass, std::string note = {}) {
   auto shape = std::make_shared<Shape>();
   shape->tree = std::move(tree);
   const Sphere root = shape->tree.sphere(0);
@@ -62,7 +64,39 @@ ShapePtr finish(SphereTree tree, const MassProperties& mass) {
   shape->origin_offset_m = mass.center_of_mass_m;
   shape->volume_m3 = mass.volume_m3;
   set_principal(*shape, mass.inertia_m5);
+  shape->note = std::move(note);
   return shape;
+}
+
+/// The mass of a mesh, and what is not certain about it.
+struct NotedMass {
+  MassProperties mass;
+  std::string note;
+};
+
+Result<NotedMass> mass_of_mesh(const TriangleMesh& mesh, double shell_thickness_m, int threads) {
+  if (shell_thickness_m != 0) {
+    const Result<MassProperties> shell = shell_mass_properties(mesh, shell_thickness_m);
+    if (!shell) return shell.error();
+    return NotedMass{shell.value(), {}};
+  }
+  if (std::string wrong = geometry::why_unusable(mesh); !wrong.empty()) return bad_input(std::move(wrong));
+  if (check_closed(mesh).closed()) {
+    const Result<MassProperties> exact = mesh_mass_properties(mesh);
+    if (exact) return NotedMass{exact.value(), {}};
+    return bad_input(exact.error().message + "; a shell_thickness_m > 0 would make it a shell");
+  }
+  const Result<SampledMass> sampled = winding_mass_properties(mesh, threads);
+  if (!sampled) return sampled.error();
+  if (!geometry::encloses(sampled.value())) {
+    return bad_input(geometry::nothing_inside(mesh) + "; a shell_thickness_m > 0 would make it a shell");
+  }
+  return NotedMass{sampled.value().mass, geometry::open_note(mesh, sampled.value())};
+}
+
+ShapePtr finish_mesh(SphereTree tree, const NotedMass& noted) {
+  geometry::recenter_tree(tree, noted.mass.center_of_mass_m, false);
+  return finish(std::move(tree), noted.mass, noted.note);
 }
 
 }  // namespace
@@ -119,14 +153,22 @@ Result<ShapePtr> make_tree_shape(const SphereTree& tree) {
   return finish(std::move(centered), mass);
 }
 
-Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options) {
-  const Result<MassProperties> mass = mesh_mass_properties(mesh);
+Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options, double shell_thickness_m) {
+  if (options.solidity == Solidity::Shell && shell_thickness_m == 0) return bad_input("shell_thickness_m = 0, must be > 0 for a shell");
+  const Result<NotedMass> mass = mass_of_mesh(mesh, shell_thickness_m, options.threads);
   if (!mass) return mass.error();
-  Result<SphereTree> tree = build_sphere_tree(mesh, options);
+  TreeBuildOptions build = options;
+  if (shell_thickness_m != 0) build.solidity = Solidity::Shell;
+  Result<SphereTree> tree = build_sphere_tree(mesh, build);
   if (!tree) return tree.error();
-  SphereTree centered = std::move(tree).value();
-  geometry::recenter_tree(centered, mass.value().center_of_mass_m, false);
-  return finish(std::move(centered), mass.value());
+  return finish_mesh(std::move(tree).value(), mass.value());
+}
+
+Result<ShapePtr> make_mesh_shape_with_tree(const TriangleMesh& mesh, const SphereTree& tree, double shell_thickness_m) {
+  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  const Result<NotedMass> mass = mass_of_mesh(mesh, shell_thickness_m, 0);
+  if (!mass) return mass.error();
+  return finish_mesh(tree, mass.value());
 }
 
 }  // namespace poise

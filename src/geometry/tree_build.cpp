@@ -105,7 +105,7 @@ std::vector<LooseNode> grow(const SolidAtoms& atoms, const TriangleBvh& bvh, dou
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options) {
   if (options.depth > kMaxTreeDepth) return bad_input(fmt::format("depth = {}, must be from 0 to {}", options.depth, kMaxTreeDepth));
   if (options.threads < 0 || options.threads > 256) return bad_input(fmt::format("threads = {}, must be from 0 to 256", options.threads));
-  if (std::string wrong = why_not_closed(mesh); !wrong.empty()) return bad_input(std::move(wrong));
+  if (std::string wrong = why_unusable(mesh); !wrong.empty()) return bad_input(std::move(wrong));
   const double diagonal_m = mesh.diagonal_m();
   for (const Vec3& v : mesh.vertices_m) {
     if (v.cwiseAbs().maxCoeff() > kLargestLength_m) return bad_input(fmt::format("mesh: a vertex is farther than {} m from 0", kLargestLength_m));

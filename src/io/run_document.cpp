@@ -142,6 +142,7 @@ Json document_json(const RunDocument& d) {
   json["tray_side_m"] = d.tray_side_m > 0 ? Json(d.tray_side_m) : Json(nullptr);
   json["origin_offset_m"] = Json::object();
   for (const auto& [shape, offset] : d.origin_offsets_m) json["origin_offset_m"][shape] = list(offset);
+  json["warnings"] = d.warnings;
   json["require"] = {{"expression", d.requirement ? Json(*d.requirement) : Json(nullptr)},
                      {"failed", d.requirements_failed}};
   json["machine"] = {{"system", d.machine.system}, {"processor", d.machine.processor}, {"cores", d.machine.cores}};

@@ -48,6 +48,7 @@ struct RunDocument {
   std::uint64_t state_hash = 0;
   /// Mesh, tree and sphere-list shapes: from the origin of the shape to its centre of mass.
   std::vector<std::pair<std::string, Vec3>> origin_offsets_m;
+  std::vector<std::string> warnings;  ///< SceneRun::warnings
   std::vector<std::string> requirements_failed;
   std::optional<std::string> requirement;
 };

@@ -45,13 +45,14 @@ void read_file(const ObjectReader& reader, std::filesystem::path& target) {
 }
 
 void parse_mesh(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
-  const ObjectReader reader(value, path, problems, {"file", "scale", "depth"});
+  const ObjectReader reader(value, path, problems, {"file", "scale", "depth", "shell_thickness_m"});
   MeshSource source;
   read_file(reader, source.file);
   reader.number("scale", kPositive, source.scale);
   std::uint64_t depth = source.depth;
   reader.whole("depth", 0, kMaxTreeDepth, depth);
   source.depth = static_cast<Level>(depth);
+  reader.number("shell_thickness_m", kLength, source.shell_thickness_m);
   shape.source = std::move(source);
 }
 

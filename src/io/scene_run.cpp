@@ -159,6 +159,7 @@ Status SceneRun::before_frame(std::uint64_t frame) {
 World& SceneRun::world() { return impl_->world; }
 const World& SceneRun::world() const { return impl_->world; }
 std::span<const RunBody> SceneRun::bodies() const { return impl_->bodies; }
+std::vector<std::string> SceneRun::warnings() const { return io::shape_warnings(impl_->scene, impl_->shapes); }
 std::span<const ShapePtr> SceneRun::shapes() const { return impl_->shapes; }
 const View& SceneRun::view() const { return impl_->view; }
 double SceneRun::tray_side_m() const { return impl_->tray_side_m; }

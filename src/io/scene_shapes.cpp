@@ -34,7 +34,7 @@ struct Loader {
     TreeBuildOptions build;
     build.depth = source.depth;
     build.threads = threads;
-    return make_mesh_shape(mesh.value(), build);
+    return make_mesh_shape(mesh.value(), build, source.shell_thickness_m);
   }
   Result<ShapePtr> operator()(const TreeSource& source) const {
     Result<SphereTree> tree = read_sph(found(source.file));
@@ -48,7 +48,20 @@ const char* kind_name(const SceneShape& shape) {
   return kNames[shape.source.index()];
 }
 
+/// File and field of a shape, for messages.
+std::string place_of(const Scene& scene, const SceneShape& shape) {
+  return scene.source + ": " + member_path(member_path("shapes", shape.name), kind_name(shape));
+}
+
 }  // namespace
+
+std::vector<std::string> shape_warnings(const Scene& scene, std::span<const ShapePtr> shapes) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < scene.shapes.size() && i < shapes.size(); ++i) {
+    if (!shapes[i]->note.empty()) warnings.push_back(place_of(scene, scene.shapes[i]) + ": " + shapes[i]->note);
+  }
+  return warnings;
+}
 
 SphereTree scaled_tree(SphereTree tree, double scale) {
   if (scale == 1) return tree;
@@ -80,8 +93,7 @@ Result<std::vector<ShapePtr>> load_shapes(const Scene& scene, int threads) {
   std::vector<ShapePtr> shapes;
   for (std::size_t i = 0; i < made.size(); ++i) {
     if (!made[i]) {
-      const std::string path = member_path(member_path("shapes", scene.shapes[i].name), kind_name(scene.shapes[i]));
-      return Error{made[i].error().kind, scene.source + ": " + path + ": " + made[i].error().message};
+      return Error{made[i].error().kind, place_of(scene, scene.shapes[i]) + ": " + made[i].error().message};
     }
     shapes.push_back(std::move(made[i]).value());
   }

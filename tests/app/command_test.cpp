@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -161,6 +162,24 @@ TEST(Command, JudgesARunByItsFigures) {
   const CommandResult wall = poise_command({"run", "two-body", "--frames", "5", "--deadline", "1000000", "--quiet",
                                             "--require", "miss_rate<0.01 && frame_ms.p99<1e6"});
   EXPECT_EQ(wall.exit_code, 0) << wall.error;
+}
+
+TEST(Command, WarnsOfAnOpenMeshOnceAndInTheReport) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                                           "f 4 3 2 1\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
+  const std::string scene = folder.file("open.json");
+  std::ofstream(scene) << R"({"name": "open", "dt_s": 0.01, "materials": {"m": {}},
+    "shapes": {"box": {"mesh": {"file": "box.obj", "depth": 1}}},
+    "bodies": [{"shape": "box", "material": "m"}, {"shape": "box", "material": "m", "position_m": [5, 0, 0]}]})";
+  const CommandResult result = poise_command({"run", scene, "--frames", "2", "--json", "-", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const std::vector<std::string> told = lines(result.error);
+  ASSERT_EQ(told.size(), 1U) << result.error;
+  EXPECT_EQ(told[0].rfind("poise run: warning: " + scene + ": shapes.box.mesh: open: 4 edges", 0), 0U) << told[0];
+  const json report = json::parse(result.out, nullptr, false);
+  ASSERT_EQ(report.at("warnings").size(), 1U);
+  EXPECT_EQ("poise run: warning: " + report.at("warnings").at(0).get<std::string>(), told[0]);
 }
 
 TEST(Command, EndsAtCtrlCWithItsReportsWritten) {

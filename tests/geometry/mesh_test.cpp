@@ -156,7 +156,8 @@ TEST(MeshCounts, MoreVerticesThanBytesAreRefused) {
   EXPECT_EQ(geometry::wrong_off_counts("OFF\n# 9999999\n8 6 12\n", 300), "");
   EXPECT_NE(geometry::wrong_off_counts("OFF\n353535235358 6 12\n", 300), "");
   EXPECT_NE(geometry::wrong_off_counts("OFF 8 99999999999999999999999 12\n", 300), "");
-  EXPECT_EQ(geometry::wrong_ply_counts("ply\nelement vertex 8\nend_header\nelement face 999\n", 300), "");
+  EXPECT_EQ(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 6\nend_header\nelement face 999\n", 300), "");
+  EXPECT_NE(geometry::wrong_ply_counts("ply\nelement vertex 8\nend_header\nelement face 6\n", 300), "");
   EXPECT_NE(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 301\nend_header\n", 300), "");
 }
 

@@ -241,10 +241,60 @@ TEST(MeshShape, OfABoxKeepsTheAxesOfTheMesh) {
   EXPECT_NEAR(shape->principal_m5.z(), 6.0 / 12 * 10, 1e-13);
 }
 
-TEST(MeshShape, RefusesAnOpenMesh) {
-  TriangleMesh mesh = test::box_mesh(Vec3::Ones());
+TEST(MeshShape, OfAnOpenMeshIsSolidWhereItWindsAndSaysSo) {
+  TriangleMesh mesh = test::torus_mesh(0.7, 0.2, 24, 12);
   mesh.triangles.pop_back();
-  EXPECT_NE(make_mesh_shape(mesh, {}).error().message.find("3 open edges"), std::string::npos);
+  const auto made = make_mesh_shape(mesh, {.depth = 1});
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  const Shape& shape = *made.value();
+  EXPECT_NE(shape.note.find("3 edges with one triangle alone"), std::string::npos) << shape.note;
+  EXPECT_NEAR(shape.volume_m3, mesh_mass_properties(test::torus_mesh(0.7, 0.2, 24, 12)).value().volume_m3, 0.01);
+  for (const Vec3& p : test::surface_points(mesh, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
+  for (const Vec3& p : test::inside_points(mesh, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
+  EXPECT_EQ(make_mesh_shape(test::torus_mesh(0.7, 0.2, 24, 12), {.depth = 1}).value()->note, "");
+}
+
+TEST(MeshShape, WithAThicknessIsAShell) {
+  TriangleMesh sheet;
+  sheet.vertices_m = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const auto made = make_mesh_shape(sheet, {.depth = 2}, 0.01);
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  const Shape& shape = *made.value();
+  EXPECT_EQ(shape.note, "");
+  EXPECT_NEAR(shape.volume_m3, 0.02, 1e-15);
+  EXPECT_GT(shape.principal_m5.minCoeff(), 0);
+  for (const Vec3& p : test::surface_points(sheet, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 3U);
+  // A closed mesh may be a shell too.
+  EXPECT_NEAR(make_mesh_shape(test::box_mesh(Vec3::Ones()), {.depth = 1}, 0.01).value()->volume_m3, 0.06, 1e-15);
+}
+
+TEST(MeshShape, RefusesASheetWithoutAThicknessAndSaysToGiveOne) {
+  TriangleMesh sheet;
+  sheet.vertices_m = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}};
+  sheet.triangles = {{0, 1, 2}};
+  const auto refusal = [&](const TriangleMesh& mesh, const TreeBuildOptions& options, double thickness) {
+    const auto made = make_mesh_shape(mesh, options, thickness);
+    return made.ok() ? std::string("accepted") : made.error().message;
+  };
+  EXPECT_NE(refusal(sheet, {}, 0).find("3 edges with one triangle alone"), std::string::npos);
+  EXPECT_NE(refusal(sheet, {}, 0).find("shell_thickness_m > 0"), std::string::npos);
+  sheet.triangles.push_back({0, 2, 1});
+  EXPECT_NE(refusal(sheet, {}, 0).find("shell_thickness_m > 0"), std::string::npos);
+  EXPECT_NE(refusal(sheet, {}, -1).find("shell_thickness_m = -1, must be > 0"), std::string::npos);
+  EXPECT_NE(refusal(sheet, {}, std::nan("")).find("shell_thickness_m = nan, must be > 0"), std::string::npos);
+  EXPECT_NE(refusal(test::box_mesh(Vec3::Ones()), {.solidity = Solidity::Shell}, 0).find("must be > 0 for a shell"), std::string::npos);
+}
+
+TEST(MeshShape, WithATreeThatIsThereAlreadyIsTheSame) {
+  const TriangleMesh mesh = geometry::make_procedural_shape("l").value();
+  const TreeBuildOptions options{.depth = 1};
+  const ShapePtr built = make_mesh_shape(mesh, options).value();
+  const ShapePtr given = make_mesh_shape_with_tree(mesh, build_sphere_tree(mesh, options).value()).value();
+  EXPECT_TRUE(test::same_tree(built->tree, given->tree));
+  EXPECT_EQ(built->volume_m3, given->volume_m3);
+  EXPECT_EQ(built->bounding_radius_m, given->bounding_radius_m);
+  EXPECT_FALSE(make_mesh_shape_with_tree(mesh, {}).ok());
 }
 
 }  // namespace

@@ -71,6 +71,7 @@ RunDocument sample() {
   document.start.momentum_ns = {1, 2, 3};
   document.state_hash = 0xfedcba9876543210ULL;
   document.origin_offsets_m.emplace_back("cow", Vec3(0.25, 0, 0));
+  document.warnings = {"sample.json: shapes.cow.mesh: open"};
   return document;
 }
 
@@ -96,6 +97,8 @@ TEST(RunDocument, HasTheMembersOfItsSchemaWithFullPrecision) {
   EXPECT_EQ(json.at("deadline_ms").get<double>(), 0.1 + 0.2);
   EXPECT_EQ(json.at("state_hash"), "fedcba9876543210");
   EXPECT_EQ(json.at("origin_offset_m").at("cow").at(0), 0.25);
+  EXPECT_EQ(json.at("warnings"), nlohmann::json({"sample.json: shapes.cow.mesh: open"}));
+  EXPECT_TRUE(nlohmann::json::parse(run_json({})).at("warnings").empty());
   EXPECT_GE(json.at("machine").at("cores"), 0);
 }
 

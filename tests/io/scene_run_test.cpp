@@ -117,7 +117,33 @@ TEST(SceneRun, RefusesFilesThatAreMissingOrWrongWithSceneAndField) {
   EXPECT_EQ(refusal_of(R"({"tree": {"file": "no.sph"}})").rfind("s.json: shapes.s.tree: ", 0), 0U);
   std::ofstream(folder.file("open.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const std::string open = refusal_of(R"({"mesh": {"file": "open.obj"}})");
-  EXPECT_NE(open.find("3 open edges"), std::string::npos) << open;
+  EXPECT_NE(open.find("3 edges with one triangle alone"), std::string::npos) << open;
+  EXPECT_NE(open.find("a shell_thickness_m > 0 would make it a shell"), std::string::npos) << open;
+}
+
+TEST(SceneRun, UsesOpenMeshesWithAWarningAndSheetsAsShells) {
+  const TemporaryFolder folder;
+  // A box without one of its lids, and a triangle of half a square metre.
+  std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                                           "f 4 3 2 1\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
+  std::ofstream(folder.file("sheet.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const Result<Scene> scene = parse_scene(
+      R"({"name": "x", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": 1000}},
+          "shapes": {"ball": {"sphere": {"radius_m": 1}}, "box": {"mesh": {"file": "box.obj", "depth": 1}},
+                     "sheet": {"mesh": {"file": "sheet.obj", "depth": 1, "shell_thickness_m": 0.002}}},
+          "bodies": [{"shape": "sheet", "material": "m"}, {"shape": "box", "material": "m", "position_m": [5, 0, 0]}]})",
+      "s.json", folder.path());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(std::get<MeshSource>(scene.value().shapes[2].source).shell_thickness_m, 0.002);
+  SceneRun run = run_of(scene.value());
+  ASSERT_EQ(run.warnings().size(), 1U);
+  EXPECT_EQ(run.warnings()[0].rfind("s.json: shapes.box.mesh: open: 4 edges", 0), 0U) << run.warnings()[0];
+  EXPECT_NEAR(run.world().mass_kg(run.bodies()[0].id).value(), 1, 1e-12);
+  EXPECT_GT(run.world().mass_kg(run.bodies()[1].id).value(), 700);
+  EXPECT_LT(run.world().mass_kg(run.bodies()[1].id).value(), 1100);
+  StepInput step;
+  step.dt_s = 0.01;
+  EXPECT_EQ(run.world().step(step).status, StepStatus::Done);
 }
 
 TEST(SceneRun, RefusesANumberOfBodiesWithoutGenerators) {
