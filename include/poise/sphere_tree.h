@@ -46,8 +46,8 @@ struct NodeSurface {
 /// The arrays are padded by kTreeBranching entries, so that eight floats can be loaded at any node.
 struct SphereTree {
   std::vector<float> x_m, y_m, z_m, radius_m;
-  std::vector<float> protrusion_max_m;   ///< by how much the exposed part of a node's sphere stands out of the object, largest
-  std::vector<float> protrusion_mean_m;  ///< the same, area-weighted mean
+  std::vector<float> protrusion_max_m;   ///< by how much the exposed part of a node's sphere stands out of the object, at most
+  std::vector<float> protrusion_mean_m;  ///< the same for the area-weighted mean; docs/sphere-trees.md says how near both bounds are
   std::vector<NodeSurface> surface;      ///< what each node knows of the surface inside it; all zero where it was not measured
   std::vector<NodeIndex> first_child;    ///< index of the first child; the node itself for a leaf
   std::vector<std::uint8_t> child_count; ///< 0 for a leaf, at most kTreeBranching
@@ -99,14 +99,23 @@ struct TreeLevelFigures {
   std::size_t spheres = 0;
   double protrusion_max_m = 0;         ///< largest distance from exposed surface of the level to the mesh, where outside it
   double protrusion_mean_m = 0;        ///< area-weighted mean of the same
+  double protrusion_bound_max_m = 0;   ///< largest protrusion_max_m that the level's nodes store; not below protrusion_max_m if they are right
   double surface_coverage = 0;         ///< share of sampled surface points with a chain of nodes down to this level, 0..1
-  double inside_coverage = 0;          ///< share of sampled inside points, likewise
-  double volume_ratio = 0;             ///< volume of the union / volume of the mesh
+  double inside_coverage = 0;          ///< share of sampled inside points, likewise; 1 for an object without inside
+  double volume_ratio = 0;             ///< volume of the union / volume of the object; 0 for an object without volume, as a shell
 };
 
-/// Judges a tree against the mesh it was built for (same frame), by `samples` points a figure. Deterministic for a seed.
-Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh, std::size_t samples,
-                                                 std::uint64_t seed);
+struct TreeJudgeOptions {
+  std::size_t samples = 20000;          ///< points a figure, from 1 to 1e8
+  std::uint64_t seed = 1;
+  Solidity solidity = Solidity::Solid;  ///< what counts as the object
+  int threads = 0;                      ///< 0 = as many as the machine has; the figures do not depend on it
+};
+
+/// Judges a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an open one is sampled by
+/// winding number. Deterministic for a seed on any number of threads. Any thread. Refused: no node, no triangle, an index
+/// or a coordinate out of range, options out of range.
+Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options);
 
 /// Reads the text format `.sph` of Bradshaw and O'Sullivan's toolkit: first line `levels branch`, then rows
 /// `x y z r occupancy`, children of N at N*B+1.., a negative radius for an unused place; lines after the last row are ignored.

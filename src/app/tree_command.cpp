@@ -132,7 +132,7 @@ Result<TreeReport> make_report(const TreeOptions& options) {
   report.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   if (!tree) return in_file(tree.error());
   report.tree = std::move(tree).value();
-  Result<std::vector<TreeLevelFigures>> levels = judge_tree(report.tree, report.mesh, report.samples, report.build.seed);
+  Result<std::vector<TreeLevelFigures>> levels = judge_tree(report.tree, report.mesh, {.samples = report.samples, .seed = report.build.seed, .threads = report.build.threads});
   if (!levels) return in_file(levels.error());
   report.levels = std::move(levels).value();
   return report;

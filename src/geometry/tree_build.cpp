@@ -25,7 +25,6 @@ constexpr std::size_t kFewestAtoms = 4096;
 constexpr std::size_t kMostAtoms = 300000;
 /// A ball that cannot stand out by more than this share of the diagonal is not split further (docs/sphere-trees.md).
 constexpr double kGoodEnough = 0.001;
-constexpr int kProtrusionSamples = 256;
 
 std::size_t atoms_for(Level depth) {
   std::size_t leaves = 1;
@@ -116,7 +115,7 @@ Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOp
   const TriangleBvh bvh(mesh);
   const SolidAtoms atoms = cut_into_atoms(mesh, bvh, atoms_for(options.depth), *executor);
   SphereTree tree = lay_out_tree(grow(atoms, bvh, diagonal_m, options, *executor));
-  measure_protrusions(tree, [&bvh](const Vec3& point) { return bvh.outside_distance_m(point); }, kProtrusionSamples, *executor);
+  measure_protrusions(tree, bvh, *executor);
   return tree;
 }
 

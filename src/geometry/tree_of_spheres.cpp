@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -18,8 +19,8 @@ namespace {
 using geometry::LooseNode;
 using Group = std::vector<std::uint32_t>;
 
-/// Samples a sphere for the protrusion of the inner nodes; chosen.
-constexpr int kProtrusionSamples = 256;
+/// Protrusions need not be nearer to the truth than this share of the root's radius. Chosen.
+constexpr double kProtrusionWithin = 4e-4;
 
 std::size_t capacity_below(Level levels) {
   std::size_t capacity = 1;
@@ -146,17 +147,41 @@ std::uint32_t add_node(std::span<const Sphere> spheres, const Group& group, Leve
   return index;
 }
 
-/// Distance from a point to the union of the leaves. Every inner sphere holds the leaves below it, so the way down
-/// can leave out what is farther than the best so far.
-double distance_to_leaves(const SphereTree& tree, NodeIndex node, const Vec3& point, double best_m) {
+struct NearestLeaf {
+  double distance_m = std::numeric_limits<double>::infinity();  ///< to its sphere, negative inside
+  NodeIndex node = 0;
+};
+
+/// The leaf whose sphere is nearest to a point. Every inner sphere holds the leaves below it, so the way down can leave out
+/// what is farther than the best so far.
+void find_nearest_leaf(const SphereTree& tree, NodeIndex node, const Vec3& point, NearestLeaf& best) {
   const Sphere sphere = tree.sphere(node);
-  const double distance_m = std::max(0.0, (sphere.center_m - point).norm() - sphere.radius_m);
-  if (distance_m >= best_m) return best_m;
-  if (tree.child_count[node] == 0) return distance_m;
-  for (NodeIndex c = 0; c < tree.child_count[node]; ++c) {
-    best_m = distance_to_leaves(tree, tree.first_child[node] + c, point, best_m);
+  const double distance_m = (sphere.center_m - point).norm() - sphere.radius_m;
+  if (distance_m >= best.distance_m) return;
+  if (tree.child_count[node] == 0) {
+    best = {distance_m, node};
+    return;
   }
-  return best_m;
+  for (NodeIndex c = 0; c < tree.child_count[node]; ++c) find_nearest_leaf(tree, tree.first_child[node] + c, point, best);
+}
+
+/// The leaves as the object that the nodes above them stand out of.
+geometry::ObjectQueries leaves_of(const SphereTree& tree) {
+  geometry::ObjectQueries object;
+  object.nearest = [&tree](const Vec3& point, std::uint32_t) {
+    NearestLeaf nearest;
+    find_nearest_leaf(tree, 0, point, nearest);
+    const Sphere leaf = tree.sphere(nearest.node);
+    const Vec3 from_center = point - leaf.center_m;
+    geometry::NearestSurface answer{std::abs(nearest.distance_m), nearest.distance_m <= 0, leaf.center_m, nearest.node};
+    if (!answer.inside) answer.point_m += leaf.radius_m / from_center.norm() * from_center;
+    return answer;
+  };
+  object.to_piece = [&tree](std::uint32_t node, const Vec3& point) {
+    const Sphere leaf = tree.sphere(node);
+    return std::max(0.0, (point - leaf.center_m).norm() - leaf.radius_m);
+  };
+  return object;
 }
 
 std::string check_spheres(std::span<const Sphere> spheres) {
@@ -192,14 +217,8 @@ Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres) {
   SphereTree tree = geometry::lay_out_tree(nodes);
 
   const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);
-  const auto outside_m = [&tree](const Vec3& point) {
-    return distance_to_leaves(tree, 0, point, std::numeric_limits<double>::infinity());
-  };
-  geometry::measure_protrusions(tree, outside_m, kProtrusionSamples, *serial);
-  for (NodeIndex node = 0; node < tree.node_count(); ++node) {
-    // A leaf is the surface itself; what was measured there is rounding.
-    if (tree.child_count[node] == 0) tree.protrusion_max_m[node] = tree.protrusion_mean_m[node] = 0;
-  }
+  const double tolerance_m = kProtrusionWithin * tree.sphere(0).radius_m;
+  geometry::measure_protrusions(tree, leaves_of(tree), {.tolerance_m = tolerance_m, .leaves_are_surface = true}, *serial);
   return tree;
 }
 

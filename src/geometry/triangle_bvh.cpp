@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "geometry/triangle_bvh_build.h"
 
 namespace poise::geometry {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 4;
-/// A cluster acts as a dipole from this many of its reaches on (the paper's choice); errors reached 0.2 on a thin bowl.
-constexpr double kDipoleFrom = 2.0;
-/// A winding number is a whole one; one that is reckoned within this of a half is summed up exactly instead.
-constexpr double kUnsure = 0.2;
+/// Nodes that a search may have put off at once: three a level of at most kMostLevels levels of four children each.
+constexpr std::size_t kMostWaiting = 256;
+/// Squared distances to boxes are reckoned in single precision; a bound is widened by more than their error.
+constexpr double kWiden = 1 + 1e-5;
 
 Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -21,12 +21,7 @@ Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return a + std::clamp((p - a).dot(along) / length2, 0.0, 1.0) * along;
 }
 
-Vec3 closest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
-  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
-  const double normal2 = normal.squaredNorm();
-  bool above = normal2 > 0;
-  for (std::size_t i = 0; i < 3 && above; ++i) above = normal.cross(t[(i + 1) % 3] - t[i]).dot(p - t[i]) >= 0;
-  if (above) return p - (p - t[0]).dot(normal) / normal2 * normal;
+Vec3 closest_on_edges(const Vec3& p, const TriangleCorners& t) {
   Vec3 best = closest_on_segment(p, t[0], t[1]);
   for (std::size_t i = 1; i < 3; ++i) {
     const Vec3 candidate = closest_on_segment(p, t[i], t[(i + 1) % 3]);
@@ -35,116 +30,153 @@ Vec3 closest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
   return best;
 }
 
-/// Share of the sphere around p that a triangle covers, signed, in (-1/2, 1/2].
-double winding_of_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
-  const Vec3 a = t[0] - p;
-  const Vec3 b = t[1] - p;
-  const Vec3 c = t[2] - p;
-  const double la = a.norm();
-  const double lb = b.norm();
-  const double lc = c.norm();
-  const double above = a.dot(b.cross(c));
-  const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return std::atan2(above, below) / (2 * std::numbers::pi);
+/// From a point to each of a node's boxes, in the frame of the boxes; infinite for no child.
+BvhNode::Four squared_distances(const BvhNode& node, const Eigen::Vector3f& p) {
+  BvhNode::Four sum = BvhNode::Four::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float x = p[static_cast<Eigen::Index>(axis)];
+    const BvhNode::Four beyond = (node.low[axis] - x).max(x - node.high[axis]).max(0.0F);
+    sum += beyond * beyond;
+  }
+  return sum;
 }
 
 }  // namespace
 
-TriangleBvh::TriangleBvh(const TriangleMesh& mesh) {
-  corners_m_.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) corners_m_.push_back({mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]});
-  if (!corners_m_.empty()) build(0, static_cast<std::uint32_t>(corners_m_.size()));
+Vec3 closest_on_triangle(const Vec3& p, const TriangleCorners& t) {
+  const Vec3 ab = t[1] - t[0];
+  const Vec3 ac = t[2] - t[0];
+  const Vec3 ap = p - t[0];
+  const double d1 = ab.dot(ap);
+  const double d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return t[0];
+  const Vec3 bp = p - t[1];
+  const double d3 = ab.dot(bp);
+  const double d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return t[1];
+  const Vec3 cp = p - t[2];
+  const double d5 = ab.dot(cp);
+  const double d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return t[2];
+  const double vc = d1 * d4 - d3 * d2;
+  const double vb = d5 * d2 - d1 * d6;
+  const double va = d3 * d6 - d5 * d4;
+  const double sum = va + vb + vc;  // the squared length of ab x ac
+  if (!(sum > 1e-20 * ab.squaredNorm() * ac.squaredNorm())) return closest_on_edges(p, t);
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return t[0] + d1 / (d1 - d3) * ab;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return t[0] + d2 / (d2 - d6) * ac;
+  const double along = d4 - d3;
+  const double back = d5 - d6;
+  if (va <= 0 && along >= 0 && back >= 0) return t[1] + along / (along + back) * (t[2] - t[1]);
+  return t[0] + vb / sum * ab + vc / sum * ac;
 }
 
-void TriangleBvh::sum_up(Node& node) const {
-  double area_sum = 0;
-  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-    const auto& t = corners_m_[i];
-    for (const Vec3& corner : t) node.box.add(corner);
-    const Vec3 area = 0.5 * (t[1] - t[0]).cross(t[2] - t[0]);
-    node.area_normal_m2 += area;
-    node.middle_m += area.norm() * (t[0] + t[1] + t[2]) / 3;
-    area_sum += area.norm();
+TriangleBvh::TriangleBvh(const TriangleMesh& mesh, Solidity solidity) : solidity_(solidity), closed_(check_closed(mesh).closed()) {
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) box_.add(mesh.vertices_m[v]);
   }
-  node.middle_m = area_sum > 0 ? Vec3(node.middle_m / area_sum) : node.box.center();
-  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-    for (const Vec3& corner : corners_m_[i]) node.reach_m = std::max(node.reach_m, (corner - node.middle_m).norm());
+  const std::size_t count = mesh.triangles.size();
+  if (count == 0) return;
+  origin_m_ = box_.center();
+  BvhLayout layout = lay_out_bvh(mesh, box_);
+  triangle_of_ = std::move(layout.order);
+  place_.resize(count);
+  corners_m_.reserve(count);
+  for (std::uint32_t place = 0; place < count; ++place) {
+    place_[triangle_of_[place]] = place;
+    const auto& t = mesh.triangles[triangle_of_[place]];
+    corners_m_.push_back({mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]});
   }
-}
-
-std::uint32_t TriangleBvh::build(std::uint32_t first, std::uint32_t count) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  Node node;
-  node.first = first;
-  node.count = count;
-  sum_up(node);
-  nodes_.push_back(node);
-  if (count <= kLeafTriangles) return index;
-  int axis = 0;
-  (node.box.high - node.box.low).maxCoeff(&axis);
-  const auto begin = corners_m_.begin() + first;
-  // Stable, so that equal middles keep the order of the file.
-  std::stable_sort(begin, begin + count, [axis](const auto& s, const auto& t) {
-    return s[0][axis] + s[1][axis] + s[2][axis] < t[0][axis] + t[1][axis] + t[2][axis];
-  });
-  build(first, count / 2);
-  const std::uint32_t right = build(first + count / 2, count - count / 2);
-  nodes_[index].right = right;
-  return index;
-}
-
-void TriangleBvh::search(std::uint32_t index, const Vec3& point, Closest& best) const {
-  const Node& node = nodes_[index];
-  if (node.right == 0) {
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const Vec3 candidate = closest_on_triangle(point, corners_m_[i]);
-      const double d2 = (candidate - point).squaredNorm();
-      if (d2 < best.squared_distance_m2) best = {d2, candidate};
-    }
-    return;
-  }
-  std::uint32_t near = index + 1;
-  std::uint32_t far = node.right;
-  double near_d2 = nodes_[near].box.squared_distance(point);
-  double far_d2 = nodes_[far].box.squared_distance(point);
-  if (far_d2 < near_d2) {
-    std::swap(near, far);
-    std::swap(near_d2, far_d2);
-  }
-  if (near_d2 < best.squared_distance_m2) search(near, point, best);
-  if (far_d2 < best.squared_distance_m2) search(far, point, best);
+  nodes_ = std::move(layout.nodes);
+  if (!closed_) clusters_ = clusters_of(nodes_, corners_m_, origin_m_);
 }
 
 TriangleBvh::Closest TriangleBvh::closest(const Vec3& point, double squared_bound_m2) const {
   Closest best;
   best.squared_distance_m2 = squared_bound_m2;
-  if (!nodes_.empty()) search(0, point, best);
+  search(point, best);
   return best;
 }
 
-double TriangleBvh::winding_below(std::uint32_t index, const Vec3& point) const {
-  const Node& node = nodes_[index];
-  const Vec3 away = node.middle_m - point;
-  const double distance2 = away.squaredNorm();
-  if (distance2 > kDipoleFrom * kDipoleFrom * node.reach_m * node.reach_m) {
-    return node.area_normal_m2.dot(away) / (4 * std::numbers::pi * distance2 * std::sqrt(distance2));
+TriangleBvh::Closest TriangleBvh::closest_from(const Vec3& point, std::uint32_t guess) const {
+  Closest best;
+  if (guess < place_.size()) {
+    best.point_m = closest_on_triangle(point, corners(guess));
+    best.squared_distance_m2 = (best.point_m - point).squaredNorm();
+    best.triangle = guess;
   }
-  if (node.right != 0) return winding_below(index + 1, point) + winding_below(node.right, point);
-  double sum = 0;
-  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) sum += winding_of_triangle(point, corners_m_[i]);
-  return sum;
+  search(point, best);
+  return best;
 }
 
-double TriangleBvh::winding_number(const Vec3& point) const { return nodes_.empty() ? 0.0 : winding_below(0, point); }
-
-bool TriangleBvh::inside(const Vec3& point) const {
-  double winding = std::abs(winding_number(point));
-  if (std::abs(winding - 0.5) < kUnsure) {
-    winding = 0;
-    for (const auto& t : corners_m_) winding += winding_of_triangle(point, t);
-    winding = std::abs(winding);
+void TriangleBvh::search(const Vec3& point, Closest& best) const {
+  if (nodes_.empty()) return;
+  struct Waiting {
+    float least2;
+    std::uint32_t child;
+  };
+  std::array<Waiting, kMostWaiting> waiting;
+  std::size_t count = 0;
+  const Eigen::Vector3f p = (point - origin_m_).cast<float>();
+  auto limit2 = static_cast<float>(best.squared_distance_m2 * kWiden);
+  std::uint32_t next = 0;
+  for (;;) {
+    if ((next & BvhNode::kTriangle) != 0) {
+      const std::uint32_t place = next & ~BvhNode::kTriangle;
+      const Vec3 candidate = closest_on_triangle(point, corners_m_[place]);
+      const double d2 = (candidate - point).squaredNorm();
+      if (d2 < best.squared_distance_m2) {
+        best = {d2, candidate, triangle_of_[place]};
+        limit2 = static_cast<float>(d2 * kWiden);
+      }
+    } else {
+      const BvhNode& node = nodes_[next];
+      const BvhNode::Four least2 = squared_distances(node, p);
+      // The nearest child comes out on top.
+      const std::size_t base = count;
+      for (std::size_t slot = 0; slot < 4; ++slot) {
+        const float slot2 = least2[static_cast<Eigen::Index>(slot)];
+        if (!(slot2 < limit2)) continue;
+        std::size_t at = count++;
+        for (; at > base && waiting[at - 1].least2 < slot2; --at) waiting[at] = waiting[at - 1];
+        waiting[at] = {slot2, node.child[slot]};
+      }
+    }
+    do {
+      if (count == 0) return;
+      --count;
+    } while (!(waiting[count].least2 < limit2));
+    next = waiting[count].child;
   }
-  return winding > 0.5;
+}
+
+void TriangleBvh::triangles_near(const Vec3& point, double radius_m, std::vector<std::uint32_t>& out) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, kMostWaiting> waiting;
+  std::size_t count = 0;
+  const Eigen::Vector3f p = (point - origin_m_).cast<float>();
+  const auto limit2 = static_cast<float>(radius_m * radius_m * kWiden);
+  waiting[count++] = 0;
+  while (count > 0) {
+    const BvhNode& node = nodes_[waiting[--count]];
+    const BvhNode::Four least2 = squared_distances(node, p);
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      const std::uint32_t child = node.child[slot];
+      if (child == BvhNode::kNone || !(least2[static_cast<Eigen::Index>(slot)] <= limit2)) continue;
+      if ((child & BvhNode::kTriangle) != 0) {
+        out.push_back(triangle_of_[child & ~BvhNode::kTriangle]);
+      } else {
+        waiting[count++] = child;
+      }
+    }
+  }
+}
+
+Vec3 TriangleBvh::triangle_normal(std::uint32_t triangle) const {
+  const TriangleCorners& t = corners(triangle);
+  const Vec3 across = (t[1] - t[0]).cross(t[2] - t[0]);
+  const double length = across.norm();
+  return length > 0 ? Vec3(across / length) : Vec3::Zero();
 }
 
 double TriangleBvh::outside_distance_m(const Vec3& point) const {

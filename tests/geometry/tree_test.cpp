@@ -76,7 +76,7 @@ TEST_P(TreeOfShape, CoversTheSameShapeTurnedShrunkAndFarAway) {
 
 TEST_P(TreeOfShape, FitsBetterAtEveryLevel) {
   const TriangleMesh mesh = shape_mesh(GetParam());
-  const auto levels = judge_tree(tree_of(mesh, 3), mesh, 5000, 1).value();
+  const auto levels = judge_tree(tree_of(mesh, 3), mesh, {.samples = 5000, .seed = 1}).value();
   ASSERT_EQ(levels.size(), 4U);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     EXPECT_LT(levels[i].protrusion_max_m, levels[i - 1].protrusion_max_m);
@@ -199,7 +199,7 @@ TEST(Protrusion, OfALeafIsTheLargestOverTheLevelsItServes) {
   // Level 1 hides more of the lone leaf than level 2 does, where its neighbour has split into smaller balls.
   const TriangleMesh mesh = shape_mesh("jack");
   const SphereTree tree = tree_of(mesh, 3);
-  const auto figures = judge_tree(tree, mesh, 20000, 3).value();
+  const auto figures = judge_tree(tree, mesh, {.samples = 20000, .seed = 3}).value();
   for (const TreeLevelFigures& f : figures) {
     double stored = 0;
     for (const NodeIndex node : tree.nodes_at(f.level)) stored = std::max(stored, static_cast<double>(tree.protrusion_max_m[node]));
@@ -211,11 +211,11 @@ TEST(Protrusion, OfALeafIsTheLargestOverTheLevelsItServes) {
 TEST(JudgeTree, SeesAHoleInTheCoverage) {
   const TriangleMesh mesh = shape_mesh("slab");
   SphereTree tree = tree_of(mesh, 1);
-  const auto whole = judge_tree(tree, mesh, 3000, 1).value();
+  const auto whole = judge_tree(tree, mesh, {.samples = 3000, .seed = 1}).value();
   EXPECT_EQ(whole[1].surface_coverage, 1);
   EXPECT_EQ(whole[1].inside_coverage, 1);
   tree.radius_m[1] *= 0.5F;
-  const auto holed = judge_tree(tree, mesh, 3000, 1).value();
+  const auto holed = judge_tree(tree, mesh, {.samples = 3000, .seed = 1}).value();
   EXPECT_EQ(holed[0].surface_coverage, 1);
   EXPECT_LT(holed[1].surface_coverage, 1);
   EXPECT_LT(holed[1].inside_coverage, 1);
@@ -223,7 +223,7 @@ TEST(JudgeTree, SeesAHoleInTheCoverage) {
 
 TEST(JudgeTree, VolumeAndProtrusionOfTheBallAroundACubeAreTheirClosedForms) {
   const TriangleMesh mesh = test::box_mesh({2, 2, 2});
-  const auto figures = judge_tree(tree_of(mesh, 0), mesh, 50000, 1).value();
+  const auto figures = judge_tree(tree_of(mesh, 0), mesh, {.samples = 50000, .seed = 1}).value();
   EXPECT_NEAR(figures[0].volume_ratio, 4.0 / 3 * std::numbers::pi * std::pow(3.0, 1.5) / 8, 1e-5);
   EXPECT_NEAR(figures[0].protrusion_max_m, std::sqrt(3.0) - 1, 1e-3);
   EXPECT_EQ(figures[0].spheres, 1U);
@@ -239,8 +239,8 @@ TEST(JudgeTree, TheVolumeOfTwoOverlappingBallsCountsTheLensOnce) {
 
 TEST(JudgeTree, RefusesWhatItCannotJudge) {
   const TriangleMesh mesh = test::box_mesh(Vec3::Ones());
-  EXPECT_FALSE(judge_tree({}, mesh, 100, 1).ok());
-  EXPECT_FALSE(judge_tree(tree_of(mesh, 0), mesh, 0, 1).ok());
+  EXPECT_FALSE(judge_tree({}, mesh, {.samples = 100, .seed = 1}).ok());
+  EXPECT_FALSE(judge_tree(tree_of(mesh, 0), mesh, {.samples = 0, .seed = 1}).ok());
   EXPECT_FALSE(judge_tree(tree_of(mesh, 0), {}, 100, 1).ok());
 }
 
