@@ -18,11 +18,23 @@ endif()
 if(ASSERTIONS)
   string(APPEND flags " assertions")
 endif()
+# What decides the bits of a built tree, for the cache of trees.
+file(GLOB sources ${SOURCE_DIR}/src/geometry/*.h ${SOURCE_DIR}/src/geometry/*.cpp ${SOURCE_DIR}/include/poise/mesh.h
+     ${SOURCE_DIR}/include/poise/sphere_tree.h ${SOURCE_DIR}/include/poise/types.h)
+list(SORT sources)
+set(hashes "")
+foreach(source IN LISTS sources)
+  file(SHA256 ${source} hash)
+  string(APPEND hashes "${hash}")
+endforeach()
+string(SHA256 geometry "${hashes} ${COMPILER}")
+string(SUBSTRING "${geometry}" 0 32 geometry)
 set(text "#pragma once
 #define POISE_BUILD_VERSION \"${VERSION}\"
 #define POISE_BUILD_COMMIT \"${commit}\"
 #define POISE_BUILD_COMPILER \"${COMPILER}\"
 #define POISE_BUILD_FLAGS \"${flags}\"
+#define POISE_BUILD_GEOMETRY \"${geometry}\"
 ")
 set(old "")
 if(EXISTS ${OUTPUT})

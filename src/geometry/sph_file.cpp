@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: MIT
-#include <unistd.h>
-
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <iterator>
 #include <optional>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "geometry/atomic_file.h"
 #include "geometry/rounding.h"
+#include "geometry/text_file.h"
 #include "geometry/text_words.h"
+#include "geometry/tree_files.h"
 #include "geometry/tree_layout.h"
 #include "poise/sphere_tree.h"
 
 namespace poise {
 namespace {
 
-namespace fs = std::filesystem;
 using geometry::LooseNode;
+
+/// Ten times what seven full levels take; chosen.
+constexpr std::uint64_t kMostBytes = 256ULL << 20;
 
 /// Words of a text, line by line. Invariant: `rest` begins at a line's start between calls.
 class Lines {
@@ -51,7 +53,6 @@ bool parse(std::string_view word, T& value) {
 struct Row {
   std::array<float, 4> sphere{};  ///< x, y, z, r
   bool used = false;
-  std::size_t line = 0;
 };
 
 /// Empty when the row is fine.
@@ -81,28 +82,41 @@ std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
   return {};
 }
 
-/// Adds the subtree of a row; a chain of only children with the same sphere is one node.
-std::uint32_t add_rows(const std::vector<Row>& rows, std::size_t index, std::size_t branch, std::vector<LooseNode>& nodes) {
-  for (;;) {
+/// The rows of a full tree with `branch` children a node.
+struct Rows {
+  std::size_t branch;
+  std::vector<Row> rows;
+
+  [[nodiscard]] std::vector<std::size_t> children(std::size_t index) const {
     std::vector<std::size_t> used;
     for (std::size_t c = index * branch + 1; c <= index * branch + branch && c < rows.size(); ++c) {
       if (rows[c].used) used.push_back(c);
     }
-    if (used.size() == 1 && rows[used[0]].sphere == rows[index].sphere) {
+    return used;
+  }
+  /// Whether below this row there is nothing but its own repetitions: a node that ended early.
+  [[nodiscard]] bool only_repeats(std::size_t index) const {
+    for (;;) {
+      const std::vector<std::size_t> used = children(index);
+      if (used.empty()) return true;
+      if (used.size() > 1 || rows[used[0]].sphere != rows[index].sphere) return false;
       index = used[0];
-      continue;
     }
+  }
+  /// Adds the subtree of a row.
+  std::uint32_t add(std::size_t index, std::vector<LooseNode>& nodes) const {
     const auto added = static_cast<std::uint32_t>(nodes.size());
     nodes.emplace_back();
     nodes[added].center_m = {rows[index].sphere[0], rows[index].sphere[1], rows[index].sphere[2]};
     nodes[added].radius_m = rows[index].sphere[3];
-    for (const std::size_t c : used) {
-      const std::uint32_t child = add_rows(rows, c, branch, nodes);
+    if (only_repeats(index)) return added;
+    for (const std::size_t c : children(index)) {
+      const std::uint32_t child = add(c, nodes);
       nodes[added].children.push_back(child);
     }
     return added;
   }
-}
+};
 
 Result<SphereTree> parse_sph(std::string_view text) {
   Lines lines(text);
@@ -120,7 +134,8 @@ Result<SphereTree> parse_sph(std::string_view text) {
   std::size_t places = 0;
   std::size_t on_level = 1;
   for (int l = 0; l < levels; ++l, on_level *= static_cast<std::size_t>(branch)) places += on_level;
-  std::vector<Row> rows;
+  Rows table{static_cast<std::size_t>(branch), {}};
+  std::vector<Row>& rows = table.rows;
   while (rows.size() < places) {
     const auto words = lines.next();
     if (!words) return refuse(fmt::format("ends after {} of {} rows", rows.size(), places));
@@ -129,18 +144,34 @@ Result<SphereTree> parse_sph(std::string_view text) {
     if (const std::string wrong = parse_row(*words, row); !wrong.empty()) return refuse(wrong);
     const std::size_t index = rows.size();
     if (index == 0 && !row.used) return refuse("the root must have a radius > 0");
-    if (index > 0 && row.used && !rows[(index - 1) / static_cast<std::size_t>(branch)].used) {
-      return refuse(fmt::format("node {} is used, but its parent {} is not", index, (index - 1) / static_cast<std::size_t>(branch)));
+    if (index > 0 && row.used && !rows[(index - 1) / table.branch].used) {
+      return refuse(fmt::format("node {} is used, but its parent {} is not", index, (index - 1) / table.branch));
     }
     rows.push_back(row);
   }
   std::vector<LooseNode> nodes;
-  add_rows(rows, 0, static_cast<std::size_t>(branch), nodes);
+  table.add(0, nodes);
   return geometry::lay_out_tree(nodes);
+}
+
+/// Numbers are written with as many digits as a double needs for exactly the stored float: who reads them in double precision finds
+/// no sphere smaller by a rounding.
+void append_row(const SphereTree& tree, NodeIndex node, std::string& text) {
+  const Sphere sphere = tree.sphere(node);
+  fmt::format_to(std::back_inserter(text), "{} {} {} {} 1\n", sphere.center_m.x(), sphere.center_m.y(), sphere.center_m.z(),
+                 sphere.radius_m);
+}
+
+/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error of its spheres.
+void append_level_figures(const SphereTree& tree, Level level, std::size_t places, std::string& text) {
+  const geometry::LevelErrors errors = geometry::level_errors(tree, tree.nodes_at(level));
+  fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\nBest : {}\nWorst : {}\nMean : {}\n", level, places,
+                 errors.best_m, errors.worst_m, errors.mean_m);
 }
 
 std::string sph_text(const SphereTree& tree) {
   std::string text = fmt::format("{} {}\n", tree.depth() + 1, kTreeBranching);
+  std::string figures;
   constexpr NodeIndex kUnused = 0xffffffffU;
   std::vector<NodeIndex> places{0};
   for (Level level = 0; level <= tree.depth(); ++level) {
@@ -151,29 +182,26 @@ std::string sph_text(const SphereTree& tree) {
         below.insert(below.end(), kTreeBranching, kUnused);
         continue;
       }
-      // Nine digits give back the same float.
-      text += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} 1\n", tree.x_m[node], tree.y_m[node], tree.z_m[node], tree.radius_m[node]);
+      append_row(tree, node, text);
       const NodeIndex children = tree.child_count[node];
       for (NodeIndex c = 0; c < kTreeBranching; ++c) {
         const NodeIndex own = children == 0 && c == 0 ? node : kUnused;
         below.push_back(c < children ? tree.first_child[node] + c : own);
       }
     }
+    append_level_figures(tree, level, places.size(), figures);
     if (level < tree.depth()) places = std::move(below);
   }
-  return text;
+  return text + figures;
 }
 
 }  // namespace
 
-Result<SphereTree> read_sph(const fs::path& file) {
+Result<SphereTree> read_sph(const std::filesystem::path& file) {
   try {
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) return bad_input(fmt::format("{}: cannot be read: no such file", file.string()));
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return bad_input(fmt::format("{}: cannot be read: no permission", file.string()));
-    const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-    Result<SphereTree> tree = parse_sph(text);
+    const Result<std::string> text = geometry::read_text_file(file, kMostBytes);
+    if (!text) return text.error();
+    Result<SphereTree> tree = parse_sph(text.value());
     if (!tree) return bad_input(fmt::format("{}: {}", file.string(), tree.error().message));
     return tree;
   } catch (const std::exception& failure) {
@@ -181,29 +209,10 @@ Result<SphereTree> read_sph(const fs::path& file) {
   }
 }
 
-Status write_sph(const SphereTree& tree, const fs::path& file) {
+Status write_sph(const SphereTree& tree, const std::filesystem::path& file) {
   if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
   try {
-    std::error_code error;
-    // A device or a pipe is written to as it is, never replaced. Anything else is written beside the target, so that renaming
-    // stays within one file system; the process id keeps two writers apart.
-    const fs::file_status target = fs::status(file, error);
-    const bool direct = fs::exists(target) && !fs::is_regular_file(target);
-    fs::path temporary = file;
-    if (!direct) temporary += fmt::format(".{}.tmp", getpid());
-    bool written = false;
-    error.clear();
-    {
-      std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-      stream << sph_text(tree);
-      stream.flush();
-      written = stream.good();
-    }
-    if (written && !direct) fs::rename(temporary, file, error);
-    if (written && !error) return Done{};
-    const std::string why = error ? error.message() : std::string("no such folder, no permission or no room");
-    if (!direct) fs::remove(temporary, error);
-    return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be written: {}", file.string(), why)};
+    return geometry::write_file(file, sph_text(tree));
   } catch (const std::exception& failure) {
     return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be written: {}", file.string(), failure.what())};
   }

@@ -1,47 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
-#include <string>
 #include <string_view>
 
+#include "geometry/atomic_file.h"
 #include "poise/result.h"
 
 namespace poise::io {
 
-/// A file that appears whole or not at all: written beside its place under another name, and renamed by commit().
-/// Devices and pipes are written to directly. Invariant: while open, the descriptor is valid and, for a regular file,
-/// the temporary file is there; without a commit the destructor removes it.
-class AtomicFile {
- public:
-  /// Refused as OutputFailed with the path and the system's reason: a missing folder, no permission, a folder.
-  static Result<AtomicFile> open(const std::filesystem::path& path);
-  AtomicFile(AtomicFile&& other) noexcept;
-  AtomicFile& operator=(AtomicFile&& other) noexcept;
-  ~AtomicFile();
-
-  /// Collects text and writes it in blocks; a failure is kept and told by commit() too.
-  Status write(std::string_view text);
-  /// Writes what is left, closes and renames. The file is closed afterwards, whatever comes back.
-  Status commit();
-  [[nodiscard]] const std::filesystem::path& path() const { return shown_; }
-
- private:
-  AtomicFile() = default;
-  void discard();
-  Status flush();
-  Error failed(int reason) const;
-
-  std::filesystem::path shown_;      ///< as the caller gave it
-  std::filesystem::path target_;     ///< with links followed
-  std::filesystem::path temporary_;  ///< empty: written directly
-  std::string buffer_;
-  int descriptor_ = -1;
-  int failure_ = 0;
-};
-
-/// Writes `text` to a file that appears whole or not at all.
-Status write_file(const std::filesystem::path& path, std::string_view text);
+using geometry::AtomicFile;
+using geometry::write_file;
 
 /// Writes to the standard output and flushes it. Refused as OutputFailed.
 Status write_stdout(std::string_view text);

@@ -29,6 +29,8 @@ constexpr std::array kRooms{
     Room{"include/poise/mesh.h", 2, "geometry"},
     Room{"include/poise/shape.h", 2, "geometry"},
     Room{"include/poise/sphere_tree.h", 2, "geometry"},
+    Room{"include/poise/tree_cache.h", 2, "geometry"},
+    Room{"include/poise/tree_formats.h", 2, "geometry"},
     Room{"src/geometry/", 2, "geometry"},
     Room{"include/poise/step.h", 3, "interface"},
     Room{"include/poise/world.h", 3, "interface"},

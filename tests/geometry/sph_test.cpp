@@ -69,7 +69,9 @@ TEST_F(SphFile, ANodeThatEndsEarlyIsWrittenAsItsOwnOnlyChild) {
   std::string line;
   std::vector<std::string> lines;
   while (std::getline(stream, line)) lines.push_back(line);
-  ASSERT_EQ(lines.size(), 1U + 1 + 8 + 64);
+  ASSERT_GE(lines.size(), 1U + 1 + 8 + 64);
+  EXPECT_EQ(lines[1 + 1 + 8 + 64], "");
+  lines.resize(1 + 1 + 8 + 64);
   EXPECT_EQ(lines[0], "3 8");
   std::size_t used = 0;
   for (std::size_t i = 10; i < lines.size(); ++i) used += lines[i] != "0 0 0 -1 0" ? 1U : 0U;
@@ -89,6 +91,42 @@ TEST_F(SphFile, OtherBranchingsUnusedPlacesAndWhatFollowsAreRead) {
   EXPECT_EQ(tree.value().child_count[0], 2);
   EXPECT_EQ(tree.value().sphere(2).center_m, Vec3(-1, 0, 0));
   EXPECT_EQ(tree.value().x_m.size(), 3U + kTreeBranching);
+}
+
+TEST_F(SphFile, ARepeatedNodeThatBranchesFartherDownKeepsItsLevels) {
+  const auto tree = parse("3 2\n0 0 0 2 1\n0 0 0 2 1\n0 0 0 -1 0\n0 0 0 1 1\n1 0 0 1 1\n0 0 0 -1 0\n0 0 0 -1 0\n");
+  ASSERT_TRUE(tree.ok()) << tree.error().message;
+  EXPECT_EQ(tree.value().depth(), 2);
+  EXPECT_EQ(tree.value().nodes_at(1).size(), 1U);
+  EXPECT_EQ(tree.value().nodes_at(2).size(), 2U);
+}
+
+TEST_F(SphFile, NumbersAreExactForWhoReadsDoubles) {
+  const SphereTree tree = tree_of_spheres(std::vector<Sphere>{{Vec3(0.1, 1.0 / 3, 12345.678), 0.7}}).value();
+  ASSERT_TRUE(write_sph(tree, folder_ / "tree.sph").ok());
+  std::ifstream stream(folder_ / "tree.sph");
+  double levels = 0;
+  double branch = 0;
+  Sphere read;
+  stream >> levels >> branch >> read.center_m.x() >> read.center_m.y() >> read.center_m.z() >> read.radius_m;
+  EXPECT_EQ(read.center_m, tree.sphere(0).center_m);
+  EXPECT_EQ(read.radius_m, tree.sphere(0).radius_m);
+}
+
+TEST_F(SphFile, SaysTheErrorsOfEachLevelAfterTheRowsAsFoamReadsThem) {
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 3; ++i) spheres.push_back({Vec3(i, 0, 0), 0.25});
+  SphereTree tree = tree_of_spheres(spheres).value();
+  tree.protrusion_max_m[0] = 4;
+  for (int i = 1; i < 4; ++i) tree.protrusion_max_m[static_cast<std::size_t>(i)] = static_cast<float>(i);
+  ASSERT_TRUE(write_sph(tree, folder_ / "tree.sph").ok());
+  std::ifstream stream(folder_ / "tree.sph");
+  std::string line;
+  std::string after;
+  for (int i = 0; std::getline(stream, line); ++i) after += i > 9 ? line + "\n" : "";
+  EXPECT_EQ(after,
+            "\nLevel 0\nNum : 1\nBest : 4\nWorst : 4\nMean : 4\n"
+            "\nLevel 1\nNum : 8\nBest : 1\nWorst : 3\nMean : 2\n");
 }
 
 TEST_F(SphFile, AnOnlyChildThatIsSmallerStays) {
