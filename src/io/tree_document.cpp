@@ -16,6 +16,7 @@ Json levels_json(const JudgedTree& tree, const TreeDocument& document) {
                       {"spheres", f.spheres},
                       {"protrusion_max_m", f.protrusion_max_m},
                       {"protrusion_mean_m", f.protrusion_mean_m},
+                      {"protrusion_bound_max_m", tree.cost ? Json(f.protrusion_bound_max_m) : Json(nullptr)},
                       {"protrusion_max_of_diagonal", f.protrusion_max_m / document.diagonal_m},
                       {"protrusion_mean_of_diagonal", f.protrusion_mean_m / document.diagonal_m},
                       {"surface_coverage", f.surface_coverage},
@@ -36,6 +37,7 @@ void add_tree(const JudgedTree& tree, const TreeDocument& document, Json& json) 
   json["bytes_per_node"] = static_cast<double>(tree.bytes) / static_cast<double>(std::max<std::size_t>(tree.nodes, 1));
   json["build_ms"] = built ? Json(tree.cost->wall_ms) : Json(nullptr);
   json["build_cpu_ms"] = built ? Json(tree.cost->cpu_ms) : Json(nullptr);
+  json["build_peak_bytes"] = built && tree.cost->peak_bytes > 0 ? Json(tree.cost->peak_bytes) : Json(nullptr);
   json["leaks"] = leaks(tree, document.solidity);
   json["levels"] = levels_json(tree, document);
 }
@@ -68,7 +70,11 @@ std::string tree_json(const TreeDocument& document) {
   json["triangles"] = document.triangles;
   json["repair"] = {{"vertices_welded", document.repair.vertices_welded},
                     {"triangles_dropped", document.repair.triangles_dropped},
+                    {"triangles_turned", document.repair.triangles_turned},
+                    {"pieces_turned", document.repair.pieces_turned},
                     {"flipped", document.repair.flipped}};
+  json["verdict"] = document.verdict;
+  json["closed"] = document.closed;
   json["diagonal_m"] = document.diagonal_m;
   json["volume_m3"] = document.volume_m3;
   json["solidity"] = document.solidity == Solidity::Shell ? "shell" : "solid";

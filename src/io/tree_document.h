@@ -17,6 +17,7 @@ namespace poise::io {
 struct TreeBuildCost {
   double wall_ms = 0;
   double cpu_ms = 0;  ///< of all threads
+  std::uint64_t peak_bytes = 0;  ///< largest resident memory of the process meanwhile, the mesh included; 0 = unknown
 };
 
 /// A tree and what was found when it was judged against its mesh.
@@ -36,6 +37,8 @@ struct TreeDocument {
   std::size_t vertices = 0, triangles = 0;
   MeshRepair repair;
   double diagonal_m = 0;
+  std::string verdict;  ///< what the mesh is, in words
+  bool closed = false;
   double volume_m3 = 0;
   Solidity solidity = Solidity::Solid;
   int threads = 0;

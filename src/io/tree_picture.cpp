@@ -233,7 +233,7 @@ Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> tr
   image.rgb.resize(std::size_t{3} * image.width_px * image.height_px);
   for (std::uint32_t i = 0; i < image.width_px * image.height_px; ++i) put(image, i % image.width_px, i / image.width_px, kPaper);
 
-  const geometry::TriangleBvh bvh(mesh);
+  const geometry::TriangleBvh bvh(mesh, settings.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Threads, settings.threads);
   const Painter painter{mesh, bvh, std::max(mesh.diagonal_m(), 1e-30)};
   for (std::size_t i = 0; i < panels.size(); ++i) {

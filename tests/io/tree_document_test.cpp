@@ -30,7 +30,7 @@ io::TreeDocument document() {
   io::JudgedTree built;
   built.depth = 1;
   built.preset = TreePreset::Best;
-  built.cost = io::TreeBuildCost{1500, 2500};
+  built.cost = io::TreeBuildCost{1500, 2500, 4096};
   built.nodes = 9;
   built.bytes = 9 * 41;
   built.levels = {level(0, 1, 1), level(1, 1, 1)};
@@ -46,6 +46,7 @@ TEST(TreeDocument, KeepsTheFiguresOfTheTreeBesideThoseOfTheMesh) {
   EXPECT_EQ(found.at("preset"), "best");
   EXPECT_EQ(found.at("build_ms"), 1500);
   EXPECT_EQ(found.at("build_cpu_ms"), 2500);
+  EXPECT_EQ(found.at("build_peak_bytes"), 4096);
   EXPECT_EQ(found.at("bytes_per_node"), 41);
   EXPECT_EQ(found.at("leaks"), false);
   EXPECT_EQ(found.at("levels").at(1).at("protrusion_max_of_diagonal"), 0.1);
