@@ -14,6 +14,7 @@ inline constexpr int kExitStopped = 130;
 
 /// The exit code for a refusal by the library.
 inline int exit_code_of(const Error& error) {
+  if (error.kind == ErrorKind::Cancelled) return kExitStopped;
   return error.kind == ErrorKind::OutputFailed ? kExitOutputFailed : kExitBadInput;
 }
 

@@ -10,6 +10,7 @@
 #include "app/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
+#include "app/study_command.h"
 #include "app/tree_command.h"
 #include "build_info.h"
 
@@ -25,6 +26,7 @@ int run(int argc, char** argv) {
   poise::app::add_run_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
+  poise::app::add_study_command(app, exit_code);
   poise::app::add_scenes_command(app, exit_code);
   try {
     app.parse(argc, argv);

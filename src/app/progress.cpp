@@ -21,6 +21,19 @@ void Progress::say(std::string_view text) {
   begin_ = SteadyClock::now();
 }
 
+void Progress::share(std::string_view text, double share) {
+  if (!on_) return;
+  const SteadyClock::time_point now = SteadyClock::now();
+  if (now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  const double spent_s = std::chrono::duration<double>(now - begin_).count();
+  fmt::print(stderr, "\r\x1b[K{}: {:.0f} %", text, 100 * share);
+  // The first moments say little of the rest.
+  if (spent_s > 1 && share > 0.02) fmt::print(stderr, ", {:.0f} s left", spent_s / share * (1 - share));
+  std::fflush(stderr);
+  shown_ = true;
+}
+
 void Progress::frame(std::uint64_t done, std::uint64_t total, std::uint64_t misses, std::size_t bodies) {
   if (!on_) return;
   const SteadyClock::time_point now = SteadyClock::now();

@@ -18,6 +18,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void say(std::string_view text);
+  /// What is being done, how much of it, and how long the rest will take at this pace. `share` is from 0 to 1.
+  void share(std::string_view text, double share);
   void frame(std::uint64_t done, std::uint64_t total, std::uint64_t misses, std::size_t bodies);
   /// Clears the line.
   void end();

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -89,6 +90,34 @@ CommandResult interrupted_command(const std::vector<std::string>& arguments, con
   ::close(reader);
   result.exit_code = wait_for(child);
   result.error = contents(folder.file("error"));
+  return result;
+}
+
+CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments) {
+  CommandResult result;
+  const int screen = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (screen < 0 || ::grantpt(screen) != 0 || ::unlockpt(screen) != 0) return result;
+  std::array<char, 128> name{};
+  if (::ptsname_r(screen, name.data(), name.size()) != 0) return result;
+  // Kept open until the child has it, so that the terminal does not look closed before.
+  const int keyboard = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  const TemporaryFolder folder;
+  const pid_t child = start(folder.file("out"), name.data(), arguments);
+  ::close(keyboard);
+  if (child < 0) return result;
+  std::array<char, 1024> block{};
+  // The limit only ends a test that has failed.
+  constexpr int kLimitMs = 300'000;
+  for (pollfd waiting{screen, POLLIN, 0}; ::poll(&waiting, 1, kLimitMs) > 0;) {
+    const ssize_t got = ::read(screen, block.data(), block.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    if (result.error.empty()) ::kill(child, SIGINT);
+    result.error.append(block.data(), static_cast<std::size_t>(got));
+  }
+  ::close(screen);
+  result.exit_code = wait_for(child);
+  result.out = contents(folder.file("out"));
   return result;
 }
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#include "app/study_command.h"
+
+#include <memory>
+
+#include "app/study_trees.h"
+
+namespace poise::app {
+
+void add_study_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("study", "Make the figures of the docs");
+  command->require_subcommand(1);
+  command->footer("Example:\n  poise study trees --markdown trees.md\n\nEach study has its own --help.");
+  auto trees = std::make_shared<StudyTreesOptions>();
+  CLI::App* study = command->add_subcommand("trees", "Build and judge the trees of many meshes: cost and fit, a row a mesh");
+  add_study_trees_options(*study, *trees);
+  study->callback([trees, &exit_code] { exit_code = study_trees(*trees); });
+}
+
+}  // namespace poise::app

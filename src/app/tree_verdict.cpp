@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "app/tree_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/exit_codes.h"
+#include "app/progress.h"
+#include "io/atomic_file.h"
+#include "poise/mesh.h"
+
+namespace poise::app {
+namespace {
+
+struct Verdict {
+  std::string file;
+  std::string kind;  ///< closed, open, sheet or refused
+  std::string why;
+  MeshVerdict mesh;  ///< of a mesh that is not refused
+};
+
+Verdict verdict_of(const std::string& file, const MeshReadOptions& reading) {
+  const Result<TriangleMesh> mesh = read_mesh(file, reading);
+  if (!mesh) return {file, "refused", mesh.error().message, {}};
+  Result<MeshVerdict> verdict = assess_mesh(mesh.value());
+  if (!verdict) return {file, "refused", verdict.error().message, {}};
+  const MeshVerdict& v = verdict.value();
+  const char* const kind = v.solidity == Solidity::Shell ? "sheet" : v.edges.closed() ? "closed" : "open";
+  return {file, kind, v.text, std::move(verdict).value()};
+}
+
+std::string as_json(const std::vector<Verdict>& verdicts) {
+  nlohmann::ordered_json json;
+  json["schema"] = "poise.verdicts/1";
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const Verdict& v : verdicts) {
+    nlohmann::ordered_json row = {{"file", v.file}, {"verdict", v.kind}, {"why", v.why}};
+    if (v.kind != "refused") {
+      row["triangles"] = v.mesh.triangles;
+      row["vertices"] = v.mesh.vertices;
+      row["pieces"] = v.mesh.pieces;
+      row["holes"] = v.mesh.holes;
+      row["open_edges"] = v.mesh.edges.open_edges;
+      row["inconsistent_edges"] = v.mesh.edges.inconsistent_edges;
+      row["crowded_edges"] = v.mesh.edges.crowded_edges;
+      row["area_m2"] = v.mesh.area_m2;
+      row["volume_m3"] = v.mesh.volume_m3;
+      row["volume_error_m3"] = v.mesh.volume_error_m3;
+    }
+    json["rows"].push_back(std::move(row));
+  }
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string as_table(const std::vector<Verdict>& verdicts) {
+  std::size_t width = 4;
+  for (const Verdict& v : verdicts) width = std::max(width, v.file.size());
+  std::string text = fmt::format("{:<{}}  {:<8} why\n", "file", width, "verdict");
+  for (const Verdict& v : verdicts) text += fmt::format("{:<{}}  {:<8} {}\n", v.file, width, v.kind, v.why);
+  return text;
+}
+
+}  // namespace
+
+int tell_verdicts(const TreeOptions& options) {
+  MeshReadOptions reading;
+  reading.scale = options.scale.value_or(1.0);
+  Progress progress(!options.quiet);
+  std::vector<Verdict> verdicts;
+  for (const std::string& file : options.meshes) {
+    progress.say(fmt::format("mesh {} of {}: {}", verdicts.size() + 1, options.meshes.size(), file));
+    verdicts.push_back(verdict_of(file, reading));
+  }
+  progress.end();
+  Status written = Done{};
+  if (!options.json.empty()) {
+    const std::string text = as_json(verdicts);
+    written = options.json == "-" ? io::write_stdout(text) : io::write_file(options.json, text);
+  }
+  if (written && !options.quiet && options.json != "-") written = io::write_stdout(as_table(verdicts));
+  if (!written) {
+    fmt::print(stderr, "poise tree: {}\n", written.error().message);
+    return exit_code_of(written.error());
+  }
+  const bool any = std::ranges::any_of(verdicts, [](const Verdict& v) { return v.kind != "refused"; });
+  return any ? kExitDone : kExitBadInput;
+}
+
+}  // namespace poise::app

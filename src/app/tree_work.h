@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "app/progress.h"
+#include "app/tree_options.h"
+#include "io/tree_document.h"
+#include "parallel/interrupt.h"
+#include "poise/mesh.h"
+#include "poise/result.h"
+#include "poise/sphere_tree.h"
+
+namespace poise::app {
+
+/// A mesh and its trees, with what was found.
+struct TreeWork {
+  TriangleMesh mesh;
+  std::vector<SphereTree> trees;  ///< beside document.trees
+  io::TreeDocument document;
+};
+
+/// Reads the mesh, builds or reads the trees and judges them. A refusal names the file; Cancelled after Ctrl-C.
+Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, const parallel::Interrupt& interrupt);
+
+/// Builds a tree and measures what that takes. A refusal comes back as the builder says it.
+Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptions& options, io::TreeBuildCost& cost);
+
+/// Reads a tree from a .sph file, or a flat set of spheres from the other formats as a tree above it.
+Result<SphereTree> read_tree(const std::filesystem::path& file);
+
+}  // namespace poise::app

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "poise/mesh.h"
+#include "poise/types.h"
+
+namespace poise::io {
+
+/// A view from infinitely far: the same scale everywhere, so that pictures beside one another can be compared.
+struct ParallelView {
+  Mat3 to_eye = Mat3::Identity();   ///< rows: right, up, forward; unit vectors
+  Vec3 center_m = Vec3::Zero();     ///< the point in the middle of the panel
+  double samples_per_m = 1;         ///< > 0
+};
+
+/// A view from a corner above, with `up` (a unit axis) upward in the picture.
+Mat3 three_quarter_view(const Vec3& up);
+
+/// What is seen in each sample of a panel. Invariant: depth_m and item have width x height entries, rows from the top.
+class PanelRaster {
+ public:
+  static constexpr std::uint32_t kNothing = std::numeric_limits<std::uint32_t>::max();
+
+  PanelRaster(const ParallelView& view, int width, int height);
+
+  /// Draws a ball where it is nearer than what is there. `item` is what the sample will say.
+  void draw_ball(const Vec3& center_m, double radius_m, std::uint32_t item);
+  /// Draws every triangle, either side; the item is its number.
+  void draw_mesh(const TriangleMesh& mesh);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  /// Number given with what is seen here; kNothing where nothing is, and outside the panel.
+  [[nodiscard]] std::uint32_t item(int x, int y) const;
+  /// The point seen at a sample, in the frame of the mesh; meaningless where nothing is.
+  [[nodiscard]] Vec3 point_m(int x, int y) const;
+  [[nodiscard]] const ParallelView& view() const { return view_; }
+
+ private:
+  [[nodiscard]] Vec3 in_samples(const Vec3& point_m) const;
+  void draw_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t item);
+  [[nodiscard]] std::size_t place(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+
+  ParallelView view_;
+  int width_, height_;
+  std::vector<float> depth_;  // in samples, from the middle
+  std::vector<std::uint32_t> item_;
+};
+
+}  // namespace poise::io
