@@ -14,14 +14,15 @@ namespace poise::bench {
 /// Wall times of single iterations, for the percentiles that a mean hides. One thread.
 class Latencies {
  public:
-  /// Times one call of work() and gives its time to the state, which must use manual time.
+  /// Times one call of work() and gives its time to the state, which must use manual time; the seconds it took.
   template <class Work>
-  void time(benchmark::State& state, Work&& work) {
+  double time(benchmark::State& state, Work&& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     state.SetIterationTime(elapsed.count());
     seconds_.push_back(elapsed.count());
+    return elapsed.count();
   }
 
   /// Adds the counters p50_us, p99_us and max_us (nearest rank).

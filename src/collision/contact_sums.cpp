@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/contact_batch.h"
+
 namespace poise::collision {
 namespace {
 
@@ -15,12 +17,67 @@ void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
   sum.place_m2 += weight * contact.point_m;
 }
 
+void note_gap(double gap_m, double expected_m, double certain_m, ContactSums& sums) {
+  sums.spheres_m = std::min(sums.spheres_m, gap_m);
+  sums.likely_m = std::min(sums.likely_m, gap_m + expected_m);
+  sums.surely_m = std::min(sums.surely_m, gap_m + certain_m);
+}
+
+void add_plane_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums) {
+  const SphereTree& a = frame.a->tree;
+  for (const FrontEntry entry : entries) {
+    const SphereContact contact = sphere_contact(frame, entry);
+    if (contact.gap_m >= frame.margin_m) continue;
+    note_gap(contact.gap_m, static_cast<double>(a.protrusion_mean_m[entry.a]),
+             static_cast<double>(a.protrusion_max_m[entry.a]), sums);
+    if (contact.gap_m < frame.skin_m) {
+      add_weighted(sums.touching, frame.skin_m - contact.gap_m, contact);
+    }
+    if (sums.touching.weight_m == 0) {
+      add_weighted(sums.near, frame.margin_m - contact.gap_m, contact);
+    }
+  }
+}
+
+// Adds the first `count` wrenches of a batch, in order.
+void add_wrenches(const ContactBatch& batch, std::size_t count, WrenchSum& sum) {
+  WrenchSum total = sum;
+  const auto at = [](const ContactBatch::Vectors& from, std::size_t k) {
+    return Vec3(from.x[k], from.y[k], from.z[k]);
+  };
+  for (std::size_t k = 0; k < count; ++k) {
+    total.weight_m += batch.weight_m[k];
+    total.direction += at(batch.direction, k);
+    total.moment_m2 += at(batch.moment_m2, k);
+    total.place_m2 += at(batch.place_m2, k);
+  }
+  sum = total;
+}
+
+void add_batch(const PairFrame& frame, ContactBatch& batch, ContactSums& sums) {
+  for (std::size_t k = 0; k < batch.count; ++k) {
+    if (batch.gap_m[k] < frame.margin_m) note_gap(batch.gap_m[k], batch.expected_m[k], batch.certain_m[k], sums);
+  }
+  const bool touched = sums.touching.weight_m != 0;
+  set_wrenches(frame.skin_m, frame.margin_m, batch);
+  // What is merely near counts up to the first that touches.
+  std::size_t near = 0;
+  if (!touched) {
+    while (near < batch.count && batch.weight_m[near] == 0) ++near;
+  }
+  if (near < batch.count) add_wrenches(batch, batch.count, sums.touching);
+  if (near > 0) {
+    set_wrenches(frame.margin_m, frame.margin_m, batch);
+    add_wrenches(batch, near, sums.near);
+  }
+}
+
 }  // namespace
 
 SphereContact contact_of_spheres(const Vec3& between_m, double radius_a_m, double reach_m, const Vec3& fallback) {
   const double distance = between_m.norm();
   SphereContact contact;
-  if (distance > 1e-12 * reach_m) {
+  if (distance > kCoinciding * reach_m) {
     contact.normal = between_m / distance;
   } else if (fallback.squaredNorm() > 0) {
     contact.normal = fallback.normalized();
@@ -47,27 +104,14 @@ SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry) {
 }
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums) {
-  const bool plane = frame.with_plane();
-  const SphereTree& a = frame.a->tree;
-  const SphereTree& b = frame.b->tree;
-  for (const FrontEntry entry : entries) {
-    const SphereContact contact = sphere_contact(frame, entry);
-    if (contact.gap_m >= frame.margin_m) continue;
-    double expected = static_cast<double>(a.protrusion_mean_m[entry.a]);
-    double certain = static_cast<double>(a.protrusion_max_m[entry.a]);
-    if (!plane) {
-      expected += static_cast<double>(b.protrusion_mean_m[entry.b]);
-      certain += static_cast<double>(b.protrusion_max_m[entry.b]);
-    }
-    sums.spheres_m = std::min(sums.spheres_m, contact.gap_m);
-    sums.likely_m = std::min(sums.likely_m, contact.gap_m + expected);
-    sums.surely_m = std::min(sums.surely_m, contact.gap_m + certain);
-    if (contact.gap_m < frame.skin_m) {
-      add_weighted(sums.touching, frame.skin_m - contact.gap_m, contact);
-    }
-    if (sums.touching.weight_m == 0) {
-      add_weighted(sums.near, frame.margin_m - contact.gap_m, contact);
-    }
+  if (frame.with_plane()) {
+    add_plane_contacts(frame, entries, sums);
+    return;
+  }
+  ContactBatch batch;
+  for (std::size_t begin = 0; begin < entries.size(); begin += ContactBatch::kEntries) {
+    set_contacts(frame, entries.subspan(begin, std::min(ContactBatch::kEntries, entries.size() - begin)), batch);
+    add_batch(frame, batch, sums);
   }
 }
 

@@ -16,6 +16,9 @@ struct SphereContact {
   double gap_m = 0;             ///< between the two spheres, negative in overlap
 };
 
+/// Centres that are nearer than this share of the sum of the radii coincide.
+inline constexpr double kCoinciding = 1e-12;
+
 /// The contact of one entry of a front, in double precision from the node indices (DO eq. 4, 5). Coinciding centres
 /// take the direction between the two centres of mass, and the z axis of a when these coincide as well.
 SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry);

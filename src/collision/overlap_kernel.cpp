@@ -5,6 +5,8 @@
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 
 #include "collision/overlap_kernel.h"
@@ -13,71 +15,108 @@ HWY_BEFORE_NAMESPACE();
 namespace poise::collision::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Eight spheres of b in the frame of a. Multiplications and additions stay apart: fused ones would round differently
-// from one instruction set to the next.
-struct Block {
-  alignas(64) float x[kTreeBranching], y[kTreeBranching], z[kTreeBranching], reach[kTreeBranching];
+// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
+
+// The arrays of a tree that a test reads.
+struct Spheres {
+  const float* x;
+  const float* y;
+  const float* z;
+  const float* radius;
+  explicit Spheres(const SphereTree& tree)
+      : x(tree.x_m.data()), y(tree.y_m.data()), z(tree.z_m.data()), radius(tree.radius_m.data()) {}
 };
 
-void move_block(const SphereTree& b, NodeIndex first, const FloatFrame& frame, float inflation, Block& block) {
+// Bit 8 i + j is set when sphere first_a + i of a overlaps sphere first_b + j of b.
+HWY_INLINE std::uint64_t overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b,
+                                  const FloatFrame& frame, float inflation) {
   const hn::CappedTag<float, kTreeBranching> d;
-  const auto at = [&](int i) { return hn::Set(d, frame.rotation[i]); };
-  for (std::size_t i = 0; i < kTreeBranching; i += hn::Lanes(d)) {
-    const auto x = hn::LoadU(d, b.x_m.data() + first + i);
-    const auto y = hn::LoadU(d, b.y_m.data() + first + i);
-    const auto z = hn::LoadU(d, b.z_m.data() + first + i);
-    const auto row = [&](int r) {
+  const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
+  std::uint64_t bits = 0;
+  for (std::size_t j = 0; j < kTreeBranching; j += hn::Lanes(d)) {
+    const auto x = hn::LoadU(d, b.x + first_b + j);
+    const auto y = hn::LoadU(d, b.y + first_b + j);
+    const auto z = hn::LoadU(d, b.z + first_b + j);
+    const auto row = [&](int r) HWY_ATTR {
       return hn::Add(hn::Add(hn::Mul(at(r), x), hn::Mul(at(r + 1), y)),
                      hn::Add(hn::Mul(at(r + 2), z), hn::Set(d, frame.offset_m[r / 3])));
     };
-    hn::Store(row(0), d, block.x + i);
-    hn::Store(row(3), d, block.y + i);
-    hn::Store(row(6), d, block.z + i);
-    hn::Store(hn::Add(hn::LoadU(d, b.radius_m.data() + first + i), hn::Set(d, inflation)), d, block.reach + i);
-  }
-}
-
-// Bit j is set when sphere j of the block overlaps the sphere of a.
-std::uint32_t overlaps(const Block& block, float x, float y, float z, float radius) {
-  const hn::CappedTag<float, kTreeBranching> d;
-  std::uint32_t bits = 0;
-  for (std::size_t i = 0; i < kTreeBranching; i += hn::Lanes(d)) {
-    const auto dx = hn::Sub(hn::Load(d, block.x + i), hn::Set(d, x));
-    const auto dy = hn::Sub(hn::Load(d, block.y + i), hn::Set(d, y));
-    const auto dz = hn::Sub(hn::Load(d, block.z + i), hn::Set(d, z));
-    const auto reach = hn::Add(hn::Load(d, block.reach + i), hn::Set(d, radius));
-    const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-    std::uint8_t stored[8] = {};
-    hn::StoreMaskBits(d, hn::Lt(square, hn::Mul(reach, reach)), stored);
-    bits |= static_cast<std::uint32_t>(stored[0]) << i;
+    const auto moved_x = row(0);
+    const auto moved_y = row(3);
+    const auto moved_z = row(6);
+    const auto inflated = hn::Add(hn::LoadU(d, b.radius + first_b + j), hn::Set(d, inflation));
+    for (std::size_t i = 0; i < kTreeBranching; ++i) {
+      const auto dx = hn::Sub(moved_x, hn::Set(d, a.x[first_a + i]));
+      const auto dy = hn::Sub(moved_y, hn::Set(d, a.y[first_a + i]));
+      const auto dz = hn::Sub(moved_z, hn::Set(d, a.z[first_a + i]));
+      const auto reach = hn::Add(inflated, hn::Set(d, a.radius[first_a + i]));
+      const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+      std::uint8_t stored[8] = {};
+      hn::StoreMaskBits(d, hn::Lt(square, hn::Mul(reach, reach)), stored);
+      bits |= std::uint64_t{stored[0]} << (kTreeBranching * i + j);
+    }
   }
   return bits;
 }
 
+// Bits of the pairs of `rows` spheres of a and `columns` of b.
+HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
+  constexpr std::uint64_t kFirstColumn = 0x0101010101010101U;
+  return (kFirstColumn * ((1U << columns) - 1U)) & (~std::uint64_t{0} >> (kTreeBranching * (kTreeBranching - rows)));
+}
+
+// The pairs of an entry's children that overlap, as bits.
+struct Block {
+  std::uint64_t bits;
+  FrontEntry first;
+};
+
+// Writes the pairs of a block in order; places of `out` beyond them may be overwritten, but none beyond the block's
+// own 64.
+HWY_INLINE std::uint32_t list_hits(const Block& block, FrontEntry* out) {
+  constexpr int kAtOnce = 4;  // most blocks have no more, and then the loop ends as foreseen
+  std::uint64_t bits = block.bits;
+  const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
+  while (bits != 0) {
+    for (int k = 0; k < kAtOnce; ++k) {
+      const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
+      *out++ = {block.first.a + place / kTreeBranching, block.first.b + place % kTreeBranching};
+      bits &= bits - 1;
+    }
+  }
+  return hits;
+}
+
 Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation,
                  std::span<const FrontEntry> front, std::span<FrontEntry> out) {
-  Block block;
-  NodeIndex moved = ~NodeIndex{0};
+  // Tests of many entries first, then their lists: tests without a branch run into each other, while a list's length,
+  // which no processor foresees, holds up what comes after it.
+  constexpr std::size_t kBlocks = 32;
+  constexpr std::size_t kPairs = std::size_t{kTreeBranching} * kTreeBranching;
+  const Spheres spheres_a(a);
+  const Spheres spheres_b(b);
+  const NodeIndex* const children_a = a.first_child.data();
+  const NodeIndex* const children_b = b.first_child.data();
+  const std::uint8_t* const counts_a = a.child_count.data();
+  const std::uint8_t* const counts_b = b.child_count.data();
+  const FloatFrame moved = frame;
+  std::array<Block, kBlocks> blocks;
   Expansion result;
-  for (const FrontEntry entry : front) {
-    if (out.size() - result.hits < std::size_t{kTreeBranching} * kTreeBranching) return result;
-    const NodeIndex first_a = a.first_child[entry.a];
-    const NodeIndex first_b = b.first_child[entry.b];
-    const std::uint32_t count_a = a.child_count[entry.a] == 0 ? 1U : a.child_count[entry.a];
-    const std::uint32_t count_b = b.child_count[entry.b] == 0 ? 1U : b.child_count[entry.b];
-    const std::uint32_t used = (1U << count_b) - 1U;
-    if (first_b != moved) {
-      move_block(b, first_b, frame, inflation, block);
-      moved = first_b;
+  while (result.consumed < front.size()) {
+    const std::size_t count = std::min(kBlocks, front.size() - result.consumed);
+    for (std::size_t k = 0; k < count; ++k) {
+      const FrontEntry entry = front[result.consumed + k];
+      const FrontEntry first{children_a[entry.a], children_b[entry.b]};
+      const std::uint32_t rows = std::max<std::uint32_t>(counts_a[entry.a], 1);
+      const std::uint32_t columns = std::max<std::uint32_t>(counts_b[entry.b], 1);
+      blocks[k] = {used_bits(rows, columns) & overlaps(spheres_a, first.a, spheres_b, first.b, moved, inflation),
+                   first};
     }
-    for (std::uint32_t i = 0; i < count_a; ++i) {
-      const NodeIndex node = first_a + i;
-      std::uint32_t bits = used & overlaps(block, a.x_m[node], a.y_m[node], a.z_m[node], a.radius_m[node]);
-      for (; bits != 0; bits &= bits - 1) {
-        out[result.hits++] = {node, first_b + static_cast<NodeIndex>(std::countr_zero(bits))};
-      }
+    for (std::size_t k = 0; k < count; ++k) {
+      if (out.size() - result.hits < kPairs) return result;
+      result.hits += list_hits(blocks[k], out.data() + result.hits);
+      ++result.consumed;
     }
-    ++result.consumed;
   }
   return result;
 }

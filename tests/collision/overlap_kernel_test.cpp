@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "collision/instruction_sets.h"
 #include "collision/shapes.h"
 
 namespace poise::collision {
@@ -31,7 +32,8 @@ TEST(OverlapKernel, FindsEveryOverlapOfTheChildrenAndLittleElse) {
   const ShapePtr jack = make_jack();
   int overlaps = 0;
   for (int round = 0; round < 500; ++round) {
-    const PairFrame frame = make_pair_frame(*jack, random_pose(random, 0.5), *jack, random_pose(random, 0.5), 0.01, 0.001);
+    const PairFrame frame =
+        make_pair_frame(*jack, random_pose(random, 0.5), *jack, random_pose(random, 0.5), 0.01, 0.001);
     const FrontEntry roots[] = {{0, 0}};
     FrontEntry out[64];
     const Expansion made = expand(frame, roots, out);
@@ -60,6 +62,54 @@ TEST(OverlapKernel, RoundingFarFromTheOriginLosesNoOverlap) {
     FrontEntry out[64];
     EXPECT_EQ(expand(make_pair_frame(*ball, a, *ball, b, 0, 0), roots, out).hits, 1U);
   }
+}
+
+TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) {
+  const ShapePtr worm = make_worm(300);
+  using Fronts = std::vector<std::pair<NodeIndex, NodeIndex>>;
+  const auto all_fronts = [&] {
+    std::mt19937_64 random(6);
+    Fronts all;
+    for (int round = 0; round < 100; ++round) {
+      const PairFrame frame =
+          make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.01, 0.001);
+      std::vector<FrontEntry> front = {{0, 0}};
+      for (Level level = 1; level <= worm->tree.depth(); ++level) {
+        std::vector<FrontEntry> next(64 * front.size());
+        next.resize(expand(frame, front, next).hits);
+        // Entry by entry the same lists come out, one behind the other.
+        std::vector<FrontEntry> one_by_one;
+        for (const FrontEntry& entry : front) {
+          FrontEntry out[64];
+          const Expansion made = expand(frame, std::span(&entry, 1), out);
+          one_by_one.insert(one_by_one.end(), out, out + made.hits);
+        }
+        const auto same = [](const FrontEntry& x, const FrontEntry& y) { return x.a == y.a && x.b == y.b; };
+        EXPECT_TRUE(std::equal(next.begin(), next.end(), one_by_one.begin(), one_by_one.end(), same));
+        front = next;
+        for (const FrontEntry& entry : front) all.emplace_back(entry.a, entry.b);
+      }
+    }
+    return all;
+  };
+  const Fronts expected = all_fronts();
+  EXPECT_GT(expected.size(), 1000U);
+  on_every_instruction_set([&] { EXPECT_EQ(all_fronts(), expected); });
+}
+
+TEST(OverlapKernel, APlaceBeyondTheRoomIsNeverWritten) {
+  // All 64 children of two equal bodies in one place overlap, and lists are written in pieces.
+  const ShapePtr worm = make_worm(300);
+  const Pose pose;
+  const PairFrame frame = make_pair_frame(*worm, pose, *worm, pose, 10, 0);
+  const std::vector<FrontEntry> front(2, FrontEntry{0, 0});
+  std::vector<FrontEntry> out(129, FrontEntry{77, 78});
+  const Expansion made = expand(frame, front, std::span(out).first(128));
+  const std::uint32_t children = worm->tree.child_count[0];
+  EXPECT_EQ(made.hits, 2 * children * children);
+  EXPECT_EQ(made.consumed, 2U);
+  EXPECT_EQ(out.back().a, 77U);
+  EXPECT_EQ(out.back().b, 78U);
 }
 
 TEST(OverlapKernel, StopsWhereThereIsNoRoomForAWholeBlock) {

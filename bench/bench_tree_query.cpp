@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+// Walking two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
+// expansion. Before anything is timed, random poses near first contact are judged by the triangles themselves (libfcl):
+// a level that finds nothing where surfaces meet is an error.
+//
+//   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "collision/near_touch.h"
+#include "collision/pair_refinement.h"
+#include "latencies.h"
+
+namespace poise::collision {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Level kDepth = 3;
+constexpr std::size_t kTimedPoses = 10000;  // so many that no branch predictor learns them by heart (300 do, measured)
+
+struct Settings {
+  std::vector<fs::path> meshes;
+  fs::path trees;            ///< folder where trees are kept between runs, NAME.sph; empty: every tree is built
+  std::size_t poses = 2000;  ///< judged, for each pair of meshes
+};
+
+struct NamedShape {
+  std::string name;
+  JudgedShape judged;
+};
+
+struct Verdicts {
+  std::size_t touching = 0;
+  std::size_t lost = 0;          ///< surfaces meet and a level found nothing
+  std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
+  std::size_t expansions = 0;
+  std::size_t hits = 0;
+};
+
+struct Case {
+  std::string name;
+  const Shape* a = nullptr;
+  const Shape* b = nullptr;
+  std::vector<PosedPair> poses;
+  Verdicts verdicts;
+  std::size_t judged = 0;
+};
+
+PairFrame frame_of(const Case& c, const PosedPair& posed) {
+  return make_pair_frame(*c.a, posed.a, *c.b, posed.b, 0, 0);
+}
+
+/// What one query found.
+struct Walk {
+  std::array<std::uint32_t, kDepth + 1> front{1};  ///< entries at each level
+  std::uint32_t expansions = 0;
+  bool full = false;
+};
+
+using Scratch = std::array<std::vector<FrontEntry>, 2>;
+
+/// The fronts alone, level by level, until one is empty.
+Walk walk(const PairFrame& frame, Scratch& scratch) {
+  Walk walk;
+  scratch[0][0] = {0, 0};
+  for (std::size_t level = 1; level <= kDepth && walk.front[level - 1] > 0; ++level) {
+    const std::uint32_t count = walk.front[level - 1];
+    const Expansion made = expand(frame, std::span(scratch[(level + 1) % 2]).first(count), scratch[level % 2]);
+    walk.full |= made.consumed < count;
+    walk.expansions += made.consumed;
+    walk.front[level] = made.hits;
+  }
+  return walk;
+}
+
+/// As the step does it: in quanta, every level published with its contact.
+std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, PairLevel& pair) {
+  std::uint32_t expansions = 0;
+  pair.deepest = deepest_level(*frame.a, *frame.b, kDepth);
+  while (pair.refinable()) {
+    expansions += pair.front_entries;
+    LevelProgress progress = begin_level(pair, pools[0]);
+    while (run_quantum(frame, pools, 0, 512, progress) == Quantum::More) {
+    }
+    publish_level(frame, Mat3::Identity(), progress, pair);
+  }
+  return expansions;
+}
+
+void count(benchmark::State& state, const Case& c) {
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(whole, 1));
+  };
+  const Verdicts& v = c.verdicts;
+  state.counters["judged"] = static_cast<double>(c.judged);
+  state.counters["touching"] = static_cast<double>(v.touching);
+  state.counters["false_alarms"] = share(v.false_alarms, c.judged - v.touching);
+  state.counters["expansions"] = share(v.expansions, c.judged);
+  state.counters["hits_per_expansion"] = share(v.hits, v.expansions);
+}
+
+template <class Query>
+void time_queries(benchmark::State& state, const Case& c, Query&& query) {
+  if (c.verdicts.lost > 0) {
+    state.SkipWithError(fmt::format("{} contacts were lost", c.verdicts.lost).c_str());
+    return;
+  }
+  const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
+  bench::Latencies latencies;
+  std::vector<double> per_expansion_ns;
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const PosedPair& posed = c.poses[next];
+    next = next + 1 == timed ? 0 : next + 1;
+    std::uint32_t expansions = 0;
+    const double seconds = latencies.time(state, [&] { expansions = query(posed); });
+    per_expansion_ns.push_back(1e9 * seconds / expansions);
+  }
+  latencies.report(state);
+  std::ranges::nth_element(per_expansion_ns,
+                           per_expansion_ns.begin() + static_cast<std::ptrdiff_t>(per_expansion_ns.size() / 2));
+  state.counters["p50_ns_per_expansion"] = per_expansion_ns[per_expansion_ns.size() / 2];
+  count(state, c);
+}
+
+void time_fronts(benchmark::State& state, const Case& c) {
+  Scratch scratch{std::vector<FrontEntry>(1U << 16U), std::vector<FrontEntry>(1U << 16U)};
+  time_queries(state, c, [&](const PosedPair& posed) {
+    const Walk walked = walk(frame_of(c, posed), scratch);
+    benchmark::DoNotOptimize(walked.front[kDepth]);
+    return walked.expansions;
+  });
+}
+
+void time_contacts(benchmark::State& state, const Case& c) {
+  std::vector<FrontPool> pools;
+  pools.emplace_back(1U << 17U);
+  time_queries(state, c, [&](const PosedPair& posed) {
+    PairLevel pair;
+    pools[0].clear();
+    const std::uint32_t expansions = refine(frame_of(c, posed), pools, pair);
+    benchmark::DoNotOptimize(pair.contact.likely_m);
+    return expansions;
+  });
+}
+
+Result<NamedShape> load(const fs::path& file, const fs::path& trees) {
+  Result<TriangleMesh> mesh = read_mesh(file, {});
+  if (!mesh) return mesh.error();
+  center_mesh(mesh.value());
+  const fs::path kept = trees / (file.stem().string() + ".sph");
+  const bool keeps = !trees.empty();
+  const bool there = keeps && fs::exists(kept);
+  Result<SphereTree> tree = there ? read_sph(kept) : build_sphere_tree(mesh.value(), {.depth = kDepth});
+  if (!tree) return tree.error();
+  if (keeps && !there) {
+    if (const Status written = write_sph(tree.value(), kept); !written) return written.error();
+  }
+  return NamedShape{file.stem().string(), make_judged_shape(mesh.value(), std::move(tree.value()))};
+}
+
+Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
+  constexpr double kBand = 8e-3;
+  Case c{a.name + "/" + b.name, &a.judged.shape, &b.judged.shape, {}, {}, poses};
+  std::mt19937_64 random(17);
+  Scratch scratch{std::vector<FrontEntry>(1U << 18U), std::vector<FrontEntry>(1U << 18U)};
+  for (std::size_t i = 0; i < poses; ++i) {
+    const PosedPair posed = pose_near_first_touch(a.judged, b.judged, kBand, random);
+    const bool touches = a.judged.judge.touches(posed.a, b.judged.judge, posed.b);
+    const Walk walked = walk(frame_of(c, posed), scratch);
+    if (touches) ++c.verdicts.touching;
+    if (touches && (walked.front[kDepth] == 0 || walked.full)) ++c.verdicts.lost;
+    if (!touches && walked.front[kDepth] > 0) ++c.verdicts.false_alarms;
+    c.verdicts.expansions += walked.expansions;
+    for (std::size_t level = 1; level <= kDepth; ++level) c.verdicts.hits += walked.front[level];
+    if (c.poses.size() < kTimedPoses) c.poses.push_back(posed);
+  }
+  return c;
+}
+
+/// Takes our options out of the arguments; empty, or what is wrong with them.
+std::string take_options(int& argc, char** argv, Settings& settings) {
+  int kept = 1;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view name = argv[i];
+    if (name != "--mesh" && name != "--trees" && name != "--poses") {
+      argv[kept++] = argv[i];
+      continue;
+    }
+    if (++i == argc) return fmt::format("{} needs a value", name);
+    const std::string_view value = argv[i];
+    if (name == "--mesh") settings.meshes.emplace_back(value);
+    if (name == "--trees") settings.trees = value;
+    if (name == "--poses") {
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), settings.poses);
+      if (error != std::errc() || end != value.data() + value.size() || settings.poses == 0) {
+        return fmt::format("--poses {} must be a number > 0", value);
+      }
+    }
+  }
+  argc = kept;
+  return {};
+}
+
+std::vector<fs::path> default_meshes() {
+  std::vector<fs::path> meshes{fs::path(POISE_SOURCE_DIR) / "scenes/meshes/jack.obj"};
+  const fs::path ur10 = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry";
+  for (const char* name : {"Forearm.obj", "Wrist1.obj"}) {
+    if (fs::exists(ur10 / name)) meshes.push_back(ur10 / name);
+  }
+  return meshes;
+}
+
+int run(int argc, char** argv) {
+  Settings settings;
+  std::string wrong = take_options(argc, argv, settings);
+  if (!wrong.empty()) {
+    fmt::print(stderr, "bench_tree_query: {}\n", wrong);
+    return 2;
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  if (settings.meshes.empty()) settings.meshes = default_meshes();
+  std::vector<NamedShape> shapes;
+  for (const fs::path& file : settings.meshes) {
+    Result<NamedShape> shape = load(file, settings.trees);
+    if (!shape) {
+      fmt::print(stderr, "bench_tree_query: {}\n", shape.error().message);
+      return 1;
+    }
+    shapes.push_back(std::move(shape.value()));
+  }
+  std::vector<Case> cases;
+  cases.reserve(shapes.size() * shapes.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t j = i; j < shapes.size(); ++j) cases.push_back(judge(shapes[i], shapes[j], settings.poses));
+  }
+  bool lost = false;
+  for (const Case& c : cases) {
+    lost |= c.verdicts.lost > 0;
+    benchmark::RegisterBenchmark(("fronts/" + c.name).c_str(), time_fronts, c)->UseManualTime();
+    benchmark::RegisterBenchmark(("contacts/" + c.name).c_str(), time_contacts, c)->UseManualTime();
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return lost ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace poise::collision
+
+int main(int argc, char** argv) { return poise::collision::run(argc, argv); }

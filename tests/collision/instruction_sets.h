@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <hwy/targets.h>
+
+#include <cstdint>
+
+namespace poise::collision {
+
+/// Calls work() once for each instruction set that this machine has and the kernels were compiled for. No other thread
+/// may run kernels meanwhile. Returns how many there were.
+template <class Work>
+int on_every_instruction_set(Work&& work) {
+  int sets = 0;
+  for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+    hwy::GetChosenTarget().Update(left & -left);
+    work();
+    ++sets;
+  }
+  hwy::GetChosenTarget().DeInit();
+  return sets;
+}
+
+}  // namespace poise::collision

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <random>
+
+#include "collision/polygon_judge.h"
+#include "collision/shapes.h"
+#include "poise/sphere_tree.h"
+
+namespace poise::collision {
+
+/// A mesh about the middle of its bounding box, its judge, and a shape that holds a tree of it.
+struct JudgedShape {
+  PolygonJudge judge;
+  Shape shape;
+  double diagonal_m = 0;
+};
+
+/// Moves the middle of the bounding box to the origin, so that a turned body stays where it is.
+inline void center_mesh(TriangleMesh& mesh) {
+  Vec3 low = mesh.vertices_m.front();
+  Vec3 high = low;
+  for (const Vec3& v : mesh.vertices_m) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const Vec3 middle = 0.5 * (low + high);
+  for (Vec3& v : mesh.vertices_m) v -= middle;
+}
+
+/// A shape without mass properties, which queries do not ask for.
+inline JudgedShape make_judged_shape(const TriangleMesh& mesh, SphereTree tree) {
+  JudgedShape judged{PolygonJudge(mesh), {}, mesh.diagonal_m()};
+  const Sphere root = tree.sphere(0);
+  judged.shape.bounding_radius_m = root.center_m.norm() + root.radius_m;
+  judged.shape.tree = std::move(tree);
+  return judged;
+}
+
+struct PosedPair {
+  Pose a, b;
+};
+
+/// Two bodies, turned at random, near where they first meet on a random line: b comes along the line until the surfaces
+/// are within 0.2 % of the smaller diagonal, and is then put farther or nearer by up to `band` of it. About 10 m from
+/// the origin of the world, so that nothing is round.
+inline PosedPair pose_near_first_touch(const JudgedShape& a, const JudgedShape& b, double band,
+                                       std::mt19937_64& random) {
+  const double size = std::min(a.diagonal_m, b.diagonal_m);
+  const double far = a.shape.bounding_radius_m + b.shape.bounding_radius_m;
+  for (;;) {
+    PosedPair posed{random_pose(random, 10), random_pose(random, 0)};
+    const Vec3 direction = random_pose(random, 0).rotation.col(0);
+    const Vec3 aside = 0.3 * far * direction.cross(random_pose(random, 0).rotation.col(0));
+    double along = far;
+    // A body that moves by the distance cannot pass the other one. A graze that takes too many steps is left out.
+    for (int step = 0; step < 60 && along > -far; ++step) {
+      posed.b.position_m = posed.a.position_m + aside + along * direction;
+      const double distance = a.judge.distance_m(posed.a, b.judge, posed.b);
+      if (distance < 2e-3 * size) {
+        posed.b.position_m += uniform(random, -band, band) * size * direction;
+        return posed;
+      }
+      along -= distance;
+    }
+  }
+}
+
+}  // namespace poise::collision
