@@ -9,8 +9,9 @@
 namespace poise::geometry {
 namespace {
 
-/// Cells that a grid has at most; bounds memory at some 30 MB. Chosen.
-constexpr double kMostCells = 4e6;
+/// Cells that a grid has at most; bounds memory at some 60 MB. Of an open mesh every corner is asked for, hence fewer. Chosen.
+constexpr double kMostCells = 2e7;
+constexpr double kMostCellsOfOpen = 5e5;
 
 struct Grid {
   Vec3 origin;
@@ -31,7 +32,7 @@ struct Grid {
 /// A grid over the mesh with about `target` cells that meet the solid: volume / cell^3 whole ones, and about three for each
 /// two cell faces' worth of surface. Its planes are shifted by irrational shares of a cell, so that the round coordinates
 /// that meshes like to have do not fall on them.
-Grid choose_grid(const TriangleMesh& mesh, std::size_t target) {
+Grid choose_grid(const TriangleMesh& mesh, std::size_t target, double most_cells) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const Vec3 size = box.high - box.low;
   double area = 0;
@@ -41,7 +42,7 @@ Grid choose_grid(const TriangleMesh& mesh, std::size_t target) {
   const double volume = std::abs(mesh_volume(mesh).volume_m3);
   const auto too_fine = [&](double h) {
     const Vec3 cells = (size / h).array() + 2;
-    return volume / (h * h * h) + 1.5 * area / (h * h) > static_cast<double>(target) || cells.prod() > kMostCells;
+    return volume / (64 * h * h * h) + 2 * area / (h * h) > static_cast<double>(target) || cells.prod() > most_cells;
   };
   double fine = size.maxCoeff() * 1e-3;
   double coarse = size.maxCoeff();
@@ -148,8 +149,8 @@ Pieces clip_all(const TriangleMesh& mesh, const Grid& grid, parallel::Executor& 
   return all;
 }
 
-/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the answer can only change between two
-/// corners whose edge a triangle may cross, so only corners beside cells with triangles are asked for.
+/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the answer for a closed mesh can only
+/// change between two corners whose edge a triangle may cross, so only corners beside cells with triangles are asked for.
 std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std::uint8_t>& has_surface, const TriangleBvh& bvh,
                                          double near_m, parallel::Executor& executor) {
   std::vector<std::uint8_t> inside(grid.corner_count(), 0);
@@ -169,7 +170,7 @@ std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std
       bool state = false;  // the first corner of a line lies outside the box of the mesh
       bool known = true;
       for (std::size_t x = 0; x <= grid.cells[0]; ++x) {
-        if (x > 0 && crossed(x - 1)) known = false;
+        if (x > 0 && (!bvh.closed() || crossed(x - 1))) known = false;
         if (!known) {
           const Vec3 corner(grid.plane(0, x), grid.plane(1, y), grid.plane(2, z));
           state = bvh.inside(corner);
@@ -201,38 +202,98 @@ void close_atom(SolidAtoms& atoms) {
   atoms.begin.push_back(atoms.points_m.size());
 }
 
+/// Puts the cells' points together: a block of cells that are wholly inside is one atom, since nothing of it is near the surface.
+class AtomGatherer {
+  // Invariant: atoms_.begin holds the first point of each finished atom, then the number of points.
+ public:
+  AtomGatherer(const Grid& grid, const Pieces& pieces, const std::vector<std::uint8_t>& has_surface, const std::vector<std::uint8_t>& inside,
+               bool closed)
+      : grid_(grid), pieces_(pieces), has_surface_(has_surface), inside_(inside), closed_(closed) {
+    atoms_.begin.push_back(0);
+  }
+
+  SolidAtoms gather() {
+    for (std::size_t z = 0; z < grid_.cells[2]; z += kLargestBlock) {
+      for (std::size_t y = 0; y < grid_.cells[1]; y += kLargestBlock) {
+        for (std::size_t x = 0; x < grid_.cells[0]; x += kLargestBlock) gather_block({x, y, z}, kLargestBlock);
+      }
+    }
+    return std::move(atoms_);
+  }
+
+ private:
+  using Place = std::array<std::size_t, 3>;
+
+  [[nodiscard]] bool full(const Place& at) const {
+    if (has_surface_[grid_.cell_index(at[0], at[1], at[2])] != 0) return false;
+    return inside_[grid_.corner_index(at[0], at[1], at[2])] != 0 && corners_inside(at, 1) == 8;
+  }
+  [[nodiscard]] std::size_t corners_inside(const Place& at, std::size_t size) const {
+    std::size_t count = 0;
+    for (std::size_t c = 0; c < 8; ++c) count += inside_[corner(at, size, c)];
+    return count;
+  }
+  [[nodiscard]] std::size_t corner(const Place& at, std::size_t size, std::size_t c) const {
+    return grid_.corner_index(at[0] + size * (c & 1U), at[1] + size * (c >> 1U & 1U), at[2] + size * (c >> 2U));
+  }
+  void add_corner(const Place& at, std::size_t size, std::size_t c) {
+    atoms_.points_m.emplace_back(grid_.plane(0, at[0] + size * (c & 1U)), grid_.plane(1, at[1] + size * (c >> 1U & 1U)),
+                                 grid_.plane(2, at[2] + size * (c >> 2U)));
+  }
+
+  void gather_block(const Place& at, std::size_t size) {
+    if (at[0] >= grid_.cells[0] || at[1] >= grid_.cells[1] || at[2] >= grid_.cells[2]) return;
+    if (size == 1) return gather_cell(at);
+    bool all = at[0] + size <= grid_.cells[0] && at[1] + size <= grid_.cells[1] && at[2] + size <= grid_.cells[2];
+    for (std::size_t i = 0; i < size * size * size && all; ++i) {
+      all = full({at[0] + i % size, at[1] + i / size % size, at[2] + i / (size * size)});
+    }
+    if (all) {
+      for (std::size_t c = 0; c < 8; ++c) add_corner(at, size, c);
+      close_atom(atoms_);
+      return;
+    }
+    const std::size_t half = size / 2;
+    for (std::size_t c = 0; c < 8; ++c) gather_block({at[0] + half * (c & 1U), at[1] + half * (c >> 1U & 1U), at[2] + half * (c >> 2U)}, half);
+  }
+
+  void gather_cell(const Place& at) {
+    const std::size_t cell = grid_.cell_index(at[0], at[1], at[2]);
+    const std::size_t in = corners_inside(at, 1);
+    // Around holes of an open mesh the inside may end where there is no triangle; then all of the cell counts.
+    const bool has_surface = has_surface_[cell] != 0;
+    if (has_surface) {
+      for (auto piece = std::ranges::lower_bound(pieces_.pieces, cell, {}, &Piece::cell); piece != pieces_.pieces.end() && piece->cell == cell; ++piece) {
+        const auto first = pieces_.points.begin() + static_cast<std::ptrdiff_t>(piece->first);
+        atoms_.points_m.insert(atoms_.points_m.end(), first, first + static_cast<std::ptrdiff_t>(piece->count));
+      }
+    }
+    if (in > 0) {
+      for (std::size_t c = 0; c < 8; ++c) {
+        if (!closed_ || inside_[corner(at, 1, c)] != 0) add_corner(at, 1, c);
+      }
+    }
+    close_atom(atoms_);
+  }
+
+  static constexpr std::size_t kLargestBlock = 4;
+  const Grid& grid_;
+  const Pieces& pieces_;
+  const std::vector<std::uint8_t>& has_surface_;
+  const std::vector<std::uint8_t>& inside_;
+  bool closed_;
+  SolidAtoms atoms_;
+};
+
 }  // namespace
 
 SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target, parallel::Executor& executor) {
-  const Grid grid = choose_grid(mesh, target);
+  const Grid grid = choose_grid(mesh, target, bvh.closed() ? kMostCells : kMostCellsOfOpen);
   const Pieces pieces = clip_all(mesh, grid, executor);
   std::vector<std::uint8_t> has_surface(grid.cell_count(), 0);
   for (const Piece& piece : pieces.pieces) has_surface[piece.cell] = 1;
   const std::vector<std::uint8_t> inside = inside_corners(grid, has_surface, bvh, 1e-9 * mesh.diagonal_m(), executor);
-
-  SolidAtoms atoms;
-  atoms.begin.push_back(0);
-  auto piece = pieces.pieces.begin();
-  for (std::size_t z = 0; z < grid.cells[2]; ++z) {
-    for (std::size_t y = 0; y < grid.cells[1]; ++y) {
-      for (std::size_t x = 0; x < grid.cells[0]; ++x) {
-        const std::size_t cell = grid.cell_index(x, y, z);
-        for (; piece != pieces.pieces.end() && piece->cell == cell; ++piece) {
-          const auto first = pieces.points.begin() + static_cast<std::ptrdiff_t>(piece->first);
-          atoms.points_m.insert(atoms.points_m.end(), first, first + static_cast<std::ptrdiff_t>(piece->count));
-        }
-        for (std::size_t corner = 0; corner < 8; ++corner) {
-          const std::size_t cx = x + (corner & 1U);
-          const std::size_t cy = y + (corner >> 1U & 1U);
-          const std::size_t cz = z + (corner >> 2U);
-          if (inside[grid.corner_index(cx, cy, cz)] == 0) continue;
-          atoms.points_m.emplace_back(grid.plane(0, cx), grid.plane(1, cy), grid.plane(2, cz));
-        }
-        close_atom(atoms);
-      }
-    }
-  }
-  return atoms;
+  return AtomGatherer(grid, pieces, has_surface, inside, bvh.closed()).gather();
 }
 
 }  // namespace poise::geometry

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/deep_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/random.h"
+
+namespace poise::geometry {
+namespace {
+
+constexpr int kShrinkings = 12;
+
+/// Shrinks a ball that touches the surface at p, on the side against the normal, until no surface is inside it.
+DeepPlace shrink(const TriangleBvh& bvh, const CoverFrame& frame, const Vec3& p, const Vec3& normal) {
+  double radius_m = 0.5 * frame.diagonal_m;
+  for (int i = 0; i < kShrinkings; ++i) {
+    const Vec3 center = p - radius_m * normal;
+    const auto closest = bvh.closest(center, radius_m * radius_m * (1 - 2e-6));
+    if (closest.triangle == TriangleBvh::kNoTriangle) break;
+    const Vec3 way = p - closest.point_m;
+    const double along = 2 * normal.dot(way);
+    if (along <= 1e-12 * frame.diagonal_m) break;
+    radius_m = std::min(radius_m, way.squaredNorm() / along);
+  }
+  const Vec3 center = p - radius_m * normal;
+  return {frame.to(center), static_cast<float>(radius_m / frame.diagonal_m)};
+}
+
+}  // namespace
+
+std::vector<DeepPlace> find_deep_places(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, std::size_t count,
+                                        std::uint64_t seed, parallel::Executor& executor) {
+  std::vector<double> area_until;
+  double area = 0;
+  for (const auto& t : mesh.triangles) {
+    area += (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]).norm();
+    area_until.push_back(area);
+  }
+  std::vector<DeepPlace> places(count);
+  parallel::parallel_for(executor, count, 32, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Random random = Random::of(seed, i);
+      const double at = (static_cast<double>(i) + random.unit()) / static_cast<double>(count) * area;
+      const auto found = std::ranges::upper_bound(area_until, at) - area_until.begin();
+      const auto& t = mesh.triangles[std::min(static_cast<std::size_t>(found), mesh.triangles.size() - 1)];
+      const double u = std::sqrt(random.unit());
+      const double v = random.unit();
+      const Vec3& a = mesh.vertices_m[t[0]];
+      const Vec3& b = mesh.vertices_m[t[1]];
+      const Vec3& c = mesh.vertices_m[t[2]];
+      const Vec3 p = (1 - u) * a + u * (1 - v) * b + u * v * c;
+      const Vec3 normal = (b - a).cross(c - a).normalized();
+      places[i] = {frame.to(p), 0.0F};
+      if (!normal.allFinite() || normal.squaredNorm() < 0.5) continue;
+      const DeepPlace deep = shrink(bvh, frame, p, normal);
+      if (bvh.inside(frame.from(deep.center))) places[i] = deep;
+    }
+  });
+  return places;
+}
+
+}  // namespace poise::geometry

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/cover_atoms.h"
+#include "geometry/shell_samples.h"
+#include "geometry/triangle_bvh.h"
+
+namespace poise::geometry {
+
+/// A ball of the level that is being made. In the frame of the cover.
+struct CoverBall {
+  Vec3f center = Vec3f::Zero();
+  float radius = 0;                    ///< 0 for a ball that is no longer there
+  float signed_distance = 0;           ///< of the centre, negative inside; radius + this is how far it may stand out
+  float price = 0;                     ///< added to its bids for atoms
+  std::uint32_t parent = 0;
+  std::vector<std::uint32_t> own;      ///< the atoms that it answers for, ascending
+  std::vector<std::uint32_t> covered;  ///< all that it holds of those that its parent may pass on, ascending
+};
+
+/// A node of the level above. A closed one is a leaf and takes part as itself.
+struct CoverParent {
+  Vec3f center = Vec3f::Zero();
+  float radius = 0;
+  bool closed = false;
+  std::vector<std::uint32_t> own;      ///< the atoms that its children answer for at first, ascending
+  std::vector<std::uint32_t> allowed;  ///< all that it and every node above it hold: what its children may answer for, ascending
+};
+
+struct LevelScore {
+  double largest = 0;  ///< greatest distance of a covered sample
+  double volume = 0;   ///< of what is covered outside the object
+};
+
+/// How long a level is worked on.
+struct LevelSettings {
+  int bids = 12;            ///< rounds in which atoms go to the ball that bids least, and balls move
+  int sweeps = 6;           ///< of shrinking to what no other ball holds, at most
+  double equal_sizes = 0;   ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
+};
+
+/// Makes the balls of one level, at most kTreeBranching below each parent, so that every atom is held by a ball whose parent may
+/// pass it on, and little stands out: docs/sphere-trees.md, "How a level is made". One thread at a time; several may
+/// share atoms, samples and mesh.
+class LevelCover {
+  // Invariant: count_[i] is the number of balls (closed parents included) that hold sample i while their radius is above 0, and
+  // total_ the sum of weight_[i] over samples with a count.
+ public:
+  LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
+             const std::vector<CoverParent>& parents);
+
+  /// Improves balls, of which each open parent needs at least one. `keep_going` is asked between rounds; what there is when it says no
+  /// still holds every atom.
+  template <class KeepGoing>
+  void improve(std::vector<CoverBall> balls, const LevelSettings& settings, KeepGoing&& keep_going) {
+    begin(std::move(balls));
+    for (int round = 0; round < settings.bids && keep_going(); ++round) bid(round, settings);
+    begin_sweeps();
+    for (int sweep = 0; sweep < settings.sweeps && keep_going(); ++sweep) {
+      if (!shrink(sweep)) break;
+    }
+  }
+  /// The best balls found, each with the atoms that it answers for; together all atoms that no closed parent holds.
+  std::vector<CoverBall> take_best(LevelScore* score = nullptr);
+
+ private:
+  struct Halves {
+    std::vector<std::uint32_t> first, second;
+    Vec3f first_middle = Vec3f::Zero();
+    Vec3f second_middle = Vec3f::Zero();
+  };
+
+  void begin(std::vector<CoverBall> balls);
+  void bid(int round, const LevelSettings& settings);
+  void begin_sweeps();
+  bool shrink(int sweep);
+
+  // Samples (level_samples.cpp).
+  void count(const CoverBall& ball, int change);
+  void weigh(double scale, double power);
+  [[nodiscard]] LevelScore score() const;
+  [[nodiscard]] double contribution(const CoverBall& ball) const;
+  void gather_samples(const Vec3f& center, float from, float to);
+
+  // Balls (level_balls.cpp).
+  [[nodiscard]] float signed_distance(const Vec3f& at) const;
+  void fit(CoverBall& ball, const std::vector<std::uint32_t>& atoms, float step);
+  void find_covered(CoverBall& ball, const std::vector<std::uint32_t>& needed) const;
+  bool halve(const std::vector<std::uint32_t>& atoms, Halves& halves) const;
+
+  // Bidding and sweeps (level_cover.cpp).
+  void assign();
+  void set_prices(const LevelSettings& settings);
+  void remember();
+  void drop_empty();
+  void split_for_free_places();
+  std::vector<std::uint32_t> take_out(CoverBall& ball);
+  void put_in(CoverBall& ball, const std::vector<std::uint32_t>& needed);
+  bool split_in_two(CoverBall& ball, const std::vector<std::uint32_t>& needed, CoverBall& second);
+  void fill_free_places();
+  void swap_poor_for_needed();
+  bool swap(std::uint32_t poor, std::uint32_t worst, const std::vector<std::uint32_t>& family);
+
+  const CoverAtoms& atoms_;
+  const ShellSamples& samples_;
+  const TriangleBvh& bvh_;
+  const CoverFrame& frame_;
+  const std::vector<CoverParent>& parents_;
+
+  std::vector<CoverBall> balls_;
+  std::vector<std::vector<std::uint32_t>> family_;  ///< balls of each parent
+  std::vector<std::uint8_t> held_;                  ///< by a closed parent
+  std::vector<std::uint16_t> holders_;              ///< balls that hold an atom, while sweeping
+  std::vector<float> least_bid_;
+  std::vector<std::uint32_t> winner_;
+
+  std::vector<std::uint16_t> count_;
+  std::vector<std::int32_t> weight_;
+  std::int64_t total_ = 0;
+
+  std::vector<CoverBall> best_;
+  double best_value_ = 0;
+  LevelScore first_;
+
+  AtomSet set_;
+  PointList near_;
+  std::vector<std::int32_t> near_weight_;
+};
+
+}  // namespace poise::geometry
