@@ -13,6 +13,8 @@ namespace {
 // Chosen: as cheap as they may be without choosing visibly worse starts.
 constexpr GreedySettings kStartGreedy{.atoms = 1500, .places = 120, .halvings = 5, .random_starts = 2};
 constexpr GreedySettings kLookahead{.atoms = 500, .places = 70, .halvings = 4, .random_starts = 0};
+/// How much the largest stand-off below counts, against one of the level itself.
+constexpr double kNextLargest = 3;
 /// Beyond the stand-off of a first cover, so that balls that shrink later are still weighed.
 constexpr float kShellFactor = 1.5F;
 
@@ -27,7 +29,7 @@ double value_of(const CoverScene& scene, const CoverAtoms& atoms, const std::vec
     sum += static_cast<double>(below.stand_off) * static_cast<double>(ball.own.size());
   }
   const auto log = [](double x) { return std::log(std::max(x, 1e-12)); };
-  return log(score.largest) + log(score.volume) + log(largest) + log(sum / static_cast<double>(atoms.size()));
+  return log(score.largest) + log(score.volume) + kNextLargest * log(largest) + log(sum / static_cast<double>(atoms.size()));
 }
 
 }  // namespace
@@ -69,7 +71,7 @@ std::vector<CoverBall> find_start(const CoverScene& scene, const CoverAtoms& ato
       LevelSettings level = settings.level;
       // Every second try wants balls of equal size: a level whose balls differ much wastes the places below the small ones.
       level.equal_sizes = i % 2 == 1 ? 0.15 + 0.05 * static_cast<double>(i % 5) : 0.0;
-      LevelCover cover(atoms, samples, scene.bvh, scene.frame, parents);
+      LevelCover cover(atoms, samples, scene.bvh, scene.frame, scene.places, parents);
       cover.improve(balls_of(tries[i].cover, 0), level, keep_going);
       LevelScore score;
       tries[i].balls = cover.take_best(&score);

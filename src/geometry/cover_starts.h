@@ -21,9 +21,9 @@ struct CoverScene {
 };
 
 struct StartSettings {
-  int tries = 10;
+  int tries = 14;
   std::size_t samples = 15000;
-  LevelSettings level{.bids = 8, .sweeps = 3};
+  LevelSettings level{.bids = 14, .sweeps = 3};
 };
 
 /// Searches for the balls of level 1 with coarse atoms: several random covers are improved and compared by what they let stand out

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+
 #include "geometry/level_cover.h"
 
 namespace poise::geometry {
@@ -58,7 +60,7 @@ void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& atoms, f
     const float covered = sample_cost(place, r);
     if (covered + least >= cost) return false;
     const float sd = signed_distance(place);
-    if (r + sd > std::max(samples_.thickness, radius + distance)) return false;
+    if (r + sd > std::max(most_bound_, radius + distance)) return false;
     const float total = covered + bound_cost(r, sd);
     if (total >= cost) return false;
     cost = total;
@@ -94,33 +96,43 @@ void LevelCover::find_covered(CoverBall& ball, const std::vector<std::uint32_t>&
   }
 }
 
-/// Two groups about two far atoms, moved to the groups' middles a few times.
-bool LevelCover::halve(const std::vector<std::uint32_t>& atoms, Halves& halves) const {
+/// By a plane through the middle of the atoms, across that principal axis whose halves would stand out least. The halves' centres
+/// start from the ball's own, which is deep.
+bool LevelCover::halve(const CoverBall& ball, const std::vector<std::uint32_t>& atoms, Halves& best) {
   if (atoms.size() < 2) return false;
-  const auto at = [&](std::uint32_t atom) { return atoms_.middles.at(atom); };
-  const auto farthest = [&](const Vec3f& from) {
-    return at(*std::ranges::max_element(atoms, {}, [&](std::uint32_t atom) { return (at(atom) - from).squaredNorm(); }));
-  };
   Vec3f middle = Vec3f::Zero();
-  for (const std::uint32_t atom : atoms) middle += at(atom);
-  halves.first_middle = farthest(middle / static_cast<float>(atoms.size()));
-  halves.second_middle = farthest(halves.first_middle);
-  for (int round = 0; round < 4; ++round) {
-    halves.first.clear();
-    halves.second.clear();
-    Vec3f first_sum = Vec3f::Zero();
-    Vec3f second_sum = Vec3f::Zero();
-    for (const std::uint32_t atom : atoms) {
-      const Vec3f place = at(atom);
-      const bool first = (place - halves.first_middle).squaredNorm() <= (place - halves.second_middle).squaredNorm();
-      (first ? halves.first : halves.second).push_back(atom);
-      (first ? first_sum : second_sum) += place;
-    }
-    if (halves.first.empty() || halves.second.empty()) return false;
-    halves.first_middle = first_sum / static_cast<float>(halves.first.size());
-    halves.second_middle = second_sum / static_cast<float>(halves.second.size());
+  for (const std::uint32_t atom : atoms) middle += atoms_.middles.at(atom);
+  middle /= static_cast<float>(atoms.size());
+  Eigen::Matrix3f spread = Eigen::Matrix3f::Zero();
+  for (const std::uint32_t atom : atoms) {
+    const Vec3f way = atoms_.middles.at(atom) - middle;
+    spread += way * way.transpose();
   }
-  return true;
+  const Eigen::Matrix3f axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(spread).eigenvectors();
+  float least = std::numeric_limits<float>::infinity();
+  for (int k = 2; k >= 0; --k) {
+    const Vec3f axis = axes.col(k);
+    Halves halves;
+    float first_sum = 0;
+    float second_sum = 0;
+    for (const std::uint32_t atom : atoms) {
+      const float along = axis.dot(atoms_.middles.at(atom) - middle);
+      (along <= 0 ? halves.first : halves.second).push_back(atom);
+      (along <= 0 ? first_sum : second_sum) += along;
+    }
+    if (halves.first.empty() || halves.second.empty()) continue;
+    halves.first_center = ball.center + first_sum / static_cast<float>(halves.first.size()) * axis;
+    halves.second_center = ball.center + second_sum / static_cast<float>(halves.second.size()) * axis;
+    set_.gather(atoms_, halves.first);
+    float bound = set_.radius_about(atoms_, halves.first_center, 2.0F) + signed_distance(halves.first_center);
+    set_.gather(atoms_, halves.second);
+    bound = std::max(bound, set_.radius_about(atoms_, halves.second_center, 2.0F) + signed_distance(halves.second_center));
+    if (bound < least) {
+      least = bound;
+      best = std::move(halves);
+    }
+  }
+  return std::isfinite(least);
 }
 
 }  // namespace poise::geometry

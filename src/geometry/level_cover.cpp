@@ -13,9 +13,10 @@ namespace {
 // Found by trying them on the meshes of docs/sphere-trees.md.
 constexpr float kPriceStep = 0.15F;     ///< of a ball's stand-off above the mean, each round
 constexpr float kMostPrice = 0.5F;      ///< of the mean stand-off
+constexpr float kMostBound = 2;         ///< of the mean stand-off, for places that are tried
 constexpr float kFirstStep = 0.25F;     ///< of a ball's radius, in the first round of bids
-constexpr float kStepDecay = 0.8F;
-constexpr float kSmallestStep = 0.03F;
+constexpr float kLastShare = 0.12F;     ///< of the first step, in the last round
+constexpr float kSmallestStep = 0.02F;
 constexpr float kSweepStep = 0.1F;
 constexpr double kScaleOfLargest = 0.7; ///< far samples count from here on
 constexpr double kFirstPower = 4;
@@ -26,8 +27,8 @@ constexpr int kMostPowers = 3;
 }  // namespace
 
 LevelCover::LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
-                       const std::vector<CoverParent>& parents)
-    : atoms_(atoms), samples_(samples), bvh_(bvh), frame_(frame), parents_(parents), family_(parents.size()), held_(atoms.size(), 0),
+                       const std::vector<DeepPlace>& places, const std::vector<CoverParent>& parents)
+    : atoms_(atoms), samples_(samples), bvh_(bvh), frame_(frame), places_(places), parents_(parents), family_(parents.size()), held_(atoms.size(), 0),
       holders_(atoms.size(), 0), least_bid_(atoms.size()), winner_(atoms.size()), count_(samples.size(), 0), weight_(samples.size(), 0) {
   for (const CoverParent& parent : parents) {
     if (!parent.closed) continue;
@@ -76,13 +77,14 @@ void LevelCover::set_prices(const LevelSettings& settings) {
     atoms += static_cast<double>(ball.own.size());
   }
   const auto mean = static_cast<float>(std::max(0.0, sum / static_cast<double>(balls_.size())));
+  most_bound_ = std::min(samples_.thickness, kMostBound * mean);
   for (CoverBall& ball : balls_) {
     if (settings.equal_sizes > 0) {
       const double size = atoms > 0 ? static_cast<double>(ball.own.size() * balls_.size()) / atoms : 1.0;
       ball.price = static_cast<float>(settings.equal_sizes * std::clamp(size - 1, -1.0, 1.0)) * mean;
     } else {
-      const float price = ball.price + kPriceStep * (ball.radius + ball.signed_distance - mean);
-      ball.price = std::clamp(price, -kMostPrice * mean, kMostPrice * mean);
+      const float step = kPriceStep * std::clamp(ball.radius + ball.signed_distance - mean, -mean, mean);
+      ball.price = std::clamp(ball.price + step, -kMostPrice * mean, kMostPrice * mean);
     }
   }
 }
@@ -123,7 +125,7 @@ void LevelCover::split_for_free_places() {
           worst = k;
         }
       }
-      if (!(most > 0) || !halve(balls_[worst].own, halves)) break;
+      if (!(most > 0) || !halve(balls_[worst], balls_[worst].own, halves)) break;
       CoverBall second;
       second.parent = static_cast<std::uint32_t>(p);
       const auto place = [&](CoverBall& ball, std::vector<std::uint32_t>& own, const Vec3f& center) {
@@ -135,8 +137,8 @@ void LevelCover::split_for_free_places() {
         count(ball, 1);
       };
       count(balls_[worst], -1);
-      place(balls_[worst], halves.first, halves.first_middle);
-      place(second, halves.second, halves.second_middle);
+      place(balls_[worst], halves.first, halves.first_center);
+      place(second, halves.second, halves.second_center);
       family_[p].push_back(static_cast<std::uint32_t>(balls_.size()));
       balls_.push_back(std::move(second));
     }
@@ -154,7 +156,7 @@ void LevelCover::bid(int round, const LevelSettings& settings) {
   }
   drop_empty();
   split_for_free_places();
-  const float step = std::max(kSmallestStep, kFirstStep * std::pow(kStepDecay, static_cast<float>(round)));
+  const float step = std::max(kSmallestStep, kFirstStep * std::pow(kLastShare, static_cast<float>(round) / static_cast<float>(settings.bids)));
   for (CoverBall& ball : balls_) {
     count(ball, -1);
     fit(ball, ball.own, step);
@@ -215,12 +217,12 @@ bool LevelCover::shrink(int sweep) {
 
 bool LevelCover::split_in_two(CoverBall& ball, const std::vector<std::uint32_t>& needed, CoverBall& second) {
   Halves halves;
-  if (!halve(needed, halves)) return false;
+  if (!halve(ball, needed, halves)) return false;
   second = {};
   second.parent = ball.parent;
-  second.center = halves.second_middle;
+  second.center = halves.second_center;
   second.signed_distance = signed_distance(second.center);
-  ball.center = halves.first_middle;
+  ball.center = halves.first_center;
   ball.signed_distance = signed_distance(ball.center);
   fit(ball, halves.first, kFirstStep);
   put_in(ball, halves.first);

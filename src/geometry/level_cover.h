@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/cover_atoms.h"
+#include "geometry/deep_candidates.h"
 #include "geometry/shell_samples.h"
 #include "geometry/triangle_bvh.h"
 
@@ -39,6 +40,7 @@ struct LevelScore {
 struct LevelSettings {
   int bids = 12;            ///< rounds in which atoms go to the ball that bids least, and balls move
   int sweeps = 6;           ///< of shrinking to what no other ball holds, at most
+  int redone = 0;           ///< attempts to make the worst families anew
   double equal_sizes = 0;   ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
 };
 
@@ -50,7 +52,7 @@ class LevelCover {
   // total_ the sum of weight_[i] over samples with a count.
  public:
   LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
-             const std::vector<CoverParent>& parents);
+             const std::vector<DeepPlace>& places, const std::vector<CoverParent>& parents);
 
   /// Improves balls, of which each open parent needs at least one. `keep_going` is asked between rounds; what there is when it says no
   /// still holds every atom.
@@ -62,6 +64,7 @@ class LevelCover {
     for (int sweep = 0; sweep < settings.sweeps && keep_going(); ++sweep) {
       if (!shrink(sweep)) break;
     }
+    if (keep_going()) redo_worst(settings.redone);
   }
   /// The best balls found, each with the atoms that it answers for; together all atoms that no closed parent holds.
   std::vector<CoverBall> take_best(LevelScore* score = nullptr);
@@ -69,8 +72,8 @@ class LevelCover {
  private:
   struct Halves {
     std::vector<std::uint32_t> first, second;
-    Vec3f first_middle = Vec3f::Zero();
-    Vec3f second_middle = Vec3f::Zero();
+    Vec3f first_center = Vec3f::Zero();
+    Vec3f second_center = Vec3f::Zero();
   };
 
   void begin(std::vector<CoverBall> balls);
@@ -89,7 +92,7 @@ class LevelCover {
   [[nodiscard]] float signed_distance(const Vec3f& at) const;
   void fit(CoverBall& ball, const std::vector<std::uint32_t>& atoms, float step);
   void find_covered(CoverBall& ball, const std::vector<std::uint32_t>& needed) const;
-  bool halve(const std::vector<std::uint32_t>& atoms, Halves& halves) const;
+  bool halve(const CoverBall& ball, const std::vector<std::uint32_t>& atoms, Halves& best);
 
   // Bidding and sweeps (level_cover.cpp).
   void assign();
@@ -102,12 +105,16 @@ class LevelCover {
   bool split_in_two(CoverBall& ball, const std::vector<std::uint32_t>& needed, CoverBall& second);
   void fill_free_places();
   void swap_poor_for_needed();
+  [[nodiscard]] double largest_of(const CoverBall& ball) const;
+  bool redo(std::uint32_t parent, std::uint64_t seed);
+  void redo_worst(int attempts);
   bool swap(std::uint32_t poor, std::uint32_t worst, const std::vector<std::uint32_t>& family);
 
   const CoverAtoms& atoms_;
   const ShellSamples& samples_;
   const TriangleBvh& bvh_;
   const CoverFrame& frame_;
+  const std::vector<DeepPlace>& places_;
   const std::vector<CoverParent>& parents_;
 
   std::vector<CoverBall> balls_;
@@ -120,6 +127,7 @@ class LevelCover {
   std::vector<std::uint16_t> count_;
   std::vector<std::int32_t> weight_;
   std::int64_t total_ = 0;
+  float most_bound_ = 0;                            ///< of radius + signed distance, for places that are tried
 
   std::vector<CoverBall> best_;
   double best_value_ = 0;

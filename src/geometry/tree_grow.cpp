@@ -155,10 +155,14 @@ class Grower {
     const auto open = static_cast<std::size_t>(std::ranges::count_if(parents_, [](const CoverParent& parent) { return !parent.closed; }));
     const std::size_t target = std::clamp(effort_.samples_per_ball * kTreeBranching * open, kFewestSamples, kMostSamples);
     const ShellSamples samples = sample_shell(mesh_, bvh_, frame_, kShellFactor * stand_off + 0.002F, target, options_.seed + level, executor_);
-    LevelCover cover(atoms_, samples, bvh_, frame_, parents_);
+    LevelCover cover(atoms_, samples, bvh_, frame_, places_, parents_);
     int round = 0;
-    cover.improve(std::move(balls), effort_.level, [&] {
-      progress_(done + part * ++round / (effort_.level.bids + effort_.level.sweeps + 2));
+    LevelSettings settings = effort_.level;
+    // Few balls cost little, and what stands out of them stands out far.
+    if (level <= 2) settings.bids *= 2;
+    if (level == 1) settings.redone = 0;
+    cover.improve(std::move(balls), settings, [&] {
+      progress_(done + part * ++round / (settings.bids + settings.sweeps + 2));
       return keep_going_();
     });
     if (keep_going_()) take_over(cover.take_best());
@@ -219,21 +223,20 @@ class Grower {
 }  // namespace
 
 TreeEffort effort_of(TreePreset preset) {
-  TreeEffort effort;
-  if (preset == TreePreset::Fast) {
+  TreeEffort effort;  if (preset == TreePreset::Fast) {
     effort.atoms = 20000;
     effort.start_atoms = 3000;
     effort.places = 1000;
     effort.samples_per_ball = 100;
     effort.start = {.tries = 2, .samples = 6000, .level = {.bids = 5, .sweeps = 2}};
-    effort.level = {.bids = 5, .sweeps = 2};
+    effort.level = {.bids = 5, .sweeps = 2, .redone = 0};
   } else if (preset == TreePreset::Best) {
     effort.atoms = 250000;
     effort.start_atoms = 12000;
     effort.places = 8000;
     effort.samples_per_ball = 800;
     effort.start = {.tries = 64, .samples = 30000, .level = {.bids = 12, .sweeps = 5}};
-    effort.level = {.bids = 25, .sweeps = 10};
+    effort.level = {.bids = 40, .sweeps = 10, .redone = 150};
   }
   return effort;
 }
