@@ -162,11 +162,13 @@ void append_row(const SphereTree& tree, NodeIndex node, std::string& text) {
                  sphere.radius_m);
 }
 
-/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error of its spheres.
+/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error of its spheres
+/// where these are known.
 void append_level_figures(const SphereTree& tree, Level level, std::size_t places, std::string& text) {
+  fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\n", level, places);
+  if (!geometry::protrusions_known(tree)) return;
   const geometry::LevelErrors errors = geometry::level_errors(tree, tree.nodes_at(level));
-  fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\nBest : {}\nWorst : {}\nMean : {}\n", level, places,
-                 errors.best_m, errors.worst_m, errors.mean_m);
+  fmt::format_to(std::back_inserter(text), "Best : {}\nWorst : {}\nMean : {}\n", errors.best_m, errors.worst_m, errors.mean_m);
 }
 
 std::string sph_text(const SphereTree& tree) {
