@@ -10,6 +10,7 @@
 #include "app/child_command.h"
 #include "app/exit_codes.h"
 #include "app/option_values.h"
+#include "app/output_files.h"
 #include "app/progress.h"
 #include "app/study_meshes.h"
 #include "build_info.h"
@@ -32,6 +33,10 @@ Status check(const StudyTreesOptions& o) {
   if (o.scaling && !o.meshes.empty()) return bad_input("MESH has no meaning with --scaling, which makes its own");
   const auto to_stdout = std::ranges::count(std::vector{o.json, o.markdown, o.csv}, "-");
   if (to_stdout > 1) return bad_input("only one of --json, --markdown and --csv can go to the standard output");
+  for (const std::string& mesh : o.meshes.empty() ? std::vector<std::string>{""} : o.meshes) {
+    const Status apart = check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--csv", o.csv}}, {{"MESH", mesh}});
+    if (!apart) return apart;
+  }
   return Done{};
 }
 
@@ -145,6 +150,8 @@ void add_study_trees_options(CLI::App& command, StudyTreesOptions& o) {
 int study_trees(const StudyTreesOptions& options) {
   const Status sound = check(options);
   if (!sound) return refuse(kExitBadUsage, sound.error().message);
+  const Status writable = can_write({options.json, options.markdown, options.csv});
+  if (!writable) return refuse(writable.error());
   Progress progress(!options.quiet);
   const parallel::Interrupt interrupt;
   if (options.scaling) {
