@@ -50,12 +50,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))
       ->type_name("E");
-  command.add_option("--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output")
-      ->type_name("FILE");
-  command.add_option("--states", options.states, "Write every body after every frame as CSV")->type_name("FILE");
-  command.add_option("--frames-csv", options.frames_csv, "Write one row a frame as CSV")->type_name("FILE");
-  command.add_option("--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level")
-      ->type_name("FILE");
+  add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
+  add_path(command, "--states", options.states, "Write every body after every frame as CSV");
+  add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
+  add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
   command
       .add_option("--require", options.require,
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")

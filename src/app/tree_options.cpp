@@ -86,20 +86,17 @@ Status check_convert(const TreeOptions& o) {
 
 void add_tree_options(CLI::App& command, TreeOptions& o) {
   command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --verdict")->type_name("MESH");
-  command.add_option("--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o")->type_name("FILE");
-  command.add_option("--compare", o.compare, "Judge this tree too and set both side by side; the better figure is marked *")
-      ->type_name("FILE");
+  add_path(command, "--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o");
+  add_path(command, "--compare", o.compare, "Judge this tree too and set both side by side; the better figure is marked *");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   command.add_option("--preset", o.preset, "How much time the tree is worth: fast, default or best")
       ->check(CLI::IsMember({"fast", "default", "best"}))
       ->type_name("NAME");
   command.add_flag("--shell", o.shell, "The object is the surface alone, not what it encloses");
-  command.add_option("-o,--output", o.output, "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)")
-      ->type_name("FILE");
+  add_path(command, "-o,--output", o.output, "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)");
   add_whole(command, "--level", o.level, 0, kMaxTreeDepth, "The level to write as .urdf, .yml or .json (default the deepest)");
-  command.add_option("--json", o.json, "Write the figures as JSON (poise.tree/1), - for the standard output")->type_name("FILE");
-  command.add_option("--picture", o.picture, "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out")
-      ->type_name("FILE");
+  add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/1), - for the standard output");
+  add_path(command, "--picture", o.picture, "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out");
   command.add_option("--up", o.up, "The axis that is upward in the picture: x, y, z, -x, -y or -z (default z, but y for glTF)")
       ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");

@@ -124,7 +124,8 @@ Result<SphereTree> parse_sph(std::string_view text) {
   const auto head = lines.next();
   int levels = 0;
   int branch = 0;
-  if (!head || head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
+  if (!head) return bad_input("is empty; line 1 must be 'levels branch', two whole numbers");
+  if (head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
     return refuse("must be 'levels branch', two whole numbers");
   }
   if (levels < 1 || levels > kMaxTreeDepth + 1) return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));

@@ -147,7 +147,7 @@ TEST_F(SphFile, AnOnlyChildThatIsSmallerStays) {
 
 TEST_F(SphFile, EachBrokenFileIsRefusedWithItsLineAndRule) {
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "must be 'levels branch'"},
+      {"", "is empty; line 1 must be 'levels branch'"},
       {"hello world\n", "line 1: must be 'levels branch'"},
       {"2\n0 0 0 1 1\n", "line 1: must be 'levels branch'"},
       {"0 8\n", "line 1: levels = 0, must be from 1 to 7"},
