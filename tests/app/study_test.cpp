@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -89,12 +90,15 @@ TEST(StudyTrees, TellsAPathThatCannotBeWrittenBeforeItBuildsAnything) {
 }
 
 TEST(StudyTrees, RefusesWhatHasNoMeaning) {
+  const TemporaryFolder folder;
+  const std::string mesh = folder.file("slab.obj");
+  std::filesystem::copy_file(kMeshes + "slab.obj", mesh);
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"--most", "5000"}, "--most needs --scaling"},
       {{"--scaling", kMeshes + "slab.obj"}, "MESH has no meaning with --scaling"},
       {{"--json", "-", "--csv", "-"}, "only one of --json, --markdown and --csv"},
       {{"--json", "a", "--csv", "./a"}, "named for two outputs"},
-      {{kMeshes + "slab.obj", "--csv", kMeshes + "slab.obj"}, "would overwrite the file that is read as MESH"},
+      {{mesh, "--csv", mesh}, "would overwrite the file that is read as MESH"},
       {{"--preset", "slow"}, "--preset"},
   };
   for (const auto& [arguments, message] : cases) {

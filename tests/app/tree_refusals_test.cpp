@@ -60,8 +60,6 @@ TEST(TreeRefusals, OfOptionsThatHaveNoMeaningTogetherEndWithTwo) {
              of_mesh({"--json", ""}, "--json: must not be empty"),
              of_mesh({"-o", ""}, "--output: must not be empty"),
              of_mesh({"--tree", ""}, "--tree: must not be empty"),
-             of_mesh({"--json", kSlab}, "would overwrite the file that is read as MESH"),
-             of_mesh({"--json", POISE_SOURCE_DIR "/scenes/meshes/../meshes/slab.obj"}, "would overwrite the file that is read as MESH"),
              of_mesh({"--picture", "a.jpg"}, "--picture a.jpg: a PNG is written, so the ending must be .png"),
              of_mesh({"--depth", "1", "--level", "2", "-o", "a.urdf"}, "--level 2 is below --depth 1"),
              of_mesh({"--level", "4", "-o", "a.urdf"}, "--level 4 is below --depth 3"),
@@ -82,13 +80,18 @@ TEST(TreeRefusals, AnOutputThatIsAlsoReadStaysAsItIs) {
   const TemporaryFolder folder;
   std::ofstream(folder.file("ball.sph")) << "1 8\n0 0 0 1 1\n";
   std::filesystem::create_symlink(folder.file("ball.sph"), folder.file("link.sph"));
+  const std::string mesh = folder.file("slab.obj");
+  std::filesystem::copy_file(kSlab, mesh);
   expect_refusals(2, {
+                         {{"tree", mesh, "--depth", "0", "--json", mesh}, "would overwrite the file that is read as MESH"},
+                         {{"tree", mesh, "--verdict", "--json", folder.file("./slab.obj")}, "would overwrite the file that is read as MESH"},
                          {{"tree", "--tree", folder.file("ball.sph"), "-o", folder.file("link.sph")},
                           "would overwrite the file that is read as --tree"},
                          of_mesh({"--compare", folder.file("ball.sph"), "-o", folder.file("ball.sph")},
                                  "would overwrite the file that is read as --compare"),
                      });
   EXPECT_EQ(contents(folder.file("ball.sph")), "1 8\n0 0 0 1 1\n");
+  EXPECT_EQ(contents(mesh), contents(kSlab));
 }
 
 TEST(TreeRefusals, OfBadInputEndWithThree) {
