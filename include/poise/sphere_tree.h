@@ -110,6 +110,7 @@ struct TreeJudgeOptions {
   std::uint64_t seed = 1;
   Solidity solidity = Solidity::Solid;  ///< what counts as the object
   int threads = 0;                      ///< 0 = as many as the machine has; the figures do not depend on it
+  std::stop_token stop = {};            ///< asks the judging to end; it returns ErrorKind::Cancelled soon after
 };
 
 /// Judges a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an open one is sampled by

@@ -58,7 +58,7 @@ struct ForeignTreeReport {
 
 /// Takes in a tree that was not built here: judges it against its mesh (same frame), and fills what its nodes know of
 /// protrusion and surface, which files do not have. The tree's spheres stay as they are, leaking or not: the caller decides by the report. Deterministic for a
-/// seed on any number of threads. Any thread. Refused as judge_tree refuses; the tree is then as it was.
+/// seed on any number of threads. Any thread. Refused as judge_tree refuses, ErrorKind::Cancelled among it; the tree is then as it was.
 Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options = {});
 
 }  // namespace poise

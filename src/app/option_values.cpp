@@ -47,4 +47,9 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<do
   return app.add_option_function<std::string>(name, read, help)->type_name("MS");
 }
 
+CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& target, const std::string& help) {
+  const auto not_empty = [](const std::string& path) { return path.empty() ? "must not be empty" : ""; };
+  return app.add_option(name, target, help)->check(not_empty)->type_name("FILE");
+}
+
 }  // namespace poise::app

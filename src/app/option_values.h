@@ -16,4 +16,7 @@ CLI::Option* add_whole(CLI::App& app, const std::string& name, std::optional<std
 CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<double>& target, double min,
                         bool open_min, double max, const std::string& help);
 
+/// Adds `name` for a file or folder. An empty name is a usage error: it comes from a variable that was not set.
+CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& target, const std::string& help);
+
 }  // namespace poise::app

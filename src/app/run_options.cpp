@@ -2,11 +2,10 @@
 #include "app/run_options.h"
 
 #include <cstdint>
-#include <filesystem>
 #include <limits>
-#include <vector>
 
 #include "app/option_values.h"
+#include "app/output_files.h"
 
 namespace poise::app {
 namespace {
@@ -51,12 +50,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))
       ->type_name("E");
-  command.add_option("--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output")
-      ->type_name("FILE");
-  command.add_option("--states", options.states, "Write every body after every frame as CSV")->type_name("FILE");
-  command.add_option("--frames-csv", options.frames_csv, "Write one row a frame as CSV")->type_name("FILE");
-  command.add_option("--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level")
-      ->type_name("FILE");
+  add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
+  add_path(command, "--states", options.states, "Write every body after every frame as CSV");
+  add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
+  add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
   command
       .add_option("--require", options.require,
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
@@ -77,17 +74,16 @@ Status check_run_options(const RunOptions& options) {
   if (options.require && options.require->empty()) return bad_input("--require must not be empty");
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
-  std::vector<std::filesystem::path> outputs;
-  for (const std::string* path : {&options.json, &options.states, &options.frames_csv, &options.picture}) {
-    if (path->empty()) continue;
-    if (*path == "-" && path != &options.json) return bad_input("only --json can go to the standard output");
-    const std::filesystem::path normal = std::filesystem::path(*path).lexically_normal();
-    for (const std::filesystem::path& other : outputs) {
-      if (other == normal) return bad_input(*path + " is named for two outputs");
-    }
-    outputs.push_back(normal);
+  for (const std::string* path : {&options.states, &options.frames_csv, &options.picture}) {
+    if (*path == "-") return bad_input("only --json can go to the standard output");
   }
-  return Done{};
+  const Status picture = check_picture(options.picture);
+  if (!picture) return picture;
+  return check_outputs({{"--json", options.json},
+                        {"--states", options.states},
+                        {"--frames-csv", options.frames_csv},
+                        {"--picture", options.picture}},
+                       {{"SCENE", options.scene}});
 }
 
 ExecutorKind executor_kind(const RunOptions& options) {

@@ -10,6 +10,7 @@
 #include "app/child_command.h"
 #include "app/exit_codes.h"
 #include "app/option_values.h"
+#include "app/output_files.h"
 #include "app/progress.h"
 #include "app/study_meshes.h"
 #include "build_info.h"
@@ -32,6 +33,10 @@ Status check(const StudyTreesOptions& o) {
   if (o.scaling && !o.meshes.empty()) return bad_input("MESH has no meaning with --scaling, which makes its own");
   const auto to_stdout = std::ranges::count(std::vector{o.json, o.markdown, o.csv}, "-");
   if (to_stdout > 1) return bad_input("only one of --json, --markdown and --csv can go to the standard output");
+  for (const std::string& mesh : o.meshes.empty() ? std::vector<std::string>{""} : o.meshes) {
+    const Status apart = check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--csv", o.csv}}, {{"MESH", mesh}});
+    if (!apart) return apart;
+  }
   return Done{};
 }
 
@@ -129,9 +134,9 @@ void add_study_trees_options(CLI::App& command, StudyTreesOptions& o) {
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
   add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the judging samples (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads of a build, 0 = as many as the machine has (default 0)");
-  command.add_option("--json", o.json, "Write the rows as JSON (poise.trees/1), - for the standard output")->type_name("FILE");
-  command.add_option("--markdown", o.markdown, "Write the table for docs, - for the standard output")->type_name("FILE");
-  command.add_option("--csv", o.csv, "Write a line a mesh and level, - for the standard output")->type_name("FILE");
+  add_path(command, "--json", o.json, "Write the rows as JSON (poise.trees/1), - for the standard output");
+  add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
+  add_path(command, "--csv", o.csv, "Write a line a mesh and level, - for the standard output");
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
       "Examples:\n"
@@ -145,6 +150,8 @@ void add_study_trees_options(CLI::App& command, StudyTreesOptions& o) {
 int study_trees(const StudyTreesOptions& options) {
   const Status sound = check(options);
   if (!sound) return refuse(kExitBadUsage, sound.error().message);
+  const Status writable = can_write({options.json, options.markdown, options.csv});
+  if (!writable) return refuse(writable.error());
   Progress progress(!options.quiet);
   const parallel::Interrupt interrupt;
   if (options.scaling) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/exit_codes.h"
+#include "app/output_files.h"
 #include "app/progress.h"
 #include "app/tree_options.h"
 #include "app/tree_table.h"
@@ -32,24 +33,6 @@ int refuse(int code, const std::string& message) {
 }
 int refuse(const Error& error) { return refuse(exit_code_of(error), error.message); }
 
-/// Tells a bad path before long work, without leaving anything there. A pipe or a device is not tried: opening it is felt.
-Status can_write(const std::string& path) {
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  const bool special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);
-  if (path.empty() || path == "-" || special) return Done{};
-  const Result<io::AtomicFile> tried = io::AtomicFile::open(path);
-  return tried ? Status(Done{}) : tried.error();
-}
-
-Status can_write_all(const TreeOptions& options) {
-  for (const std::string& path : {options.output, options.json, options.picture}) {
-    const Status writable = can_write(path);
-    if (!writable) return writable;
-  }
-  return Done{};
-}
-
 Status save_tree(const TreeOptions& options, const SphereTree& tree) {
   const auto level = static_cast<Level>(options.level.value_or(tree.depth()));
   return write_tree(tree, level, *tree_format_of(options.output), std::filesystem::path(options.output).stem().string(), options.output);
@@ -63,7 +46,8 @@ Status save_picture(const TreeOptions& options, const TreeWork& work) {
     trees.push_back({&work.trees[i], work.trees.size() > 1 ? name : ""});
   }
   io::TreePictureSettings settings;
-  settings.up = options.up.value_or("z") == "x" ? Vec3::UnitX() : options.up.value_or("z") == "y" ? Vec3::UnitY() : Vec3::UnitZ();
+  settings.up = axis_of(up_of(options));
+  if (options.front) settings.front = axis_of(*options.front);
   settings.solidity = work.document.solidity;
   settings.threads = work.document.threads;
   const Result<io::Image> image = io::draw_trees(work.mesh, trees, settings);
@@ -86,7 +70,7 @@ Status save_all(const TreeOptions& options, const TreeWork& work) {
 }
 
 int judge(const TreeOptions& options) {
-  const Status writable = can_write_all(options);
+  const Status writable = can_write({options.output, options.json, options.picture});
   if (!writable) return refuse(writable.error());
   Progress progress(!options.quiet);
   const parallel::Interrupt interrupt;
@@ -103,7 +87,7 @@ int judge(const TreeOptions& options) {
 }
 
 int convert(const TreeOptions& options) {
-  const Result<SphereTree> tree = read_tree(options.tree);
+  const Result<SphereTree> tree = read_tree(options.tree, options.level);
   if (!tree) return refuse(tree.error());
   const Status written = save_tree(options, tree.value());
   return written ? kExitDone : refuse(written.error());

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <utility>
 
 #include "app/option_values.h"
+#include "app/output_files.h"
 
 namespace poise::app {
 namespace {
@@ -34,16 +34,14 @@ Status check_output(const TreeOptions& o) {
     return bad_input(fmt::format("-o {}: the ending must be .sph, .urdf, .yml, .yaml or .json", o.output));
   }
   if (o.level && !writes_a_level(o)) return bad_input("--level needs -o with a .urdf, .yml, .yaml or .json file");
-  const std::pair<const char*, const std::string*> outputs[] = {{"-o", &o.output}, {"--json", &o.json}, {"--picture", &o.picture}};
-  for (const auto& a : outputs) {
-    for (const auto& b : outputs) {
-      if (a.first == b.first || a.second->empty()) continue;
-      if (std::filesystem::path(*a.second).lexically_normal() == std::filesystem::path(*b.second).lexically_normal()) {
-        return bad_input(fmt::format("{} is named for two outputs: {} and {}", *a.second, a.first, b.first));
-      }
-    }
+  const Status picture = check_picture(o.picture);
+  if (!picture) return picture;
+  for (const std::string& mesh : o.meshes) {
+    const Status apart = check_outputs({{"-o", o.output}, {"--json", o.json}, {"--picture", o.picture}},
+                                       {{"MESH", mesh}, {"--tree", o.tree}, {"--compare", o.compare}});
+    if (!apart) return apart;
   }
-  return Done{};
+  return check_outputs({{"-o", o.output}}, {{"--tree", o.tree}});
 }
 
 Status check_verdict(const TreeOptions& o) {
@@ -53,6 +51,7 @@ Status check_verdict(const TreeOptions& o) {
                        {"-o", !o.output.empty()},
                        {"--picture", !o.picture.empty()},
                        {"--up", o.up.has_value()},
+                       {"--front", o.front.has_value()},
                        {"--depth", o.depth.has_value()},
                        {"--preset", o.preset.has_value()},
                        {"--seed", o.seed.has_value()},
@@ -71,6 +70,7 @@ Status check_convert(const TreeOptions& o) {
                        {"--json", !o.json.empty()},
                        {"--picture", !o.picture.empty()},
                        {"--up", o.up.has_value()},
+                       {"--front", o.front.has_value()},
                        {"--depth", o.depth.has_value()},
                        {"--preset", o.preset.has_value()},
                        {"--seed", o.seed.has_value()},
@@ -86,23 +86,23 @@ Status check_convert(const TreeOptions& o) {
 
 void add_tree_options(CLI::App& command, TreeOptions& o) {
   command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --verdict")->type_name("MESH");
-  command.add_option("--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o")->type_name("FILE");
-  command.add_option("--compare", o.compare, "Judge this tree too and set both side by side; the better figure is marked *")
-      ->type_name("FILE");
+  add_path(command, "--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o");
+  add_path(command, "--compare", o.compare, "Judge this tree too and set both side by side; the better figure is marked *");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   command.add_option("--preset", o.preset, "How much time the tree is worth: fast, default or best")
       ->check(CLI::IsMember({"fast", "default", "best"}))
       ->type_name("NAME");
   command.add_flag("--shell", o.shell, "The object is the surface alone, not what it encloses");
-  command.add_option("-o,--output", o.output, "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)")
-      ->type_name("FILE");
+  add_path(command, "-o,--output", o.output, "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)");
   add_whole(command, "--level", o.level, 0, kMaxTreeDepth, "The level to write as .urdf, .yml or .json (default the deepest)");
-  command.add_option("--json", o.json, "Write the figures as JSON (poise.tree/1), - for the standard output")->type_name("FILE");
-  command.add_option("--picture", o.picture, "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out")
-      ->type_name("FILE");
-  command.add_option("--up", o.up, "The axis that is upward in the picture: x, y or z (default z)")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->type_name("AXIS");
+  add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/1), - for the standard output");
+  add_path(command, "--picture", o.picture, "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out");
+  command.add_option("--up", o.up, "The axis that is upward in the picture: x, y, z, -x, -y or -z (default z, but y for glTF)")
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->option_text("AXIS");
+  command.add_option("--front", o.front, "Towards where the mesh looks: the picture is from there, turned and from above (default -y, but z with --up y)")
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->option_text("AXIS");
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
   add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the judging samples (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has; the tree is the same (default 0)");
@@ -136,10 +136,27 @@ Status check_tree_options(const TreeOptions& o) {
   if (task_of(o) == TreeTask::Convert) return check_convert(o);
   if (o.meshes.size() > 1) return bad_input(fmt::format("{} meshes are named; only --verdict takes more than one", o.meshes.size()));
   if (o.up && o.picture.empty()) return bad_input("--up needs --picture");
+  if (o.front && o.picture.empty()) return bad_input("--front needs --picture");
+  if (o.front && axis_of(*o.front).dot(axis_of(up_of(o))) != 0) {
+    return bad_input(fmt::format("--front {} and --up {} must be different axes", *o.front, up_of(o)));
+  }
+  const std::uint64_t depth = o.depth.value_or(TreeBuildOptions{}.depth);
+  if (o.tree.empty() && o.level.value_or(0) > depth) return bad_input(fmt::format("--level {} is below --depth {}", *o.level, depth));
   if (o.tree.empty()) return Done{};
   if (!o.output.empty() && !o.compare.empty()) return bad_input("-o has no meaning with --compare and --tree: which of the two trees is meant?");
   return refuse_given({{"--depth", o.depth.has_value()}, {"--preset", o.preset.has_value()}},
                       "has no meaning with --tree, which is not built");
+}
+
+std::string up_of(const TreeOptions& options) {
+  if (options.up) return *options.up;
+  const std::string ending = options.meshes.empty() ? "" : lower_case_ending(options.meshes.front());
+  return ending == ".gltf" || ending == ".glb" ? "y" : "z";
+}
+
+Vec3 axis_of(const std::string& name) {
+  const Vec3 axis = name.ends_with('x') ? Vec3::UnitX() : name.ends_with('y') ? Vec3::UnitY() : Vec3::UnitZ();
+  return name.starts_with('-') ? Vec3(-axis) : axis;
 }
 
 TreePreset preset_of(const std::string& name) {

@@ -10,6 +10,7 @@
 #include "poise/result.h"
 #include "poise/sphere_tree.h"
 #include "poise/tree_formats.h"
+#include "poise/types.h"
 
 namespace poise::app {
 
@@ -24,7 +25,7 @@ enum class TreeTask {
 struct TreeOptions {
   std::vector<std::string> meshes;
   std::string tree, compare, output, json, picture;
-  std::optional<std::string> preset, up;
+  std::optional<std::string> preset, up, front;
   std::optional<std::uint64_t> depth, threads, seed, samples, level;
   std::optional<double> scale;
   bool shell = false;
@@ -40,6 +41,12 @@ TreeTask task_of(const TreeOptions& options);
 
 /// Refuses options that have no meaning together, with both their names.
 Status check_tree_options(const TreeOptions& options);
+
+/// The axis that is upward in the picture: as given, else what the mesh's format says, else z.
+std::string up_of(const TreeOptions& options);
+
+/// The unit vector of x, y, z, -x, -y or -z.
+Vec3 axis_of(const std::string& name);
 
 TreePreset preset_of(const std::string& name);
 

@@ -13,7 +13,7 @@ namespace {
 using Out = std::back_insert_iterator<std::string>;
 
 void mesh_lines(const io::TreeDocument& d, Out out) {
-  fmt::format_to(out, "{}: {} triangles, diagonal {:.6g} m, {}\n", d.mesh, d.triangles, d.diagonal_m,
+  fmt::format_to(out, "{}: {} triangle{}, diagonal {:.6g} m, {}\n", d.mesh, d.triangles, d.triangles == 1 ? "" : "s", d.diagonal_m,
                  d.solidity == Solidity::Shell ? "taken as a shell" : fmt::format("volume {:.6g} m^3", d.volume_m3));
   if (!d.closed) fmt::format_to(out, "  {}\n", d.verdict);
   const MeshRepair& repair = d.repair;
@@ -25,7 +25,7 @@ void mesh_lines(const io::TreeDocument& d, Out out) {
 
 std::string tree_line(const io::JudgedTree& tree) {
   const double bytes = static_cast<double>(tree.bytes) / static_cast<double>(std::max<std::size_t>(tree.nodes, 1));
-  const std::string size = fmt::format("{} nodes of {:.0f} bytes", tree.nodes, bytes);
+  const std::string size = fmt::format("{} node{} of {:.0f} bytes", tree.nodes, tree.nodes == 1 ? "" : "s", bytes);
   if (!tree.cost) return fmt::format("{}: {}", tree.file, size);
   return fmt::format("built with preset {} to depth {}: {} in {:.2f} s, {:.2f} s of CPU time, {:.0f} MiB", io::preset_name(tree.preset),
                      tree.depth, size, tree.cost->wall_ms / 1000, tree.cost->cpu_ms / 1000,
@@ -56,10 +56,12 @@ void one_tree(const io::TreeDocument& d, Out out) {
                  "inside", "volume");
   fmt::format_to(out, "{:>5} {:>8} {:>12} {:>9} {:>12} {:>9} {:>10} {:>10} {:>8}\n", "level", "spheres", "m", "% diag", "m", "% diag",
                  "% covered", "% covered", "ratio");
+  const bool shell = d.solidity == Solidity::Shell;  // has no inside and no volume
   for (const TreeLevelFigures& f : tree.levels) {
-    fmt::format_to(out, "{:>5} {:>8} {:>12.6g} {:>9.3f} {:>12.6g} {:>9.3f} {:>10.4f} {:>10.4f} {:>8.3f}{}\n", f.level, f.spheres,
+    fmt::format_to(out, "{:>5} {:>8} {:>12.6g} {:>9.3f} {:>12.6g} {:>9.3f} {:>10.4f} {:>10} {:>8}{}\n", f.level, f.spheres,
                    f.protrusion_max_m, 100 * f.protrusion_max_m / d.diagonal_m, f.protrusion_mean_m,
-                   100 * f.protrusion_mean_m / d.diagonal_m, 100 * f.surface_coverage, 100 * f.inside_coverage, f.volume_ratio,
+                   100 * f.protrusion_mean_m / d.diagonal_m, 100 * f.surface_coverage,
+                   shell ? "-" : fmt::format("{:.4f}", 100 * f.inside_coverage), shell ? "-" : fmt::format("{:.3f}", f.volume_ratio),
                    io::leaks(f, d.solidity) ? "  leaks" : "");
   }
 }
@@ -93,7 +95,9 @@ void two_trees(const io::TreeDocument& d, Out out) {
     fmt::format_to(out, " {}", pair_of(percent * of_a.protrusion_mean_m, percent * of_b.protrusion_mean_m, 3, true));
     fmt::format_to(out, " {}", pair_of(of_a.volume_ratio, of_b.volume_ratio, 3, true));
     fmt::format_to(out, " {}", pair_of(100 * of_a.surface_coverage, 100 * of_b.surface_coverage, 4, false));
-    fmt::format_to(out, " {}\n", pair_of(100 * of_a.inside_coverage, 100 * of_b.inside_coverage, 4, false));
+    std::string inside = pair_of(100 * of_a.inside_coverage, 100 * of_b.inside_coverage, 4, false);
+    if (inside.ends_with(' ')) inside.pop_back();
+    fmt::format_to(out, " {}\n", inside);
   }
 }
 

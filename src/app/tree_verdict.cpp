@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/exit_codes.h"
+#include "app/output_files.h"
 #include "app/progress.h"
 #include "io/atomic_file.h"
 #include "poise/mesh.h"
@@ -27,7 +28,12 @@ struct Verdict {
 
 Verdict verdict_of(const std::string& file, const MeshReadOptions& reading) {
   const Result<TriangleMesh> mesh = read_mesh(file, reading);
-  if (!mesh) return {file, "refused", mesh.error().message, {}};
+  if (!mesh) {
+    // The message begins with the file, which has a column of its own here.
+    const std::string& message = mesh.error().message;
+    const std::string name = file + ": ";
+    return {file, "refused", message.starts_with(name) ? message.substr(name.size()) : message, {}};
+  }
   Result<MeshVerdict> verdict = assess_mesh(mesh.value());
   if (!verdict) return {file, "refused", verdict.error().message, {}};
   const MeshVerdict& v = verdict.value();
@@ -71,6 +77,10 @@ std::string as_table(const std::vector<Verdict>& verdicts) {
 int tell_verdicts(const TreeOptions& options) {
   MeshReadOptions reading;
   reading.scale = options.scale.value_or(1.0);
+  if (const Status writable = can_write({options.json}); !writable) {
+    fmt::print(stderr, "poise tree: {}\n", writable.error().message);
+    return exit_code_of(writable.error());
+  }
   Progress progress(!options.quiet);
   std::vector<Verdict> verdicts;
   for (const std::string& file : options.meshes) {

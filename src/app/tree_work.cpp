@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <stop_token>
 #include <utility>
 
 #include "app/process_memory.h"
@@ -65,9 +66,10 @@ Result<TreeWork> begin_work(const TreeOptions& options) {
 }
 
 /// Judges the tree and puts both into the work.
-Status add_tree(SphereTree tree, io::JudgedTree judged, TreeWork& work) {
+Status add_tree(SphereTree tree, io::JudgedTree judged, const std::stop_token& stop, TreeWork& work) {
   io::TreeDocument& d = work.document;
-  Result<std::vector<TreeLevelFigures>> levels = judge_tree(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads});
+  Result<std::vector<TreeLevelFigures>> levels = judge_tree(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads, stop});
+  if (!levels && levels.error().kind == ErrorKind::Cancelled) return cancelled();
   if (!levels) return in_file(judged.file.empty() ? d.mesh : judged.file, levels.error());
   judged.levels = std::move(levels).value();
   judged.nodes = tree.node_count();
@@ -77,13 +79,24 @@ Status add_tree(SphereTree tree, io::JudgedTree judged, TreeWork& work) {
   return Done{};
 }
 
-Status add_file(const std::string& file, TreeWork& work) {
-  Result<SphereTree> tree = read_tree(file);
+/// By the ending of the file.
+Result<SphereTree> read_any(const std::filesystem::path& file) {
+  const std::optional<TreeFormat> format = tree_format_of(file);
+  if (!format) return bad_input(fmt::format("{}: the ending must be .sph, .urdf, .yml, .yaml or .json", file.string()));
+  if (*format == TreeFormat::Sph) return read_sph(file);
+  const Result<std::vector<Sphere>> spheres = read_spheres(file);
+  if (!spheres) return spheres.error();
+  Result<SphereTree> tree = tree_of_spheres(spheres.value());
+  return tree ? std::move(tree) : in_file(file.string(), tree.error());
+}
+
+Status add_file(const std::string& file, std::optional<std::uint64_t> level, const std::stop_token& stop, TreeWork& work) {
+  Result<SphereTree> tree = read_tree(file, level);
   if (!tree) return tree.error();
   io::JudgedTree judged;
   judged.file = file;
   judged.depth = tree.value().depth();
-  return add_tree(std::move(tree).value(), std::move(judged), work);
+  return add_tree(std::move(tree).value(), std::move(judged), stop, work);
 }
 
 }  // namespace
@@ -99,14 +112,10 @@ Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptio
   return tree;
 }
 
-Result<SphereTree> read_tree(const std::filesystem::path& file) {
-  const std::optional<TreeFormat> format = tree_format_of(file);
-  if (!format) return bad_input(fmt::format("{}: the ending must be .sph, .urdf, .yml, .yaml or .json", file.string()));
-  if (*format == TreeFormat::Sph) return read_sph(file);
-  const Result<std::vector<Sphere>> spheres = read_spheres(file);
-  if (!spheres) return spheres.error();
-  Result<SphereTree> tree = tree_of_spheres(spheres.value());
-  return tree ? std::move(tree) : in_file(file.string(), tree.error());
+Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level) {
+  Result<SphereTree> tree = read_any(file);
+  if (!tree || level.value_or(0) <= tree.value().depth()) return tree;
+  return bad_input(fmt::format("{}: has no level {}, its deepest is {}", file.string(), *level, tree.value().depth()));
 }
 
 Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, const parallel::Interrupt& interrupt) {
@@ -127,14 +136,16 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
     if (interrupt.asked()) return cancelled();
     if (!tree) return in_file(work.document.mesh, tree.error());
     progress.say("judging the tree");
-    const Status added = add_tree(std::move(tree).value(), std::move(judged), work);
+    const Status added = add_tree(std::move(tree).value(), std::move(judged), interrupt.token(), work);
     if (!added) return added.error();
   }
-  for (const std::string& file : {options.tree, options.compare}) {
+  // The level is that of what is written, which is the first tree.
+  const std::pair<const std::string&, std::optional<std::uint64_t>> files[] = {{options.tree, options.level}, {options.compare, {}}};
+  for (const auto& [file, level] : files) {
     if (file.empty()) continue;
     if (interrupt.asked()) return cancelled();
-    progress.say("judging the tree");
-    const Status added = add_file(file, work);
+    progress.say(fmt::format("judging {}", file));
+    const Status added = add_file(file, level, interrupt.token(), work);
     if (!added) return added.error();
   }
   if (interrupt.asked()) return cancelled();

@@ -124,7 +124,8 @@ Result<SphereTree> parse_sph(std::string_view text) {
   const auto head = lines.next();
   int levels = 0;
   int branch = 0;
-  if (!head || head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
+  if (!head) return bad_input("is empty; line 1 must be 'levels branch', two whole numbers");
+  if (head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
     return refuse("must be 'levels branch', two whole numbers");
   }
   if (levels < 1 || levels > kMaxTreeDepth + 1) return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));
@@ -162,11 +163,13 @@ void append_row(const SphereTree& tree, NodeIndex node, std::string& text) {
                  sphere.radius_m);
 }
 
-/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error of its spheres.
+/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error of its spheres
+/// where these are known.
 void append_level_figures(const SphereTree& tree, Level level, std::size_t places, std::string& text) {
+  fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\n", level, places);
+  if (!geometry::protrusions_known(tree)) return;
   const geometry::LevelErrors errors = geometry::level_errors(tree, tree.nodes_at(level));
-  fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\nBest : {}\nWorst : {}\nMean : {}\n", level, places,
-                 errors.best_m, errors.worst_m, errors.mean_m);
+  fmt::format_to(std::back_inserter(text), "Best : {}\nWorst : {}\nMean : {}\n", errors.best_m, errors.worst_m, errors.mean_m);
 }
 
 std::string sph_text(const SphereTree& tree) {

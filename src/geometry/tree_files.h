@@ -20,6 +20,10 @@ struct LevelErrors {
 };
 LevelErrors level_errors(const SphereTree& tree, std::span<const NodeIndex> nodes);
 
+/// Whether the tree's protrusions were measured. Files do not have them, so that they are 0 after reading; measured, some node of a tree
+/// of several nodes stands out of its object, while one sphere alone may well be its object.
+bool protrusions_known(const SphereTree& tree);
+
 std::string urdf_text(std::span<const Sphere> spheres, const std::string& name);
 Result<std::vector<Sphere>> urdf_spheres(const std::string& text, const SphereChoice& choice);
 

@@ -24,9 +24,11 @@ ordered_json level_json(const SphereTree& tree, Level level) {
     spheres.push_back(std::move(item));
   }
   ordered_json json;
-  json["mean"] = errors.mean_m;
-  json["best"] = errors.best_m;
-  json["worst"] = errors.worst_m;
+  const bool known = protrusions_known(tree);
+  const auto told = [known](double error_m) { return known ? ordered_json(error_m) : ordered_json(); };
+  json["mean"] = told(errors.mean_m);
+  json["best"] = told(errors.best_m);
+  json["worst"] = told(errors.worst_m);
   json["spheres"] = std::move(spheres);
   return json;
 }

@@ -159,6 +159,11 @@ LevelErrors level_errors(const SphereTree& tree, std::span<const NodeIndex> node
   return errors;
 }
 
+bool protrusions_known(const SphereTree& tree) {
+  const auto nodes = std::span(tree.protrusion_max_m).first(tree.node_count());
+  return nodes.size() == 1 || std::ranges::any_of(nodes, [](float protrusion_m) { return protrusion_m != 0; });
+}
+
 bool read_number(std::string_view text, double& value) {
   const std::vector<std::string_view> words = words_of(text);
   if (words.size() != 1) return false;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stop_token>
 
 #include <fmt/format.h>
 
@@ -29,15 +30,16 @@ struct Sampling {
   std::size_t samples;
   std::uint64_t seed;
   parallel::Executor& executor;
+  std::stop_token stop;
 
-  /// Sums of work(random, count) -> Part over all parts, in order.
+  /// Sums of work(random, count) -> Part over all parts, in order; parts are left out once the judging is asked to end.
   template <class Part, class Work>
   Part sum(std::uint64_t figure, Work&& work) const {
     const std::size_t count = (samples + kPart - 1) / kPart;
     std::vector<Part> parts(count);
     const std::uint64_t own_seed = Random::of(seed, figure).next();
     parallel::parallel_for(executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t part = begin; part < end; ++part) {
+      for (std::size_t part = begin; part < end && !stop.stop_requested(); ++part) {
         Random random = Random::of(own_seed, part);
         parts[part] = work(random, std::min(kPart, samples - part * kPart));
       }
@@ -199,6 +201,8 @@ void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double volume_m
   figures.volume_ratio = balls_m3 * shares / static_cast<double>(sampling.samples) / volume_m3;
 }
 
+Error cancelled() { return {ErrorKind::Cancelled, "judging was asked to end before it was done"}; }
+
 /// Empty when the tree and the mesh can be judged.
 std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options) {
   if (tree.node_count() == 0) return "tree: there is no node, at least one is needed";
@@ -226,7 +230,7 @@ Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const T
   if (std::string wrong = why_not_judged(tree, mesh, options); !wrong.empty()) return bad_input(std::move(wrong));
   const TriangleBvh bvh(mesh, options.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Tbb, options.threads);
-  const Sampling sampling{options.samples, options.seed, *executor};
+  const Sampling sampling{options.samples, options.seed, *executor, options.stop};
   const Coverage surface = surface_coverage(tree, mesh, sampling);
   Coverage inside;
   double volume_m3 = 0;
@@ -242,6 +246,7 @@ Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const T
   }
   std::vector<TreeLevelFigures> levels;
   for (Level level = 0; level <= tree.depth(); ++level) {
+    if (options.stop.stop_requested()) return cancelled();
     TreeLevelFigures figures;
     figures.level = level;
     figures.surface_coverage = surface.share(level);
@@ -249,6 +254,7 @@ Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const T
     judge_level(tree, bvh, volume_m3, sampling, figures);
     levels.push_back(figures);
   }
+  if (options.stop.stop_requested()) return cancelled();
   return levels;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace poise::io {
 namespace {
@@ -14,15 +15,17 @@ int first_sample(double x, int most) {
 
 }  // namespace
 
-Mat3 three_quarter_view(const Vec3& up) {
+Vec3 usual_front(const Vec3& up) {
+  if (up.y() != 0) return Vec3::UnitZ();
+  return -Vec3::UnitY();
+}
+
+Mat3 three_quarter_view(const Vec3& up, const Vec3& front) {
   // From 25 degrees above, turned 35 degrees away from the front.
-  // The front is where modellers have it: seen along +y with z upward, along -z with y upward.
-  const Vec3 right_axis = up.x() != 0 ? Vec3::UnitY() : Vec3::UnitX();
-  const Vec3 front = up.cross(right_axis);
-  const double turn = 35 * 3.14159265358979 / 180;
-  const double rise = 25 * 3.14159265358979 / 180;
-  const Vec3 level = std::sin(turn) * -right_axis + std::cos(turn) * front;
-  const Vec3 forward = std::cos(rise) * level - std::sin(rise) * up;
+  constexpr double kTurn = 35 * std::numbers::pi / 180;
+  constexpr double kRise = 25 * std::numbers::pi / 180;
+  const Vec3 level = -std::cos(kTurn) * front - std::sin(kTurn) * up.cross(front);
+  const Vec3 forward = std::cos(kRise) * level - std::sin(kRise) * up;
   Mat3 to_eye;
   const Vec3 right = forward.cross(up).normalized();
   to_eye.row(0) = right;

@@ -17,8 +17,11 @@ struct ParallelView {
   double samples_per_m = 1;         ///< > 0
 };
 
-/// A view from a corner above, with `up` (a unit axis) upward in the picture.
-Mat3 three_quarter_view(const Vec3& up);
+/// Towards where an object usually looks when `up` (a unit vector along an axis) is upward: -y with z upward, z with y upward.
+Vec3 usual_front(const Vec3& up);
+
+/// A view from the front, turned to one side and from above, with `up` upward in the picture; unit vectors square to each other.
+Mat3 three_quarter_view(const Vec3& up, const Vec3& front);
 
 /// What is seen in each sample of a panel. Invariant: depth_m and item have width x height entries, rows from the top.
 class PanelRaster {

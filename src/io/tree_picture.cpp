@@ -64,9 +64,9 @@ struct Frame {
   std::uint32_t width_px = 0, height_px = 0;
 };
 
-Frame frame_of(const TriangleMesh& mesh, std::span<const DrawnTree> trees, const Vec3& up, std::uint32_t width_px) {
+Frame frame_of(const TriangleMesh& mesh, std::span<const DrawnTree> trees, const Mat3& to_eye, std::uint32_t width_px) {
   Frame frame;
-  frame.view.to_eye = three_quarter_view(up);
+  frame.view.to_eye = to_eye;
   geometry::Bounds box;
   const auto add = [&](const Vec3& center_m, double radius_m) {
     const Vec3 eye = frame.view.to_eye * center_m;
@@ -94,7 +94,7 @@ double lit(const Vec3& normal_eye) {
   // A strong light from the upper left before the object, a weak one from the right, and some from everywhere.
   static const Vec3 kKey = Vec3(-0.5, 0.7, -0.55).normalized();
   static const Vec3 kFill = Vec3(0.8, 0.1, -0.5).normalized();
-  return 0.50 + 0.50 * std::max(0.0, normal_eye.dot(kKey)) + 0.16 * std::max(0.0, normal_eye.dot(kFill));
+  return 0.62 + 0.38 * std::max(0.0, normal_eye.dot(kKey)) + 0.12 * std::max(0.0, normal_eye.dot(kFill));
 }
 
 /// Colours the samples of one panel. Const use from any thread.
@@ -210,13 +210,17 @@ Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> tr
   if (settings.width_px < 200 || settings.width_px > 10000) {
     return bad_input(fmt::format("picture: width = {}, must be from 200 to 10000 pixels", settings.width_px));
   }
+  const Vec3 front = settings.front.value_or(usual_front(settings.up));
+  if (std::abs(settings.up.norm() - 1) > 1e-6 || std::abs(front.norm() - 1) > 1e-6 || std::abs(front.dot(settings.up)) > 1e-6) {
+    return bad_input("picture: up and front must be unit vectors square to each other");
+  }
   const std::vector<Panel> panels = panels_of(trees);
   std::uint32_t most = 0;  // panels of one tree
   for (const DrawnTree& drawn : trees) most = std::max(most, drawn.tree->depth() + std::uint32_t{2});
   const std::uint32_t columns = most <= kMostColumns ? most : (most + 1) / 2;
   const std::uint32_t text = std::max(1U, settings.width_px / 800);
   const std::uint32_t title_px = (kTextHeight + 6) * text;
-  const Frame frame = frame_of(mesh, trees, settings.up, settings.width_px / columns - kPanelGap);
+  const Frame frame = frame_of(mesh, trees, three_quarter_view(settings.up, front), settings.width_px / columns - kPanelGap);
 
   // Each tree begins a row of its own.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> places;  // column and row of each panel

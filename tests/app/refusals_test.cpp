@@ -69,6 +69,7 @@ TEST(Refusals, OfBadUsageEndWithTwo) {
           run({"--clock", "work", "--host-work", "1"}, "--host-work has no meaning with --clock work"),
           run({"--states", "-"}, "only --json can go to the standard output"),
           run({"--json", "a", "--states", "./a"}, "named for two outputs"),
+          run({"--picture", "a.jpg"}, "the ending must be .png"),
           run({"--require", "miss_rate <"}, "must be a name or a number"),
           run({"--require", ""}, "--require"),
           run({"--require", "mis_rate < 1"}, "no figure of a run is called \"mis_rate\"; did you mean \"miss_rate\"?"),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -82,11 +83,22 @@ TEST(StudyTrees, EndsAtCtrlCWithNothingWritten) {
   EXPECT_EQ(folder.entries(), 0U);
 }
 
+TEST(StudyTrees, TellsAPathThatCannotBeWrittenBeforeItBuildsAnything) {
+  const CommandResult result = study({"none.obj", "--csv", "no/such/folder/s.csv"});
+  EXPECT_EQ(result.exit_code, 4) << result.error;
+  EXPECT_EQ(result.error, "poise study trees: no/such/folder/s.csv: cannot be written: No such file or directory\n");
+}
+
 TEST(StudyTrees, RefusesWhatHasNoMeaning) {
+  const TemporaryFolder folder;
+  const std::string mesh = folder.file("slab.obj");
+  std::filesystem::copy_file(kMeshes + "slab.obj", mesh);
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"--most", "5000"}, "--most needs --scaling"},
       {{"--scaling", kMeshes + "slab.obj"}, "MESH has no meaning with --scaling"},
       {{"--json", "-", "--csv", "-"}, "only one of --json, --markdown and --csv"},
+      {{"--json", "a", "--csv", "./a"}, "named for two outputs"},
+      {{mesh, "--csv", mesh}, "would overwrite the file that is read as MESH"},
       {{"--preset", "slow"}, "--preset"},
   };
   for (const auto& [arguments, message] : cases) {

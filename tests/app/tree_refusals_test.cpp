@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -56,7 +57,17 @@ TEST(TreeRefusals, OfOptionsThatHaveNoMeaningTogetherEndWithTwo) {
              of_mesh({"-o", "-"}, "only --json can go to the standard output"),
              of_mesh({"--picture", "-"}, "only --json can go to the standard output"),
              of_mesh({"--json", "a.json", "-o", "./a.json"}, "named for two outputs"),
+             of_mesh({"--json", ""}, "--json: must not be empty"),
+             of_mesh({"-o", ""}, "--output: must not be empty"),
+             of_mesh({"--tree", ""}, "--tree: must not be empty"),
+             of_mesh({"--picture", "a.jpg"}, "--picture a.jpg: a PNG is written, so the ending must be .png"),
+             of_mesh({"--depth", "1", "--level", "2", "-o", "a.urdf"}, "--level 2 is below --depth 1"),
+             of_mesh({"--level", "4", "-o", "a.urdf"}, "--level 4 is below --depth 3"),
              of_mesh({"--up", "y"}, "--up needs --picture"),
+             of_mesh({"--front", "-y"}, "--front needs --picture"),
+             of_mesh({"--front", "-y", "--up", "y", "--picture", "a.png"}, "--front -y and --up y must be different axes"),
+             of_mesh({"--front", "-z", "--picture", "a.png"}, "--front -z and --up z must be different axes"),
+             of_mesh({"--verdict", "--front", "x"}, "--front has no meaning with --verdict"),
              of_mesh({"--up", "w", "--picture", "a.png"}, "--up"),
              of_mesh({"--preset", "slow"}, "--preset"),
              of_mesh({"--depth", "7"}, "--depth = 7, must be a whole number from 0 to 6"),
@@ -65,17 +76,40 @@ TEST(TreeRefusals, OfOptionsThatHaveNoMeaningTogetherEndWithTwo) {
          });
 }
 
+TEST(TreeRefusals, AnOutputThatIsAlsoReadStaysAsItIs) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("ball.sph")) << "1 8\n0 0 0 1 1\n";
+  std::filesystem::create_symlink(folder.file("ball.sph"), folder.file("link.sph"));
+  const std::string mesh = folder.file("slab.obj");
+  std::filesystem::copy_file(kSlab, mesh);
+  expect_refusals(2, {
+                         {{"tree", mesh, "--depth", "0", "--json", mesh}, "would overwrite the file that is read as MESH"},
+                         {{"tree", mesh, "--verdict", "--json", folder.file("./slab.obj")}, "would overwrite the file that is read as MESH"},
+                         {{"tree", "--tree", folder.file("ball.sph"), "-o", folder.file("link.sph")},
+                          "would overwrite the file that is read as --tree"},
+                         of_mesh({"--compare", folder.file("ball.sph"), "-o", folder.file("ball.sph")},
+                                 "would overwrite the file that is read as --compare"),
+                     });
+  EXPECT_EQ(contents(folder.file("ball.sph")), "1 8\n0 0 0 1 1\n");
+  EXPECT_EQ(contents(mesh), contents(kSlab));
+}
+
 TEST(TreeRefusals, OfBadInputEndWithThree) {
   const TemporaryFolder folder;
   std::ofstream(folder.file("bad.sph")) << "1 8\n0 0 zero 1 1\n";
+  std::ofstream(folder.file("ball.sph")) << "1 8\n0 0 0 1 1\n";
   expect_refusals(3, {
                          {{"tree", folder.file("none.obj")}, "none.obj"},
                          of_mesh({"--tree", folder.file("none.sph")}, "none.sph"),
                          of_mesh({"--tree", folder.file("bad.sph")}, "bad.sph"),
                          of_mesh({"--tree", folder.file("bad.txt")}, "bad.txt: the ending must be .sph, .urdf"),
                          {{"tree", "--tree", folder.file("bad.sph"), "-o", folder.file("b.sph")}, "bad.sph"},
+                         {{"tree", "--tree", folder.file("ball.sph"), "-o", folder.file("b.urdf"), "--level", "1"},
+                          "ball.sph: has no level 1, its deepest is 0"},
+                         of_mesh({"--tree", folder.file("ball.sph"), "-o", folder.file("b.urdf"), "--level", "1"},
+                                 "ball.sph: has no level 1, its deepest is 0"),
                      });
-  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(folder.entries(), 2U);
 }
 
 TEST(TreeRefusals, OfOutputEndWithFourAndLeaveNothingBehind) {
@@ -84,6 +118,7 @@ TEST(TreeRefusals, OfOutputEndWithFourAndLeaveNothingBehind) {
                          of_mesh({"--json", folder.file("no/such/r.json")}, "no/such/r.json"),
                          of_mesh({"-o", folder.file("no/such/t.sph")}, "no/such/t.sph"),
                          of_mesh({"--picture", folder.file("no/such/t.png")}, "no/such/t.png"),
+                         of_mesh({"--verdict", "--json", folder.file("no/such/v.json")}, "no/such/v.json"),
                          of_mesh({"--depth", "0", "--quiet", "--json", "/dev/full"}, "/dev/full"),
                      });
   EXPECT_EQ(folder.entries(), 0U);

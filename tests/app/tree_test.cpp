@@ -141,6 +141,33 @@ TEST(TreeCommand, WritesALevelForRobotToolsAndJudgesSuchFilesToo) {
   }
 }
 
+/// One tall triangle, its top along +y.
+std::string tall_gltf(const TemporaryFolder& folder) {
+  std::ofstream(folder.file("tall.gltf"))
+      << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],)"
+      << R"("meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],)"
+      << R"("buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAPwAAAAAAAAAAAAAAAAAAQEAAAIA+"}],)"
+      << R"("accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",)"
+      << R"("min": [0, 0, 0], "max": [0.5, 3, 0.25]}]})";
+  return folder.file("tall.gltf");
+}
+
+TEST(TreeCommand, DrawsFromTheSideThatIsAskedForAndGltfWithYUpward) {
+  const TemporaryFolder folder;
+  const std::string mesh = tall_gltf(folder);
+  const auto picture = [&](std::vector<std::string> options) {
+    const std::string file = folder.file("tree.png");
+    options.insert(options.begin(), {mesh, "--depth", "0", "--quiet", "--picture", file});
+    const CommandResult result = tree(options);
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return contents(file);
+  };
+  const std::string usual = picture({});
+  EXPECT_EQ(usual, picture({"--up", "y", "--front", "z"}));
+  EXPECT_NE(usual, picture({"--up", "z"}));
+  EXPECT_NE(usual, picture({"--front", "-z"}));
+}
+
 TEST(TreeCommand, DrawsItsTrees) {
   const TemporaryFolder folder;
   const std::string file = folder.file("tree.png");
@@ -180,6 +207,7 @@ TEST(TreeCommand, TakesOpenMeshesAndSheetsAndSaysSo) {
   EXPECT_EQ(shell.at("closed"), true);
   const CommandResult table = tree({folder.file("square.obj"), "--depth", "0"});
   EXPECT_NE(table.out.find("taken as a shell"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("100.0000          -        -\n"), std::string::npos) << "no inside and no volume: " << table.out;
 }
 
 TEST(TreeCommand, TellsWhatMeshesAreARowEach) {

@@ -43,10 +43,12 @@ constexpr std::array kRooms{
     Room{"src/app/", 8, "app"},
 };
 
-constexpr std::array<std::string_view, 16> kThreadHeaders{
-    "atomic",    "barrier",     "condition_variable", "execution",    "future",     "latch",
-    "mutex",     "semaphore",   "semaphore.h",        "shared_mutex", "stop_token", "thread",
-    "pthread.h", "stdatomic.h", "threads.h",          "omp.h"};
+// <stop_token> is not among them: a std::stop_token is a handle to ask with, which public options hold and long work polls. Who makes
+// one stop is a matter of threads again, so its sources and callbacks belong to src/parallel.
+constexpr std::array<std::string_view, 15> kThreadHeaders{
+    "atomic",    "barrier",     "condition_variable", "execution",    "future", "latch",
+    "mutex",     "semaphore",   "semaphore.h",        "shared_mutex", "thread", "pthread.h",
+    "stdatomic.h", "threads.h", "omp.h"};
 
 const Room* room_of(std::string_view path) {
   const auto* room = std::ranges::find_if(kRooms, [&](const Room& r) { return path.starts_with(r.place); });
@@ -79,7 +81,8 @@ bool is_thread_header(std::string_view name) {
 }
 
 std::optional<std::string> wrong_include(const Room& room, bool is_public, char quote, std::string_view name) {
-  if (is_thread_header(name) && room.name != "parallel") return "threads, locks and atomics belong to src/parallel";
+  const bool stops = name == "stop_token" && room.name == "scheduler";
+  if ((is_thread_header(name) && room.name != "parallel") || stops) return "threads, locks and atomics belong to src/parallel";
   if (quote == '<') {
     if (room.name == "scheduler" && name.find_first_of("./") != std::string_view::npos) {
       return "the scheduler may use the standard library alone";
@@ -103,11 +106,12 @@ std::optional<std::string> wrong_include(const Room& room, bool is_public, char 
 /// Rules on what the code of a room says, includes aside.
 std::optional<std::string> wrong_code(const Room& room, std::string_view path, std::string_view code) {
   static const std::regex threads(
-      R"(\bstd::(atomic|jthread|thread|mutex|shared_mutex|condition_variable|async|stop_token)\b)");
+      R"(\bstd::(atomic|jthread|thread|mutex|shared_mutex|condition_variable|async|stop_source|stop_callback)\b)");
   static const std::regex clocks(R"(\w*[cC]lock::now\b|\b(clock_gettime|gettimeofday|__rdtscp?)\s*\()");
   static const std::regex prints(
       R"(\bstd::(cout|cerr|clog|terminate|abort|exit|quick_exit)\b|\b(printf|fprintf|puts|abort|exit)\s*\(|\bfmt::print\b)");
-  if (room.name != "parallel" && found(threads, code)) return "threads, locks and atomics belong to src/parallel";
+  const bool stops = room.name == "scheduler" && code.find("std::stop_token") != std::string_view::npos;
+  if ((room.name != "parallel" && found(threads, code)) || stops) return "threads, locks and atomics belong to src/parallel";
   const bool may_read_clock =
       room.name == "parallel" || room.name == "simulation" || room.name == "app" || path == "include/poise/step.h";
   if (!may_read_clock && found(clocks, code))

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <stop_token>
+
 #include "meshes.h"
 
 namespace poise {
@@ -120,6 +122,17 @@ TEST(JudgeTree, AFlatSheetGivesNumbersThatAreNumbers) {
   EXPECT_EQ(figures[0].volume_ratio, 0);
   EXPECT_EQ(figures[0].surface_coverage, 1);
   EXPECT_NEAR(figures[0].protrusion_max_m, 1, 0.05);
+}
+
+TEST(JudgeTree, EndsWhenAskedHoweverManySamplesAreLeft) {
+  const TriangleMesh mesh = test::box_mesh(Vec3::Ones());
+  const SphereTree tree = tree_of(mesh, 1);
+  std::stop_source stop;
+  stop.request_stop();
+  // These samples would take minutes.
+  const auto judged = judge_tree(tree, mesh, {.samples = 100000000, .stop = stop.get_token()});
+  ASSERT_FALSE(judged);
+  EXPECT_EQ(judged.error().kind, ErrorKind::Cancelled);
 }
 
 TEST(JudgeTree, RefusesWhatItCannotJudge) {

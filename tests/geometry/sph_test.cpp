@@ -129,6 +129,16 @@ TEST_F(SphFile, SaysTheErrorsOfEachLevelAfterTheRowsAsFoamReadsThem) {
             "\nLevel 1\nNum : 8\nBest : 1\nWorst : 3\nMean : 2\n");
 }
 
+TEST_F(SphFile, SaysNothingOfErrorsThatNobodyMeasured) {
+  const auto read = parse("2 2\n0 0 0 2 1\n1 0 0 1 1\n-1 0 0 1 1\n");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  ASSERT_TRUE(write_sph(read.value(), folder_ / "tree.sph").ok());
+  std::ifstream stream(folder_ / "tree.sph");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_NE(text.find("\nLevel 1\nNum : 8\n"), std::string::npos) << text;
+  for (const char* figure : {"Best", "Worst", "Mean"}) EXPECT_EQ(text.find(figure), std::string::npos) << text;
+}
+
 TEST_F(SphFile, AnOnlyChildThatIsSmallerStays) {
   const auto tree = parse("2 1\n0 0 0 2 1\n0 0 0 1 1\n");
   ASSERT_TRUE(tree.ok()) << tree.error().message;
@@ -137,7 +147,7 @@ TEST_F(SphFile, AnOnlyChildThatIsSmallerStays) {
 
 TEST_F(SphFile, EachBrokenFileIsRefusedWithItsLineAndRule) {
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "must be 'levels branch'"},
+      {"", "is empty; line 1 must be 'levels branch'"},
       {"hello world\n", "line 1: must be 'levels branch'"},
       {"2\n0 0 0 1 1\n", "line 1: must be 'levels branch'"},
       {"0 8\n", "line 1: levels = 0, must be from 1 to 7"},

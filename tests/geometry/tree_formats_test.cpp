@@ -127,6 +127,14 @@ TEST_F(TreeFormats, FoamHoldsTheLevelsUpToTheChosenOneWithTheirErrors) {
   EXPECT_EQ(json[1].size(), 4U);
 }
 
+TEST_F(TreeFormats, FoamSaysNullForErrorsThatNobodyMeasured) {
+  ASSERT_TRUE(write_tree(small_tree(), 0, TreeFormat::Sph, "", file("a.sph")));
+  ASSERT_TRUE(write_tree(read_sph(file("a.sph")).value(), 1, TreeFormat::FoamJson, "", file("a.json")));
+  const auto json = nlohmann::json::parse(contents(file("a.json")));
+  for (const char* figure : {"mean", "best", "worst"}) EXPECT_TRUE(json.at(1).at(figure).is_null()) << figure;
+  EXPECT_TRUE(read_spheres(file("a.json"), {.level = Level{1}}));
+}
+
 TEST_F(TreeFormats, ANameThatSomeFormatCannotHoldIsRefused) {
   const SphereTree tree = small_tree();
   const std::vector<std::pair<std::string, std::string>> cases{{"", "must not be empty"},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/procedural.h"
+#include "io/panel_raster.h"
 #include "io/pixel_text.h"
 
 namespace poise::testing {
@@ -115,6 +116,37 @@ TEST(TreePicture, TurnsTheAxisThatIsAskedForUpward) {
   EXPECT_GT(upright, lying);
 }
 
+TEST(TreePicture, ShowsTheSideThatIsTheFront) {
+  // A ball that pokes out of one side of the cube is seen from there and hidden by the cube from behind.
+  const SphereTree bump = tree_of({{Vec3(0, 0.3, 0), 0.2}, {Vec3::Zero(), 0.34}});
+  const auto warm = [&](const Vec3& front) {
+    io::TreePictureSettings settings = small();
+    settings.front = front;
+    const io::Image image = drawn(cube(), {{&bump, ""}}, settings);
+    std::size_t count = 0;  // in the panel of level 1
+    for (std::uint32_t y = 10; y < 90; ++y) {
+      for (std::uint32_t x = 270; x < 390; ++x) {
+        const Pixel pixel = pixel_at(image, x, y);
+        count += pixel[0] > pixel[2] + 60 ? 1U : 0U;
+      }
+    }
+    return count;
+  };
+  EXPECT_GT(warm(Vec3::UnitY()), 3 * warm(-Vec3::UnitY()));
+}
+
+TEST(TreePicture, TheUsualFrontIsWhereModellersHaveIt) {
+  EXPECT_EQ(io::usual_front(Vec3::UnitZ()), Vec3(-Vec3::UnitY()));
+  EXPECT_EQ(io::usual_front(Vec3::UnitY()), Vec3::UnitZ());
+  for (const Vec3& up : {Vec3(Vec3::UnitX()), Vec3(-Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
+    const Mat3 to_eye = io::three_quarter_view(up, io::usual_front(up));
+    EXPECT_NEAR(to_eye.determinant(), -1, 1e-12) << "right, up and forward";
+    EXPECT_NEAR((to_eye * to_eye.transpose() - Mat3::Identity()).norm(), 0, 1e-12);
+    EXPECT_GT(to_eye.row(1).dot(up.transpose()), 0.9);
+    EXPECT_LT(to_eye.row(2).dot(io::usual_front(up).transpose()), -0.7) << "looks at the front";
+  }
+}
+
 TEST(TreePicture, RefusesWhatCannotBeDrawn) {
   const SphereTree ball = tree_of({{Vec3::Zero(), 0.7}});
   const SphereTree none;
@@ -129,6 +161,10 @@ TEST(TreePicture, RefusesWhatCannotBeDrawn) {
   EXPECT_NE(refusal(cube(), {{&none, ""}}, 400).find("no node"), std::string::npos);
   EXPECT_NE(refusal(cube(), {{&ball, ""}}, 199).find("width = 199"), std::string::npos);
   EXPECT_NE(refusal(cube(), {{&ball, ""}}, 10001).find("width = 10001"), std::string::npos);
+  io::TreePictureSettings askew = small();
+  askew.front = Vec3::UnitZ();
+  const std::vector<io::DrawnTree> one{{&ball, ""}};
+  EXPECT_EQ(io::draw_trees(cube(), one, askew).error().message, "picture: up and front must be unit vectors square to each other");
 }
 
 TEST(PixelText, WritesDotsWhereItSaysAndNothingOutsideTheImage) {
