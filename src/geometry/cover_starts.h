@@ -21,7 +21,7 @@ struct CoverScene {
 };
 
 struct StartSettings {
-  int tries = 14;
+  int tries = 12;
   std::size_t samples = 15000;
   LevelSettings level{.bids = 14, .sweeps = 3};
 };

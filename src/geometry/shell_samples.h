@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,21 +31,30 @@ struct ShellSamples {
   /// Calls take(first, last) for runs of samples that hold all within `radius` of `center`.
   template <class Take>
   void runs_near(const Vec3f& center, float radius, Take&& take) const {
-    std::array<int, 3> from{};
-    std::array<int, 3> to{};
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      const auto place = [&](float x) { return static_cast<int>(std::floor((x - low[axis]) / cell)); };
-      from[a] = std::max(0, place(center[axis] - radius));
-      to[a] = std::min(cells[a] - 1, place(center[axis] + radius));
-      if (from[a] > to[a]) return;
-    }
-    for (int z = from[2]; z <= to[2]; ++z) {
-      for (int y = from[1]; y <= to[1]; ++y) {
+    const auto place = [&](int axis, float x) { return static_cast<int>(std::floor((x - low[axis]) / cell)); };
+    // How far a row of cells is from the centre along an axis; 0 for the row that it is in.
+    const auto away = [&](int axis, int row) {
+      const float begin = low[axis] + cell * static_cast<float>(row) - center[axis];
+      return std::max({0.0F, begin, -begin - cell});
+    };
+    const float square = radius * radius * 1.0001F;
+    const int last_z = std::min(cells[2] - 1, place(2, center.z() + radius));
+    for (int z = std::max(0, place(2, center.z() - radius)); z <= last_z; ++z) {
+      const float left_z = square - away(2, z) * away(2, z);
+      if (left_z < 0) continue;
+      const float reach_y = std::sqrt(left_z);
+      const int last_y = std::min(cells[1] - 1, place(1, center.y() + reach_y));
+      for (int y = std::max(0, place(1, center.y() - reach_y)); y <= last_y; ++y) {
+        const float left_y = left_z - away(1, y) * away(1, y);
+        if (left_y < 0) continue;
+        const float reach_x = std::sqrt(left_y);
+        const int from = std::max(0, place(0, center.x() - reach_x));
+        const int to = std::min(cells[0] - 1, place(0, center.x() + reach_x));
+        if (from > to) continue;
         const auto row = (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells[1]) + static_cast<std::size_t>(y)) *
                          static_cast<std::size_t>(cells[0]);
-        const std::uint32_t first = cell_begin[row + static_cast<std::size_t>(from[0])];
-        const std::uint32_t last = cell_begin[row + static_cast<std::size_t>(to[0]) + 1];
+        const std::uint32_t first = cell_begin[row + static_cast<std::size_t>(from)];
+        const std::uint32_t last = cell_begin[row + static_cast<std::size_t>(to) + 1];
         if (first < last) take(first, last);
       }
     }

@@ -17,7 +17,7 @@ struct TreeEffort {
   std::size_t places = 3000;
   std::size_t samples_per_ball = 300;
   StartSettings start;
-  LevelSettings level{.bids = 20, .sweeps = 6, .redone = 20};
+  LevelSettings level{.bids = 20, .sweeps = 6, .redone = 16};
 };
 
 TreeEffort effort_of(TreePreset preset);
