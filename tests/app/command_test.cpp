@@ -170,7 +170,7 @@ TEST(Command, WarnsOfAnOpenMeshOnceAndInTheReport) {
                                            "f 4 3 2 1\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
   const std::string scene = folder.file("open.json");
   std::ofstream(scene) << R"({"name": "open", "dt_s": 0.01, "materials": {"m": {}},
-    "shapes": {"box": {"mesh": {"file": "box.obj", "depth": 1}}},
+    "shapes": {"box": {"mesh": {"file": "box.obj", "depth": 0}}},
     "bodies": [{"shape": "box", "material": "m"}, {"shape": "box", "material": "m", "position_m": [5, 0, 0]}]})";
   const CommandResult result = poise_command({"run", scene, "--frames", "2", "--json", "-", "--quiet"});
   ASSERT_EQ(result.exit_code, 0) << result.error;

@@ -23,7 +23,7 @@ class TreeCacheOptions : public ::testing::Test {
     std::ofstream(folder_.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n"
                                               "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
     std::ofstream(folder_.file("box.json")) << R"({"name": "box", "dt_s": 0.01, "materials": {"m": {}},
-      "shapes": {"a": {"mesh": {"file": "box.obj", "depth": 1}}}, "bodies": [{"shape": "a", "material": "m"}]})";
+      "shapes": {"a": {"mesh": {"file": "box.obj", "depth": 0}}}, "bodies": [{"shape": "a", "material": "m"}]})";
   }
   void TearDown() override { ::setenv("POISE_TREE_CACHE", "off", 1); }
 

@@ -67,7 +67,7 @@ TEST(TreeCommand, TellsTheSameToPrograms) {
 TEST(TreeCommand, WhatItWritesIsJudgedLikeWhatItBuilt) {
   const TemporaryFolder folder;
   const std::string file = folder.file("slab.sph");
-  const json built = figures({kSlab, "--depth", "2", "-o", file});
+  const json built = figures({kSlab, "--depth", "2", "--preset", "fast", "-o", file});
   const json read = figures({kSlab, "--tree", file});
   EXPECT_EQ(read.at("tree"), file);
   EXPECT_TRUE(read.at("build_ms").is_null());
@@ -89,15 +89,15 @@ TEST(TreeCommand, SaysThatAForeignTreeLeaksAndFailsOnlyWhereAsked) {
   const CommandResult required = tree({kSlab, "--tree", file, "--require-coverage"});
   EXPECT_EQ(required.exit_code, 1);
   EXPECT_EQ(required.error, "poise tree: --require-coverage: a tree leaks\n");
-  EXPECT_EQ(tree({kSlab, "--depth", "1", "--require-coverage"}).exit_code, 0);
-  EXPECT_EQ(tree({kSlab, "--depth", "1", "--compare", file, "--require-coverage"}).exit_code, 1);
+  EXPECT_EQ(tree({kSlab, "--depth", "1", "--preset", "fast", "--require-coverage"}).exit_code, 0);
+  EXPECT_EQ(tree({kSlab, "--depth", "1", "--preset", "fast", "--compare", file, "--require-coverage"}).exit_code, 1);
 }
 
 TEST(TreeCommand, SetsTwoTreesSideBySideAndMarksTheBetterFigure) {
   const TemporaryFolder folder;
   const std::string deep = folder.file("deep.sph");
-  const json built = figures({kSlab, "--depth", "2", "-o", deep});
-  const json compared = figures({kSlab, "--depth", "1", "--compare", deep});
+  const json built = figures({kSlab, "--depth", "2", "--preset", "fast", "-o", deep});
+  const json compared = figures({kSlab, "--depth", "1", "--preset", "fast", "--compare", deep});
   ASSERT_EQ(compared.at("trees").size(), 2U);
   EXPECT_EQ(compared.at("trees").at(0).at("tree"), "built");
   ASSERT_EQ(compared.at("trees").at(1).at("levels").size(), 3U);
@@ -118,7 +118,7 @@ TEST(TreeCommand, SetsTwoTreesSideBySideAndMarksTheBetterFigure) {
 TEST(TreeCommand, ConvertsWithoutAMesh) {
   const TemporaryFolder folder;
   const std::string first = folder.file("first.sph");
-  ASSERT_EQ(tree({kSlab, "--depth", "1", "-o", first}).exit_code, 0);
+  ASSERT_EQ(tree({kSlab, "--depth", "1", "--preset", "fast", "-o", first}).exit_code, 0);
   const CommandResult result = poise_command({"tree", "--tree", first, "-o", folder.file("second.sph")});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_EQ(result.out, "");
@@ -130,7 +130,7 @@ TEST(TreeCommand, ConvertsWithoutAMesh) {
 
 TEST(TreeCommand, WritesALevelForRobotToolsAndJudgesSuchFilesToo) {
   const TemporaryFolder folder;
-  const json built = figures({kSlab, "--depth", "2", "-o", folder.file("slab.sph")});
+  const json built = figures({kSlab, "--depth", "2", "--preset", "fast", "-o", folder.file("slab.sph")});
   for (const char* name : {"slab.urdf", "slab.yml", "slab.json"}) {
     const CommandResult result = poise_command({"tree", "--tree", folder.file("slab.sph"), "-o", folder.file(name), "--level", "1"});
     ASSERT_EQ(result.exit_code, 0) << result.error;
@@ -195,14 +195,14 @@ TEST(TreeCommand, TakesOpenMeshesAndSheetsAndSaysSo) {
   std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                                            "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   std::ofstream(folder.file("square.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
-  const json box = figures({folder.file("box.obj"), "--depth", "1", "--require-coverage"});
+  const json box = figures({folder.file("box.obj"), "--depth", "1", "--preset", "fast", "--require-coverage"});
   EXPECT_EQ(box.at("closed"), false);
   EXPECT_EQ(box.at("solidity"), "solid");
   EXPECT_NE(box.at("verdict").get<std::string>().find("open"), std::string::npos) << box.at("verdict");
-  const json square = figures({folder.file("square.obj"), "--depth", "1", "--require-coverage"});
+  const json square = figures({folder.file("square.obj"), "--depth", "1", "--preset", "fast", "--require-coverage"});
   EXPECT_EQ(square.at("solidity"), "shell");
   EXPECT_EQ(square.at("levels").at(1).at("volume_ratio"), 0);
-  const json shell = figures({kSlab, "--depth", "1", "--shell"});
+  const json shell = figures({kSlab, "--depth", "1", "--preset", "fast", "--shell"});
   EXPECT_EQ(shell.at("solidity"), "shell");
   EXPECT_EQ(shell.at("closed"), true);
   const CommandResult table = tree({folder.file("square.obj"), "--depth", "0"});

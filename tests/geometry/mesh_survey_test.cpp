@@ -68,7 +68,7 @@ std::vector<std::string> files_below(const std::string& folder) {
 }
 
 void expect_sound_tree(const TriangleMesh& mesh, const std::string& file) {
-  const auto tree = build_sphere_tree(mesh, {.depth = 1});
+  const auto tree = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast});
   ASSERT_TRUE(tree.ok()) << file << ": " << tree.error().message;
   const std::size_t levels = std::size_t{tree.value().depth()} + 1;
   for (const Vec3& p : test::surface_points(mesh, 300)) ASSERT_EQ(test::levels_covered(tree.value(), p), levels) << file;

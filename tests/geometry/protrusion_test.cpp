@@ -71,7 +71,7 @@ TEST_P(ProtrusionOf, IsBoundedForEveryNodeAndNotLoosely) {
   if (name.starts_with("/") && !std::filesystem::exists(name)) GTEST_SKIP() << name << " is not installed (libsimbody-dev)";
   const TriangleMesh mesh = mesh_named(name);
   const TriangleBvh bvh(mesh);
-  const SphereTree tree = build_sphere_tree(mesh, {.depth = 2}).value();
+  const SphereTree tree = build_sphere_tree(mesh, {.depth = 2, .preset = TreePreset::Fast}).value();
   const std::vector<Seen> seen = sample(tree, bvh, kSamples);
   const double near_m = 4e-4 * mesh.diagonal_m();
   double bound_sum = 0;
@@ -173,7 +173,7 @@ TEST(Protrusion, OfALeafIsTheLargestOverTheLevelsItServes) {
 TEST(Protrusion, IsTheSameOnAnyNumberOfThreads) {
   const TriangleMesh mesh = make_procedural_shape("jack").value();
   const TriangleBvh bvh(mesh);
-  SphereTree one = build_sphere_tree(mesh, {.depth = 2}).value();
+  SphereTree one = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast}).value();
   SphereTree three = one;
   measure_protrusions(one, bvh, *parallel::make_executor(ExecutorKind::Serial, 1));
   measure_protrusions(three, bvh, *parallel::make_executor(ExecutorKind::Threads, 3));

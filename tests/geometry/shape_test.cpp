@@ -219,7 +219,7 @@ TEST(TreeShape, OfATreeAboutItsCentreOfMassIsThatTree) {
 TEST(MeshShape, OfAnLStandsAboutItsCentreOfMassAndStillCoversIt) {
   const Vec3 shift(40, -30, 20);
   const TriangleMesh mesh = test::moved(geometry::make_procedural_shape("l").value(), 1, Mat3::Identity(), shift);
-  const ShapePtr shape = make_mesh_shape(mesh, {.depth = 2}).value();
+  const ShapePtr shape = make_mesh_shape(mesh, {.depth = 2, .preset = TreePreset::Fast}).value();
   const Vec3 offset = mesh_mass_properties(mesh).value().center_of_mass_m;
   EXPECT_EQ(shape->origin_offset_m, offset);
   for (const Vec3& p : test::surface_points(mesh, 2000)) {
@@ -234,7 +234,7 @@ TEST(MeshShape, OfAnLStandsAboutItsCentreOfMassAndStillCoversIt) {
 }
 
 TEST(MeshShape, OfABoxKeepsTheAxesOfTheMesh) {
-  const ShapePtr shape = make_mesh_shape(test::box_mesh({3, 1, 2}), {.depth = 1}).value();
+  const ShapePtr shape = make_mesh_shape(test::box_mesh({3, 1, 2}), {.depth = 1, .preset = TreePreset::Fast}).value();
   EXPECT_EQ(shape->principal_axes.coeffs(), Quat::Identity().coeffs());
   EXPECT_NEAR(shape->principal_m5.x(), 6.0 / 12 * 5, 1e-13);
   EXPECT_NEAR(shape->principal_m5.y(), 6.0 / 12 * 13, 1e-13);
@@ -244,21 +244,21 @@ TEST(MeshShape, OfABoxKeepsTheAxesOfTheMesh) {
 TEST(MeshShape, OfAnOpenMeshIsSolidWhereItWindsAndSaysSo) {
   TriangleMesh mesh = test::torus_mesh(0.7, 0.2, 24, 12);
   mesh.triangles.pop_back();
-  const auto made = make_mesh_shape(mesh, {.depth = 1});
+  const auto made = make_mesh_shape(mesh, {.depth = 1, .preset = TreePreset::Fast});
   ASSERT_TRUE(made.ok()) << made.error().message;
   const Shape& shape = *made.value();
   EXPECT_NE(shape.note.find("3 edges with one triangle alone"), std::string::npos) << shape.note;
   EXPECT_NEAR(shape.volume_m3, mesh_mass_properties(test::torus_mesh(0.7, 0.2, 24, 12)).value().volume_m3, 0.01);
   for (const Vec3& p : test::surface_points(mesh, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
   for (const Vec3& p : test::inside_points(mesh, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
-  EXPECT_EQ(make_mesh_shape(test::torus_mesh(0.7, 0.2, 24, 12), {.depth = 1}).value()->note, "");
+  EXPECT_EQ(make_mesh_shape(test::torus_mesh(0.7, 0.2, 24, 12), {.depth = 1, .preset = TreePreset::Fast}).value()->note, "");
 }
 
 TEST(MeshShape, WithAThicknessIsAShell) {
   TriangleMesh sheet;
   sheet.vertices_m = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const auto made = make_mesh_shape(sheet, {.depth = 2}, 0.01);
+  const auto made = make_mesh_shape(sheet, {.depth = 2, .preset = TreePreset::Fast}, 0.01);
   ASSERT_TRUE(made.ok()) << made.error().message;
   const Shape& shape = *made.value();
   EXPECT_EQ(shape.note, "");
@@ -266,7 +266,7 @@ TEST(MeshShape, WithAThicknessIsAShell) {
   EXPECT_GT(shape.principal_m5.minCoeff(), 0);
   for (const Vec3& p : test::surface_points(sheet, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 3U);
   // A closed mesh may be a shell too.
-  EXPECT_NEAR(make_mesh_shape(test::box_mesh(Vec3::Ones()), {.depth = 1}, 0.01).value()->volume_m3, 0.06, 1e-15);
+  EXPECT_NEAR(make_mesh_shape(test::box_mesh(Vec3::Ones()), {.depth = 1, .preset = TreePreset::Fast}, 0.01).value()->volume_m3, 0.06, 1e-15);
 }
 
 TEST(MeshShape, RefusesASheetWithoutAThicknessAndSaysToGiveOne) {
@@ -288,7 +288,7 @@ TEST(MeshShape, RefusesASheetWithoutAThicknessAndSaysToGiveOne) {
 
 TEST(MeshShape, WithATreeThatIsThereAlreadyIsTheSame) {
   const TriangleMesh mesh = geometry::make_procedural_shape("l").value();
-  const TreeBuildOptions options{.depth = 1};
+  const TreeBuildOptions options{.depth = 1, .preset = TreePreset::Fast};
   const ShapePtr built = make_mesh_shape(mesh, options).value();
   const ShapePtr given = make_mesh_shape_with_tree(mesh, build_sphere_tree(mesh, options).value()).value();
   EXPECT_TRUE(test::same_tree(built->tree, given->tree));

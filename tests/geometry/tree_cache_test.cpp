@@ -158,7 +158,7 @@ class TreeCache : public ::testing::Test {
 
   TemporaryFolder folder_;
   TriangleMesh mesh_ = test::box_mesh(Vec3(1, 2, 3));
-  TreeBuildOptions options_{.depth = 1, .threads = 1};
+  TreeBuildOptions options_{.depth = 1, .preset = TreePreset::Fast, .threads = 1};
   TreeCacheSettings settings_{.folder = folder_.path() / "not" / "there" / "yet"};
   SphereTree built_ = build_sphere_tree(mesh_, options_).value();
   TreeCacheOutcome outcome_{};

@@ -291,7 +291,7 @@ TEST_F(TreeFormats, UnknownEndingsAndMissingFilesAreRefused) {
 
 TEST(AdoptTree, ATreeThatCoversIsSoundAndGetsItsProtrusions) {
   const TriangleMesh mesh = test::box_mesh(Vec3(1, 2, 3));
-  const SphereTree built = build_sphere_tree(mesh, {.depth = 1, .threads = 1}).value();
+  const SphereTree built = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 1}).value();
   SphereTree foreign = built;
   std::ranges::fill(foreign.protrusion_max_m, 0.0F);
   std::ranges::fill(foreign.surface, NodeSurface{});
@@ -309,7 +309,7 @@ TEST(AdoptTree, ATreeThatCoversIsSoundAndGetsItsProtrusions) {
 
 TEST(AdoptTree, ALeakIsFoundAndSaidWithItsLevel) {
   const TriangleMesh mesh = test::box_mesh(Vec3(1, 2, 3));
-  SphereTree tree = build_sphere_tree(mesh, {.depth = 1, .threads = 1}).value();
+  SphereTree tree = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 1}).value();
   tree.radius_m[3] *= 0.7F;
   const ForeignTreeReport report = adopt_tree(tree, mesh, {.samples = 2000, .threads = 1}).value();
   EXPECT_FALSE(report.covers_surface());

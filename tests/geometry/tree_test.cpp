@@ -14,7 +14,7 @@ namespace {
 TriangleMesh shape_mesh(const char* kind) { return geometry::make_procedural_shape(kind).value(); }
 
 SphereTree tree_of(const TriangleMesh& mesh, int depth, std::uint64_t seed = 1, int threads = 0) {
-  const auto tree = build_sphere_tree(mesh, {.depth = static_cast<Level>(depth), .seed = seed, .threads = threads});
+  const auto tree = build_sphere_tree(mesh, {.depth = static_cast<Level>(depth), .preset = TreePreset::Fast, .seed = seed, .threads = threads});
   EXPECT_TRUE(tree.ok()) << tree.error().message;
   return tree.value();
 }
@@ -58,7 +58,7 @@ class TreeOfShape : public testing::TestWithParam<const char*> {};
 
 TEST_P(TreeOfShape, CoversSurfaceAndInsideAtEveryLevelOfEveryDepth) {
   const TriangleMesh mesh = shape_mesh(GetParam());
-  for (const int depth : {1, 3}) {
+  for (const int depth : {1, 2}) {
     const SphereTree tree = tree_of(mesh, depth);
     EXPECT_EQ(tree.depth(), depth);
     expect_well_formed(tree);
@@ -69,14 +69,17 @@ TEST_P(TreeOfShape, CoversSurfaceAndInsideAtEveryLevelOfEveryDepth) {
 TEST_P(TreeOfShape, CoversTheSameShapeTurnedShrunkAndFarAway) {
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(3, -1, 2).normalized()).toRotationMatrix();
   const TriangleMesh mesh = test::moved(shape_mesh(GetParam()), 0.01, turn, {70, -900, 12});
-  const SphereTree tree = tree_of(mesh, 2);
+  const SphereTree tree = tree_of(mesh, 1);
   expect_well_formed(tree);
   expect_covered(mesh, tree, 1000, 300);
 }
 
 TEST_P(TreeOfShape, FitsBetterAtEveryLevel) {
   const TriangleMesh mesh = shape_mesh(GetParam());
-  const auto levels = judge_tree(tree_of(mesh, 3), mesh, {.samples = 5000, .seed = 1}).value();
+  const SphereTree tree = tree_of(mesh, 3);
+  expect_well_formed(tree);
+  expect_covered(mesh, tree, 1000, 300);
+  const auto levels = judge_tree(tree, mesh, {.samples = 5000, .seed = 1}).value();
   ASSERT_EQ(levels.size(), 4U);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     EXPECT_LT(levels[i].protrusion_max_m, levels[i - 1].protrusion_max_m);
@@ -130,21 +133,16 @@ TEST(SphereTree, OfDepthFourCoversTheMiddleOfACubeToo) {
   expect_covered(mesh, tree, 3000, 1000);
 }
 
-TEST(SphereTree, ABallEndsEarly) {
-  const SphereTree tree = tree_of(test::ball_mesh(1, 5), 3);
-  EXPECT_EQ(tree.node_count(), 1U);
-}
-
 TEST(SphereTree, IsTheSameOnAnyNumberOfThreads) {
-  const TriangleMesh mesh = shape_mesh("bowl");
-  const SphereTree one = tree_of(mesh, 3, 5, 1);
-  for (const int threads : {2, 3, 8}) EXPECT_TRUE(test::same_tree(one, tree_of(mesh, 3, 5, threads))) << threads;
+  const TriangleMesh mesh = shape_mesh("l");
+  const SphereTree one = tree_of(mesh, 2, 5, 1);
+  for (const int threads : {2, 5}) EXPECT_TRUE(test::same_tree(one, tree_of(mesh, 2, 5, threads))) << threads;
 }
 
 TEST(SphereTree, AnotherSeedIsAnotherSearchThatCoversToo) {
   const TriangleMesh mesh = shape_mesh("jack");
-  const SphereTree tree = tree_of(mesh, 2, 99);
-  EXPECT_FALSE(test::same_tree(tree, tree_of(mesh, 2, 1)));
+  const SphereTree tree = tree_of(mesh, 1, 99);
+  EXPECT_FALSE(test::same_tree(tree, tree_of(mesh, 1, 1)));
   expect_covered(mesh, tree, 2000, 500);
 }
 

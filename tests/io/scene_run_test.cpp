@@ -129,8 +129,8 @@ TEST(SceneRun, UsesOpenMeshesWithAWarningAndSheetsAsShells) {
   std::ofstream(folder.file("sheet.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const Result<Scene> scene = parse_scene(
       R"({"name": "x", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": 1000}},
-          "shapes": {"ball": {"sphere": {"radius_m": 1}}, "box": {"mesh": {"file": "box.obj", "depth": 1}},
-                     "sheet": {"mesh": {"file": "sheet.obj", "depth": 1, "shell_thickness_m": 0.002}}},
+          "shapes": {"ball": {"sphere": {"radius_m": 1}}, "box": {"mesh": {"file": "box.obj", "depth": 0}},
+                     "sheet": {"mesh": {"file": "sheet.obj", "depth": 0, "shell_thickness_m": 0.002}}},
           "bodies": [{"shape": "sheet", "material": "m"}, {"shape": "box", "material": "m", "position_m": [5, 0, 0]}]})",
       "s.json", folder.path());
   ASSERT_TRUE(scene) << scene.error().message;
@@ -151,7 +151,7 @@ void write_box(const TemporaryFolder& folder) {
   std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n"
                                            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
   const TriangleMesh mesh = read_mesh(folder.file("box.obj"), {}).value();
-  ASSERT_TRUE(write_sph(build_sphere_tree(mesh, {.depth = 1, .threads = 1}).value(), folder.file("box.sph")));
+  ASSERT_TRUE(write_sph(build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 1}).value(), folder.file("box.sph")));
 }
 
 Result<SceneRun> run_with_shape(const TemporaryFolder& folder, const std::string& shape, const SceneRunOptions& options = serial()) {
@@ -195,7 +195,7 @@ TEST(SceneRun, ATreeThatLeaksIsRefusedUnlessTheSceneAllowsIt) {
 TEST(SceneRun, KeepsTreesWhereItIsToldAndSaysWhatBecameOfThem) {
   const TemporaryFolder folder;
   write_box(folder);
-  const std::string shape = R"({"mesh": {"file": "box.obj", "depth": 1}})";
+  const std::string shape = R"({"mesh": {"file": "box.obj", "depth": 0}})";
   const TemporaryFolder cache;
   SceneRunOptions options = serial();
   const Result<SceneRun> off = run_with_shape(folder, shape, options);
@@ -207,7 +207,7 @@ TEST(SceneRun, KeepsTreesWhereItIsToldAndSaysWhatBecameOfThem) {
   const Result<SceneRun> warm = run_with_shape(folder, shape, options);
   EXPECT_EQ(warm.value().tree_cache_use().hits, 1U);
   EXPECT_EQ(cache.entries(), 1U);
-  const Result<SceneRun> shell = run_with_shape(folder, R"({"mesh": {"file": "box.obj", "depth": 1, "shell_thickness_m": 0.01}})", options);
+  const Result<SceneRun> shell = run_with_shape(folder, R"({"mesh": {"file": "box.obj", "depth": 0, "shell_thickness_m": 0.01}})", options);
   ASSERT_TRUE(shell) << shell.error().message;
   EXPECT_EQ(shell.value().tree_cache_use().built, 1U) << "a shell is another tree";
   EXPECT_NEAR(shell.value().world().mass_kg(shell.value().bodies()[0].id).value(), 220, 1e-9);

@@ -87,6 +87,7 @@ TEST(TreePicture, ColoursGoFromBlueOverYellowToRedByRatios) {
 TEST(TreePicture, IsTheSameOnAnyNumberOfThreads) {
   TreeBuildOptions build;
   build.depth = 1;
+  build.preset = TreePreset::Fast;
   const SphereTree tree = build_sphere_tree(cube(), build).value();
   io::TreePictureSettings settings = small();
   const io::Image one = drawn(cube(), {{&tree, ""}}, settings);
