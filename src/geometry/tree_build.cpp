@@ -34,13 +34,16 @@ Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOp
     shown = std::max(shown, share);
   };
   const std::function<bool()> keep_going = [&options] { return !options.stop.stop_requested(); };
+  const Error stopped{ErrorKind::Cancelled, "the building of the tree was stopped"};
   progress(0);
+  if (!keep_going()) return stopped;
   const std::vector<LooseNode> nodes = grow_tree(mesh, bvh, options, *executor, progress, keep_going);
-  if (!keep_going()) return Error{ErrorKind::Cancelled, "the building of the tree was stopped"};
+  if (!keep_going()) return stopped;
   SphereTree tree = lay_out_tree(nodes);
   measure_protrusions(tree, bvh, *executor);
+  if (!keep_going()) return stopped;
   measure_surfaces(tree, bvh, *executor);
-  if (!keep_going()) return Error{ErrorKind::Cancelled, "the building of the tree was stopped"};
+  if (!keep_going()) return stopped;
   progress(1);
   return tree;
 }
