@@ -10,6 +10,7 @@ namespace poise::geometry {
 namespace {
 
 constexpr int kShrinkings = 12;
+constexpr int kClimbs = 10;
 
 /// Shrinks a ball that touches the surface at p, on the side against the normal, until no surface is inside it.
 DeepPlace shrink(const TriangleBvh& bvh, const CoverFrame& frame, const Vec3& p, const Vec3& normal) {
@@ -25,6 +26,28 @@ DeepPlace shrink(const TriangleBvh& bvh, const CoverFrame& frame, const Vec3& p,
   }
   const Vec3 center = p - radius_m * normal;
   return {frame.to(center), static_cast<float>(radius_m / frame.diagonal_m)};
+}
+
+/// Moves a place away from the surface point that is closest to it while that makes it deeper. Balls that touch a facet near a
+/// convex edge are shallow however fine the mesh; from there this leads to the middle of the part.
+DeepPlace climb(const TriangleBvh& bvh, const CoverFrame& frame, const DeepPlace& from) {
+  Vec3 place = frame.from(from.center);
+  auto closest = bvh.closest(place);
+  double depth_m = std::sqrt(closest.squared_distance_m2);
+  double step_m = 0.5 * depth_m;
+  for (int i = 0; i < kClimbs && depth_m > 0; ++i) {
+    const Vec3 tried = place + step_m / depth_m * (place - closest.point_m);
+    const auto next = bvh.closest(tried);
+    if (next.squared_distance_m2 > depth_m * depth_m) {
+      place = tried;
+      closest = next;
+      depth_m = std::sqrt(next.squared_distance_m2);
+    } else {
+      step_m *= 0.5;
+    }
+  }
+  const Vec3f center = frame.to(place);
+  return {center, static_cast<float>(std::sqrt(bvh.closest(frame.from(center)).squared_distance_m2) / frame.diagonal_m)};
 }
 
 }  // namespace
@@ -54,7 +77,10 @@ std::vector<DeepPlace> find_deep_places(const TriangleMesh& mesh, const Triangle
       places[i] = {frame.to(p), 0.0F};
       if (!normal.allFinite() || normal.squaredNorm() < 0.5) continue;
       const DeepPlace deep = shrink(bvh, frame, p, normal);
-      if (bvh.inside(frame.from(deep.center))) places[i] = deep;
+      if (!bvh.inside(frame.from(deep.center))) continue;
+      // Half of them climb: the deep ones cover most, the others are where parts end.
+      const DeepPlace higher = i % 2 == 0 ? climb(bvh, frame, deep) : deep;
+      places[i] = bvh.inside(frame.from(higher.center)) ? higher : deep;
     }
   });
   return places;
