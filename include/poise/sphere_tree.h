@@ -68,7 +68,7 @@ struct SphereTree {
 enum class TreePreset : std::uint8_t {
   Fast,     ///< about a fifth of the time of Default
   Default,
-  Best,     ///< about ten times the time of Default
+  Best,     ///< about five times the time of Default
 };
 
 struct TreeBuildOptions {

@@ -27,8 +27,8 @@ struct SolidAtoms {
   }
 };
 
-/// Cuts a closed mesh into about `target` atoms (fewer for a thin shape whose box would need too many cells). The
-/// result does not depend on the executor.
+/// Cuts a mesh into about `target` atoms (fewer for a thin shape whose box would need too many cells). Blocks of cells that are wholly
+/// inside are one atom. Of an open mesh a cell with a corner inside takes all of its corners. The result does not depend on the executor.
 SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target, parallel::Executor& executor);
 
 }  // namespace poise::geometry
