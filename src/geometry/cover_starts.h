@@ -21,9 +21,9 @@ struct CoverScene {
 };
 
 struct StartSettings {
-  int tries = 12;
+  int tries = 9;
   std::size_t samples = 15000;
-  LevelSettings level{.bids = 14, .sweeps = 3};
+  LevelSettings level{.bids = 12, .sweeps = 2};
 };
 
 /// Searches for the balls of level 1 with coarse atoms: several random covers are improved and compared by what they let stand out

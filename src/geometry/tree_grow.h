@@ -12,12 +12,12 @@ namespace poise::geometry {
 
 /// What a preset spends.
 struct TreeEffort {
-  std::size_t atoms = 72000;          ///< of a tree of depth 3 or less
+  std::size_t atoms = 56000;          ///< of a tree of depth 3 or less
   std::size_t start_atoms = 6000;
   std::size_t places = 3000;
   std::size_t samples_per_ball = 300;
   StartSettings start;
-  LevelSettings level{.bids = 20, .sweeps = 6, .redone = 16};
+  LevelSettings level{.bids = 13, .sweeps = 3, .redone = 8};
 };
 
 TreeEffort effort_of(TreePreset preset);
