@@ -52,7 +52,7 @@ void draw_text(Image& image, std::string_view text, std::int64_t x_px, std::int6
     for (std::uint32_t dot = 0; glyph != nullptr && dot < kRows * 5 * scale * scale; ++dot) {
       const std::uint32_t across = dot % (5 * scale);
       const std::uint32_t down = dot / (5 * scale);
-      if (((glyph->rows[down / scale] >> (4 - across / scale)) & 1U) == 0) continue;
+      if (((static_cast<unsigned>(glyph->rows[down / scale]) >> (4 - across / scale)) & 1U) == 0) continue;
       const std::int64_t x = x_px + across;
       const std::int64_t y = y_px + down;
       if (x < 0 || y < 0 || x >= image.width_px || y >= image.height_px) continue;
