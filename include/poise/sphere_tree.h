@@ -66,9 +66,9 @@ struct SphereTree {
 
 /// How much time a tree is worth.
 enum class TreePreset : std::uint8_t {
-  Fast,     ///< about a fifth of the time of Default
+  Fast,     ///< about a third of the time of Default
   Default,
-  Best,     ///< about five times the time of Default
+  Best,     ///< about seven times the time of Default
 };
 
 struct TreeBuildOptions {
