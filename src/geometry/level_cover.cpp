@@ -18,7 +18,6 @@ constexpr float kFirstStep = 0.25F;     ///< of a ball's radius, in the first ro
 constexpr float kLastShare = 0.12F;     ///< of the first step, in the last round
 constexpr float kSmallestStep = 0.02F;
 constexpr float kSweepStep = 0.1F;
-constexpr double kScaleOfLargest = 0.7; ///< far samples count from here on
 constexpr double kFirstPower = 4;
 constexpr double kPowerStep = 4;
 constexpr double kWorthwhile = 0.997;   ///< a sweep that leaves more than this of the cost is the last at its power
@@ -46,7 +45,7 @@ void LevelCover::begin(std::vector<CoverBall> balls) {
     if (ball.radius > 0) count(ball, 1);
   }
   drop_empty();
-  weigh(std::max(1e-6, kScaleOfLargest * score().largest), kFirstPower);
+  weigh(kFirstPower);
   best_value_ = std::numeric_limits<double>::infinity();
   first_ = {};
 }
@@ -210,7 +209,7 @@ bool LevelCover::shrink(int sweep) {
   remember();
   if (static_cast<double>(total_) > kWorthwhile * static_cast<double>(before)) {
     if (sweep >= kMostPowers * 2) return false;
-    weigh(std::max(1e-6, kScaleOfLargest * score().largest), kFirstPower + kPowerStep * (sweep + 1));
+    weigh(kFirstPower + kPowerStep * (sweep + 1));
   }
   return true;
 }

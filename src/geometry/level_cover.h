@@ -38,7 +38,7 @@ struct LevelScore {
 
 /// How long a level is worked on.
 struct LevelSettings {
-  int bids = 12;            ///< rounds in which atoms go to the ball that bids least, and balls move
+  int bids = 12;            ///< rounds in which atoms go to the ball that bids least, and balls move; at least 1
   int sweeps = 6;           ///< of shrinking to what no other ball holds, at most
   int redone = 0;           ///< attempts to make the worst families anew
   double equal_sizes = 0;   ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
@@ -54,12 +54,13 @@ class LevelCover {
   LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
              const std::vector<DeepPlace>& places, const std::vector<CoverParent>& parents);
 
-  /// Improves balls, of which each open parent needs at least one. `keep_going` is asked between rounds; what there is when it says no
-  /// still holds every atom.
+  /// Improves balls, of which each open parent needs at least one. `keep_going` is asked after the first round and before each further
+  /// one; what there is when it says no holds every atom.
   template <class KeepGoing>
   void improve(std::vector<CoverBall> balls, const LevelSettings& settings, KeepGoing&& keep_going) {
     begin(std::move(balls));
-    for (int round = 0; round < settings.bids && keep_going(); ++round) bid(round, settings);
+    bid(0, settings);
+    for (int round = 1; round < settings.bids && keep_going(); ++round) bid(round, settings);
     begin_sweeps();
     for (int sweep = 0; sweep < settings.sweeps && keep_going(); ++sweep) {
       if (!shrink(sweep)) break;
@@ -83,7 +84,8 @@ class LevelCover {
 
   // Samples (level_samples.cpp).
   void count(const CoverBall& ball, int change);
-  void weigh(double scale, double power);
+  /// A sample counts 1 + kFarWeight (distance / scale)^power, with the scale a share of the largest distance that is covered now.
+  void weigh(double power);
   [[nodiscard]] LevelScore score() const;
   [[nodiscard]] double contribution(const CoverBall& ball) const;
   void gather_samples(const Vec3f& center, float from, float to);

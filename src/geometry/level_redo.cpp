@@ -14,6 +14,7 @@ constexpr GreedySettings kGreedy{.atoms = 800, .places = 120, .halvings = 5, .ra
 constexpr int kBids = 8;
 constexpr float kFirstStep = 0.25F;
 constexpr float kSecondStep = 0.1F;
+constexpr double kPower = 12;  ///< high, because what stands out most is to be mended
 
 }  // namespace
 
@@ -102,7 +103,7 @@ bool LevelCover::redo(std::uint32_t parent, std::uint64_t seed) {
 
 void LevelCover::redo_worst(int attempts) {
   if (attempts <= 0 || balls_.empty()) return;
-  weigh(std::max(1e-6, 0.7 * score().largest), 12);
+  weigh(kPower);
   std::vector<int> tried(parents_.size(), 0);
   std::uint64_t seed = 0;
   for (int attempt = 0; attempt < attempts; ++attempt) {

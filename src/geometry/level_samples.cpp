@@ -9,6 +9,7 @@ namespace {
 
 /// A sample at the scale counts this much more than one at the surface; found by trying 1 to 10 on the meshes of the docs.
 constexpr double kFarWeight = 3;
+constexpr double kScaleOfLargest = 0.7;
 constexpr double kUnit = 16;         ///< of the whole-number weights
 constexpr double kMostWeight = 4096;
 
@@ -33,7 +34,8 @@ void LevelCover::count(const CoverBall& ball, int change) {
   });
 }
 
-void LevelCover::weigh(double scale, double power) {
+void LevelCover::weigh(double power) {
+  const double scale = std::max(1e-6, kScaleOfLargest * score().largest);
   total_ = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const double far = std::pow(static_cast<double>(samples_.distance[i]) / scale, power);

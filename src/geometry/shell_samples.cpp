@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/mesh_volume.h"
 #include "geometry/random.h"
 
 namespace poise::geometry {
@@ -88,11 +89,7 @@ void sort_into_cells(const std::vector<Sample>& found, const Vec3f& high, ShellS
 ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, float thickness, std::size_t target,
                           std::uint64_t seed, parallel::Executor& executor) {
   const Bounds box = bounds_of(mesh.vertices_m);
-  double area = 0;
-  for (const auto& t : mesh.triangles) {
-    area += 0.5 * (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]).norm();
-  }
-  area /= frame.diagonal_m * frame.diagonal_m;
+  const double area = mesh_area_m2(mesh) / (frame.diagonal_m * frame.diagonal_m);
   // A shell about a closed convex body of unit size has about this volume (Steiner's formula); creases make it smaller.
   const double d = static_cast<double>(thickness);
   const double volume = area * d + 3 * d * d + 4 * d * d * d;

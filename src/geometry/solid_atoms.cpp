@@ -35,10 +35,7 @@ struct Grid {
 Grid choose_grid(const TriangleMesh& mesh, std::size_t target, double most_cells) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const Vec3 size = box.high - box.low;
-  double area = 0;
-  for (const auto& t : mesh.triangles) {
-    area += 0.5 * (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]).norm();
-  }
+  const double area = mesh_area_m2(mesh);
   const double volume = std::abs(mesh_volume(mesh).volume_m3);
   const auto too_fine = [&](double h) {
     const Vec3 cells = (size / h).array() + 2;
