@@ -16,6 +16,7 @@ namespace {
 
 struct ShapeOptions {
   std::string kind;
+  int fineness = 1;
   std::string output;
 };
 
@@ -25,9 +26,9 @@ int refuse(int code, const std::string& message) {
 }
 
 int make_shape(const ShapeOptions& options) {
-  const Result<TriangleMesh> mesh = geometry::make_procedural_shape(options.kind);
+  const Result<TriangleMesh> mesh = geometry::make_procedural_shape(options.kind, options.fineness);
   if (!mesh) return refuse(kExitBadUsage, mesh.error().message);
-  const std::string text = geometry::obj_text(mesh.value(), fmt::format("made by: poise shape {}", options.kind));
+  const std::string text = geometry::obj_text(mesh.value(), fmt::format("made by: poise shape {}{}", options.kind, options.fineness == 1 ? "" : fmt::format(" --fineness {}", options.fineness)));
   const Status written = options.output == "-" ? io::write_stdout(text) : io::write_file(options.output, text);
   return written ? kExitDone : refuse(exit_code_of(written.error()), written.error().message);
 }
@@ -41,6 +42,9 @@ void add_shape_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("KIND");
   command->add_option("-o,--output", options->output, "OBJ file to write, - for the standard output")->required()->type_name("FILE");
+  command->add_option("--fineness", options->fineness, "How many times more edges round parts have")
+      ->check(CLI::Range(1, geometry::kMaxFineness))
+      ->capture_default_str();
   command->footer("Example:\n  poise shape jack -o jack.obj");
   command->callback([options, &exit_code] { exit_code = make_shape(*options); });
 }

@@ -61,16 +61,16 @@ TriangleMesh lathe(const std::vector<Point2>& profile, int segments) {
 
 /// One arm of the jack along +z, to be turned: a cylinder that begins where it meets its neighbours' surfaces (there its height is the
 /// larger of |x| and |y|, because two equal crossed cylinders meet in that plane) and ends in a half ball.
-void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double length_m) {
-  constexpr int kAround = 16;
-  constexpr int kCapRings = 4;
+void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double length_m, int fineness) {
+  const int around = 16 * fineness;
+  const int cap_rings = 4 * fineness;
   const double straight_m = length_m - radius_m;
   std::vector<Index> below;
   std::vector<double> shares{0.0, 0.5, 1.0};
   for (const double share : shares) {
     std::vector<Index> ring;
-    for (int i = 0; i < kAround; ++i) {
-      const double angle = 2 * pi * i / kAround;
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2 * pi * i / around;
       const double x = radius_m * std::cos(angle);
       const double y = radius_m * std::sin(angle);
       const double start_m = std::max(std::abs(x), std::abs(y));
@@ -79,11 +79,11 @@ void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double lengt
     if (!below.empty()) add_band(mesh, below, ring);
     below = ring;
   }
-  for (int r = 1; r < kCapRings; ++r) {
-    const double rise = 0.5 * pi * r / kCapRings;
+  for (int r = 1; r < cap_rings; ++r) {
+    const double rise = 0.5 * pi * r / cap_rings;
     std::vector<Index> ring;
-    for (int i = 0; i < kAround; ++i) {
-      const double angle = 2 * pi * i / kAround;
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2 * pi * i / around;
       const double out_m = radius_m * std::cos(rise);
       const Vec3 v(out_m * std::cos(angle), out_m * std::sin(angle), straight_m + radius_m * std::sin(rise));
       ring.push_back(add_vertex(mesh, turn * v));
@@ -94,7 +94,7 @@ void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double lengt
   add_cap(mesh, below, add_vertex(mesh, turn * Vec3(0, 0, length_m)));
 }
 
-TriangleMesh make_jack() {
+TriangleMesh make_jack(int fineness) {
   TriangleMesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
@@ -102,27 +102,27 @@ TriangleMesh make_jack() {
       turn.col(2) = sign * Vec3::Unit(axis);
       turn.col(0) = Vec3::Unit((axis + 1) % 3);
       turn.col(1) = turn.col(2).cross(turn.col(0));
-      add_arm(mesh, turn, 0.12, 0.5);
+      add_arm(mesh, turn, 0.12, 0.5, fineness);
     }
   }
   return mesh;
 }
 
-TriangleMesh make_torus() {
-  constexpr int kAround = 32;
-  constexpr int kTube = 16;
+TriangleMesh make_torus(int fineness) {
+  const int around = 32 * fineness;
+  const int tubes = 16 * fineness;
   TriangleMesh mesh;
-  for (int a = 0; a < kAround; ++a) {
-    const double ring = 2 * pi * a / kAround;
-    for (int t = 0; t < kTube; ++t) {
-      const double tube = 2 * pi * t / kTube;
+  for (int a = 0; a < around; ++a) {
+    const double ring = 2 * pi * a / around;
+    for (int t = 0; t < tubes; ++t) {
+      const double tube = 2 * pi * t / tubes;
       const double out_m = 0.35 + 0.15 * std::cos(tube);
       add_vertex(mesh, {out_m * std::cos(ring), out_m * std::sin(ring), 0.15 * std::sin(tube)});
     }
   }
-  const auto at = [](int a, int t) { return static_cast<Index>(a % kAround * kTube + t % kTube); };
-  for (int a = 0; a < kAround; ++a) {
-    for (int t = 0; t < kTube; ++t) add_quad(mesh, at(a, t), at(a + 1, t), at(a + 1, t + 1), at(a, t + 1));
+  const auto at = [&](int a, int t) { return static_cast<Index>(a % around * tubes + t % tubes); };
+  for (int a = 0; a < around; ++a) {
+    for (int t = 0; t < tubes; ++t) add_quad(mesh, at(a, t), at(a + 1, t), at(a + 1, t + 1), at(a, t + 1));
   }
   return mesh;
 }
@@ -154,21 +154,23 @@ TriangleMesh make_l() {
                  {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}}, 0.25);
 }
 
-TriangleMesh make_bowl() {
-  constexpr int kRise = 10;
+TriangleMesh make_bowl(int fineness) {
+  const int rise = 10 * fineness;
   std::vector<Point2> profile;
-  for (int i = 0; i <= kRise; ++i) {
-    const double angle = 0.5 * pi * i / kRise;
+  for (int i = 0; i <= rise; ++i) {
+    const double angle = 0.5 * pi * i / rise;
     profile.emplace_back(0.5 * std::sin(angle), -0.5 * std::cos(angle));
   }
-  for (int i = kRise; i >= 0; --i) {
-    const double angle = 0.5 * pi * i / kRise;
+  for (int i = rise; i >= 0; --i) {
+    const double angle = 0.5 * pi * i / rise;
     profile.emplace_back(0.42 * std::sin(angle), -0.42 * std::cos(angle));
   }
-  return lathe(profile, 32);
+  return lathe(profile, 32 * fineness);
 }
 
-TriangleMesh make_disc() { return lathe({{0, -0.06}, {0.5, -0.06}, {0.5, 0.06}, {0, 0.06}}, 32); }
+TriangleMesh make_disc(int fineness) {
+  return lathe({{0, -0.06}, {0.5, -0.06}, {0.5, 0.06}, {0, 0.06}}, 32 * fineness);
+}
 
 }  // namespace
 
@@ -177,15 +179,18 @@ std::span<const std::string_view> procedural_shapes() {
   return kNames;
 }
 
-Result<TriangleMesh> make_procedural_shape(std::string_view kind) {
+Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness) {
+  if (fineness < 1 || fineness > kMaxFineness) {
+    return bad_input(fmt::format("fineness = {}, must be from 1 to {}", fineness, kMaxFineness));
+  }
   TriangleMesh mesh;
-  if (kind == "jack") mesh = make_jack();
-  if (kind == "torus") mesh = make_torus();
+  if (kind == "jack") mesh = make_jack(fineness);
+  if (kind == "torus") mesh = make_torus(fineness);
   if (kind == "slab") mesh = make_box(1.0, 0.6, 0.1);
   if (kind == "l") mesh = make_l();
-  if (kind == "bowl") mesh = make_bowl();
+  if (kind == "bowl") mesh = make_bowl(fineness);
   if (kind == "cube") mesh = make_box(0.7, 0.7, 0.7);
-  if (kind == "disc") mesh = make_disc();
+  if (kind == "disc") mesh = make_disc(fineness);
   if (mesh.triangles.empty()) return bad_input(fmt::format("shape '{}' is not known, must be one of {}", kind, fmt::join(procedural_shapes(), " ")));
   for (Vec3& v : mesh.vertices_m) {
     // Adding 0 turns -0 into 0, which the file would otherwise show.

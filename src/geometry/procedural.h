@@ -20,8 +20,10 @@ std::span<const std::string_view> procedural_shapes();
 ///   bowl   half a hollow ball, outer radius 0.5 m, wall 0.08 m
 ///   cube   edge 0.7 m
 ///   disc   radius 0.5 m, 0.12 m thick
-/// Coordinates are rounded to 1e-9 m, so that the mesh is the same as read back from its file. Refused: any other name.
-Result<TriangleMesh> make_procedural_shape(std::string_view kind);
+/// Round parts have 16 (jack, tube of the torus) or 32 edges around, times `fineness`. Coordinates are rounded to 1e-9 m, so
+/// that the mesh is the same as read back from its file. Refused: any other name, a fineness that is not from 1 to kMaxFineness.
+inline constexpr int kMaxFineness = 16;
+Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness = 1);
 
 /// The mesh as OBJ text, nine decimals; `comment` stands in the first line.
 std::string obj_text(const TriangleMesh& mesh, std::string_view comment);

@@ -60,6 +60,25 @@ TEST(ProceduralShape, TheMeshesThatShipAreWhatTheToolMakes) {
   }
 }
 
+TEST(ProceduralShape, ComesNearerToTheRoundShapeTheFinerItIs) {
+  // A ring of radius R and a tube of radius r hold 2 pi^2 R r^2; chords leave out a share that falls with the square of their number.
+  constexpr double kTorus_m3 = 2 * std::numbers::pi * std::numbers::pi * 0.35 * 0.15 * 0.15;
+  const auto missing = [&](int fineness) {
+    const TriangleMesh mesh = make_procedural_shape("torus", fineness).value();
+    return 1 - mesh_mass_properties(mesh).value().volume_m3 / kTorus_m3;
+  };
+  EXPECT_NEAR(missing(1) / missing(4), 16, 0.5);
+  for (const std::string_view kind : procedural_shapes()) EXPECT_TRUE(check_closed(make_procedural_shape(kind, 3).value()).closed()) << kind;
+}
+
+TEST(ProceduralShape, RefusesAFinenessOutOfRange) {
+  for (const int fineness : {0, kMaxFineness + 1}) {
+    const auto shape = make_procedural_shape("jack", fineness);
+    ASSERT_FALSE(shape.ok());
+    EXPECT_EQ(shape.error().message, fmt::format("fineness = {}, must be from 1 to 16", fineness));
+  }
+}
+
 TEST(ProceduralShape, RefusesAnyOtherNameAndListsThose) {
   const auto shape = make_procedural_shape("teapot");
   ASSERT_FALSE(shape.ok());
