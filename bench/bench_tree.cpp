@@ -3,9 +3,9 @@
 
 #include <random>
 
+#include "geometry/node_fit.h"
 #include "geometry/procedural.h"
 #include "geometry/tree_protrusion.h"
-#include "geometry/tree_surface.h"
 #include "geometry/triangle_bvh.h"
 #include "poise/mesh.h"
 #include "poise/sphere_tree.h"
@@ -102,8 +102,8 @@ void measure_nodes(benchmark::State& state) {
   const auto serial = poise::parallel::make_executor(poise::ExecutorKind::Serial, 1);
   for (auto _ : state) {
     poise::geometry::measure_protrusions(tree, bvh, *serial);
-    poise::geometry::measure_surfaces(tree, bvh, *serial);
-    benchmark::DoNotOptimize(tree.surface.data());
+    poise::geometry::fit_nodes(tree, mesh, bvh, *serial);
+    benchmark::DoNotOptimize(tree.fit.data());
   }
   state.counters["nodes"] = static_cast<double>(tree.node_count());
 }

@@ -19,7 +19,7 @@ namespace poise {
 inline constexpr std::uint32_t kTreeBranching = 8;
 
 /// Version of the tree's layout and of what its figures mean; files and caches of another version are not used.
-inline constexpr std::uint32_t kTreeVersion = 2;
+inline constexpr std::uint32_t kTreeVersion = 3;
 
 /// Spheres that a union may have at most (five full levels).
 inline constexpr std::size_t kMaxUnionSpheres = 32768;
@@ -30,11 +30,13 @@ struct Sphere {
   double radius_m = 0;
 };
 
-/// The object's surface inside a node's sphere, for contact models. 12 bytes.
-struct NodeSurface {
-  std::array<std::int16_t, 3> normal{};  ///< area-weighted mean of the outward unit normals, in 1/32767; shorter the more they differ
-  std::int16_t offset = 0;               ///< from the centre to the surface's mean plane along that normal's direction, in radius/32767
-  float area_m2 = 0;                     ///< area inside the sphere; 0 for a node without surface
+/// The sphere that answers for a node where two bodies meet (docs/method.md): the one that the surface inside the node looks like from
+/// outside. 24 bytes. Lengths in metres, in the frame of the tree.
+struct NodeFit {
+  float x_m = 0, y_m = 0, z_m = 0;  ///< centre
+  float radius_m = 0;               ///< far below zero for a node without surface: it answers only where no other does
+  float variance_m2 = 0;            ///< mean square of what the surface deviates from the sphere; 0 where it is the surface
+  float core_m = 0;                 ///< the ball of this radius about the centre is inside the object; negative: so far outside it is
 };
 
 /// A tree of covering spheres in flat arrays, level after level, children of a node contiguous.
@@ -48,7 +50,7 @@ struct SphereTree {
   std::vector<float> x_m, y_m, z_m, radius_m;
   std::vector<float> protrusion_max_m;   ///< by how much the exposed part of a node's sphere stands out of the object, at most
   std::vector<float> protrusion_mean_m;  ///< the same for the area-weighted mean; docs/sphere-trees.md says how near both bounds are
-  std::vector<NodeSurface> surface;      ///< what each node knows of the surface inside it; all zero where it was not measured
+  std::vector<NodeFit> fit;              ///< what answers for each node; its own sphere where nothing was fitted
   std::vector<NodeIndex> first_child;    ///< index of the first child; the node itself for a leaf
   std::vector<std::uint8_t> child_count; ///< 0 for a leaf, at most kTreeBranching
   std::vector<NodeIndex> level_begin;    ///< first node of each level, then the number of nodes

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "geometry/node_fit.h"
 #include "geometry/tree_protrusion.h"
-#include "geometry/tree_surface.h"
 #include "geometry/triangle_bvh.h"
 #include "poise/tree_formats.h"
 
@@ -44,7 +44,7 @@ Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh,
   const geometry::TriangleBvh bvh(mesh, options.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Threads, options.threads);
   geometry::measure_protrusions(tree, bvh, *executor);
-  geometry::measure_surfaces(tree, bvh, *executor);
+  geometry::fit_nodes(tree, mesh, bvh, *executor);
   return report;
 }
 

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include "geometry/mesh_volume.h"
+#include "geometry/node_fit.h"
 #include "geometry/rounding.h"
 #include "geometry/tree_grow.h"
 #include "geometry/tree_layout.h"
 #include "geometry/tree_protrusion.h"
-#include "geometry/tree_surface.h"
 #include "geometry/triangle_bvh.h"
 #include "poise/sphere_tree.h"
 
@@ -42,7 +42,7 @@ Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOp
   SphereTree tree = lay_out_tree(nodes);
   measure_protrusions(tree, bvh, *executor);
   if (!keep_going()) return stopped;
-  measure_surfaces(tree, bvh, *executor);
+  fit_nodes(tree, mesh, bvh, *executor);
   if (!keep_going()) return stopped;
   progress(1);
   return tree;

@@ -17,13 +17,13 @@ namespace {
 
 // The file holds every array of the tree: who adds one adds it to each_array too.
 static_assert(sizeof(SphereTree) == 10 * sizeof(std::vector<float>));
-static_assert(sizeof(NodeSurface) == 12 && std::is_trivially_copyable_v<NodeSurface>);
+static_assert(sizeof(NodeFit) == 24 && std::is_trivially_copyable_v<NodeFit>);
 
 constexpr std::size_t kHashBytes = 16;
 /// Of the file's own form; the meaning of the arrays is kTreeVersion.
 constexpr std::uint32_t kEntryVersion = 1;
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::size_t kNodeBytes = 6 * sizeof(float) + sizeof(NodeSurface) + sizeof(NodeIndex) + sizeof(std::uint8_t);
+constexpr std::size_t kNodeBytes = 6 * sizeof(float) + sizeof(NodeFit) + sizeof(NodeIndex) + sizeof(std::uint8_t);
 
 constexpr std::size_t most_nodes() {
   std::size_t nodes = 0;
@@ -50,7 +50,7 @@ void each_array(Tree& tree, std::size_t nodes, std::size_t level_bounds, Visit&&
   for (auto* array : {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
     visit(*array, nodes);
   }
-  visit(tree.surface, nodes);
+  visit(tree.fit, nodes);
   visit(tree.first_child, nodes);
   visit(tree.child_count, nodes);
   visit(tree.level_begin, level_bounds);
@@ -73,7 +73,11 @@ bool sound_numbers(const SphereTree& tree, std::size_t node) {
   for (const float length_m : {tree.radius_m[node], tree.protrusion_max_m[node], tree.protrusion_mean_m[node]}) {
     if (!(length_m >= 0 && length_m <= kFarthest_m)) return false;
   }
-  return std::isfinite(tree.surface[node].area_m2) && tree.surface[node].area_m2 >= 0;
+  const NodeFit& fit = tree.fit[node];
+  for (const float length_m : {fit.x_m, fit.y_m, fit.z_m, fit.radius_m, fit.core_m}) {
+    if (!(std::abs(length_m) <= 8 * kFarthest_m)) return false;
+  }
+  return std::isfinite(fit.variance_m2) && fit.variance_m2 >= 0;
 }
 
 /// Whether levels and children are laid out as SphereTree says: the children of a level's nodes, in order, are the next level.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "geometry/node_fit.h"
 #include "geometry/rounding.h"
 
 namespace poise {
@@ -47,6 +48,7 @@ SphereTree lay_out_tree(const std::vector<LooseNode>& nodes) {
   tree.protrusion_max_m.assign(tree.node_count(), 0.0F);
   tree.protrusion_mean_m.assign(tree.node_count(), 0.0F);
   pad_tree(tree);
+  fit_nodes_to_themselves(tree);
   return tree;
 }
 
@@ -55,7 +57,7 @@ void pad_tree(SphereTree& tree) {
   for (auto* array : {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
     array->resize(size, 0.0F);
   }
-  tree.surface.resize(size);
+  tree.fit.resize(size);
   tree.first_child.resize(size, 0);
   tree.child_count.resize(size, 0);
 }
@@ -72,6 +74,11 @@ void recenter_tree(SphereTree& tree, const Vec3& offset_m, bool leaves_are_surfa
     tree.x_m[node] = rounded.x();
     tree.y_m[node] = rounded.y();
     tree.z_m[node] = rounded.z();
+    NodeFit& fit = tree.fit[node];
+    const Eigen::Vector3f fitted = to_float(Vec3(static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)) - offset_m);
+    fit.x_m = fitted.x();
+    fit.y_m = fitted.y();
+    fit.z_m = fitted.z();
   }
   for (NodeIndex node = 0; node < count; ++node) {
     const bool leaf = tree.child_count[node] == 0;

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "geometry/enclosing_ball.h"
+#include "geometry/nearest_leaf.h"
+#include "geometry/node_fit.h"
 #include "geometry/rounding.h"
 #include "geometry/tree_layout.h"
 #include "geometry/tree_protrusion.h"
@@ -147,31 +149,11 @@ std::uint32_t add_node(std::span<const Sphere> spheres, const Group& group, Leve
   return index;
 }
 
-struct NearestLeaf {
-  double distance_m = std::numeric_limits<double>::infinity();  ///< to its sphere, negative inside
-  NodeIndex node = 0;
-};
-
-/// The leaf whose sphere is nearest to a point. Every inner sphere holds the leaves below it, so the way down can leave out
-/// what is farther than the best so far.
-void find_nearest_leaf(const SphereTree& tree, NodeIndex node, const Vec3& point, NearestLeaf& best) {
-  const Sphere sphere = tree.sphere(node);
-  const double distance_m = (sphere.center_m - point).norm() - sphere.radius_m;
-  if (distance_m >= best.distance_m) return;
-  if (tree.child_count[node] == 0) {
-    best = {distance_m, node};
-    return;
-  }
-  for (NodeIndex c = 0; c < tree.child_count[node]; ++c) find_nearest_leaf(tree, tree.first_child[node] + c, point, best);
-}
-
 /// The leaves as the object that the nodes above them stand out of.
 geometry::ObjectQueries leaves_of(const SphereTree& tree) {
   geometry::ObjectQueries object;
   object.nearest = [&tree](const Vec3& point, std::uint32_t) {
-    NearestLeaf nearest;
-    find_nearest_leaf(tree, 0, point, nearest);
-    const Sphere leaf = tree.sphere(nearest.node);
+    const Sphere leaf = tree.sphere(geometry::nearest_leaf(tree, point).node);
     return geometry::ObjectBall{leaf.center_m, leaf.radius_m};
   };
   return object;
@@ -212,6 +194,7 @@ Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres) {
   const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);
   const double tolerance_m = kProtrusionWithin * tree.sphere(0).radius_m;
   geometry::measure_protrusions(tree, leaves_of(tree), {.tolerance_m = tolerance_m, .leaves_are_surface = true}, *serial);
+  geometry::fit_nodes_to_leaves(tree);
   return tree;
 }
 

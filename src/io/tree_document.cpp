@@ -47,7 +47,7 @@ void add_tree(const JudgedTree& tree, const TreeDocument& document, Json& json) 
 std::size_t bytes_of(const SphereTree& tree) {
   const auto of = [](const auto& array) { return array.size() * sizeof(array[0]); };
   return of(tree.x_m) + of(tree.y_m) + of(tree.z_m) + of(tree.radius_m) + of(tree.protrusion_max_m) + of(tree.protrusion_mean_m) +
-         of(tree.surface) + of(tree.first_child) + of(tree.child_count) + of(tree.level_begin);
+         of(tree.fit) + of(tree.first_child) + of(tree.child_count) + of(tree.level_begin);
 }
 
 bool leaks(const TreeLevelFigures& figures, Solidity solidity) {

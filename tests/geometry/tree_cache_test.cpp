@@ -42,7 +42,7 @@ SphereTree small_tree() {
 
 bool same_bits(const SphereTree& a, const SphereTree& b) {
   return test::same_tree(a, b) && a.surface.size() == b.surface.size() &&
-         std::memcmp(a.surface.data(), b.surface.data(), a.surface.size() * sizeof(NodeSurface)) == 0;
+         std::memcmp(a.fit.data(), b.fit.data(), a.fit.size() * sizeof(NodeFit)) == 0;
 }
 
 void put(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes; }

@@ -294,7 +294,7 @@ TEST(AdoptTree, ATreeThatCoversIsSoundAndGetsItsProtrusions) {
   const SphereTree built = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 1}).value();
   SphereTree foreign = built;
   std::ranges::fill(foreign.protrusion_max_m, 0.0F);
-  std::ranges::fill(foreign.surface, NodeSurface{});
+  std::ranges::fill(foreign.fit, NodeFit{});
   const auto report = adopt_tree(foreign, mesh, {.samples = 2000, .threads = 2});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report.value().covers_surface());
@@ -303,7 +303,7 @@ TEST(AdoptTree, ATreeThatCoversIsSoundAndGetsItsProtrusions) {
   EXPECT_EQ(report.value().summary(), "surface covered to 100 %, inside to 100 %");
   EXPECT_EQ(foreign.protrusion_max_m, built.protrusion_max_m);
   EXPECT_GT(foreign.protrusion_max_m[0], 0);
-  for (std::size_t i = 0; i < built.node_count(); ++i) EXPECT_EQ(foreign.surface[i].area_m2, built.surface[i].area_m2) << i;
+  for (std::size_t i = 0; i < built.node_count(); ++i) EXPECT_EQ(foreign.fit[i].radius_m, built.fit[i].radius_m) << i;
   EXPECT_EQ(foreign.radius_m, built.radius_m);
 }
 
