@@ -35,8 +35,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "What is refined first: perceptual, fifo or random (default: the scene's)")
       ->check(CLI::IsMember({"perceptual", "fifo", "random"}))
       ->type_name("P");
-  command.add_option("--contact", options.contact, "Contact model: paper or wrench (default wrench)")
-      ->check(CLI::IsMember({"paper", "wrench"}))
+  command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default wrench)")
+      ->check(CLI::IsMember({"paper", "wrench", "fitted"}))
       ->type_name("MODEL");
   command
       .add_option("--clock", options.clock,
@@ -98,7 +98,9 @@ ExecutorKind executor_kind(const RunOptions& options) {
 
 WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   WorldSettings settings;
-  settings.contact = options.contact == "paper" ? ContactModel::Paper : ContactModel::Wrench;
+  if (options.contact == "paper") settings.contact = ContactModel::Paper;
+  if (options.contact == "wrench") settings.contact = ContactModel::Wrench;
+  if (options.contact == "fitted") settings.contact = ContactModel::Fitted;
   settings.policy = scene.policy;
   if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
   if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;

@@ -9,6 +9,29 @@
 namespace poise::collision {
 namespace {
 
+/// Contacts whose gaps differ by less than this share of the skin count alike. Chosen: a tenth of a millimetre for a body 0.4 m across.
+constexpr double kFinestOfSkin = 0.1;
+
+/// One impulse along the mean direction at the mean place (DO eq. 1).
+PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a) {
+  PairContact contact;
+  if (!(sums.weight > 0)) return contact;
+  Vec3 direction = sums.direction;
+  if (direction.isZero(0)) direction = frame.with_plane() ? Vec3(-frame.plane_normal) : frame.offset_m;
+  if (direction.isZero(0)) direction = Vec3::UnitZ();
+  direction.normalize();
+  const Vec3 place = sums.place_m / sums.weight;
+  contact.direction = rotation_a * direction;
+  contact.moment_a_m = rotation_a * place.cross(direction);
+  contact.moment_b_m = rotation_a * (place - frame.offset_m).cross(direction);
+  contact.arm_m = rotation_a * place;
+  contact.surely_m = sums.cores_m;
+  // What overlaps beyond doubt is not apart, whatever the fitted spheres say.
+  contact.likely_m = std::min(sums.fitted_m, sums.cores_m);
+  contact.present = true;
+  return contact;
+}
+
 void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
   const Vec3 normal = weight * contact.normal;
   sum.weight_m += weight;
@@ -104,6 +127,10 @@ SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry) {
 }
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums) {
+  if (frame.fitted) {
+    add_fitted(frame, entries, static_cast<float>(kFinestOfSkin * frame.skin_m), sums.fitted);
+    return;
+  }
   if (frame.with_plane()) {
     add_plane_contacts(frame, entries, sums);
     return;
@@ -116,6 +143,7 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
 }
 
 PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a) {
+  if (frame.fitted) return finish_fitted(frame, sums.fitted, rotation_a);
   PairContact contact;
   const WrenchSum& sum = sums.touching.weight_m > 0 ? sums.touching : sums.near;
   if (!(sum.weight_m > 0)) return contact;

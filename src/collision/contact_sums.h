@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "collision/fitted_sums.h"
 #include "collision/front.h"
 #include "collision/pair_frame.h"
 #include "poise/types.h"
@@ -36,7 +37,7 @@ struct WrenchSum {
   Vec3 place_m2 = Vec3::Zero();        ///< sum of w c
 };
 
-/// Two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by
+/// What a front says. With PairFrame::fitted that is `fitted` alone. Otherwise two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by
 /// w = margin - gap over all. The second counts only while nothing touches.
 struct ContactSums {
   WrenchSum touching;
@@ -44,6 +45,7 @@ struct ContactSums {
   double spheres_m = 1e300;            ///< least gap of two spheres
   double likely_m = 1e300;             ///< least gap plus mean protrusion of both nodes
   double surely_m = 1e300;             ///< least gap plus largest protrusion of both nodes
+  FittedSums fitted;
 };
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
@@ -54,7 +56,7 @@ struct PairContact {
   Vec3 moment_a_m = Vec3::Zero();  ///< t_a = sum w (c - x_a) x n / sum w
   Vec3 moment_b_m = Vec3::Zero();  ///< t_b = sum w (c - x_b) x n / sum w
   Vec3 arm_m = Vec3::Zero();       ///< mean contact point from the centre of mass of a
-  double spheres_m = 0;            ///< least gap of two spheres
+  double spheres_m = 0;            ///< least gap of two spheres; not known with PairFrame::fitted
   double likely_m = 0;             ///< likely gap of the two surfaces, least over the front
   double surely_m = 0;             ///< below zero the two surfaces penetrate beyond doubt
   bool present = false;            ///< something is nearer than the margin

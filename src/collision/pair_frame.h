@@ -24,6 +24,7 @@ struct PairFrame {
   double plane_height_m = 0;         ///< b is a plane: its surface is plane_normal . p = plane_height_m in the frame of a
   double margin_m = 0;               ///< gaps below this count: what the two may close in the step
   double skin_m = 0;                 ///< gaps below this count as touching
+  bool fitted = false;               ///< nodes answer by their fitted spheres
   FloatFrame rounded{};
   float inflation_m = 0;             ///< margin and a bound of the rounding of single precision
 

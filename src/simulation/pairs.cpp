@@ -112,8 +112,11 @@ PairSighting sighting_of(const WorldState& world, const ActivePair& pair) {
 
 collision::PairFrame frame_of(const WorldState& world, const ActivePair& pair) {
   const FrameBuffers& buffers = world.buffers;
-  return collision::make_pair_frame(*world.bodies.shape[pair.a], buffers.poses[pair.a], *world.bodies.shape[pair.b],
-                                    buffers.poses[pair.b], pair.margin_m, pair.skin_m);
+  collision::PairFrame frame =
+      collision::make_pair_frame(*world.bodies.shape[pair.a], buffers.poses[pair.a], *world.bodies.shape[pair.b],
+                                 buffers.poses[pair.b], pair.margin_m, pair.skin_m);
+  frame.fitted = world.settings.contact == ContactModel::Fitted;
+  return frame;
 }
 
 void predict(WorldState& world, const StepInput& input) {

@@ -69,7 +69,7 @@ TEST(Allocation, TheCounterCounts) {
 }
 
 TEST(Allocation, AStepAllocatesNothingOnceItsBuffersHaveGrown) {
-  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
     for (const Budget& budget : {Budget::unlimited(), Budget::work(500), Budget::until(SteadyClock::time_point{})}) {
       EXPECT_EQ(allocations_once_warm(ExecutorKind::Serial, budget, model), 0U);
       EXPECT_EQ(allocations_once_warm(ExecutorKind::Threads, budget, model), 0U);

@@ -9,7 +9,7 @@ namespace {
 TEST(TwoBalls, HeadOnAndObliqueFollowTheClosedFormForAnyRestitution) {
   for (const double e : {0.0, 0.3, 0.8, 1.0}) {
     for (const double offset_m : {0.0, 0.4, 0.9}) {
-      for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+      for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
         WorldSettings settings;
         settings.contact = model;
         Stage stage(settings, e);
@@ -36,7 +36,7 @@ TEST(TwoBalls, HeadOnAndObliqueFollowTheClosedFormForAnyRestitution) {
 TEST(OffCentreBody, OnAPlaneTurnsByTheClosedForm) {
   // Two balls of unequal size as one body, coming down on the smaller one.
   for (const double e : {0.0, 0.5, 1.0}) {
-    for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+    for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
       WorldSettings settings;
       settings.contact = model;
       Stage stage(settings, e);
@@ -94,7 +94,7 @@ Sums sizes(const Stage& stage) {
 }
 
 TEST(Conservation, ElasticImpactsKeepMomentumAngularMomentumAndEnergyAtEveryLevel) {
-  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
     for (Level level = 0; level <= 2; ++level) {
       Stage stage = colliding_jacks(model, 1);
       const Conserved before = stage.world.conserved();
@@ -113,7 +113,7 @@ TEST(Conservation, ElasticImpactsKeepMomentumAngularMomentumAndEnergyAtEveryLeve
 }
 
 TEST(Conservation, InelasticImpactsKeepMomentumAndNeverAddEnergyAtEveryLevel) {
-  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
     for (const double e : {0.0, 0.5}) {
       for (Level level = 0; level <= 2; ++level) {
         Stage stage = colliding_jacks(model, e);

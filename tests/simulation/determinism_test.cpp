@@ -34,7 +34,7 @@ std::uint64_t hash_after(const WorldSettings& settings, const Budget& budget, in
 TEST(Determinism, TheSameWorkBudgetGivesTheSameBitsOnAnyThreadsAndExecutor) {
   using scheduler::PolicyKind;
   for (const PolicyKind policy : {PolicyKind::Perceptual, PolicyKind::Fifo, PolicyKind::Random}) {
-    for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+    for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
       const std::uint64_t expected =
           hash_after(falling(ExecutorKind::Serial, 1, policy, model), Budget::work(400));
       for (const int threads : {1, 2, 3, 8}) {

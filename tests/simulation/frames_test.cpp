@@ -45,7 +45,7 @@ Fall dropped_jacks(ContactModel model, const Budget& budget, Level max_level) {
 }
 
 TEST(Pile, ComesDownAndStaysInItsTrayAtAnyLevelAndBudget) {
-  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper}) {
+  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
     for (const Budget& budget : {Budget::unlimited(), Budget::work(300), Budget::work(0)}) {
       for (const Level level : {Level{0}, Level{1}, kMaxTreeDepth}) {
         const Fall fall = dropped_jacks(model, budget, level);

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/fitted_sums.cpp"
+#include <hwy/foreach_target.h>
+// Highway compiles this file once for each instruction set, so it comes after foreach_target.
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "collision/fitted_sums.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace poise::collision::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kLanes = 8;
+constexpr float kBreadth = 3;         ///< of the weights of directions, in standard deviations
+constexpr float kSteepest = 6;        ///< exponents beyond this say no more; to the eighth power they stay within single precision
+constexpr float kBeyond = 1e30F;
+
+// Fits of one side, a figure an array.
+struct Fits {
+  alignas(32) float x[kLanes], y[kLanes], z[kLanes], radius[kLanes], variance[kLanes], core[kLanes];
+};
+
+template <NodeIndex FrontEntry::*kSide>
+HWY_INLINE void gather(const NodeFit* fits, std::span<const FrontEntry> entries, Fits& into) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const NodeFit& fit = fits[entries[std::min(k, entries.size() - 1)].*kSide];
+    into.x[k] = fit.x_m;
+    into.y[k] = fit.y_m;
+    into.z[k] = fit.z_m;
+    into.radius[k] = fit.radius_m;
+    into.variance[k] = fit.variance_m2;
+    into.core[k] = fit.core_m;
+  }
+}
+
+// What the lanes have gathered.
+struct Lanes {
+  alignas(32) float direction[3][kLanes] = {}, place[3][kLanes] = {}, weight[kLanes] = {}, gap[kLanes], cores[kLanes];
+};
+
+// exp(t) to a thousandth for |t| <= 6, of operations that round alike everywhere: a polynomial to the sixteenth power.
+template <class D, class V>
+HWY_INLINE V exponential(D d, V t) {
+  const V x = hn::Mul(t, hn::Set(d, 1.0F / 16));
+  V sum = hn::Add(hn::Mul(x, hn::Set(d, 1.0F / 24)), hn::Set(d, 1.0F / 6));
+  sum = hn::Add(hn::Mul(x, sum), hn::Set(d, 0.5F));
+  sum = hn::Add(hn::Mul(x, sum), hn::Set(d, 1.0F));
+  sum = hn::Add(hn::Mul(x, sum), hn::Set(d, 1.0F));
+  for (int i = 0; i < 4; ++i) sum = hn::Mul(sum, sum);
+  return sum;
+}
+
+// Adds up to eight contacts to the lanes. For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
+void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, Lanes& sums) {
+  const hn::CappedTag<float, kLanes> d;
+  alignas(32) static constexpr float kPlaces[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const bool plane = frame.with_plane();
+  Fits a;
+  Fits b;
+  gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
+  if (!plane) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto at = [&](const float* from) HWY_ATTR { return hn::Load(d, from + k); };
+    const auto used = hn::Lt(at(kPlaces), hn::Set(d, static_cast<float>(entries.size())));
+    const auto ax = at(a.x);
+    const auto ay = at(a.y);
+    const auto az = at(a.z);
+    auto dx = hn::Zero(d);
+    auto dy = hn::Zero(d);
+    auto dz = hn::Zero(d);
+    auto radius_b = hn::Zero(d);
+    auto variance = at(a.variance);
+    auto core = at(a.core);
+    if (plane) {
+      const auto nx = set(frame.plane_normal.x());
+      const auto ny = set(frame.plane_normal.y());
+      const auto nz = set(frame.plane_normal.z());
+      const auto height = hn::Sub(hn::Add(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), hn::Mul(nz, az)), set(frame.plane_height_m));
+      dx = hn::Neg(hn::Mul(height, nx));
+      dy = hn::Neg(hn::Mul(height, ny));
+      dz = hn::Neg(hn::Mul(height, nz));
+    } else {
+      const auto bx = at(b.x);
+      const auto by = at(b.y);
+      const auto bz = at(b.z);
+      const auto row = [&](int r) HWY_ATTR {
+        const float* const turn = frame.rounded.rotation + 3 * r;
+        return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), bx), hn::Mul(hn::Set(d, turn[1]), by)),
+                       hn::Add(hn::Mul(hn::Set(d, turn[2]), bz), hn::Set(d, frame.rounded.offset_m[r])));
+      };
+      dx = hn::Sub(row(0), ax);
+      dy = hn::Sub(row(1), ay);
+      dz = hn::Sub(row(2), az);
+      radius_b = at(b.radius);
+      variance = hn::Add(variance, at(b.variance));
+      core = hn::Add(core, at(b.core));
+    }
+    const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+    auto distance = hn::Sqrt(square);
+    // A centre beneath the plane is at a negative distance from it, and the direction stays that of the plane.
+    if (plane) {
+      const auto along = hn::Add(hn::Add(hn::Mul(dx, set(frame.plane_normal.x())), hn::Mul(dy, set(frame.plane_normal.y()))),
+                                 hn::Mul(dz, set(frame.plane_normal.z())));
+      distance = hn::CopySign(distance, hn::Neg(along));
+    }
+    const auto radius_a = at(a.radius);
+    const auto gap = hn::Sub(distance, hn::Add(radius_a, radius_b));
+    const auto breadth = hn::Sqrt(hn::Add(variance, hn::Set(d, finest_m * finest_m)));
+    const auto steepness = hn::Div(gap, hn::Mul(breadth, hn::Set(d, -kBreadth)));
+    const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, -kSteepest)), hn::Set(d, kSteepest));
+    const auto weight = hn::IfThenElseZero(used, exponential(d, exponent));
+    auto sharp = hn::Mul(weight, weight);
+    sharp = hn::Mul(sharp, sharp);
+    sharp = hn::Mul(sharp, sharp);
+    const auto apart = hn::Ne(distance, hn::Zero(d));
+    const auto inverse = hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1.0F), distance));
+    const auto half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(inverse, hn::Add(distance, hn::Sub(radius_a, radius_b))));
+    const auto broad = hn::Mul(weight, inverse);
+    const auto add = [&](float* to, auto value) HWY_ATTR { hn::Store(hn::Add(hn::Load(d, to + k), value), d, to + k); };
+    add(sums.direction[0], hn::Mul(broad, dx));
+    add(sums.direction[1], hn::Mul(broad, dy));
+    add(sums.direction[2], hn::Mul(broad, dz));
+    add(sums.place[0], hn::Mul(sharp, hn::Add(ax, hn::Mul(half, dx))));
+    add(sums.place[1], hn::Mul(sharp, hn::Add(ay, hn::Mul(half, dy))));
+    add(sums.place[2], hn::Mul(sharp, hn::Add(az, hn::Mul(half, dz))));
+    add(sums.weight, sharp);
+    const auto far = hn::Set(d, kBeyond);
+    const auto lower = [&](float* to, auto value)
+                           HWY_ATTR { hn::Store(hn::Min(hn::Load(d, to + k), hn::IfThenElse(used, value, far)), d, to + k); };
+    lower(sums.gap, gap);
+    lower(sums.cores, hn::Sub(distance, core));
+  }
+}
+
+void add(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, FittedSums& sums) {
+  Lanes lanes;
+  std::fill_n(lanes.gap, kLanes, kBeyond);
+  std::fill_n(lanes.cores, kLanes, kBeyond);
+  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
+    add_block(frame, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), finest_m, lanes);
+  }
+  FittedSums total = sums;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const auto at = [k](const float(&from)[3][kLanes]) {
+      return Vec3(static_cast<double>(from[0][k]), static_cast<double>(from[1][k]), static_cast<double>(from[2][k]));
+    };
+    total.direction += at(lanes.direction);
+    total.place_m += at(lanes.place);
+    total.weight += static_cast<double>(lanes.weight[k]);
+    total.fitted_m = std::min(total.fitted_m, static_cast<double>(lanes.gap[k]));
+    total.cores_m = std::min(total.cores_m, static_cast<double>(lanes.cores[k]));
+  }
+  sums = total;
+}
+
+}  // namespace poise::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace poise::collision {
+
+HWY_EXPORT(add);
+
+void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, FittedSums& sums) {
+  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, finest_m, sums);
+}
+
+}  // namespace poise::collision
+#endif
