@@ -22,7 +22,8 @@ constexpr double kRoomOfRadius = 2;        ///< depth of the outside that is sam
 constexpr double kRoomOfDiagonal = 0.3;    ///< and at most, of the object's diagonal
 constexpr double kTowardNode = 0.03;       ///< weight of the node's own sphere beside the mean over the samples
 constexpr std::size_t kSamplesANode = 128;
-constexpr std::size_t kSamplesALevel = 24000;  ///< at least
+constexpr std::size_t kSamplesOfMesh = 24000;  ///< a level, at least
+constexpr std::size_t kSamplesOfLeaves = 4000; ///< the same; balls are smoother than meshes
 constexpr std::size_t kFitSamples = 256;       ///< of a node, at most
 constexpr std::size_t kFewSamples = 16;        ///< fewer than this draw less
 constexpr std::size_t kFewestSamples = 4;      ///< a sphere has four unknowns
@@ -39,6 +40,7 @@ struct SurfaceSample {
 /// What the fits are made of.
 struct Object {
   double diagonal_m = 0;
+  std::size_t fewest_samples = 0;  ///< of a level
   std::function<std::vector<SurfaceSample>(double room_m, std::size_t target)> sample;
   std::function<double(const Vec3&)> depth_m;  ///< from a point inside to the surface, negative outside
 };
@@ -113,7 +115,7 @@ void fit_level(SphereTree& tree, std::size_t level, const Object& object, parall
   const std::size_t count = tree.level_begin[level + 1] - begin;
   const double rho_m = mean_radius_m(tree, level);
   const double room_m = std::min(kRoomOfRadius * rho_m, kRoomOfDiagonal * object.diagonal_m);
-  std::vector<SurfaceSample> samples = object.sample(room_m, std::max(kSamplesALevel, kSamplesANode * count));
+  std::vector<SurfaceSample> samples = object.sample(room_m, std::max(object.fewest_samples, kSamplesANode * count));
   std::ranges::stable_sort(samples, {}, [](const SurfaceSample& sample) { return sample.point_m.x(); });
   parallel::parallel_for(executor, count, 8, [&](std::size_t from, std::size_t to, int) {
     for (std::size_t i = from; i < to; ++i) {
@@ -182,6 +184,7 @@ void fit_nodes(SphereTree& tree, const TriangleMesh& mesh, const TriangleBvh& bv
   fit_nodes_to_themselves(tree);
   Object object;
   object.diagonal_m = mesh.diagonal_m();
+  object.fewest_samples = kSamplesOfMesh;
   object.sample = [&](double room_m, std::size_t target) { return sample_mesh(mesh, bvh, room_m, target, executor); };
   object.depth_m = [&](const Vec3& point) { return -bvh.signed_distance_m(point); };
   for (std::size_t level = 0; level + 1 < tree.level_begin.size(); ++level) fit_level(tree, level, object, executor);
@@ -192,6 +195,7 @@ void fit_nodes_to_leaves(SphereTree& tree) {
   if (tree.depth() == 0) return;
   Object object;
   object.diagonal_m = 2 * static_cast<double>(tree.radius_m[0]);
+  object.fewest_samples = kSamplesOfLeaves;
   object.sample = [&](double room_m, std::size_t target) { return sample_leaves(tree, room_m, target); };
   object.depth_m = [&](const Vec3& point) { return -nearest_leaf(tree, point).distance_m; };
   std::vector<NodeFit> leaves = tree.fit;

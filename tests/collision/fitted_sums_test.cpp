@@ -123,7 +123,8 @@ TEST(FittedSums, HaveTheSameBitsOnEveryInstructionSet) {
     for (const FittedSums& sums : all) {
       EXPECT_EQ(sums.direction, all[0].direction);
       EXPECT_EQ(sums.place_m, all[0].place_m);
-      EXPECT_EQ(std::array({sums.weight, sums.fitted_m, sums.cores_m}), std::array({all[0].weight, all[0].fitted_m, all[0].cores_m}));
+      const auto rest = [](const FittedSums& of) { return std::array<double, 3>{of.weight, of.fitted_m, of.cores_m}; };
+      EXPECT_EQ(rest(sums), rest(all[0]));
     }
   }
 }

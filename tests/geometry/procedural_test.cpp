@@ -75,7 +75,7 @@ TEST(ProceduralShape, RefusesAFinenessOutOfRange) {
   for (const int fineness : {0, kMaxFineness + 1}) {
     const auto shape = make_procedural_shape("jack", fineness);
     ASSERT_FALSE(shape.ok());
-    EXPECT_EQ(shape.error().message, fmt::format("fineness = {}, must be from 1 to 16", fineness));
+    EXPECT_EQ(shape.error().message, "fineness = " + std::to_string(fineness) + ", must be from 1 to 16");
   }
 }
 

@@ -35,13 +35,13 @@ SphereTree small_tree() {
   for (std::size_t i = 0; i < tree.node_count(); ++i) {
     tree.protrusion_max_m[i] = 0.5F * static_cast<float>(i);
     tree.protrusion_mean_m[i] = 0.25F * static_cast<float>(i);
-    tree.surface[i] = {{static_cast<std::int16_t>(i), -2, 3}, -4, static_cast<float>(i)};
+    tree.fit[i] = {1, -2, 3, 0.5F * static_cast<float>(i), 0.25F, -0.125F};
   }
   return tree;
 }
 
 bool same_bits(const SphereTree& a, const SphereTree& b) {
-  return test::same_tree(a, b) && a.surface.size() == b.surface.size() &&
+  return test::same_tree(a, b) && a.fit.size() == b.fit.size() &&
          std::memcmp(a.fit.data(), b.fit.data(), a.fit.size() * sizeof(NodeFit)) == 0;
 }
 
@@ -122,10 +122,10 @@ TEST(TreeCacheEntry, IsRefusedWhenANumberIsOutOfRangeThoughItsChecksumIsRight) {
     (tree.*array)[3] = -1;
     EXPECT_FALSE(entry_tree(entry_bytes(tree, kKey), kKey));
   }
-  for (const float area : {kNan, kInfinite, -1.0F}) {
+  for (const float variance : {kNan, kInfinite, -1.0F}) {
     SphereTree tree = small_tree();
-    tree.surface[2].area_m2 = area;
-    EXPECT_FALSE(entry_tree(entry_bytes(tree, kKey), kKey)) << area;
+    tree.fit[2].variance_m2 = variance;
+    EXPECT_FALSE(entry_tree(entry_bytes(tree, kKey), kKey)) << variance;
   }
 }
 
