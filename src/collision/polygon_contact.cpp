@@ -223,7 +223,12 @@ MetPairs::Answer MetPairs::meet(std::uint32_t a, std::uint32_t b) {
   return Answer::New;
 }
 
-bool has_polygons(const Shape& a, const Shape& b) { return a.surface != nullptr || b.surface != nullptr; }
+void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& pair) {
+  if ((a.surface == nullptr && b.surface == nullptr) || deepest_level(a, b, kMaxTreeDepth) > max_level) return;
+  pair.polygons = true;
+  ++pair.deepest;
+  if (pair.next_is_polygons()) pair.next_units = polygon_units(a, b, FrontEntry{0, 0});
+}
 
 std::uint32_t polygon_units(const Shape& a, const Shape& b, FrontEntry entry) {
   const std::size_t count_a = count_of(a, entry.a);

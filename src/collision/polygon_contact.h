@@ -39,8 +39,9 @@ struct PolygonProgress {
   MetPairs met;
 };
 
-/// Has the pair of shapes a level of polygons? b may be a plane.
-bool has_polygons(const Shape& a, const Shape& b);
+/// Adds the level of polygons to a pair at level 0 whose `deepest` is set, where a shape has a surface and the trees of both end
+/// within `max_level`. b may be a plane.
+void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& pair);
 
 /// What the polygons of one entry of a front of leaves cost, in node-pair expansions.
 std::uint32_t polygon_units(const Shape& a, const Shape& b, FrontEntry entry);

@@ -169,7 +169,7 @@ TEST(Polygons, DeepAndThinOverlapsStayFinite) {
 }
 
 TEST(Polygons, PiecesOfAnySizeGiveTheSameBitsAndCostWhatWasForecast) {
-  static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 40, 20));
+  static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 30, 15));
   std::mt19937_64 random(6);
   int split = 0;
   for (int round = 0; round < 20; ++round) {
@@ -188,7 +188,7 @@ TEST(Polygons, PiecesOfAnySizeGiveTheSameBitsAndCostWhatWasForecast) {
 }
 
 TEST(Polygons, CurvesOfACrossingCloseHoweverManyTrianglesMeet) {
-  static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 60, 30));
+  static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 48, 24));
   std::mt19937_64 random(7);
   int crossed = 0;
   std::uint32_t most = 0;
@@ -201,11 +201,11 @@ TEST(Polygons, CurvesOfACrossingCloseHoweverManyTrianglesMeet) {
     EXPECT_LT(sums.open_m.norm(), 1e-12 * sums.length_m) << "round " << round << ", " << sums.segments << " segments";
   }
   EXPECT_GT(crossed, 15);
-  EXPECT_GT(most, 400U);
+  EXPECT_GT(most, 300U);
 }
 
 TEST(Polygons, TwoBallsOfTrianglesAnswerAsBalls) {
-  static const ShapePtr round = mesh_shape(test::ball_mesh(0.5, 4));
+  static const ShapePtr round = mesh_shape(test::ball_mesh(0.5, 3));
   std::mt19937_64 random(8);
   for (int i = 0; i < 30; ++i) {
     const Vec3 between = random_pose(random, 0).rotation.col(0);
@@ -213,8 +213,8 @@ TEST(Polygons, TwoBallsOfTrianglesAnswerAsBalls) {
     const PairContact contact =
         answer_by_polygons(*round, *round, random_pose(random, 0).rotation, (1 + gap) * between, 0.02).contact;
     ASSERT_TRUE(contact.present);
-    EXPECT_NEAR(contact.likely_m, gap, 5e-3);
-    EXPECT_GT(contact.direction.dot(between), std::cos(0.06)) << gap;
+    EXPECT_NEAR(contact.likely_m, gap, 1.5e-2);
+    EXPECT_GT(contact.direction.dot(between), std::cos(0.12)) << gap;
   }
 }
 

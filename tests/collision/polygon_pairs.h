@@ -27,15 +27,14 @@ inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontP
   PairLevel& pair = answer.level;
   pools[0].clear();
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
-  while (pair.refinable()) {
+  allow_polygons(*frame.a, *frame.b, kMaxTreeDepth, pair);
+  while (pair.refinable() && !pair.next_is_polygons()) {
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, units, progress) == Quantum::More) {
     }
     publish_level(frame, Mat3::Identity(), progress, pair);
   }
   if (pair.apart) return answer;
-  pair.polygons = true;
-  ++pair.deepest;
   answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);
   PolygonProgress progress;
   begin_polygons(frame, pair, progress);
