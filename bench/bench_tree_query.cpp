@@ -163,7 +163,7 @@ void time_contacts(benchmark::State& state, const Case& c) {
 /// The polygons of a pair whose trees are done: what the pair says then.
 std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, PairLevel& pair) {
   PolygonProgress progress;
-  begin_polygons(frame, pair, progress);
+  begin_polygons(frame, Mat3::Identity(), pair, progress);
   while (run_polygons(frame, pools, 512, progress) == Quantum::More) {
   }
   publish_polygons(frame, Mat3::Identity(), progress, pair);

@@ -2,6 +2,7 @@
 #include "collision/polygon_contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace poise::collision {
@@ -16,6 +17,10 @@ constexpr std::uint32_t kPairsPerUnit = 64;
 // Share of the smaller radius by which b stands aside, in a direction that no scene is built along: faces and edges that would
 // lie exactly in each other do not, and nothing else can tell.
 constexpr double kAside = 1e-9;
+// Leaves are met with this share of both bodies' radii to spare: for standing aside, and for rounding.
+constexpr double kSpare = 4e-9;
+// Steps from surface to surface that a first guess of the gap takes at most; each is a search for the closest point.
+constexpr int kGuessSteps = 4;
 
 std::uint32_t blocks_of(std::size_t triangles) { return static_cast<std::uint32_t>((triangles + kBlock - 1) / kBlock); }
 
@@ -33,6 +38,25 @@ std::span<const std::uint32_t> block_of(std::span<const std::uint32_t> triangles
   return triangles.subspan(begin, std::min<std::size_t>(kBlock, triangles.size() - begin));
 }
 
+// A distance that the two surfaces are not farther apart than: from where the leaves put the contact, to and fro between them.
+double guessed_gap_m(const PolygonProgress& progress, const PairFrame& frame, const Vec3& start) {
+  const auto closest = [](const PlacedSurface& on, const Vec3& point) {
+    const Vec3 body = on.rotation.transpose() * (point - on.offset_m);
+    return on.point(on.surface->bvh.closest(body).point_m);
+  };
+  double best = std::numeric_limits<double>::infinity();
+  Vec3 at = closest(progress.on_a, start);
+  for (int step = 0; step < kGuessSteps; ++step) {
+    const Vec3 next = closest(step % 2 == 0 ? progress.on_b : progress.on_a, at);
+    const double distance = (next - at).norm();
+    const bool stuck = distance > 0.9 * best || distance < polygon_softness_m(frame);
+    best = std::min(best, distance);
+    if (stuck) break;
+    at = next;
+  }
+  return best;
+}
+
 // Of two leaves that both meet a triangle, the one with the least power owns a point of it. Some leaf holds every point, so the owner does.
 bool owns(const PlacedSurface& placed, const SphereTree& tree, NodeIndex leaf, std::uint32_t triangle, const Vec3& point) {
   const Vec3 body = placed.rotation.transpose() * (point - placed.offset_m);
@@ -48,6 +72,28 @@ bool owns(const PlacedSurface& placed, const SphereTree& tree, NodeIndex leaf, s
   return true;
 }
 
+struct Ball {
+  Vec3 center_m;
+  double radius_m;
+};
+
+// A ball around what two balls have in common; centres `apart` from each other along `toward`, from the first to the second.
+Ball common_part(const Ball& first, double second_radius_m, const Vec3& toward, double apart) {
+  // The circle where they meet lies in a plane so far from the first centre.
+  const double to_plane =
+      apart > 0 ? 0.5 * (apart + (first.radius_m - second_radius_m) * (first.radius_m + second_radius_m) / apart) : -1;
+  if (to_plane <= 0) return first;
+  if (to_plane >= apart) return {first.center_m + toward, second_radius_m};
+  const double radius2 = first.radius_m * first.radius_m - to_plane * to_plane;
+  return {first.center_m + to_plane / apart * toward, std::sqrt(std::max(0.0, radius2))};
+}
+
+// A placed triangle and the box of its part that counts.
+struct Boxed {
+  PlacedTriangle triangle;
+  Vec3 low_m, high_m;
+};
+
 // One block of one entry of a front.
 class Block {
  public:
@@ -55,15 +101,28 @@ class Block {
       : frame_(frame), entry_(entry), progress_(progress), sums_(progress.sums) {}
 
   void meshes(std::span<const std::uint32_t> triangles_a, std::span<const std::uint32_t> triangles_b) {
-    const Sphere ball_a = frame_.a->tree.sphere(entry_.a);
-    const Sphere ball_b = frame_.b->tree.sphere(entry_.b);
-    std::array<PlacedTriangle, kBlock> a;
-    std::array<PlacedTriangle, kBlock> b;
-    const std::size_t count_a = near(progress_.on_a, triangles_a, progress_.on_b.point(ball_b.center_m), ball_b.radius_m, a);
+    const double reach = progress_.reach_m(frame_);
+    const double spare = kSpare * (frame_.a->bounding_radius_m + frame_.b->bounding_radius_m);
+    const Sphere leaf_a = frame_.a->tree.sphere(entry_.a);
+    const Sphere leaf_b = frame_.b->tree.sphere(entry_.b);
+    const Ball ball_a{leaf_a.center_m, leaf_a.radius_m + spare};
+    const Ball ball_b{progress_.on_b.point(leaf_b.center_m), leaf_b.radius_m + spare};
+    const Vec3 between = ball_b.center_m - ball_a.center_m;
+    const double apart = between.norm();
+    if (apart > ball_a.radius_m + ball_b.radius_m + reach) return;
+    // Two points that face each other within reach lie one in each leaf, and each within reach of the other leaf.
+    std::array<Boxed, kBlock> a;
+    const std::size_t count_a = near(progress_.on_a, triangles_a, common_part(ball_a, ball_b.radius_m + reach, between, apart), a);
     if (count_a == 0) return;
-    const std::size_t count_b = near(progress_.on_b, triangles_b, ball_a.center_m, ball_a.radius_m, b);
+    std::array<Boxed, kBlock> b;
+    const std::size_t count_b = near(progress_.on_b, triangles_b, common_part(ball_b, ball_a.radius_m + reach, -between, apart), b);
     for (std::size_t i = 0; i < count_a; ++i) {
-      for (std::size_t j = 0; j < count_b; ++j) two_triangles(a[i], b[j]);
+      const Vec3 low = a[i].low_m.array() - reach;
+      const Vec3 high = a[i].high_m.array() + reach;
+      for (std::size_t j = 0; j < count_b; ++j) {
+        if ((low.array() > b[j].high_m.array()).any() || (high.array() < b[j].low_m.array()).any()) continue;
+        two_triangles(a[i].triangle, b[j].triangle);
+      }
     }
   }
 
@@ -72,9 +131,9 @@ class Block {
     const PlacedSurface& on = of_b ? progress_.on_a : progress_.on_b;
     const Sphere ball = of_b ? frame_.b->tree.sphere(entry_.b) : frame_.a->tree.sphere(entry_.a);
     const Vec3 center = of_b ? progress_.on_b.point(ball.center_m) : ball.center_m;
-    std::array<PlacedTriangle, kBlock> placed;
-    const std::size_t count = near(on, triangles, center, ball.radius_m, placed);
-    for (std::size_t i = 0; i < count; ++i) triangle_and_ball(on, placed[i], center, ball.radius_m, of_b);
+    std::array<Boxed, kBlock> placed;
+    const std::size_t count = near(on, triangles, {center, ball.radius_m + progress_.reach_m(frame_)}, placed);
+    for (std::size_t i = 0; i < count; ++i) triangle_and_ball(on, placed[i].triangle, center, ball.radius_m, of_b);
   }
 
   void plane(std::span<const std::uint32_t> triangles) {
@@ -85,7 +144,7 @@ class Block {
         const Vec3& corner = progress_.on_a.surface->vertices_m[t.vertex[k]];
         FacingFeatures feature;
         feature.gap_m = frame_.plane_normal.dot(corner) - frame_.plane_height_m;
-        if (!(feature.gap_m < reach_of_sums_m(frame_, sums_))) continue;
+        if (!(feature.gap_m < progress_.reach_m(frame_))) continue;
         feature.normal = -frame_.plane_normal;
         feature.point_a_m = corner;
         feature.point_b_m = corner;
@@ -99,26 +158,30 @@ class Block {
   }
 
  private:
-  // Places the triangles that come within reach of a ball; how many.
-  std::size_t near(const PlacedSurface& on, std::span<const std::uint32_t> triangles, const Vec3& center, double radius_m,
-                   std::array<PlacedTriangle, kBlock>& out) const {
-    const Vec3 body = on.rotation.transpose() * (center - on.offset_m);
-    const double reach = radius_m + reach_of_sums_m(frame_, sums_) + kAside * frame_.a->bounding_radius_m;
+  // Places the triangles that meet a ball; how many.
+  static std::size_t near(const PlacedSurface& on, std::span<const std::uint32_t> triangles, const Ball& ball,
+                          std::array<Boxed, kBlock>& out) {
+    const Vec3 body = on.rotation.transpose() * (ball.center_m - on.offset_m);
+    const double radius2 = ball.radius_m * ball.radius_m;
     std::size_t count = 0;
     for (const std::uint32_t triangle : triangles) {
       const ShapeSurface::Triangle& t = on.surface->triangles[triangle];
-      const double ball_reach = reach + t.radius_m;
-      if (!((t.center_m - body).squaredNorm() < ball_reach * ball_reach)) continue;
-      if (std::abs(t.normal.dot(body - t.center_m)) > reach) continue;
-      place(on, triangle, out[count++]);
+      const Vec3 away = body - t.center_m;
+      const double balls = ball.radius_m + t.radius_m;
+      if (!(away.squaredNorm() < balls * balls) || std::abs(t.normal.dot(away)) > ball.radius_m) continue;
+      const geometry::TriangleCorners& corners = on.surface->bvh.corners(triangle);
+      if ((geometry::closest_on_triangle(body, corners) - body).squaredNorm() > radius2) continue;
+      Boxed& boxed = out[count++];
+      place(on, triangle, boxed.triangle);
+      const auto& corner = boxed.triangle.corner_m;
+      boxed.low_m = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).cwiseMax(Vec3(ball.center_m.array() - ball.radius_m));
+      boxed.high_m = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).cwiseMin(Vec3(ball.center_m.array() + ball.radius_m));
     }
     return count;
   }
 
   void two_triangles(const PlacedTriangle& a, const PlacedTriangle& b) {
-    const double reach = reach_of_sums_m(frame_, sums_);
-    const double balls = a.radius_m + b.radius_m + reach;
-    if (!((a.center_m - b.center_m).squaredNorm() < balls * balls)) return;
+    const double reach = progress_.reach_m(frame_);
     const PlaneSides sides = plane_sides(a, b);
     const auto beyond = [reach](const std::array<double, 3>& above) {
       return (above[0] > reach && above[1] > reach && above[2] > reach) ||
@@ -136,6 +199,7 @@ class Block {
       const Vec3 middle = 0.5 * (segment->from_m + segment->to_m);
       if (counts(middle, middle)) add_segment(*segment, a.index, b.index, sums_);
     }
+    if (reach <= 0) return;
     FeatureList features;
     const std::size_t count = facing_features(progress_.on_a, a, progress_.on_b, b, sides, reach, features);
     for (std::size_t k = 0; k < count; ++k) {
@@ -152,7 +216,7 @@ class Block {
         note_sunk({above - radius_m, sign * t.normal, center, center - above * t.normal, of_b}, sums_);
       }
     }
-    const double reach = reach_of_sums_m(frame_, sums_);
+    const double reach = progress_.reach_m(frame_);
     FeatureList features;
     const std::size_t count = features_facing_point(on, t, center, radius_m + reach, features);
     if (count == 0) return;
@@ -254,7 +318,7 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(units, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void begin_polygons(const PairFrame& frame, const PairLevel& pair, PolygonProgress& progress) {
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress) {
   progress.reading = pair.front;
   progress.roots = pair.front.none();
   progress.on_a.surface = frame.a->surface.get();
@@ -263,7 +327,14 @@ void begin_polygons(const PairFrame& frame, const PairLevel& pair, PolygonProgre
   const double size = std::min(frame.a->bounding_radius_m, frame.b->bounding_radius_m);
   progress.on_b.offset_m = frame.offset_m + kAside * size * Vec3(0.61, 0.73, -0.31);
   progress.sums.softness_m = polygon_softness_m(frame);
+  progress.most_m = frame.margin_m;
+  const bool meshes = progress.on_a.surface != nullptr && progress.on_b.surface != nullptr;
+  if (!meshes || !pair.contact.present || reach_of_sums_m(frame, progress.sums, 0) >= frame.margin_m) return;
+  const Vec3 start = rotation_a.transpose() * pair.contact.arm_m;
+  progress.most_m = std::min(frame.margin_m, guessed_gap_m(progress, frame, start));
 }
+
+double PolygonProgress::reach_m(const PairFrame& frame) const { return reach_of_sums_m(frame, sums, most_m); }
 
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress) {
   constexpr FrontEntry kRoots[1] = {{0, 0}};

@@ -35,8 +35,12 @@ struct PolygonProgress {
   std::uint32_t offset = 0;       ///< entries of it that are done
   std::uint32_t block = 0;        ///< blocks of the entry that are done
   PlacedSurface on_a, on_b;
+  double most_m = 0;              ///< the surfaces are not farther apart than this, or than the margin
   PolygonSums sums;
   MetPairs met;
+
+  /// Beyond this, what faces each other no longer counts.
+  [[nodiscard]] double reach_m(const PairFrame& frame) const;
 };
 
 /// Adds the level of polygons to a pair at level 0 whose `deepest` is set, where a shape has a surface and the trees of both end
@@ -48,7 +52,7 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, FrontEntry entry);
 /// Of the whole front of the pair, at most 2^32 - 1.
 std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
 
-void begin_polygons(const PairFrame& frame, const PairLevel& pair, PolygonProgress& progress);
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress);
 
 /// Goes on for about `units`: at most one block of triangles more. Bounded, allocates nothing. More or Complete.
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress);

@@ -239,8 +239,8 @@ double polygon_softness_m(const PairFrame& frame) {
   return kSoftness * (frame.with_plane() ? radius_a : std::min(radius_a, frame.b->bounding_radius_m));
 }
 
-double reach_of_sums_m(const PairFrame& frame, const PolygonSums& sums) {
-  const double least = sums.crossed ? std::min(0.0, sums.least_gap_m) : sums.least_gap_m;
+double reach_of_sums_m(const PairFrame& frame, const PolygonSums& sums, double most_m) {
+  const double least = std::min(sums.crossed ? std::min(0.0, sums.least_gap_m) : sums.least_gap_m, most_m);
   return std::min(frame.margin_m, least + kHalvings * sums.softness_m);
 }
 

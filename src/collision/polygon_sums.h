@@ -55,8 +55,8 @@ struct PolygonSums {
 
 /// The softness of a pair of shapes.
 double polygon_softness_m(const PairFrame& frame);
-/// Gaps from here on weigh nothing beside what is there already; at most the margin.
-double reach_of_sums_m(const PairFrame& frame, const PolygonSums& sums);
+/// Gaps from here on weigh nothing beside what is there already, or beside a gap of `most_m` that is known to come; at most the margin.
+double reach_of_sums_m(const PairFrame& frame, const PolygonSums& sums, double most_m);
 
 void add_feature(const FacingFeatures& feature, PolygonSums& sums);
 void add_segment(const CrossingSegment& segment, std::uint32_t triangle_a, std::uint32_t triangle_b, PolygonSums& sums);

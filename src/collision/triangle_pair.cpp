@@ -19,7 +19,7 @@ struct Side {
   Vec3 from_m, along;
   Vec3 into, into_beyond;   // in each face, square to the side, away from it; zero where there is no second face
   Vec3 outward;             // sum of the normals
-  double length_m = 0;
+  double length_m;
 };
 
 Side side_of(const PlacedSurface& on, const PlacedTriangle& t, std::size_t k) {
@@ -85,19 +85,20 @@ class Finder {
   }
 
   void edges() {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!a_.stands_for_edge(k)) continue;
-      const Side side_a = side_of(on_a_, a_, k);
-      for (std::size_t m = 0; m < 3; ++m) {
-        if (b_.stands_for_edge(m)) two_edges(side_a, side_of(on_b_, b_, m));
-        if (b_.stands_for_vertex(m)) corner_at_edge(on_b_, b_, m, on_a_, side_a, 1.0);
-      }
-    }
+    std::array<Side, 3> sides_b;
     for (std::size_t m = 0; m < 3; ++m) {
-      if (!b_.stands_for_edge(m)) continue;
-      const Side side_b = side_of(on_b_, b_, m);
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (a_.stands_for_vertex(k)) corner_at_edge(on_a_, a_, k, on_b_, side_b, -1.0);
+      if (b_.stands_for_edge(m)) sides_b[m] = side_of(on_b_, b_, m);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (a_.stands_for_edge(k)) {
+        const Side side_a = side_of(on_a_, a_, k);
+        for (std::size_t m = 0; m < 3; ++m) {
+          if (b_.stands_for_edge(m)) two_edges(side_a, sides_b[m]);
+          if (b_.stands_for_vertex(m)) corner_at_edge(on_b_, b_, m, on_a_, side_a, 1.0);
+        }
+      }
+      for (std::size_t m = 0; m < 3; ++m) {
+        if (a_.stands_for_vertex(k) && b_.stands_for_edge(m)) corner_at_edge(on_a_, a_, k, on_b_, sides_b[m], -1.0);
       }
     }
   }

@@ -37,7 +37,7 @@ Outcome complete_polygons(WorldState& world, ActivePair& pair, GoOn&& go_on) {
   FrameBuffers& buffers = world.buffers;
   const collision::PairFrame frame = frame_of(world, pair);
   collision::PolygonProgress progress;
-  collision::begin_polygons(frame, pair.level, progress);
+  collision::begin_polygons(frame, buffers.poses[pair.a].rotation, pair.level, progress);
   std::uint32_t left = pair.level.next_units;
   for (;;) {
     const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);

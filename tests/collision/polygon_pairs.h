@@ -37,7 +37,7 @@ inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontP
   if (pair.apart) return answer;
   answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);
   PolygonProgress progress;
-  begin_polygons(frame, pair, progress);
+  begin_polygons(frame, Mat3::Identity(), pair, progress);
   do {
     ++answer.quanta;
   } while (run_polygons(frame, pools, units, progress) == Quantum::More);
