@@ -34,6 +34,7 @@ struct PolygonProgress {
   bool roots = false;             ///< the front is the two roots
   std::uint32_t offset = 0;       ///< entries of it that are done
   std::uint32_t block = 0;        ///< blocks of the entry that are done
+  std::uint32_t place = 0;        ///< of the entry in the whole front
   PlacedSurface on_a, on_b;
   double most_m = 0;              ///< the surfaces are not farther apart than this, or than the margin
   PolygonSums sums;
@@ -47,9 +48,7 @@ struct PolygonProgress {
 /// within `max_level`. b may be a plane.
 void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& pair);
 
-/// What the polygons of one entry of a front of leaves cost, in node-pair expansions.
-std::uint32_t polygon_units(const Shape& a, const Shape& b, FrontEntry entry);
-/// Of the whole front of the pair, at most 2^32 - 1.
+/// What the polygons of a front of leaves (none: the two roots) cost, in node-pair expansions; at most 2^32 - 1.
 std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
 
 void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "geometry/mesh_edges.h"
 
@@ -36,6 +37,21 @@ void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
     for (const std::uint32_t v : t.vertex) t.radius_m = std::max(t.radius_m, (surface.vertices_m[v] - t.center_m).norm());
     t.radius_m *= 1 + kSpare;
   }
+}
+
+void set_outlines(ShapeSurface& surface) {
+  // Each length comes from a few roundings of numbers no larger than the farthest coordinate.
+  constexpr double kRoundings = 16;
+  double farthest = 0;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3& c = t.center_m;
+    surface.outlines.push_back({{static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())},
+                                static_cast<float>(t.radius_m),
+                                {static_cast<float>(t.normal.x()), static_cast<float>(t.normal.y()), static_cast<float>(t.normal.z())},
+                                0.0F});
+    farthest = std::max(farthest, c.norm() + t.radius_m);
+  }
+  surface.rounding_m = static_cast<float>(kRoundings * static_cast<double>(std::numeric_limits<float>::epsilon()) * farthest);
 }
 
 void set_vertex_normals(ShapeSurface& surface) {
@@ -160,6 +176,7 @@ ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidi
   surface.solid = solidity == Solidity::Solid && surface.bvh.closed();
   surface.vertices_m = there.vertices_m;
   set_triangles(there, surface);
+  set_outlines(surface);
   set_vertex_normals(surface);
   const std::vector<EdgeUse> uses = edge_uses(there.triangles);
   set_edges(surface, uses);

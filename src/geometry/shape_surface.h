@@ -32,12 +32,22 @@ struct ShapeSurface {
 
   explicit ShapeSurface(geometry::TriangleBvh searched) : bvh(std::move(searched)) {}
 
+  /// Single precision, for a first look: a ball and a plane, each up to `rounding_m` off.
+  struct Outline {
+    std::array<float, 3> center_m;
+    float radius_m;
+    std::array<float, 3> normal;  ///< the plane goes through the centre
+    float unused;                 ///< keeps two in a cache line
+  };
+
   bool solid = false;  ///< closed, and its inside counts: normals tell in from out
   std::vector<Vec3> vertices_m;
   std::vector<Vec3> vertex_normal;                ///< angle-weighted sum of the normals around, about unit, 0 for an unused vertex
   std::vector<std::uint32_t> neighbor_begin;      ///< per vertex, then the end
   std::vector<std::uint32_t> neighbors;           ///< vertices that share an edge with it, ascending
   std::vector<Triangle> triangles;
+  std::vector<Outline> outlines;                  ///< beside triangles
+  float rounding_m = 0;
   std::vector<std::uint32_t> leaf_begin;          ///< per node of the tree, then the end; nothing for a node that is no leaf
   std::vector<std::uint32_t> leaf_triangles;      ///< those that meet the leaf's ball, ascending
   std::vector<std::uint32_t> triangle_leaf_begin; ///< per triangle, then the end
