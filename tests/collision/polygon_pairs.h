@@ -5,12 +5,13 @@
 
 #include "collision/polygon_contact.h"
 #include "collision/shapes.h"
+#include "geometry/kept_tree.h"
 #include "geometry/meshes.h"
 
 namespace poise::collision {
 
 inline ShapePtr mesh_shape(const TriangleMesh& mesh, Level depth = 2) {
-  return make_mesh_shape(mesh, {.depth = depth, .preset = TreePreset::Fast}).value();
+  return make_mesh_shape_with_tree(mesh, test::kept_tree(mesh, depth)).value();
 }
 
 /// What the polygons of one pair found.

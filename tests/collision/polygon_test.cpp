@@ -20,7 +20,7 @@ const fs::path kMeshes = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-U
 JudgedShape judged_shape(const char* file) {
   TriangleMesh mesh = read_mesh(kMeshes / file, {}).value();
   center_mesh(mesh);
-  return make_judged_shape(mesh, build_sphere_tree(mesh, {.depth = kDepth, .preset = TreePreset::Fast}).value());
+  return make_judged_shape(mesh, test::kept_tree(mesh, kDepth));
 }
 
 // Levels that have a front, from 1: kDepth when the pair is never found apart.

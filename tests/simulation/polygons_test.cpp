@@ -3,6 +3,7 @@
 
 #include <numeric>
 
+#include "geometry/kept_tree.h"
 #include "geometry/meshes.h"
 #include "simulation/scenes.h"
 
@@ -13,9 +14,11 @@ constexpr Level kDepth = 2;
 
 const std::vector<ShapePtr>& meshes() {
   static const std::vector<ShapePtr> shapes = [] {
-    const TreeBuildOptions options{.depth = kDepth, .preset = TreePreset::Fast};
-    return std::vector<ShapePtr>{make_mesh_shape(test::box_mesh(Vec3(1.2, 0.8, 0.5)), options).value(),
-                                 make_mesh_shape(test::torus_mesh(0.6, 0.2, 20, 10), options).value()};
+    std::vector<ShapePtr> made;
+    for (const TriangleMesh& mesh : {test::box_mesh(Vec3(1.2, 0.8, 0.5)), test::torus_mesh(0.6, 0.2, 20, 10)}) {
+      made.push_back(make_mesh_shape_with_tree(mesh, test::kept_tree(mesh, kDepth)).value());
+    }
+    return made;
   }();
   return shapes;
 }
