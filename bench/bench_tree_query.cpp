@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Walking two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
-// expansion. Before anything is timed, random poses near first contact are judged by the triangles themselves (libfcl):
-// a level that finds nothing where surfaces meet is an error.
+// expansion; then the polygons in the leaves that overlap, beside the same question to libfcl. Before anything is timed, random
+// poses near first contact are judged by the triangles themselves (libfcl): a level that finds nothing where surfaces meet
+// is an error, and so are polygons that say otherwise.
 //
 //   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
 #include <benchmark/benchmark.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -17,6 +19,7 @@
 #include <vector>
 
 #include "collision/near_touch.h"
+#include "collision/polygon_contact.h"
 #include "collision/pair_refinement.h"
 #include "latencies.h"
 
@@ -45,12 +48,15 @@ struct Verdicts {
   std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
   std::size_t expansions = 0;
   std::size_t hits = 0;
+  std::size_t misjudged = 0;     ///< polygons say otherwise than the judge, and not by a hair
 };
 
 struct Case {
   std::string name;
   const Shape* a = nullptr;
   const Shape* b = nullptr;
+  const NamedShape* shape_a = nullptr;
+  const NamedShape* shape_b = nullptr;
   std::vector<PosedPair> poses;
   Verdicts verdicts;
   std::size_t judged = 0;
@@ -154,6 +160,68 @@ void time_contacts(benchmark::State& state, const Case& c) {
   });
 }
 
+/// The polygons of a pair whose trees are done: what the pair says then.
+std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, PairLevel& pair) {
+  PolygonProgress progress;
+  begin_polygons(frame, Mat3::Identity(), pair, progress);
+  while (run_polygons(frame, pools, 512, progress) == Quantum::More) {
+  }
+  publish_polygons(frame, Mat3::Identity(), progress, pair);
+  return pair.front_entries;
+}
+
+/// The polygons alone, after the trees; poses that a tree tells apart are left out.
+void time_polygons(benchmark::State& state, const Case& c) {
+  if (c.verdicts.misjudged > 0) {
+    state.SkipWithError(fmt::format("polygons and the judge disagree about {} poses", c.verdicts.misjudged).c_str());
+    return;
+  }
+  std::vector<FrontPool> pools;
+  pools.emplace_back(1U << 17U);
+  const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
+  bench::Latencies latencies;
+  std::size_t next = 0;
+  double seconds = 0;
+  double leaf_pairs = 0;
+  double units = 0;
+  for (auto _ : state) {
+    PairLevel pair;
+    PairFrame frame;
+    do {
+      frame = frame_of(c, c.poses[next]);
+      next = next + 1 == timed ? 0 : next + 1;
+      pair = {};
+      pools[0].clear();
+      refine(frame, pools, pair);
+    } while (pair.apart);
+    pair.polygons = true;
+    ++pair.deepest;
+    units += polygon_units(*c.a, *c.b, pools, pair.front);
+    seconds += latencies.time(state, [&] { leaf_pairs += polygons(frame, pools, pair); });
+    benchmark::DoNotOptimize(pair.contact.likely_m);
+  }
+  latencies.report(state);
+  const auto pairs = static_cast<double>(state.iterations());
+  state.counters["leaf_pairs"] = leaf_pairs / pairs;
+  state.counters["ns_per_leaf_pair"] = 1e9 * seconds / leaf_pairs;
+  state.counters["ns_per_unit"] = 1e9 * seconds / units;
+}
+
+/// The same yes or no by the judge.
+void time_judge(benchmark::State& state, const NamedShape& a, const NamedShape& b, const Case& c) {
+  const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
+  bench::Latencies latencies;
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const PosedPair& posed = c.poses[next];
+    next = next + 1 == timed ? 0 : next + 1;
+    bool touches = false;
+    latencies.time(state, [&] { touches = a.judged.judge.touches(posed.a, b.judged.judge, posed.b); });
+    benchmark::DoNotOptimize(touches);
+  }
+  latencies.report(state);
+}
+
 Result<NamedShape> load(const fs::path& file, const fs::path& trees) {
   Result<TriangleMesh> mesh = read_mesh(file, {});
   if (!mesh) return mesh.error();
@@ -171,14 +239,27 @@ Result<NamedShape> load(const fs::path& file, const fs::path& trees) {
 
 Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
   constexpr double kBand = 8e-3;
-  Case c{a.name + "/" + b.name, &a.judged.shape, &b.judged.shape, {}, {}, poses};
+  Case c{a.name + "/" + b.name, &a.judged.shape, &b.judged.shape, &a, &b, {}, {}, poses};
   std::mt19937_64 random(17);
   Scratch scratch{std::vector<FrontEntry>(1U << 18U), std::vector<FrontEntry>(1U << 18U)};
+  std::vector<FrontPool> pools;
+  pools.emplace_back(1U << 18U);
   for (std::size_t i = 0; i < poses; ++i) {
     const PosedPair posed = pose_near_first_touch(a.judged, b.judged, kBand, random);
     const bool touches = a.judged.judge.touches(posed.a, b.judged.judge, posed.b);
     const Walk walked = walk(frame_of(c, posed), scratch);
     if (touches) ++c.verdicts.touching;
+    pools[0].clear();
+    PairLevel pair;
+    const PairFrame frame = frame_of(c, posed);
+    refine(frame, pools, pair);
+    if (!pair.apart) {
+      pair.polygons = true;
+      ++pair.deepest;
+      polygons(frame, pools, pair);
+    }
+    const bool hair = pair.contact.present && std::abs(pair.contact.likely_m) < 1e-4 * std::min(a.judged.diagonal_m, b.judged.diagonal_m);
+    if (touches != (pair.contact.present && pair.contact.likely_m <= 0) && !hair) ++c.verdicts.misjudged;
     if (touches && (walked.front[kDepth] == 0 || walked.full)) ++c.verdicts.lost;
     if (!touches && walked.front[kDepth] > 0) ++c.verdicts.false_alarms;
     c.verdicts.expansions += walked.expansions;
@@ -247,9 +328,11 @@ int run(int argc, char** argv) {
   }
   bool lost = false;
   for (const Case& c : cases) {
-    lost |= c.verdicts.lost > 0;
+    lost |= c.verdicts.lost > 0 || c.verdicts.misjudged > 0;
     benchmark::RegisterBenchmark(("fronts/" + c.name).c_str(), time_fronts, c)->UseManualTime();
     benchmark::RegisterBenchmark(("contacts/" + c.name).c_str(), time_contacts, c)->UseManualTime();
+    benchmark::RegisterBenchmark(("polygons/" + c.name).c_str(), time_polygons, c)->UseManualTime();
+    benchmark::RegisterBenchmark(("judge/" + c.name).c_str(), time_judge, *c.shape_a, *c.shape_b, c)->UseManualTime();
   }
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -18,6 +18,9 @@ enum class ShapeKind : std::uint8_t {
   Plane,  ///< a half-space, static only
 };
 
+/// The triangles of a shape made from a mesh, beside the leaves of its tree; of private layout (src/geometry/shape_surface.h).
+struct ShapeSurface;
+
 /// What bodies share: a sphere tree and mass properties at density 1. Immutable once made, so any number of
 /// bodies, Worlds and threads may hold it.
 struct Shape {
@@ -30,6 +33,7 @@ struct Shape {
   Quat principal_axes = Quat::Identity();   ///< turns the principal frame into the body frame
   Vec3 plane_normal = Vec3::UnitZ();        ///< Plane: unit normal, away from the solid side, in the body frame
   double plane_offset_m = 0;                ///< Plane: the surface is normal . x = offset
+  std::shared_ptr<const ShapeSurface> surface;  ///< the true surface; null where the leaves are it (balls, unions of them), and for planes
   std::string note;                         ///< what is not certain about inside and mass, one line; empty where nothing is
 };
 

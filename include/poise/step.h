@@ -51,7 +51,8 @@ struct StepInput {
   Budget budget;
   View view;
   HostWork host_work;
-  Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this
+  Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this level of its trees
+  bool polygons = false;               ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
   bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
 };
 
@@ -103,12 +104,12 @@ struct FrameReport {
   std::size_t coarse_pairs = 0;          ///< those that overlap at their mandatory level
   std::size_t contact_pairs = 0;         ///< answered as a contact
   std::uint64_t work_mandatory = 0;      ///< node-pair expansions of the mandatory part
-  std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement
+  std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
   std::size_t jobs_done = 0;             ///< levels completed
   std::size_t jobs_dropped = 0;          ///< started and not completed, or completed too late
   std::size_t pairs_separated = 0;       ///< found apart by refinement
   std::size_t pairs_left = 0;            ///< still refinable when refinement ended
-  std::array<std::uint32_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by completed level
+  std::array<std::uint32_t, kPolygonPlace + 1> level_histogram{};  ///< contact pairs by completed level; at kPolygonPlace those by polygons
 
   // Capacities that were full (0 in a healthy frame)
   std::size_t pairs_dropped = 0;         ///< candidate partners of a body beyond its limit

@@ -67,7 +67,7 @@ struct BodyState {
 /// One pair that the last step answered as a contact.
 struct Contact {
   BodyId a, b;                                   ///< a comes before b in the order of slots
-  Level level = 0;                               ///< that was completed for the pair
+  Level level = 0;                               ///< that was completed for the pair; by polygons, the trees' deepest + 1
   Vec3 normal = Vec3::UnitZ();                   ///< from a to b, unit, mean over the pair
   Vec3 point_m = Vec3::Zero();                   ///< world frame, mean over the pair
   double gap_m = 0;                              ///< between the modelled surfaces at the start of the step, negative in overlap

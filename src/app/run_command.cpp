@@ -103,7 +103,8 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   loop.paced = options.paced;
   loop.host_work = of_ms(options.host_work_ms.value_or(0));
   loop.budget_work = options.budget_work;
-  loop.max_level = static_cast<Level>(options.max_level.value_or(kMaxTreeDepth));
+  loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
+  loop.polygons = options.max_level ? options.polygons : scene.polygons;
   return loop;
 }
 
@@ -128,6 +129,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.host_work_ms = options.host_work_ms.value_or(0);
   d.budget_work = loop.budget_work;
   d.max_level = loop.max_level;
+  d.polygons = loop.polygons;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();
   d.version = POISE_BUILD_VERSION;

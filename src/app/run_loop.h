@@ -23,6 +23,7 @@ struct LoopSettings {
   Nanoseconds host_work{0};
   std::optional<std::uint64_t> budget_work;  ///< work clock
   Level max_level = kMaxTreeDepth;
+  bool polygons = false;
 };
 
 struct LoopResult {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "app/run_options.h"
 
+#include <fmt/format.h>
+
+#include <charconv>
 #include <cstdint>
 #include <limits>
+#include <system_error>
 
 #include "app/option_values.h"
 #include "app/output_files.h"
@@ -11,6 +15,30 @@ namespace poise::app {
 namespace {
 
 constexpr double kLongestMs = 1e6;
+
+// A level of the trees, or the word for what lies beneath them.
+void add_max_level(CLI::App& command, RunOptions& options) {
+  const auto read = [&options](const std::string& text) {
+    options.polygons = text == "polygons";
+    if (options.polygons) {
+      options.max_level = kMaxTreeDepth;
+      return;
+    }
+    std::uint64_t level = 0;
+    const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), level);
+    if (failure != std::errc{} || stop != text.data() + text.size() || level > kMaxTreeDepth) {
+      throw CLI::ValidationError(
+          fmt::format("--max-level = {}, must be a whole number from 0 to {}, or polygons", text, kMaxTreeDepth),
+          CLI::ExitCodes::ValidationError);
+    }
+    options.max_level = level;
+  };
+  command
+      .add_option_function<std::string>("--max-level", read,
+                                        "Refine no pair beyond this level of its trees; polygons: all levels, then the "
+                                        "triangles of meshes (default: the scene's)")
+      ->type_name("N|polygons");
+}
 
 }  // namespace
 
@@ -45,7 +73,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->type_name("CLOCK");
   add_whole(command, "--budget-work", options.budget_work, 0, kMany,
             "Refinement a frame in node-pair expansions, with --clock work (default: unlimited)");
-  add_whole(command, "--max-level", options.max_level, 0, kMaxTreeDepth, "Refine no pair beyond this level");
+  add_max_level(command, options);
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))

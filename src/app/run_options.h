@@ -17,6 +17,7 @@ namespace poise::app {
 struct RunOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed;
+  bool polygons = false;  ///< --max-level polygons
   std::optional<double> deadline_ms, host_work_ms;
   bool paced = false;
   bool quiet = false;

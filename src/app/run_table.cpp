@@ -62,16 +62,22 @@ void refinement(const simulation::RunFigures& f, Out out) {
   fmt::format_to(out, "\ncontacts       {:.4g} a frame, from {:.4g} candidate pairs\n", f.contacts_mean,
                  w.candidate_pairs_mean);
   fmt::format_to(out, "levels         ");
-  if (f.level_mean) {
-    double sum = 0;
-    for (const std::uint64_t count : f.level_histogram) sum += static_cast<double>(count);
-    fmt::format_to(out, "{:.3f} in the mean; ", *f.level_mean);
+  auto sum = static_cast<double>(f.polygon_contacts);
+  for (const std::uint64_t count : f.level_histogram) sum += static_cast<double>(count);
+  if (sum > 0) {
     const char* separator = "";
+    if (f.level_mean) {
+      fmt::format_to(out, "{:.3f} in the mean", *f.level_mean);
+      separator = "; ";
+    }
     for (std::size_t level = 0; level < f.level_histogram.size(); ++level) {
       if (f.level_histogram[level] == 0) continue;
       fmt::format_to(out, "{}{:.1f} % at {}", separator, 100 * static_cast<double>(f.level_histogram[level]) / sum,
                      level);
       separator = ", ";
+    }
+    if (f.polygon_contacts > 0) {
+      fmt::format_to(out, "{}{:.1f} % by polygons", separator, 100 * static_cast<double>(f.polygon_contacts) / sum);
     }
     fmt::format_to(out, "\n");
   } else {

@@ -112,6 +112,7 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
   ++pair.level;
   pair.front = progress.first;
   pair.front_entries = progress.entries;
+  pair.next_units = progress.entries;
   pair.contact = finish_contact(frame, progress.sums, rotation_a);
   pair.apart = !pair.contact.present;
 }

@@ -15,11 +15,15 @@ namespace poise::collision {
 struct PairLevel {
   Level level = 0;
   Level deepest = 0;              ///< no level below brings anything
+  bool polygons = false;          ///< the deepest level is that of the polygons, after all levels of the trees
   bool apart = false;             ///< no two nodes of this level are nearer than the margin
   SegmentRef front;               ///< none at level 0: the two roots
-  std::uint32_t front_entries = 1;  ///< = expansions that the next level costs
+  std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
+  std::uint32_t next_units = 1;   ///< what the next level costs, in node-pair expansions
   PairContact contact;
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
+  [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
+  [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
 };
 
 /// A level that is being worked out, by one worker at a time, in bounded pieces.
@@ -38,7 +42,7 @@ enum class Quantum : std::uint8_t {
   Full,      ///< the pool has no room: the level is to be dropped whole
 };
 
-/// The deepest level that refining two shapes can reach; b may be a plane.
+/// The deepest level of the trees that refining two shapes can reach; b may be a plane.
 Level deepest_level(const Shape& a, const Shape& b, Level max_level);
 
 /// A root sphere in the world, and the centre of mass of its body.

@@ -11,6 +11,7 @@
 #include "geometry/mesh_verdict.h"
 #include "geometry/mesh_volume.h"
 #include "geometry/rounding.h"
+#include "geometry/shape_surface.h"
 #include "geometry/tree_layout.h"
 
 namespace poise {
@@ -55,7 +56,7 @@ MassProperties mass_of_balls(std::span<const Sphere> balls) {
   return mass;
 }
 
-ShapePtr finish(SphereTree tree, const MassProperties& mass, std::string note = {}) {
+std::shared_ptr<Shape> finish(SphereTree tree, const MassProperties& mass, std::string note = {}) {
   auto shape = std::make_shared<Shape>();
   shape->tree = std::move(tree);
   const Sphere root = shape->tree.sphere(0);
@@ -94,9 +95,12 @@ Result<NotedMass> mass_of_mesh(const TriangleMesh& mesh, double shell_thickness_
   return NotedMass{sampled.value().mass, geometry::open_note(mesh, sampled.value())};
 }
 
-ShapePtr finish_mesh(SphereTree tree, const NotedMass& noted) {
+ShapePtr finish_mesh(const TriangleMesh& mesh, SphereTree tree, const NotedMass& noted, Solidity solidity) {
   geometry::recenter_tree(tree, noted.mass.center_of_mass_m, false);
-  return finish(std::move(tree), noted.mass, noted.note);
+  std::shared_ptr<Shape> shape = finish(std::move(tree), noted.mass, noted.note);
+  shape->surface = std::make_shared<const ShapeSurface>(
+      geometry::make_surface(mesh, noted.mass.center_of_mass_m, solidity, shape->tree));
+  return shape;
 }
 
 }  // namespace
@@ -135,12 +139,12 @@ Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres) {
   MassProperties mass = mass_of_balls(spheres);
   // What is left of a symmetric list is rounding, and would only blur its zeros.
   if (mass.center_of_mass_m.norm() <= 1e-15 * checked.value().sphere(0).radius_m) mass.center_of_mass_m.setZero();
-  if (mass.center_of_mass_m.isZero(0)) return finish(std::move(checked).value(), mass);
+  if (mass.center_of_mass_m.isZero(0)) return ShapePtr(finish(std::move(checked).value(), mass));
   std::vector<Sphere> centered(spheres.begin(), spheres.end());
   for (Sphere& sphere : centered) sphere.center_m -= mass.center_of_mass_m;
   Result<SphereTree> tree = tree_of_spheres(centered);
   if (!tree) return tree.error();
-  return finish(std::move(tree).value(), mass);
+  return ShapePtr(finish(std::move(tree).value(), mass));
 }
 
 Result<ShapePtr> make_tree_shape(const SphereTree& tree) {
@@ -150,7 +154,7 @@ Result<ShapePtr> make_tree_shape(const SphereTree& tree) {
   const MassProperties mass = mass_of_balls(leaves);
   SphereTree centered = tree;
   geometry::recenter_tree(centered, mass.center_of_mass_m, true);
-  return finish(std::move(centered), mass);
+  return ShapePtr(finish(std::move(centered), mass));
 }
 
 Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options, double shell_thickness_m) {
@@ -161,14 +165,14 @@ Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOption
   if (shell_thickness_m != 0) build.solidity = Solidity::Shell;
   Result<SphereTree> tree = build_sphere_tree(mesh, build);
   if (!tree) return tree.error();
-  return finish_mesh(std::move(tree).value(), mass.value());
+  return finish_mesh(mesh, std::move(tree).value(), mass.value(), build.solidity);
 }
 
 Result<ShapePtr> make_mesh_shape_with_tree(const TriangleMesh& mesh, const SphereTree& tree, double shell_thickness_m) {
   if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
   const Result<NotedMass> mass = mass_of_mesh(mesh, shell_thickness_m, 0);
   if (!mass) return mass.error();
-  return finish_mesh(tree, mass.value());
+  return finish_mesh(mesh, tree, mass.value(), shell_thickness_m != 0 ? Solidity::Shell : Solidity::Solid);
 }
 
 }  // namespace poise

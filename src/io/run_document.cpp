@@ -83,7 +83,8 @@ Json settings_json(const RunDocument& d) {
                    {"period_ms", 1000 * d.dt_s},
                    {"host_work_ms", d.host_work_ms},
                    {"budget_work", d.budget_work ? Json(*d.budget_work) : Json(nullptr)},
-                   {"max_level", d.max_level}};
+                   {"max_level", d.max_level},
+                   {"polygons", d.polygons}};
   settings["policy_weights"] = {{"frustum", p.frustum}, {"size", p.size},       {"eccentricity", p.eccentricity},
                                 {"closing", p.closing}, {"waiting", p.waiting}, {"importance", p.importance}};
   return settings;
@@ -104,7 +105,7 @@ void add_figures(const RunDocument& d, Json& json) {
   json["misses"] = misses_json(f);
   json["refinement_used"] = optional_number(f.refinement_used);
   json["refinement_used_all"] = optional_number(f.refinement_used_all);
-  json["levels"] = {{"mean", optional_number(f.level_mean)}, {"histogram", f.level_histogram}};
+  json["levels"] = {{"mean", optional_number(f.level_mean)}, {"histogram", f.level_histogram}, {"polygons", f.polygon_contacts}};
   json["contacts_mean"] = f.contacts_mean;
   json["energy_j"] = energy_json(d);
   json["momentum"] = {{"start", list(d.start.momentum_ns)}, {"end", list(d.end.momentum_ns)}};

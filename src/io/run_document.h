@@ -39,6 +39,7 @@ struct RunDocument {
   double host_work_ms = 0;
   std::optional<std::uint64_t> budget_work;
   int max_level = 0;
+  bool polygons = false;
   double tray_side_m = 0;
   Machine machine;
   std::string version, commit, compiler, flags;

@@ -81,9 +81,10 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("jobs_dropped", r.jobs_dropped);
   row.column("pairs_separated", r.pairs_separated);
   row.column("pairs_left", r.pairs_left);
-  for (std::size_t level = 0; level < r.level_histogram.size(); ++level) {
+  for (std::size_t level = 0; level <= kMaxTreeDepth; ++level) {
     row.column(fmt::format("level_{}", level), r.level_histogram[level]);
   }
+  row.column("polygons", r.level_histogram[kPolygonPlace]);
   row.column("pairs_dropped", r.pairs_dropped);
   row.column("fronts_full", r.fronts_full);
   row.column("colors_full", r.colors_full);

@@ -50,6 +50,21 @@ void parse_frame(const ObjectReader& top, Scene& scene) {
   }
 }
 
+void parse_max_level(const ObjectReader& top, Scene& scene) {
+  const JsonValue* value = top.find("max_level");
+  if (value == nullptr) return;
+  if (value->kind == JsonValue::Kind::String) {
+    scene.polygons = value->text == "polygons";
+    if (!scene.polygons) {
+      top.problems().refuse("max_level", *value, fmt::format("must be a whole number from 0 to {}, or \"polygons\"", kMaxTreeDepth));
+    }
+    return;
+  }
+  std::uint64_t level = kMaxTreeDepth;
+  read_whole(*value, "max_level", 0, kMaxTreeDepth, top.problems(), level);
+  scene.max_level = static_cast<Level>(level);
+}
+
 void parse_gaze(const ObjectReader& top, Scene& scene) {
   const JsonValue* value = top.find("gaze_px");
   if (value == nullptr) return;
@@ -69,10 +84,11 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(root, "", problems,
-                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "policy",
+                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "max_level", "policy",
                           "camera", "gaze_px", "materials", "shapes", "bodies", "tray", "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
+  parse_max_level(top, scene);
   if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);
   parse_gaze(top, scene);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "collision/polygon_contact.h"
 #include "parallel/shared.h"
 #include "simulation/cues.h"
 #include "simulation/stages.h"
@@ -195,8 +196,10 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       ActivePair& pair = buffers.pairs[k];
       pair = outlined(world, found.pairs[candidate], input);
       pair.memory = recollection.of(pair.low, pair.high);
-      pair.level.deepest =
-          collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level);
+      const Shape& shape_a = *world.bodies.shape[pair.a];
+      const Shape& shape_b = *world.bodies.shape[pair.b];
+      pair.level.deepest = collision::deepest_level(shape_a, shape_b, input.max_level);
+      if (input.polygons) collision::allow_polygons(shape_a, shape_b, input.max_level, pair.level);
       if (pair.level.refinable()) pair.cues = cues_of(input.view, sighting_of(world, pair));
     }
   });

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "collision/polygon_contact.h"
 #include "parallel/shared.h"
 #include "simulation/cpu_clock.h"
 #include "simulation/stages.h"
@@ -17,21 +18,41 @@ struct Refinement {
   std::span<WorkerTally> tallies;
 
   double score(const ActivePair& pair, std::uint32_t index) const {
-    std::array<float, kMaxTreeDepth + 1> error_m;
+    std::array<float, kPolygonPlace + 1> error_m{};
     const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
     const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
-    for (std::size_t level = 0; level < error_m.size(); ++level) error_m[level] = error_a[level] + error_b[level];
+    for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
+    if (pair.level.polygons) error_m[pair.level.deepest] = 0;
     const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
-                                     pair.level.front_entries};
+                                     pair.level.next_units};
     return scheduler::score(world.settings.policy, facts, chain, pair.cues, index);
   }
 };
 
 enum class Outcome : std::uint8_t { Completed, Cut, Full };
 
+// The polygons of a pair, in bounded pieces, as below.
+template <class GoOn>
+Outcome complete_polygons(WorldState& world, ActivePair& pair, GoOn&& go_on) {
+  FrameBuffers& buffers = world.buffers;
+  const collision::PairFrame frame = frame_of(world, pair);
+  collision::PolygonProgress progress;
+  collision::begin_polygons(frame, buffers.poses[pair.a].rotation, pair.level, progress);
+  std::uint32_t left = pair.level.next_units;
+  for (;;) {
+    const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
+    if (collision::run_polygons(frame, buffers.pools, units, progress) == collision::Quantum::Complete) break;
+    left -= units;
+    if (!go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) return Outcome::Cut;
+  }
+  collision::publish_polygons(frame, buffers.poses[pair.a].rotation, progress, pair.level);
+  return Outcome::Completed;
+}
+
 // One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first.
 template <class GoOn>
 Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& go_on) {
+  if (pair.level.next_is_polygons()) return complete_polygons(world, pair, go_on);
   FrameBuffers& buffers = world.buffers;
   const collision::PairFrame frame = frame_of(world, pair);
   collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
@@ -49,6 +70,9 @@ Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& g
     }
   }
   collision::publish_level(frame, buffers.poses[pair.a].rotation, progress, pair.level);
+  if (pair.level.next_is_polygons() && pair.level.refinable()) {
+    pair.level.next_units = collision::polygon_units(*frame.a, *frame.b, buffers.pools, pair.level.front);
+  }
   return Outcome::Completed;
 }
 
@@ -78,7 +102,7 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
     const std::uint32_t item = world.bands.take();
     if (item == parallel::PriorityBands::kNone) break;
     ActivePair& pair = world.buffers.pairs[item];
-    const std::uint64_t units = pair.level.front_entries;
+    const std::uint64_t units = pair.level.next_units;
     if (!admits(std::min(units, scheduler::kQuantumUnits))) break;
     TimePoint piece_begun = now;
     std::uint64_t piece_units = std::min(units, scheduler::kQuantumUnits);
@@ -163,7 +187,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
   FrameBuffers& buffers = world.buffers;
   const auto candidate = [&](std::uint32_t index) {
     const ActivePair& pair = buffers.pairs[index];
-    return scheduler::Candidate{refinement.score(pair, index), index, pair.level.front_entries};
+    return scheduler::Candidate{refinement.score(pair, index), index, pair.level.next_units};
   };
   world.rounds.begin_frame(budget_units, buffers.pairs.size());
   for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
@@ -177,14 +201,17 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
     if (round.empty()) break;
     std::uint64_t worst = 0;
     for (const scheduler::Candidate& chosen : round) {
-      const std::uint64_t could_make = std::uint64_t{chosen.units} * kTreeBranching * kTreeBranching;
-      buffers.pairs[chosen.pair].full = worst + could_make > room;
-      if (!buffers.pairs[chosen.pair].full) worst += could_make;
+      ActivePair& pair = buffers.pairs[chosen.pair];
+      // Polygons make no front.
+      const std::uint64_t could_make =
+          pair.level.next_is_polygons() ? 0 : std::uint64_t{chosen.units} * kTreeBranching * kTreeBranching;
+      pair.full = worst + could_make > room;
+      if (!pair.full) worst += could_make;
     }
     parallel::parallel_for(*world.executor, round.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
       for (std::size_t i = begin; i < end; ++i) {
         ActivePair& pair = buffers.pairs[round[i].pair];
-        const std::uint64_t units = pair.level.front_entries;
+        const std::uint64_t units = pair.level.next_units;
         const Outcome outcome =
             pair.full ? Outcome::Full : complete_level(world, pair, worker, [](std::uint64_t) { return true; });
         note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
@@ -193,7 +220,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
     for (const scheduler::Candidate& chosen : round) {
       const ActivePair& pair = buffers.pairs[chosen.pair];
       if (pair.full) continue;
-      room -= std::min<std::uint64_t>(room, pair.level.front_entries);
+      if (!pair.level.by_polygons()) room -= std::min<std::uint64_t>(room, pair.level.front_entries);
       if (pair.level.refinable()) world.rounds.add(candidate(chosen.pair));
     }
   }
@@ -208,7 +235,7 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   work.candidate_pairs = world.buffers.pairs.size();
   if (world.settings.contact == ContactModel::Paper) {
     for (const ActivePair& pair : world.buffers.pairs) {
-      if (!pair.level.apart) work.sphere_contacts += pair.level.front_entries;
+      if (!pair.level.apart && !pair.level.by_polygons()) work.sphere_contacts += pair.level.front_entries;
     }
   }
   return work;
@@ -223,6 +250,7 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   for (const ShapeFacts& facts : world.shapes) {
     refinement.facts.deepest_level = std::max<std::uint32_t>(refinement.facts.deepest_level, facts.shape->tree.depth());
   }
+  if (input.polygons) ++refinement.facts.deepest_level;
   refinement.facts.frame = world.frame;
   refinement.facts.seed = world.settings.seed;
   refinement.facts.pairs = static_cast<std::uint32_t>(buffers.pairs.size());

@@ -50,12 +50,12 @@ void list_rows(WorldState& world, FrameReport& report) {
   for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
     const ActivePair& pair = buffers.pairs[i];
     if (pair.level.apart) continue;
-    ++report.level_histogram[pair.level.level];
+    ++report.level_histogram[pair.level.by_polygons() ? kPolygonPlace : pair.level.level];
     if (pair.level.refinable()) ++report.pairs_left;
     buffers.row_pair.push_back(static_cast<std::uint32_t>(i));
     buffers.edges.push_back({pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0});
     buffers.points_begin.push_back(points);
-    if (by_points) points += pair.level.front_entries;
+    if (by_points && !pair.level.by_polygons()) points += pair.level.front_entries;
   }
   buffers.points_begin.push_back(points);
   buffers.points.resize(points);
@@ -66,6 +66,7 @@ void list_rows(WorldState& world, FrameReport& report) {
 void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place, response::ContactRow& row) {
   FrameBuffers& buffers = world.buffers;
   row.points_begin = row.points_end = buffers.points_begin[place];
+  if (pair.level.by_polygons()) return;  // one contact, exact: the row itself
   const collision::PairFrame frame = frame_of(world, pair);
   const Mat3& turn = buffers.poses[pair.a].rotation;
   collision::for_each_segment(buffers.pools, pair.level.front, [&](std::span<const collision::FrontEntry> entries) {

@@ -138,8 +138,9 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     left += report.pairs_left;
     contacts += report.contact_pairs;
     if (report.pairs_left > 0) ++work.frames_with_pairs_left;
-    for (std::size_t i = 0; i < report.level_histogram.size(); ++i)
+    for (std::size_t i = 0; i < figures.level_histogram.size(); ++i)
       figures.level_histogram[i] += report.level_histogram[i];
+    figures.polygon_contacts += report.level_histogram[kPolygonPlace];
     figures.capacity.pairs_dropped += report.pairs_dropped;
     figures.capacity.fronts_full += report.fronts_full;
     figures.capacity.colors_full += report.colors_full;

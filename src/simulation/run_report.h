@@ -103,8 +103,9 @@ struct RunFigures {
   std::array<StageFigures, 8> stages;
   double off_cpu_ms_max = 0;
   double longest_job_ms_max = 0;
-  std::optional<double> level_mean;  ///< over contact pairs of all frames; not defined without a contact
-  std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};
+  std::optional<double> level_mean;  ///< over contact pairs of all frames by their trees; not defined without one
+  std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by the level of their trees
+  std::uint64_t polygon_contacts = 0;  ///< contact pairs by polygons; not in the histogram and the mean
   double contacts_mean = 0;
   WorkFigures work;
   CapacityFigures capacity;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <random>
 
 #include "collision/polygon_judge.h"
 #include "collision/shapes.h"
+#include "geometry/shape_surface.h"
 #include "poise/sphere_tree.h"
 
 namespace poise::collision {
@@ -30,12 +32,14 @@ inline void center_mesh(TriangleMesh& mesh) {
   for (Vec3& v : mesh.vertices_m) v -= middle;
 }
 
-/// A shape without mass properties, which queries do not ask for.
+/// A shape without mass properties, which queries do not ask for, with its triangles.
 inline JudgedShape make_judged_shape(const TriangleMesh& mesh, SphereTree tree) {
   JudgedShape judged{PolygonJudge(mesh), {}, mesh.diagonal_m()};
   const Sphere root = tree.sphere(0);
   judged.shape.bounding_radius_m = root.center_m.norm() + root.radius_m;
   judged.shape.tree = std::move(tree);
+  judged.shape.surface = std::make_shared<const ShapeSurface>(
+      geometry::make_surface(mesh, Vec3::Zero(), Solidity::Solid, judged.shape.tree));
   return judged;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "collision/near_touch.h"
+#include "collision/polygon_pairs.h"
 #include "collision/pair_refinement.h"
 
 namespace poise::collision {
@@ -18,7 +20,7 @@ const fs::path kMeshes = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-U
 JudgedShape judged_shape(const char* file) {
   TriangleMesh mesh = read_mesh(kMeshes / file, {}).value();
   center_mesh(mesh);
-  return make_judged_shape(mesh, build_sphere_tree(mesh, {.depth = kDepth, .preset = TreePreset::Fast}).value());
+  return make_judged_shape(mesh, test::kept_tree(mesh, kDepth));
 }
 
 // Levels that have a front, from 1: kDepth when the pair is never found apart.
@@ -37,17 +39,110 @@ int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
   return levels;
 }
 
+const JudgedShape* shapes() {
+  static const JudgedShape both[] = {judged_shape("Base.obj"), judged_shape("Wrist3.obj")};
+  return both;
+}
+
+// By how much the judge's distance grows when b moves, over the length of the move: the normal, where the surfaces are apart and one
+// pair of features is the nearest.
+Vec3 gradient(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, double step_m) {
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto distance = [&](double side) {
+      Pose moved = posed.b;
+      moved.position_m[axis] += side * step_m;
+      return a.judge.distance_m(posed.a, b.judge, moved);
+    };
+    slope[axis] = (distance(1) - distance(-1)) / (2 * step_m);
+  }
+  return slope;
+}
+
+struct Agreement {
+  int touching = 0, apart = 0, disagreed = 0;
+  int gaps = 0, normals = 0, normals_off = 0, lifted = 0, lifted_off = 0;
+};
+
+// One pose against the judge.
+void compare(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, std::span<FrontPool> pools, bool with_normals, Agreement& sum) {
+  const double size = std::min(a.diagonal_m, b.diagonal_m);
+  const double band = 1e-4 * size;
+  const double margin = 5e-3 * size;
+  const auto ask = [&](const PosedPair& at) {
+    return answer_by_polygons(make_pair_frame(a.shape, at.a, b.shape, at.b, margin, 0), pools).contact;
+  };
+  const PairContact contact = ask(posed);
+  const bool touches = a.judge.touches(posed.a, b.judge, posed.b);
+  const double distance = touches ? 0.0 : a.judge.distance_m(posed.a, b.judge, posed.b);
+  const bool says = contact.present && contact.likely_m <= 0;
+  touches ? ++sum.touching : ++sum.apart;
+  const bool hair = distance < band && contact.present && std::abs(contact.likely_m) < band;
+  if (says != touches && !hair) ++sum.disagreed;
+  const double within = std::cos(5 * M_PI / 180);
+  if (!touches && distance < margin - band) {
+    ++sum.gaps;
+    ASSERT_TRUE(contact.present);
+    ASSERT_NEAR(contact.likely_m, distance, 1e-6 * size);
+  }
+  if (!with_normals) return;
+  // A softness away from every other pair of features, or the answer is rightly a mean of both.
+  const double step = 2e-4 * size;
+  const auto one_normal = [&](const PosedPair& at, const PairContact& said, int& asked, int& off) {
+    const Vec3 slope = gradient(a, b, at, step);
+    if (slope.norm() < 0.9999) return;
+    ++asked;
+    if ((at.a.rotation * said.direction).dot(slope.normalized()) < within) ++off;
+  };
+  if (!touches && distance > 2 * step && distance < margin - 2 * step) one_normal(posed, contact, sum.normals, sum.normals_off);
+  if (touches && contact.present && -contact.likely_m < 2e-3 * size) {
+    // Lifted out along the answer's own normal, the surfaces must be just apart, and stand square to it.
+    PosedPair lifted = posed;
+    lifted.b.position_m += posed.a.rotation * contact.direction * (3 * step - contact.likely_m);
+    one_normal(lifted, contact, sum.lifted, sum.lifted_off);
+  }
+}
+
+TEST(PolygonsOfMeshes, AgreeWithTheJudgeAboutTouchGapAndNormal) {
+  if (!fs::exists(kMeshes)) GTEST_SKIP() << "libsimbody-dev is not installed";
+  std::vector<FrontPool> pools;
+  pools.emplace_back(1U << 18U);
+  std::mt19937_64 random(22);
+  Agreement sum;
+  PosedPair found;
+  for (int round = 0; round < 1000; ++round) {
+    const JudgedShape& a = shapes()[round / 5 % 2];
+    const JudgedShape& b = shapes()[round / 10 % 2];
+    // The search for a first touch is the judge's, and slow: each serves for five poses around it.
+    if (round % 5 == 0) found = pose_near_first_touch(a, b, 4e-3, random);
+    PosedPair posed = found;
+    if (round % 5 != 0) {
+      const double size = std::min(a.diagonal_m, b.diagonal_m);
+      posed.b.position_m += random_vector(random, 3e-3 * size);
+      posed.b.rotation = turned(uniform(random, -5e-3, 5e-3), random_vector(random, 1)) * posed.b.rotation;
+    }
+    ASSERT_NO_FATAL_FAILURE(compare(a, b, posed, pools, round % 5 == 0, sum)) << "round " << round;
+  }
+  EXPECT_EQ(sum.disagreed, 0);
+  EXPECT_GT(sum.touching, 300);
+  EXPECT_GT(sum.apart, 300);
+  EXPECT_GT(sum.gaps, 300);
+  EXPECT_GT(sum.normals, 80);
+  EXPECT_EQ(sum.normals_off, 0);
+  EXPECT_GT(sum.lifted, 30);
+  EXPECT_LE(sum.lifted_off, sum.lifted / 25);
+}
+
 TEST(TreesOfMeshes, NoLevelIsEmptyWhereTrianglesMeet) {
   if (!fs::exists(kMeshes)) GTEST_SKIP() << "libsimbody-dev is not installed";
-  const JudgedShape shapes[] = {judged_shape("Base.obj"), judged_shape("Wrist3.obj")};
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 16U);
   std::mt19937_64 random(21);
   int touching = 0;
   int told_apart = 0;
   for (int round = 0; round < 2000; ++round) {
-    const JudgedShape& a = shapes[random() % 2];
-    const JudgedShape& b = shapes[random() % 2];
+    const JudgedShape& a = shapes()[random() % 2];
+    const JudgedShape& b = shapes()[random() % 2];
     PosedPair posed;
     if (round % 10 == 0) {
       posed = pose_near_first_touch(a, b, 5e-3, random);

@@ -42,6 +42,7 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   frame.report.lateness = Nanoseconds(1);
   frame.report.cause = MissCause::Overrun;
   frame.report.level_histogram = {9, 8, 7};
+  frame.report.level_histogram[kPolygonPlace] = 6;
   std::string text;
   append_frame(frame, 0.05, text);
   const std::vector<std::string> names = cells(lines(frames_header())[0]);
@@ -56,6 +57,7 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   EXPECT_EQ(cell("miss"), "1");
   EXPECT_EQ(cell("cause"), "overrun");
   EXPECT_EQ(cell("level_1"), "8");
+  EXPECT_EQ(cell("polygons"), "6");
   EXPECT_EQ(cell("status"), "done");
 }
 

@@ -27,6 +27,17 @@ TEST(Scene, HasTheStatedDefaults) {
   EXPECT_EQ(body.velocity_mps, Vec3::Zero());
   EXPECT_FALSE(body.is_static);
   EXPECT_EQ(scene.policy.kind, scheduler::PolicyKind::Perceptual);
+  EXPECT_EQ(scene.max_level, kMaxTreeDepth);
+  EXPECT_FALSE(scene.polygons);
+}
+
+TEST(Scene, NamesTheDeepestLevelOrPolygons) {
+  const Scene level = parse(scene_text(R"("max_level": 2, )")).value();
+  EXPECT_EQ(level.max_level, 2);
+  EXPECT_FALSE(level.polygons);
+  const Scene polygons = parse(scene_text(R"("max_level": "polygons", )")).value();
+  EXPECT_EQ(polygons.max_level, kMaxTreeDepth);
+  EXPECT_TRUE(polygons.polygons);
 }
 
 TEST(Scene, TakesTheFormOfTheDocumentation) {

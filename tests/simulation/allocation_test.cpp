@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "geometry/meshes.h"
 #include "simulation/scenes.h"
 
 namespace {
@@ -60,6 +61,25 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
   fall();
   const std::size_t made = allocations.load() - before;
   return made;
+}
+
+TEST(Allocation, PolygonsAllocateNothing) {
+  WorldSettings settings;
+  settings.executor = ExecutorKind::Serial;
+  Stage stage(settings, 0.2);
+  const ShapeId box = stage.world.add_shape(
+      make_mesh_shape(test::box_mesh(Vec3(1, 1, 1)), {.depth = 1, .preset = TreePreset::Fast}).value());
+  stage.add(box, Vec3::Zero(), Vec3(0.1, 0, 0), Vec3(1, 2, 3));
+  stage.add(box, Vec3(1.2, 0.1, 0.2), Vec3(-0.1, 0, 0), Vec3(3, 2, 1));
+  stage.plane(Vec3::UnitX(), -0.6);
+  StepInput input = step_of(1.0 / 60);
+  input.polygons = true;
+  for (int i = 0; i < 10; ++i) stage.world.step(input);
+  const std::size_t before = allocations.load();
+  std::uint32_t by_polygons = 0;
+  for (int i = 0; i < 60; ++i) by_polygons += stage.world.step(input).level_histogram[kPolygonPlace];
+  EXPECT_EQ(allocations.load() - before, 0U);
+  EXPECT_GT(by_polygons, 60U);
 }
 
 TEST(Allocation, TheCounterCounts) {

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "collision/polygon_contact.h"
+#include "collision/shapes.h"
+#include "geometry/kept_tree.h"
+#include "geometry/meshes.h"
+
+namespace poise::collision {
+
+inline ShapePtr mesh_shape(const TriangleMesh& mesh, Level depth = 2) {
+  return make_mesh_shape_with_tree(mesh, test::kept_tree(mesh, depth)).value();
+}
+
+/// What the polygons of one pair found.
+struct PolygonAnswer {
+  PairLevel level;
+  PolygonSums sums;
+  std::uint32_t units = 0, quanta = 0;
+  PairContact contact;
+};
+
+/// Refines a pair to its leaves and through its polygons, `units` at a time; nothing but what is apart where a tree says so.
+inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools, std::uint32_t units = 1U << 30U) {
+  PolygonAnswer answer;
+  PairLevel& pair = answer.level;
+  pools[0].clear();
+  pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
+  allow_polygons(*frame.a, *frame.b, kMaxTreeDepth, pair);
+  while (pair.refinable() && !pair.next_is_polygons()) {
+    LevelProgress progress = begin_level(pair, pools[0]);
+    while (run_quantum(frame, pools, 0, units, progress) == Quantum::More) {
+    }
+    publish_level(frame, Mat3::Identity(), progress, pair);
+  }
+  if (pair.apart) return answer;
+  answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);
+  PolygonProgress progress;
+  begin_polygons(frame, Mat3::Identity(), pair, progress);
+  do {
+    ++answer.quanta;
+  } while (run_polygons(frame, pools, units, progress) == Quantum::More);
+  publish_polygons(frame, Mat3::Identity(), progress, pair);
+  answer.sums = progress.sums;
+  answer.contact = pair.contact;
+  return answer;
+}
+
+/// The same with a pool of its own, a at rest at the origin, b turned and moved; the contact is in a's frame.
+inline PolygonAnswer answer_by_polygons(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& offset_m, double margin_m,
+                                        std::uint32_t units = 1U << 30U) {
+  std::vector<FrontPool> pools;
+  pools.emplace_back(1U << 18U);
+  return answer_by_polygons(make_pair_frame(a, Pose{}, b, Pose{offset_m, turn}, margin_m, 0), pools, units);
+}
+
+inline Mat3 turned(double angle_rad, const Vec3& axis) { return Eigen::AngleAxisd(angle_rad, axis.normalized()).toRotationMatrix(); }
+/// Turns the corner (-,-,-) of a box straight down.
+inline Mat3 on_its_corner() {
+  return Quat::FromTwoVectors(Vec3(-1, -1, -1).normalized(), -Vec3::UnitZ()).toRotationMatrix();
+}
+
+}  // namespace poise::collision
