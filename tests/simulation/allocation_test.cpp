@@ -64,13 +64,13 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
   settings.threads = 2;
   settings.contact = model;
   Stage stage(settings, 0.2);
-  stage.jacks(150, 5);
+  stage.jacks(80, 5);
   std::vector<BodyState> start;
   for (const BodyId body : stage.bodies) start.push_back(stage.at(body));
   StepInput input = step_of(1.0 / 60);
   input.budget = budget;
   const auto fall = [&] {
-    for (int i = 0; i < 200; ++i) stage.world.step(input);
+    for (int i = 0; i < 100; ++i) stage.world.step(input);
   };
   fall();
   // The same fall again, to the bit but for the number of the frame: nothing needs more room than it has.
