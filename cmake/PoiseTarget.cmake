@@ -26,3 +26,11 @@ function(poise_target_settings target)
     endif()
   endif()
 endfunction()
+
+# poise_precompile(TARGET header...): with POISE_PRECOMPILE, these and the usual standard headers are read once a target.
+function(poise_precompile target)
+  if(POISE_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${ARGN} <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <filesystem>
+      <fstream> <functional> <limits> <memory> <numeric> <optional> <span> <string> <string_view> <utility> <variant> <vector>)
+  endif()
+endfunction()

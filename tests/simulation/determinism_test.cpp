@@ -37,7 +37,7 @@ TEST(Determinism, TheSameWorkBudgetGivesTheSameBitsOnAnyThreadsAndExecutor) {
     for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
       const std::uint64_t expected =
           hash_after(falling(ExecutorKind::Serial, 1, policy, model), Budget::work(400));
-      for (const int threads : {1, 2, 3, 8}) {
+      for (const int threads : {1, 3, 8}) {
         for (const ExecutorKind executor : {ExecutorKind::Tbb, ExecutorKind::Threads}) {
           EXPECT_EQ(hash_after(falling(executor, threads, policy, model), Budget::work(400)), expected)
               << threads << " threads";
