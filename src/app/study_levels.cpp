@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kDefaultPairs =
     "jack,jack;torus,torus;bowl,bowl;jack,torus;torus,bowl;jack,bowl;slab,slab;l,l;cube,cube;disc,disc;cube,jack;slab,torus;l,bowl;"
     "disc,jack";
-constexpr const char* kDefaultLevels = "0,1,2,3,4";
+constexpr const char* kDefaultLevels = "0,1,2,3,4,polygons";
 // Of libsimbody-dev: two parts of a robot's arm, closed, one rounder and one flatter.
 constexpr const char* kOthers[2] = {"/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Base.obj",
                                     "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Wrist3.obj"};
@@ -84,10 +84,15 @@ Status add_models(const std::string& text, LevelsPlan& plan) {
 
 Status add_levels(const std::string& text, std::uint64_t depth, LevelsPlan& plan) {
   for (const std::string& word : split(text.empty() ? kDefaultLevels : text, ',')) {
+    if (!plan.levels.empty() && plan.levels.back().polygons) return bad_input("--levels: nothing comes after polygons");
+    if (word == "polygons") {
+      plan.levels.push_back({kMaxTreeDepth, true});
+      continue;
+    }
     const bool digit = word.size() == 1 && word[0] >= '0' && word[0] <= '9';
     if (!digit || static_cast<std::uint64_t>(word[0] - '0') > depth) {
       if (text.empty()) continue;  // the levels by default are those that the trees have
-      return bad_input(fmt::format("--levels: \"{}\", must be from 0 to {}, the depth of the trees", word, depth));
+      return bad_input(fmt::format("--levels: \"{}\", must be polygons or from 0 to {}, the depth of the trees", word, depth));
     }
     const simulation::ProbeLevel level{static_cast<Level>(word[0] - '0'), false};
     if (!plan.levels.empty() && level.level <= plan.levels.back().level) return bad_input("--levels: must ascend");
@@ -138,7 +143,7 @@ void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
   command.add_option("mesh", o.meshes, "Closed meshes instead of the shapes of the docs: each with itself and with the next")->type_name("MESH");
   command.add_option("--pairs", o.pairs, "Pairs of shapes instead, as A,B;C,D: names as of poise shape, or files")->type_name("LIST");
   command.add_option("--models", o.models, "Contact models, with commas between them (default all)")->type_name("LIST");
-  command.add_option("--levels", o.levels, "Levels, ascending, with commas between them (default 0,1,2,3,4)")->type_name("LIST");
+  command.add_option("--levels", o.levels, "Levels, ascending, with commas between them (default 0,1,2,3,4,polygons)")->type_name("LIST");
   add_whole(command, "--touches", o.touches, 1, 100000, "Touches a pair of shapes (default 100)");
   command.add_option("--half", o.half, "Touches for choosing parameters, for reporting on them, or all: tune, report, all (default report)")
       ->check(CLI::IsMember({"tune", "report", "all"}))

@@ -114,7 +114,8 @@ std::string made_by(const LevelsDocument& d) {
       d.compiler);
 }
 
-std::string as_columns(const Table& table) {
+// The first `words` columns are words, the others figures.
+std::string as_columns(const Table& table, std::size_t words) {
   std::vector<std::size_t> widths(table[0].size());
   for (const Cells& row : table) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -122,7 +123,7 @@ std::string as_columns(const Table& table) {
   std::string text;
   for (const Cells& row : table) {
     std::string line = fmt::format("{:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) line += i < 3 ? fmt::format("  {:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
+    for (std::size_t i = 1; i < row.size(); ++i) line += i < words ? fmt::format("  {:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
     text += line + "\n";
   }
   return text;
@@ -148,8 +149,8 @@ constexpr const char* kLimitsTitle = "What else is to be reached; the last two a
 }  // namespace
 
 std::string levels_table(const LevelsDocument& document) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kPairTitle, as_columns(pair_table(document)), kSummaryTitle,
-                     as_columns(summary_table(document)), kLimitsTitle, as_columns(limits_table(document)), setback_text(document),
+  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kPairTitle, as_columns(pair_table(document), 3), kSummaryTitle,
+                     as_columns(summary_table(document), 3), kLimitsTitle, as_columns(limits_table(document), 2), setback_text(document),
                      made_by(document));
 }
 

@@ -18,6 +18,7 @@ StepInput step_to(ProbeLevel level, double dt_s) {
   StepInput input;
   input.dt_s = dt_s;
   input.max_level = level.level;
+  input.polygons = level.polygons;
   return input;
 }
 

@@ -21,9 +21,9 @@ struct PairState {
   BodyState a, b;
 };
 
-/// A level of a tree, or the polygons below the deepest one.
+/// A level of both trees, or the polygons below the deepest one.
 struct ProbeLevel {
-  Level level = 0;
+  Level level = 0;                ///< kMaxTreeDepth with polygons: these come after the deepest level there is
   bool polygons = false;
   friend bool operator==(const ProbeLevel&, const ProbeLevel&) = default;
 };
