@@ -15,6 +15,7 @@ namespace poise {
 
 namespace simulation {
 struct WorldState;
+class PairProbe;
 }
 
 /// How the contacts of one pair become an impulse (docs/method.md).
@@ -144,6 +145,7 @@ class World {
   [[nodiscard]] int threads() const;
 
  private:
+  friend class simulation::PairProbe;
   explicit World(std::unique_ptr<simulation::WorldState> state);
   std::unique_ptr<simulation::WorldState> state_;
 };

@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 extern char** environ;
 
@@ -51,14 +52,9 @@ int wait_for(pid_t child) {
 
 }  // namespace
 
-Result<ChildResult> run_child(const std::vector<std::string>& arguments, const parallel::Interrupt& interrupt) {
-  std::error_code failure;
-  const std::string program = std::filesystem::read_symlink("/proc/self/exe", failure).string();
-  if (failure) return failed("/proc/self/exe", failure.value());
+Result<ChildResult> run_program(std::vector<std::string> words, const parallel::Interrupt& interrupt) {
   int ends[2] = {-1, -1};
   if (::pipe2(ends, O_CLOEXEC) != 0) return failed("no pipe", errno);
-  std::vector<std::string> words{program};
-  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -70,7 +66,7 @@ Result<ChildResult> run_child(const std::vector<std::string>& arguments, const p
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int spawned = ::posix_spawn(&child, program.c_str(), &actions, &attributes, argv.data(), environ);
+  const int spawned = ::posix_spawnp(&child, words[0].c_str(), &actions, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   ::close(ends[1]);
@@ -80,7 +76,15 @@ Result<ChildResult> run_child(const std::vector<std::string>& arguments, const p
     result.exit_code = wait_for(child);
   }
   ::close(ends[0]);
-  return spawned == 0 ? Result<ChildResult>(std::move(result)) : failed(program.c_str(), spawned);
+  return spawned == 0 ? Result<ChildResult>(std::move(result)) : failed(words[0].c_str(), spawned);
+}
+
+Result<ChildResult> run_child(const std::vector<std::string>& arguments, const parallel::Interrupt& interrupt) {
+  std::error_code failure;
+  std::vector<std::string> words{std::filesystem::read_symlink("/proc/self/exe", failure).string()};
+  if (failure) return failed("/proc/self/exe", failure.value());
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return run_program(std::move(words), interrupt);
 }
 
 }  // namespace poise::app

@@ -241,6 +241,11 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   return work;
 }
 
+bool refine_pair(WorldState& world, ActivePair& pair, int worker) {
+  while (pair.level.refinable() && !pair.full) complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+  return !pair.full;
+}
+
 void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   const TimePoint begun = SteadyClock::now();

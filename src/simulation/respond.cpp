@@ -122,7 +122,7 @@ response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_
 
 }  // namespace
 
-void respond(WorldState& world, const StepInput& input, FrameReport& report) {
+void make_rows(WorldState& world, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   list_rows(world, report);
   report.contact_pairs = buffers.row_pair.size();
@@ -136,9 +136,16 @@ void respond(WorldState& world, const StepInput& input, FrameReport& report) {
     if (found > 0) degenerate.take(found);
   });
   report.degenerate = degenerate.take(0);
+}
 
-  const response::System system{buffers.solver_bodies, buffers.accelerations,   buffers.rows,
-                                buffers.points,        buffers.inverse_inertia, buffers.coloring, buffers.scratch};
+response::System system_of(FrameBuffers& buffers) {
+  return {buffers.solver_bodies, buffers.accelerations,   buffers.rows,    buffers.points,
+          buffers.inverse_inertia, buffers.coloring, buffers.scratch};
+}
+
+void respond(WorldState& world, const StepInput& input, FrameReport& report) {
+  make_rows(world, report);
+  const response::System system = system_of(world.buffers);
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps};
   response::solve_impacts(system, settings, *world.executor);
   response::solve_rest(system, settings, *world.executor);

@@ -21,6 +21,14 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report);
 /// Refines until the budget says stop.
 void refine(WorldState& world, const StepInput& input, FrameReport& report);
 
+/// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room.
+bool refine_pair(WorldState& world, ActivePair& pair, int worker);
+
+/// Velocities and the pairs that are answered, as rows ready to be solved: the first half of respond.
+void make_rows(WorldState& world, FrameReport& report);
+/// What the solvers work on.
+response::System system_of(FrameBuffers& buffers);
+
 /// Impulses at the deepest completed level of each pair, and forces; velocities are those after the step.
 void respond(WorldState& world, const StepInput& input, FrameReport& report);
 
