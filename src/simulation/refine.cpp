@@ -241,6 +241,22 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   return work;
 }
 
+std::size_t refine_to_the_end(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  for (collision::FrontPool& pool : buffers.pools) pool.clear();
+  parallel::Tickets full;
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
+    collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
+    for (std::size_t i = begin; i < end; ++i) {
+      ActivePair& pair = buffers.pairs[i];
+      while (pair.level.refinable() && !pair.full) complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+      if (pair.full) full.take();
+      pool.clear();
+    }
+  });
+  return full.take(0);
+}
+
 void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   const TimePoint begun = SteadyClock::now();

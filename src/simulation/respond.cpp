@@ -122,7 +122,8 @@ response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_
 
 }  // namespace
 
-void respond(WorldState& world, const StepInput& input, FrameReport& report) {
+response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
+                              const response::Stopping& stopping) {
   FrameBuffers& buffers = world.buffers;
   list_rows(world, report);
   report.contact_pairs = buffers.row_pair.size();
@@ -139,9 +140,10 @@ void respond(WorldState& world, const StepInput& input, FrameReport& report) {
 
   const response::System system{buffers.solver_bodies, buffers.accelerations,   buffers.rows,
                                 buffers.points,        buffers.inverse_inertia, buffers.coloring, buffers.scratch};
-  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps};
-  response::solve_impacts(system, settings, *world.executor);
-  response::solve_rest(system, settings, *world.executor);
+  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
+  const response::Convergence impacts = response::solve_impacts(system, settings, *world.executor);
+  const response::Convergence rest = response::solve_rest(system, settings, *world.executor);
+  return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
 }
 
 }  // namespace poise::simulation
