@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/shape_surface.h"
 #include "geometry/triangle_distance.h"
 
 namespace poise::collision {
@@ -140,6 +141,12 @@ bool TrueSurface::contains(const Vec3& point) const { return inside_ && inside_-
 
 TrueSurface true_surface_of(const Shape& shape) {
   if (shape.kind == ShapeKind::Plane) return {shape.plane_normal, shape.plane_offset_m};
+  if (shape.surface) {
+    TriangleMesh mesh;
+    mesh.vertices_m = shape.surface->vertices_m;
+    for (const ShapeSurface::Triangle& t : shape.surface->triangles) mesh.triangles.push_back(t.vertex);
+    return {mesh, shape.surface->solid ? Solidity::Solid : Solidity::Shell};
+  }
   std::vector<Sphere> leaves;
   for (const NodeIndex node : shape.tree.nodes_at(shape.tree.depth())) leaves.push_back(shape.tree.sphere(node));
   return TrueSurface(leaves);

@@ -185,6 +185,7 @@ ReferenceFigures refer(WorldState& world, const StepInput& input) {
   StepInput full = input;
   full.budget = Budget::unlimited();
   full.max_level = kMaxTreeDepth;
+  full.polygons = true;
   FrameReport made;
   ReferenceFigures figures;
   {
