@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
+#include "poise/reference.h"
 #include "poise/types.h"
 
 namespace poise {
@@ -54,6 +56,10 @@ struct StepInput {
   Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this level of its trees
   bool polygons = false;               ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
   bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
+  /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit as without.
+  /// What this takes is in none of the frame's times: a deadline moves by the little that is kept before the frame (a copy of
+  /// the bodies' state), and the rest happens after it, before step returns.
+  bool reference = false;
 };
 
 enum class StepStatus : std::uint8_t {
@@ -120,6 +126,8 @@ struct FrameReport {
   // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;
   double potential_j = 0;
+
+  std::optional<ReferenceFigures> reference;  ///< if StepInput::reference
 };
 
 }  // namespace poise

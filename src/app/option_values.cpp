@@ -47,6 +47,22 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<do
   return app.add_option_function<std::string>(name, read, help)->type_name("MS");
 }
 
+CLI::Option* add_every(CLI::App& app, const std::string& name, std::optional<std::uint64_t>& target, std::uint64_t max,
+                       const std::string& help) {
+  const auto read = [&target, name, max](const std::string& text) {
+    const std::string start = "every=";
+    std::uint64_t value = 0;
+    const bool named = text.compare(0, start.size(), start) == 0;
+    if (!named || !parse_whole_text(text.substr(start.size()), value) || value < 1 || value > max) {
+      throw CLI::ValidationError(
+          fmt::format("{} = {}, must be every=K with a whole number K from 1 to {}", name, text, max),
+          CLI::ExitCodes::ValidationError);
+    }
+    target = value;
+  };
+  return app.add_option_function<std::string>(name, read, help)->type_name("every=K");
+}
+
 CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& target, const std::string& help) {
   const auto not_empty = [](const std::string& path) { return path.empty() ? "must not be empty" : ""; };
   return app.add_option(name, target, help)->check(not_empty)->type_name("FILE");

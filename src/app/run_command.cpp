@@ -105,6 +105,7 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   loop.budget_work = options.budget_work;
   loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
   loop.polygons = options.max_level ? options.polygons : scene.polygons;
+  loop.reference_every = options.reference_every;
   return loop;
 }
 
@@ -130,6 +131,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.budget_work = loop.budget_work;
   d.max_level = loop.max_level;
   d.polygons = loop.polygons;
+  d.reference_every = loop.reference_every;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();
   d.version = POISE_BUILD_VERSION;
@@ -285,7 +287,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  poise run pile --deadline 16 --paced --json report.json\n"
       "  poise run jacks --bodies 5000 --frames 300 --require 'miss_rate < 0.01'\n"
-      "  poise run gas --clock work --budget-work 2000 --states states.csv\n\n"
+      "  poise run gas --clock work --budget-work 2000 --states states.csv\n"
+      "  poise run pile --deadline 4 --reference every=60 --require 'reference.e_rel_p50 < 0.2'\n\n"
       "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
       "Ctrl-C.");
   command->callback([options, &exit_code] { exit_code = run_scene(*options); });

@@ -43,13 +43,15 @@ void sleep_until(SteadyClock::time_point when) {
 
 Nanoseconds seconds(double s) { return Nanoseconds(static_cast<std::int64_t>(s * 1e9)); }
 
-/// The releases of a paced run: number n at begin + n * period. The grid never moves.
+/// The releases of a paced run: number n at begin + n * period. The grid never moves for a late frame.
 class ReleaseGrid {
  public:
   ReleaseGrid(SteadyClock::time_point begin, double dt_s, Nanoseconds deadline)
       : begin_(begin), dt_s_(dt_s), deadline_(deadline) {}
   [[nodiscard]] SteadyClock::time_point release() const { return at(number_); }
   [[nodiscard]] SteadyClock::time_point deadline() const { return release() + deadline_; }
+  /// Moves all releases to come by a time that belongs to no frame.
+  void postpone(Nanoseconds time) { begin_ += time; }
   /// Goes on to the next release that can still be served at `now`; returns how many passed.
   std::uint64_t advance(SteadyClock::time_point now) {
     ++number_;
@@ -120,12 +122,14 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);
     simulation::RunFrame frame;
     frame.warm_up = i < settings.warm_up;
+    input.reference = settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
     frame.report = run.world().step(input);
     if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
     status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
     if (settings.paced) {
       frame.release_delay = begin - grid.release();
+      if (frame.report.reference) grid.postpone(frame.report.reference->time);
       frame.releases_skipped = grid.advance(SteadyClock::now());
       // Releases that pass after the last frame were never to be served.
       if (i + 1 == total) frame.releases_skipped = 0;

@@ -86,6 +86,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_option("--require", options.require,
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
       ->type_name("EXPR");
+  add_every(command, "--reference", options.reference_every, kMaxSceneFrames,
+            "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence");
   add_tree_cache_options(command, options.tree_cache);
   command.add_flag("--quiet", options.quiet, "No progress and no table");
 }

@@ -16,7 +16,7 @@ namespace poise::app {
 /// The command line of `poise run`, each value in its range, not yet checked against each other.
 struct RunOptions {
   std::string scene;
-  std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed;
+  std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every;
   bool polygons = false;  ///< --max-level polygons
   std::optional<double> deadline_ms, host_work_ms;
   bool paced = false;

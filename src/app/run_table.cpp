@@ -98,6 +98,34 @@ void refinement(const simulation::RunFigures& f, Out out) {
   }
 }
 
+void reference(const io::RunDocument& d, Out out) {
+  if (!d.reference_every) return;
+  const simulation::ReferenceRunFigures& r = d.figures.reference;
+  fmt::format_to(out, "\nreference      {} frames, each {}. one, done again at full depth to convergence\n", r.frames,
+                 *d.reference_every);
+  if (r.frames == 0) return;
+  fmt::format_to(out, "                     p50        p90        max\n");
+  const auto row = [&](const char* name, const std::optional<simulation::Percentiles>& p, const char* unit) {
+    if (p) fmt::format_to(out, "  {:<12} {:10.4g} {:10.4g} {:10.4g} {}\n", name, p->p50, p->p90, p->max, unit);
+  };
+  row("E", r.e_mps, "m/s");
+  row("E_rel", r.e_rel, "");
+  row("E_seen", r.e_seen_mps, "m/s");
+  row("gap, mean", r.gap_mean_mm, "mm");
+  row("gap, largest", r.gap_max_mm, "mm");
+  row("", r.gap_max_px, "px of 1080");
+  const auto percent = [](const std::optional<double>& share) {
+    return share ? fmt::format("{:.2f} %", 100 * *share) : std::string("not defined");
+  };
+  fmt::format_to(out, "  contacts     {} in the run, {} of them false ({}), {} with true surfaces apart\n", r.run_contacts,
+                 r.false_contacts, percent(r.false_share), r.contacts_apart);
+  fmt::format_to(out, "               {} in the reference, {} of them missed ({})\n", r.reference_contacts,
+                 r.missed_contacts, percent(r.missed_share));
+  if (r.not_converged > 0) fmt::format_to(out, "  {} references did not converge\n", r.not_converged);
+  if (r.pairs_not_finest > 0) fmt::format_to(out, "  {} pairs had no room to reach their finest level\n", r.pairs_not_finest);
+  fmt::format_to(out, "\n");
+}
+
 void state(const io::RunDocument& d, Out out) {
   fmt::format_to(out, "energy         {:.6g} J at the start, {:.6g} J at the end, {:.6g} J at most\n",
                  d.start.kinetic_j + d.start.potential_j, d.end.kinetic_j + d.end.potential_j, d.energy_max_j);
@@ -120,6 +148,7 @@ std::string run_table(const io::RunDocument& document) {
   times(document.figures, out);
   misses(document.figures, out);
   refinement(document.figures, out);
+  reference(document, out);
   state(document, out);
   return text;
 }

@@ -73,6 +73,39 @@ Json work_json(const simulation::WorkFigures& work) {
           {"frames_with_pairs_left", work.frames_with_pairs_left}};
 }
 
+Json reference_json(const RunDocument& d) {
+  const simulation::ReferenceRunFigures& r = d.figures.reference;
+  Json json = {{"every", d.reference_every ? Json(*d.reference_every) : Json(nullptr)}, {"frames", r.frames}};
+  const auto add = [&json](const std::string& name, const std::optional<simulation::Percentiles>& p) {
+    json[name + "_p50"] = p ? Json(p->p50) : Json(nullptr);
+    json[name + "_p90"] = p ? Json(p->p90) : Json(nullptr);
+    json[name + "_max"] = p ? Json(p->max) : Json(nullptr);
+    json[name + "_mean"] = p ? Json(p->mean) : Json(nullptr);
+  };
+  add("e_mps", r.e_mps);
+  add("e_rel", r.e_rel);
+  add("e_seen_mps", r.e_seen_mps);
+  add("gap_mean_mm", r.gap_mean_mm);
+  add("gap_max_mm", r.gap_max_mm);
+  add("gap_mean_px", r.gap_mean_px);
+  add("gap_max_px", r.gap_max_px);
+  json["contacts_apart"] = r.contacts_apart;
+  json["run_contacts"] = r.run_contacts;
+  json["reference_contacts"] = r.reference_contacts;
+  json["false_contacts"] = r.false_contacts;
+  json["missed_contacts"] = r.missed_contacts;
+  json["false_rate"] = optional_number(r.false_share);
+  json["missed_rate"] = optional_number(r.missed_share);
+  add("false_rate", r.false_rate);
+  add("missed_rate", r.missed_rate);
+  add("bodies_touched", r.bodies_touched);
+  add("sweeps", r.sweeps);
+  json["not_converged"] = r.not_converged;
+  json["pairs_not_finest"] = r.pairs_not_finest;
+  add("time_ms", r.time_ms);
+  return json;
+}
+
 Json settings_json(const RunDocument& d) {
   const scheduler::Policy& p = d.policy_weights;
   Json settings = {{"dt_s", d.dt_s},
@@ -118,6 +151,7 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"fronts_full", f.capacity.fronts_full},
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
+  json["reference"] = reference_json(d);
   json["warm_up"] = {{"frames", f.warm_up_frames}, {"misses", f.warm_up_misses}};
   json["release_delay_ms"] = of(f.release_delay_ms);
   json["off_cpu_ms_max"] = f.off_cpu_ms_max;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <optional>
 #include <string_view>
 
 namespace poise::io {
@@ -23,6 +24,15 @@ class FrameRow {
       out_ += name;
     } else {
       fmt::format_to(std::back_inserter(out_), "{}", value);
+    }
+  }
+  /// An empty cell where there is no value.
+  template <class T>
+  void column(std::string_view name, const std::optional<T>& value) {
+    if (value) {
+      column(name, *value);
+    } else {
+      column(name, std::string_view());
     }
   }
   void end() { out_ += '\n'; }
@@ -93,6 +103,37 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("potential_j", r.potential_j);
 }
 
+void reference_columns(const std::optional<ReferenceFigures>& reference, FrameRow& row) {
+  // Cells of a member, empty in a frame without a reference.
+  const auto member = [&](std::string_view name, auto ReferenceFigures::*which) {
+    row.column(name, reference ? std::optional((*reference).*which) : std::nullopt);
+  };
+  const auto number = [&](std::string_view name, std::optional<double> ReferenceFigures::*which, double factor = 1) {
+    std::optional<double> value = reference ? (*reference).*which : std::nullopt;
+    if (value) *value *= factor;
+    row.column(name, value);
+  };
+  constexpr double kMmPerM = 1000;
+  number("reference_e_mps", &ReferenceFigures::e_mps);
+  number("reference_e_rel", &ReferenceFigures::e_rel);
+  number("reference_e_seen_mps", &ReferenceFigures::e_seen_mps);
+  number("reference_change_mps", &ReferenceFigures::change_mps);
+  member("reference_bodies_touched", &ReferenceFigures::bodies_touched);
+  member("reference_run_contacts", &ReferenceFigures::run_contacts);
+  member("reference_contacts", &ReferenceFigures::reference_contacts);
+  member("reference_false_contacts", &ReferenceFigures::false_contacts);
+  member("reference_missed_contacts", &ReferenceFigures::missed_contacts);
+  member("reference_contacts_apart", &ReferenceFigures::contacts_apart);
+  number("reference_gap_mean_mm", &ReferenceFigures::gap_mean_m, kMmPerM);
+  number("reference_gap_max_mm", &ReferenceFigures::gap_max_m, kMmPerM);
+  number("reference_gap_mean_px", &ReferenceFigures::gap_mean_px);
+  number("reference_gap_max_px", &ReferenceFigures::gap_max_px);
+  row.column("reference_converged", reference ? std::optional(reference->converged ? 1 : 0) : std::nullopt);
+  member("reference_sweeps", &ReferenceFigures::sweeps);
+  member("reference_pairs_not_finest", &ReferenceFigures::pairs_not_finest);
+  row.column("reference_time_ms", reference ? std::optional(ms(reference->time)) : std::nullopt);
+}
+
 void frame_row(const simulation::RunFrame& frame, double time_s, bool header, std::string& out) {
   const FrameReport& r = frame.report;
   FrameRow row(header, out);
@@ -106,6 +147,7 @@ void frame_row(const simulation::RunFrame& frame, double time_s, bool header, st
   row.column("release_delay_ms", ms(frame.release_delay));
   time_columns(r, row);
   work_columns(r, row);
+  reference_columns(r.reference, row);
   row.end();
 }
 

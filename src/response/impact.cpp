@@ -65,13 +65,19 @@ void note_rebound(const System& system, ContactRow& row, double still_mps) {
 
 }  // namespace
 
-void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
+Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
   const double still_mps = response::still_mps(settings);
+  const Stopping& stopping = settings.stopping;
+  const std::uint32_t most = stopping.converges() ? stopping.max_sweeps : kImpactSweeps;
+  std::vector<double>& change_ns = system.scratch.change_ns;
+  Convergence ended{!stopping.converges(), 0};
   std::vector<std::uint32_t>& changed = system.scratch.changed;
   std::vector<RowGate>& gates = system.scratch.gates;
   changed.assign(system.bodies.size(), 0);
   gates.resize(system.rows.size());
-  for (std::uint32_t round = 1; round <= kImpactSweeps; ++round) {
+  for (std::uint32_t round = 1; round <= most; ++round) {
+    ++ended.sweeps;
+    if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
     parallel::Shared<int> answered(0);
     sweep(system, executor, [&](std::size_t i) {
       // What neither body's velocity has changed since the last round needs no other look.
@@ -82,6 +88,7 @@ void solve_impacts(const System& system, const SolveSettings& settings, parallel
         note_rebound(system, row, still_mps);
       }
       if (row.effective_mass == 0) return;
+      const double before_ns = row.total_ns;
       const bool here = row.points_begin < row.points_end
                             ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
                             : answer_wrench(system, row, settings.dt_s, still_mps);
@@ -89,8 +96,12 @@ void solve_impacts(const System& system, const SolveSettings& settings, parallel
       if (row.inverse_mass_a > 0) changed[row.a] = round;
       if (row.inverse_mass_b > 0) changed[row.b] = round;
       if (answered.get() == 0) answered.set(1);
+      if (stopping.converges()) change_ns[i] = row.total_ns - before_ns;
     });
-    if (answered.get() == 0) break;
+    if (answered.get() == 0 || (stopping.converges() && settled(system, stopping, &ContactRow::total_ns))) {
+      ended.reached = true;
+      break;
+    }
   }
   // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's. The
   // first sweep has noted it; what impulses have changed since is looked at again.
@@ -98,6 +109,7 @@ void solve_impacts(const System& system, const SolveSettings& settings, parallel
     if (changed[gates[i].a] == 0 && changed[gates[i].b] == 0) return;
     note_rebound(system, system.rows[i], still_mps);
   });
+  return ended;
 }
 
 }  // namespace poise::response

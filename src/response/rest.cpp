@@ -23,18 +23,44 @@ void mark(const ContactRow& row, SolverBody& a, SolverBody& b) {
   if (row.inverse_mass_b > 0) b.answered = true;
 }
 
-// Keeps a pair from closing further than its gap in this substep.
-void solve_velocity(const System& system, ContactRow& row, double h_s) {
+// Keeps a pair from closing further than its gap in this substep. Returns the impulse that this took, in N s.
+double solve_velocity(const System& system, ContactRow& row, double h_s) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
   const double gap_m = std::max(0.0, row.gap_m + gap_change(row, a, b));
   const double wanted = row.impulse_ns + (approach_mps(row, a, b) - gap_m / h_s) * row.effective_mass;
   const double lambda = std::max(0.0, wanted) - row.impulse_ns;
-  if (lambda == 0) return;
+  if (lambda == 0) return 0;
   row.impulse_ns += lambda;
   row.total_ns += lambda;
   apply_impulse(row, lambda, a, b);
   mark(row, a, b);
+  return lambda;
+}
+
+bool counts(const ContactRow& row) { return row.effective_mass != 0 && !row.bounces; }
+
+// Sweeps over the velocities of one substep.
+void solve_velocities(const System& system, double h_s, const Stopping& stopping, parallel::Executor& executor,
+                      Convergence& ended) {
+  if (!stopping.converges()) {
+    ++ended.sweeps;
+    sweep(system, executor, [&](std::size_t i) {
+      ContactRow& row = system.rows[i];
+      if (counts(row)) solve_velocity(system, row, h_s);
+    });
+    return;
+  }
+  system.scratch.change_ns.resize(system.rows.size());
+  for (std::uint32_t round = 0; round < stopping.max_sweeps; ++round) {
+    ++ended.sweeps;
+    sweep(system, executor, [&](std::size_t i) {
+      ContactRow& row = system.rows[i];
+      system.scratch.change_ns[i] = counts(row) ? solve_velocity(system, row, h_s) : 0.0;
+    });
+    if (settled(system, stopping, &ContactRow::impulse_ns)) return;
+  }
+  ended.reached = false;
 }
 
 // Takes a part of an overlap that is certain back, in place alone: no speed comes of it.
@@ -58,10 +84,10 @@ void push_apart(const System& system, const ContactRow& row, double h_s, double 
 
 }  // namespace
 
-void solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
+Convergence solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   const double h_s = settings.dt_s / settings.substeps;
-  const auto counts = [](const ContactRow& row) { return row.effective_mass != 0 && !row.bounces; };
+  Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -86,10 +112,7 @@ void solve_rest(const System& system, const SolveSettings& settings, parallel::E
       apply_impulse(row, row.impulse_ns, system.bodies[row.a], system.bodies[row.b]);
       mark(row, system.bodies[row.a], system.bodies[row.b]);
     });
-    sweep(system, executor, [&](std::size_t i) {
-      ContactRow& row = system.rows[i];
-      if (counts(row)) solve_velocity(system, row, h_s);
-    });
+    solve_velocities(system, h_s, settings.stopping, executor, ended);
     parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) {
         SolverBody& body = system.bodies[i];
@@ -103,6 +126,7 @@ void solve_rest(const System& system, const SolveSettings& settings, parallel::E
       if (counts(row)) push_apart(system, row, h_s, still_mps(settings));
     });
   }
+  return ended;
 }
 
 }  // namespace poise::response

@@ -11,11 +11,26 @@
 
 namespace poise::response {
 
+/// When sweeps end. By default after the few that a frame can pay for. With a share above 0 they are repeated until no
+/// impulse changes by more than that share of the largest one, and at most max_sweeps times in a row.
+struct Stopping {
+  double share = 0;                   ///< >= 0
+  std::uint32_t max_sweeps = 1;       ///< >= 1; of the impacts, and of each substep
+  [[nodiscard]] bool converges() const { return share > 0; }
+};
+
+/// How sweeps ended.
+struct Convergence {
+  bool reached = true;                ///< false: some sweeps were cut off at max_sweeps
+  std::uint32_t sweeps = 0;           ///< over the velocities of rows, in all
+};
+
 /// What every row of a step is solved with. SI units.
 struct SolveSettings {
   double dt_s = 1.0 / 60.0;
   Vec3 gravity_mps2 = Vec3::Zero();
   int substeps = 2;
+  Stopping stopping;
 };
 
 /// Speeds up to this do not count as motion of a contact: what gravity adds in a step, and rounding where there is none.
@@ -41,6 +56,7 @@ struct RowGate {
 struct SolveScratch {
   std::vector<RowGate> gates;         ///< one a row
   std::vector<std::uint32_t> changed; ///< one a body: the last round of impacts that changed its velocity, from 1
+  std::vector<double> change_ns;      ///< one a row, where sweeps converge: by how much the last one changed its impulse
 };
 
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` are those of the rows.
@@ -58,13 +74,14 @@ struct System {
 /// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to this step's
 /// start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets later in the step
 /// and does not rebound is slowed so that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
-/// an impulse was needed, at most kImpactSweeps times. Linear and angular momentum are kept; energy never grows.
-void solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
+/// an impulse was needed, at most kImpactSweeps times or as `stopping` says. Linear and angular momentum are kept; energy never
+/// grows. Point contacts are answered in the first sweep alone.
+Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 inline constexpr std::uint32_t kImpactSweeps = 8;
 
 /// Adds forces and keeps bodies from sinking into each other, in substeps (Macklin et al. 2019): one sweep over the
-/// velocities, warm started from each row's impulse, and one over the positions of pairs that overlap beyond doubt. Pushing
+/// velocities (or as many as `stopping` says), warm started from each row's impulse, and one over the positions of pairs that overlap beyond doubt. Pushing
 /// positions alone leaves no speed behind, whatever is not yet solved. Fills moved_m and turned_rad.
-void solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor);
+Convergence solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 
 }  // namespace poise::response

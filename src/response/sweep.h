@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "response/solve.h"
 
 namespace poise::response {
@@ -18,6 +21,18 @@ void sweep(const System& system, parallel::Executor& executor, Solve&& solve) {
     });
   }
   for (std::size_t i = system.coloring.serial_begin(); i < system.rows.size(); ++i) solve(i);
+}
+
+/// Did the last sweep change no impulse by more than the share of the largest one that `stopping` allows? `impulse_ns` says which
+/// impulse of a row is meant.
+inline bool settled(const System& system, const Stopping& stopping, double ContactRow::*impulse_ns) {
+  double largest_ns = 0;
+  double change_ns = 0;
+  for (std::size_t i = 0; i < system.rows.size(); ++i) {
+    largest_ns = std::max(largest_ns, system.rows[i].*impulse_ns);
+    change_ns = std::max(change_ns, std::abs(system.scratch.change_ns[i]));
+  }
+  return change_ns <= stopping.share * largest_ns;
 }
 
 }  // namespace poise::response

@@ -246,6 +246,21 @@ bool refine_pair(WorldState& world, ActivePair& pair, int worker) {
   return !pair.full;
 }
 
+std::size_t refine_to_the_end(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  for (collision::FrontPool& pool : buffers.pools) pool.clear();
+  parallel::Tickets full;
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
+    collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
+    for (std::size_t i = begin; i < end; ++i) {
+      ActivePair& pair = buffers.pairs[i];
+      if (!refine_pair(world, pair, worker)) full.take();
+      pool.clear();
+    }
+  });
+  return full.take(0);
+}
+
 void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   const TimePoint begun = SteadyClock::now();

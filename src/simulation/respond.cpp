@@ -143,12 +143,14 @@ response::System system_of(FrameBuffers& buffers) {
           buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
-void respond(WorldState& world, const StepInput& input, FrameReport& report) {
+response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
+                              const response::Stopping& stopping) {
   make_rows(world, report);
   const response::System system = system_of(world.buffers);
-  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps};
-  response::solve_impacts(system, settings, *world.executor);
-  response::solve_rest(system, settings, *world.executor);
+  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
+  const response::Convergence impacts = response::solve_impacts(system, settings, *world.executor);
+  const response::Convergence rest = response::solve_rest(system, settings, *world.executor);
+  return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
 }
 
 }  // namespace poise::simulation

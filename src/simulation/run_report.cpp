@@ -224,6 +224,11 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
         percentiles(collect(frames, [time](const RunFrame& frame) { return ms(frame.report.times.*time); }));
   }
   add_work(frames, figures);
+  std::vector<ReferenceFigures> references;
+  for (const RunFrame& frame : frames) {
+    if (frame.report.reference) references.push_back(*frame.report.reference);
+  }
+  figures.reference = reference_run_figures(references);
   figures.level_mean = level_mean(figures);
   return figures;
 }

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "poise/step.h"
+#include "simulation/percentiles.h"
+#include "simulation/reference_run.h"
 
 namespace poise::simulation {
 
@@ -24,15 +26,6 @@ struct RunFrame {
 struct RunTerms {
   bool deadlines = true;  ///< wall clock: a late frame is a miss; otherwise misses are not defined
 };
-
-/// Of a set of values: nearest rank, the smallest value that at least the named share of them does not exceed. All 0
-/// for an empty set.
-struct Percentiles {
-  double p50 = 0, p90 = 0, p95 = 0, p99 = 0, p99_9 = 0, max = 0, mean = 0;
-};
-/// `values` finite; share in (0, 1]. 0 for an empty set. The order of the values does not matter.
-double percentile(std::vector<double> values, double share);
-Percentiles percentiles(std::vector<double> values);
 
 struct Interval {
   double low = 0, high = 1;
@@ -109,6 +102,7 @@ struct RunFigures {
   double contacts_mean = 0;
   WorkFigures work;
   CapacityFigures capacity;
+  ReferenceRunFigures reference;
 };
 
 /// The figures of a run. A pure function: no clock, no order but that of the frames.

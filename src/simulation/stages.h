@@ -28,9 +28,13 @@ bool refine_pair(WorldState& world, ActivePair& pair, int worker);
 void make_rows(WorldState& world, FrameReport& report);
 /// What the solvers work on.
 response::System system_of(FrameBuffers& buffers);
+/// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which answers no
+/// front. Counts pairs whose front had no room.
+std::size_t refine_to_the_end(WorldState& world);
 
 /// Impulses at the deepest completed level of each pair, and forces; velocities are those after the step.
-void respond(WorldState& world, const StepInput& input, FrameReport& report);
+response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
+                              const response::Stopping& stopping = {});
 
 /// Positions and orientations after the step.
 void integrate(WorldState& world, const StepInput& input);

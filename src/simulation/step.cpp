@@ -4,6 +4,7 @@
 
 #include "dynamics/conserved.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/reference.h"
 #include "simulation/stages.h"
 
 namespace poise {
@@ -74,14 +75,10 @@ void judge_time(simulation::WorldState& world, const StepInput& input, SteadyClo
   world.tail.learn(simulation::tail_work(world, report.contact_pairs), report.tail_actual);
 }
 
-}  // namespace
-
-FrameReport World::step(const StepInput& input) {
+// One checked step, timed.
+FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   const SteadyClock::time_point start = SteadyClock::now();
   FrameReport report;
-  report.status = check(input);
-  if (report.status != StepStatus::Done) return report;
-  simulation::WorldState& world = *state_;
   const Nanoseconds cpu_before = simulation::thread_cpu_time();
   world.executor->wake();
   report.frame = world.frame;
@@ -104,11 +101,37 @@ FrameReport World::step(const StepInput& input) {
   report.times.publish = laps.lap();
   judge_time(world, input, start, cpu_before, report);
   if (input.measure_energy) {
-    const Conserved sums = conserved();
+    const dynamics::BodyStore& bodies = world.bodies;
+    const Conserved sums = dynamics::conserved_sums(bodies, world.settings.gravity_mps2);
     report.kinetic_j = sums.kinetic_j;
     report.potential_j = sums.potential_j;
   }
   return report;
+}
+
+// The same with what a reference must keep before it, in no time of the frame.
+FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input) {
+  const SteadyClock::time_point begun = SteadyClock::now();
+  simulation::remember(world);
+  StepInput moved = input;
+  const Nanoseconds kept = SteadyClock::now() - begun;
+  if (moved.budget.deadline < SteadyClock::time_point::max() - kept) moved.budget.deadline += kept;
+  FrameReport report = run_frame(world, moved);
+  report.reference = simulation::refer(world, input);
+  report.reference->time += kept;
+  return report;
+}
+
+}  // namespace
+
+FrameReport World::step(const StepInput& input) {
+  const StepStatus status = check(input);
+  if (status != StepStatus::Done) {
+    FrameReport refused;
+    refused.status = status;
+    return refused;
+  }
+  return input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
 }
 
 }  // namespace poise

@@ -7,6 +7,7 @@
 
 #include "collision/broad_phase.h"
 #include "collision/pair_refinement.h"
+#include "collision/true_surface.h"
 #include "dynamics/body_store.h"
 #include "parallel/executor.h"
 #include "parallel/priority_bands.h"
@@ -78,6 +79,15 @@ struct FrameBuffers {
   std::vector<response::Acceleration> accelerations;   // one a slot
 };
 
+/// What the reference of a frame works on (simulation/reference.h). A World that never asks for one has none.
+struct Reference {
+  static constexpr std::size_t kColumns = 19;
+  std::array<std::vector<double>, kColumns> columns;   ///< of the bodies at the start of the frame
+  std::vector<std::uint8_t> pushed;
+  FrameBuffers frame;                                  ///< the reference's own; the run's while the reference is made
+  std::vector<std::unique_ptr<collision::TrueSurface>> surfaces;  ///< one a shape, made when it is first asked for
+};
+
 /// Everything that a World holds.
 struct WorldState {
   WorldSettings settings;
@@ -103,6 +113,7 @@ struct WorldState {
   scheduler::DurationForecast host_work;
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
   FrameBuffers buffers;
+  std::unique_ptr<Reference> reference;
 };
 
 }  // namespace poise::simulation

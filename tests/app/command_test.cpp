@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -33,6 +34,55 @@ TEST(Command, PrintsATableThatNamesTheCausesOfMisses) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(poise_command({"run", "two-body", "--frames", "2", "--quiet"}).out, "");
+}
+
+TEST(Command, ComparesEachKthMeasuredFrameWithItsReferenceAndLeavesTheRunAlone) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("frames.csv");
+  const auto run = [](std::vector<std::string> options, const std::string& threads) {
+    std::vector<std::string> arguments{"run",         "jacks",        "--bodies", "60",        "--frames", "100", "--clock", "work",
+                                       "--budget-work", "40", "--warmup", "3",         "--threads", threads};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return figures_of(arguments);
+  };
+  const json plain = run({}, "2");
+  const json with = run({"--reference", "every=30", "--frames-csv", file}, "2");
+  const json alone = run({"--reference", "every=30"}, "1");
+  EXPECT_EQ(plain.at("state_hash"), with.at("state_hash"));
+  EXPECT_TRUE(plain.at("reference").at("every").is_null());
+  EXPECT_TRUE(plain.at("reference").at("e_mps_p50").is_null());
+  EXPECT_EQ(with.at("reference").at("every"), 30);
+  EXPECT_EQ(with.at("reference").at("frames"), 3);
+  EXPECT_EQ(with.at("reference").at("not_converged"), 0);
+  EXPECT_GT(with.at("reference").at("e_rel_max"), 0);
+  for (const char* name : {"e_mps_p50", "e_rel_p90", "e_seen_mps_max", "gap_max_mm_p50", "false_contacts", "missed_rate"}) {
+    EXPECT_EQ(alone.at("reference").at(name), with.at("reference").at(name)) << name;
+  }
+  const std::vector<std::string> rows = lines(contents(file));
+  const std::vector<std::string> names = cells(rows.at(0));
+  const auto column = std::find(names.begin(), names.end(), "reference_contacts") - names.begin();
+  std::vector<std::size_t> filled;
+  for (std::size_t row = 1; row < rows.size(); ++row) {
+    if (!cells(rows[row]).at(static_cast<std::size_t>(column)).empty()) filled.push_back(row - 1);
+  }
+  EXPECT_EQ(filled, (std::vector<std::size_t>{32, 62, 92})) << "frames from 0, warm-up included";
+}
+
+TEST(Command, PrintsTheReferenceAndTakesItsFiguresAsRequirements) {
+  const std::vector<std::string> run{"run",     "two-body", "--frames",    "120",     "--clock", "wall",
+                                     "--reference", "every=1", "--require"};
+  const auto require = [&](const std::string& expression) {
+    std::vector<std::string> arguments = run;
+    arguments.push_back(expression);
+    return poise_command(arguments);
+  };
+  const CommandResult good = require("reference.e_rel_max < 1e-6 && reference.missed_contacts == 0");
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  for (const char* part : {"reference      120 frames", "E_seen", "of them false", "of them missed"}) {
+    EXPECT_NE(good.out.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(require("reference.e_rel_max > 1").exit_code, 1);
+  EXPECT_EQ(require("reference.e_rel > 1").exit_code, 2);
 }
 
 TEST(Command, DrawsAPictureAndTellsABadPlaceForItAtOnce) {

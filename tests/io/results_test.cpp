@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -59,6 +61,44 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   EXPECT_EQ(cell("level_1"), "8");
   EXPECT_EQ(cell("polygons"), "6");
   EXPECT_EQ(cell("status"), "done");
+}
+
+TEST(FramesTable, LeavesTheCellsOfAReferenceEmptyWhereThereIsNone) {
+  simulation::RunFrame frame;
+  std::string text;
+  append_frame(frame, 0, text);
+  frame.report.reference.emplace();
+  frame.report.reference->e_mps = 0.25;
+  frame.report.reference->gap_max_m = 0.5;
+  frame.report.reference->missed_contacts = 3;
+  frame.report.reference->converged = true;
+  append_frame(frame, 0, text);
+  const std::vector<std::string> names = cells(lines(frames_header())[0]);
+  std::size_t members = 0;
+  std::size_t checked = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i].rfind("reference_", 0) != 0) continue;
+    ++members;
+    const auto cell = [&](std::size_t row) {
+      const std::vector<std::string> found = cells(lines(text)[row]);
+      return i < found.size() ? found[i] : std::string();
+    };
+    EXPECT_EQ(cell(0), "") << names[i];
+    const std::map<std::string, std::string> expected = {{"reference_e_mps", "0.25"},
+                                                         {"reference_e_rel", ""},
+                                                         {"reference_gap_max_mm", "500"},
+                                                         {"reference_missed_contacts", "3"},
+                                                         {"reference_converged", "1"}};
+    const auto known = expected.find(names[i]);
+    if (known != expected.end()) {
+      EXPECT_EQ(cell(1), known->second) << names[i];
+      ++checked;
+    }
+  }
+  EXPECT_EQ(checked, 5U);
+  EXPECT_EQ(members, 18U);
+  // The same number of commas in both rows, or columns would shift.
+  EXPECT_EQ(std::count(text.begin(), text.end(), ','), 2 * static_cast<std::ptrdiff_t>(names.size() - 1));
 }
 
 RunDocument sample() {
@@ -126,6 +166,38 @@ TEST(RunDocument, LeavesMissesUndefinedOnTheWorkClock) {
   RunDocument document = sample();
   document.figures = simulation::run_figures({}, {false});
   EXPECT_TRUE(nlohmann::json::parse(run_json(document)).at("misses").at("count").is_null());
+}
+
+TEST(RunDocument, GivesTheReferencesOfARunAndNullsWithoutOne) {
+  const auto value = [](const RunDocument& document, const std::string& name) {
+    for (const NamedFigure& figure : named_figures(document)) {
+      if (figure.name == name) return figure.value.value_or(-1);
+    }
+    return -2.0;
+  };
+  for (const char* name : {"reference.every", "reference.e_mps_p50", "reference.e_rel_p50", "reference.e_seen_mps_p90",
+                           "reference.gap_max_mm_max", "reference.gap_max_px_p50", "reference.false_rate", "reference.missed_rate_max"}) {
+    EXPECT_EQ(value(sample(), name), -1) << name;
+  }
+  EXPECT_EQ(value(sample(), "reference.frames"), 0);
+  RunDocument document = sample();
+  document.reference_every = 7;
+  simulation::RunFrame frame;
+  frame.report.reference.emplace();
+  frame.report.reference->e_rel = 0.5;
+  frame.report.reference->gap_max_m = 0.002;
+  frame.report.reference->run_contacts = 4;
+  frame.report.reference->false_contacts = 1;
+  frame.report.reference->false_rate = 0.25;
+  document.figures = simulation::run_figures(std::vector<simulation::RunFrame>{frame}, {true});
+  EXPECT_EQ(value(document, "reference.every"), 7);
+  EXPECT_EQ(value(document, "reference.frames"), 1);
+  EXPECT_EQ(value(document, "reference.e_rel_p50"), 0.5);
+  EXPECT_EQ(value(document, "reference.gap_max_mm_max"), 2);
+  EXPECT_EQ(value(document, "reference.false_rate"), 0.25);
+  EXPECT_EQ(value(document, "reference.false_rate_p90"), 0.25);
+  EXPECT_EQ(value(document, "reference.missed_rate"), -1);
+  EXPECT_EQ(value(document, "reference.not_converged"), 1);
 }
 
 TEST(Machine, KnowsItsSystemAndCores) {

@@ -54,6 +54,8 @@ inline std::vector<std::string> cells(const std::string& row) {
   std::istringstream stream(row);
   std::vector<std::string> all;
   for (std::string cell; std::getline(stream, cell, ',');) all.push_back(cell);
+  // A comma at the end has an empty cell behind it.
+  if (!row.empty() && row.back() == ',') all.emplace_back();
   return all;
 }
 

@@ -54,11 +54,11 @@ struct Bench {
     rows = ordered;
     return {bodies, accelerations, rows, points, inverse_inertia, coloring, scratch};
   }
-  void impacts() { solve_impacts(system(), settings, *executor); }
-  void rest() {
+  Convergence impacts() { return solve_impacts(system(), settings, *executor); }
+  Convergence rest() {
     const System made = system();
     for (const ContactRow& row : rows) scratch.gates.push_back({row.a, row.b, row.surely_m + row.slop_m < 0});
-    solve_rest(made, settings, *executor);
+    return solve_rest(made, settings, *executor);
   }
   double energy() const {
     double sum = 0;
@@ -208,6 +208,67 @@ TEST(Rest, AReboundIsLeftToTheImpactPhase) {
   solve_impacts(system, bench.settings, *bench.executor);
   solve_rest(system, bench.settings, *bench.executor);
   EXPECT_EQ(bench.bodies[a].velocity_mps, Vec3(5, 0, 0)) << "it has not touched yet";
+}
+
+// A column of equal bodies at rest on the ground: the impulse below body k carries all that stand on it.
+Bench column(std::uint32_t count) {
+  Bench bench;
+  bench.settings.dt_s = 0.01;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+  bench.settings.substeps = 1;
+  const auto ground = bench.add_body(0, Vec3::Zero());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto body = bench.add_body(2, Vec3::Zero());
+    bench.accelerations[body].linear_mps2 = bench.settings.gravity_mps2;
+    bench.add_row(i == 0 ? ground : body - 1, body, Vec3::UnitZ(), Vec3::Zero(), Vec3::Zero(), 0);
+  }
+  return bench;
+}
+
+TEST(Convergence, CarriesAColumnWithTheWeightAboveEachContact) {
+  Bench bench = column(15);
+  bench.settings.stopping = {1e-10, 100000};
+  const Convergence ended = bench.rest();
+  EXPECT_TRUE(ended.reached);
+  EXPECT_GT(ended.sweeps, 50U);
+  for (const ContactRow& row : bench.rows) EXPECT_NEAR(row.impulse_ns, 2 * 10 * 0.01 * (16 - row.b), 1e-6) << row.b;
+  for (const SolverBody& body : bench.bodies) EXPECT_NEAR(body.velocity_mps.z(), 0, 1e-7);
+}
+
+TEST(Convergence, IsDeniedWhereSweepsWereCutOff) {
+  Bench bench = column(15);
+  bench.settings.stopping = {1e-10, 20};
+  const Convergence ended = bench.rest();
+  EXPECT_FALSE(ended.reached);
+  EXPECT_EQ(ended.sweeps, 20U);
+}
+
+TEST(Convergence, TakesOneSweepASubstepWhereItIsNotAskedFor) {
+  Bench bench = column(15);
+  bench.settings.substeps = 3;
+  EXPECT_EQ(bench.rest().sweeps, 3U);
+}
+
+TEST(Convergence, OfImpactsGoesOnPastTheSweepsOfAFrame) {
+  // An inelastic row of thirty: each sweep passes motion on, and eight do not bring it to rest relative to itself.
+  const auto row = [](const Stopping& stopping, Convergence& ended) {
+    Bench bench;
+    bench.settings.stopping = stopping;
+    for (int i = 0; i < 30; ++i) bench.add_body(1, Vec3(i == 0 ? 30 : 0, 0, 0));
+    for (std::uint32_t i = 0; i < 29; ++i) bench.add_row(i, i + 1, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0);
+    ended = bench.impacts();
+    double closing = 0;
+    for (std::size_t i = 0; i + 1 < 30; ++i) {
+      closing = std::max(closing, bench.bodies[i].velocity_mps.x() - bench.bodies[i + 1].velocity_mps.x());
+    }
+    return closing;
+  };
+  Convergence quick, converged;
+  EXPECT_GT(row({}, quick), 1e-3);
+  EXPECT_EQ(quick.sweeps, kImpactSweeps);
+  EXPECT_LT(row({1e-10, 100000}, converged), 1e-6);
+  EXPECT_TRUE(converged.reached);
+  EXPECT_GT(converged.sweeps, kImpactSweeps);
 }
 
 }  // namespace
