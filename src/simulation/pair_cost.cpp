@@ -62,7 +62,7 @@ void answer_all(WorldState& world, double dt_s) {
   FrameReport report;
   make_rows(world, report);
   for (response::ContactRow& row : world.buffers.rows) row.gap_m = -std::numeric_limits<double>::max();
-  response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1}, *world.executor);
+  response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
 }
 
 template <class Work>

@@ -77,7 +77,7 @@ bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s) {
 
 PairAnswer PairProbe::solve(const PairState& state, double dt_s) {
   WorldState& world = *world_.state_;
-  response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1}, *world.executor);
+  response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
   const response::SolverBody& a = world.buffers.solver_bodies[0];
   const response::SolverBody& b = world.buffers.solver_bodies[1];
   PairAnswer answer;
