@@ -126,7 +126,7 @@ std::uint64_t hash_after(ContactModel model, int threads, const Budget& budget, 
   input.budget = budget;
   by_polygons = 0;
   left = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const FrameReport report = stage.world.step(input);
     by_polygons += report.level_histogram[kPolygonPlace];
     left += report.pairs_left;
