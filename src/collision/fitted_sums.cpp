@@ -15,7 +15,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kLanes = 8;
 constexpr float kBreadth = 3;         ///< of the weights of directions, in standard deviations
-constexpr float kSteepest = 6;        ///< exponents beyond this say no more; to the eighth power they stay within single precision
+// Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers stay within single
+// precision, and out of the numbers near 0 that are slow.
+constexpr float kLargest = 6, kSmallest = -16;
+constexpr float kLeastOfPlaces = 4.54e-5F;  ///< of the weights, exp(-10)
 constexpr float kBeyond = 1e30F;
 
 // Fits of one side, a figure an array.
@@ -41,7 +44,8 @@ struct Lanes {
   alignas(32) float direction[3][kLanes] = {}, place[3][kLanes] = {}, weight[kLanes] = {}, gap[kLanes], cores[kLanes];
 };
 
-// exp(t) to a thousandth for |t| <= 6, of operations that round alike everywhere: a polynomial to the sixteenth power.
+// exp(t) to a thousandth for |t| <= 6 and to a half down to -16, of operations that round alike everywhere: a polynomial to the
+// sixteenth power.
 template <class D, class V>
 HWY_INLINE V exponential(D d, V t) {
   const V x = hn::Mul(t, hn::Set(d, 1.0F / 16));
@@ -110,10 +114,11 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, floa
     const auto radius_a = at(a.radius);
     const auto gap = hn::Sub(distance, hn::Add(radius_a, radius_b));
     const auto breadth = hn::Sqrt(hn::Add(variance, hn::Set(d, finest_m * finest_m)));
-    const auto steepness = hn::Div(gap, hn::Mul(breadth, hn::Set(d, -kBreadth)));
-    const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, -kSteepest)), hn::Set(d, kSteepest));
+    const auto steepness = hn::Div(hn::Sub(gap, set(frame.expected_gap_m)), hn::Mul(breadth, hn::Set(d, -kBreadth)));
+    const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, kSmallest)), hn::Set(d, kLargest));
     const auto weight = hn::IfThenElseZero(used, exponential(d, exponent));
-    auto sharp = hn::Mul(weight, weight);
+    auto sharp = hn::IfThenElseZero(used, hn::Max(weight, hn::Set(d, kLeastOfPlaces)));
+    sharp = hn::Mul(sharp, sharp);
     sharp = hn::Mul(sharp, sharp);
     sharp = hn::Mul(sharp, sharp);
     const auto apart = hn::Ne(distance, hn::Zero(d));

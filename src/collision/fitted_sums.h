@@ -11,8 +11,8 @@ namespace poise::collision {
 
 /// Sums over the entries of a front whose nodes answer by their fitted spheres (docs/method.md, "Fitted spheres"); the frame of a. Entry k has
 /// the gap g of the two fitted spheres, the unit vector n from the first centre to the second, the point p in the middle between the
-/// two surfaces, and the weight w = exp(-g / (3 s)), s^2 the sum of both variances, its exponent clamped. Directions want broad
-/// weights, places sharp ones. Sums of parts add up, so a front may be summed in pieces, in order.
+/// two surfaces, and the weight w = exp(-(g - g0) / (3 s)), s^2 the sum of both variances, its exponent kept from -16 to 6; g0 is the gap
+/// that is expected. Directions want broad weights, places sharp ones. Sums of parts add up, so a front may be summed in pieces, in order.
 struct FittedSums {
   Vec3 direction = Vec3::Zero();       ///< sum of w n
   Vec3 place_m = Vec3::Zero();         ///< sum of w^8 p

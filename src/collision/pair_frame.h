@@ -25,6 +25,7 @@ struct PairFrame {
   double margin_m = 0;               ///< gaps below this count: what the two may close in the step
   double skin_m = 0;                 ///< gaps below this count as touching
   bool fitted = false;               ///< nodes answer by their fitted spheres
+  double expected_gap_m = 0;         ///< what the level before said of the gap; fitted spheres alone ask for it
   FloatFrame rounded{};
   float inflation_m = 0;             ///< margin and a bound of the rounding of single precision
 

@@ -38,6 +38,7 @@ Contacts random_contacts(std::size_t count, std::mt19937_64& random, bool plane 
   made.b = plane ? make_plane_shape(Vec3(1, 2, 3), 0.1).value() : with_random_fits(make_worm(30), random);
   made.frame = make_pair_frame(*made.a, random_pose(random, 0.6), *made.b, random_pose(random, 0.6), 0.1, 0.01);
   made.frame.fitted = true;
+  made.frame.expected_gap_m = uniform(random, -0.1, 0.1);
   for (std::size_t i = 0; i < count; ++i) {
     made.front.push_back({static_cast<NodeIndex>(random() % made.a->tree.node_count()),
                           plane ? 0 : static_cast<NodeIndex>(random() % made.b->tree.node_count())});
@@ -66,8 +67,8 @@ FittedSums defined_sums(const PairFrame& frame, std::span<const FrontEntry> fron
     const double gap = distance - radius_a - radius_b;
     const double s = std::sqrt(static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2) +
                                static_cast<double>(kFinest_m) * static_cast<double>(kFinest_m));
-    const double w = std::exp(std::clamp(-gap / (3 * s), -6.0, 6.0));
-    const double sharp = std::pow(w, 8);
+    const double w = std::exp(std::clamp(-(gap - frame.expected_gap_m) / (3 * s), -16.0, 6.0));
+    const double sharp = std::pow(std::max(w, std::exp(-10.0)), 8);
     sums.direction += w * way;
     sums.place_m += sharp * (center(a) + 0.5 * (distance + radius_a - radius_b) * way);
     sums.weight += sharp;
