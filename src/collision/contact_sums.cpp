@@ -128,7 +128,7 @@ SphereContact sphere_contact(const PairFrame& frame, FrontEntry entry) {
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums) {
   if (frame.fitted) {
-    add_fitted(frame, entries, static_cast<float>(kFinestOfSkin * frame.skin_m), sums.fitted);
+    add_close(frame, {}, entries, sums);
     return;
   }
   if (frame.with_plane()) {
@@ -142,8 +142,17 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
   }
 }
 
+void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close, ContactSums& sums) {
+  const auto finest_m = static_cast<float>(kFinestOfSkin * frame.skin_m);
+  if (!close.empty()) {
+    add_fitted(frame, close, finest_m, sums.fitted);
+  } else if (sums.fitted.weight == 0) {
+    add_fitted(frame, near, finest_m, sums.fitted_near);
+  }
+}
+
 PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a) {
-  if (frame.fitted) return finish_fitted(frame, sums.fitted, rotation_a);
+  if (frame.fitted) return finish_fitted(frame, sums.fitted.weight > 0 ? sums.fitted : sums.fitted_near, rotation_a);
   PairContact contact;
   const WrenchSum& sum = sums.touching.weight_m > 0 ? sums.touching : sums.near;
   if (!(sum.weight_m > 0)) return contact;

@@ -37,7 +37,8 @@ struct WrenchSum {
   Vec3 place_m2 = Vec3::Zero();        ///< sum of w c
 };
 
-/// What a front says. With PairFrame::fitted that is `fitted` alone. Otherwise two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by
+/// What a front says. With PairFrame::fitted that is `fitted`, or while it is empty
+/// `fitted_near`. Otherwise two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by
 /// w = margin - gap over all. The second counts only while nothing touches.
 struct ContactSums {
   WrenchSum touching;
@@ -45,10 +46,13 @@ struct ContactSums {
   double spheres_m = 1e300;            ///< least gap of two spheres
   double likely_m = 1e300;             ///< least gap plus mean protrusion of both nodes
   double surely_m = 1e300;             ///< least gap plus largest protrusion of both nodes
-  FittedSums fitted;
+  FittedSums fitted, fitted_near;
 };
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
+
+/// With PairFrame::fitted: entries that are close count; while there are none, those that are near do.
+void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close, ContactSums& sums);
 
 /// What a pair is answered by: one wrench about the two centres of mass, world frame, and how far apart the surfaces are.
 struct PairContact {

@@ -27,12 +27,17 @@ struct Spheres {
       : x(tree.x_m.data()), y(tree.y_m.data()), z(tree.z_m.data()), radius(tree.radius_m.data()) {}
 };
 
-// Bit 8 i + j is set when sphere first_a + i of a overlaps sphere first_b + j of b.
-HWY_INLINE std::uint64_t overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b,
-                                  const FloatFrame& frame, float inflation) {
+// Bit 8 i + j is set when sphere first_a + i of a comes as near to sphere first_b + j of b as either limit says.
+struct Nearness {
+  std::uint64_t bits = 0, close = 0;
+};
+
+template <bool kTwice>
+HWY_INLINE Nearness overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b, const FloatFrame& frame,
+                             float inflation, float closeness) {
   const hn::CappedTag<float, kTreeBranching> d;
   const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
-  std::uint64_t bits = 0;
+  Nearness found;
   for (std::size_t j = 0; j < kTreeBranching; j += hn::Lanes(d)) {
     const auto x = hn::LoadU(d, b.x + first_b + j);
     const auto y = hn::LoadU(d, b.y + first_b + j);
@@ -44,19 +49,28 @@ HWY_INLINE std::uint64_t overlaps(const Spheres& a, NodeIndex first_a, const Sph
     const auto moved_x = row(0);
     const auto moved_y = row(3);
     const auto moved_z = row(6);
-    const auto inflated = hn::Add(hn::LoadU(d, b.radius + first_b + j), hn::Set(d, inflation));
+    const auto radius = hn::LoadU(d, b.radius + first_b + j);
+    const auto inflated = hn::Add(radius, hn::Set(d, inflation));
+    const auto closer = hn::Add(radius, hn::Set(d, closeness));
     for (std::size_t i = 0; i < kTreeBranching; ++i) {
       const auto dx = hn::Sub(moved_x, hn::Set(d, a.x[first_a + i]));
       const auto dy = hn::Sub(moved_y, hn::Set(d, a.y[first_a + i]));
       const auto dz = hn::Sub(moved_z, hn::Set(d, a.z[first_a + i]));
       const auto reach = hn::Add(inflated, hn::Set(d, a.radius[first_a + i]));
       const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-      std::uint8_t stored[8] = {};
-      hn::StoreMaskBits(d, hn::Lt(square, hn::Mul(reach, reach)), stored);
-      bits |= std::uint64_t{stored[0]} << (kTreeBranching * i + j);
+      const auto bits_of = [&](auto limit) HWY_ATTR {
+        std::uint8_t stored[8] = {};
+        hn::StoreMaskBits(d, hn::Lt(square, hn::Mul(limit, limit)), stored);
+        return std::uint64_t{stored[0]} << (kTreeBranching * i + j);
+      };
+      found.bits |= bits_of(reach);
+      if constexpr (kTwice) {
+        const auto near = hn::Add(closer, hn::Set(d, a.radius[first_a + i]));
+        found.close |= bits_of(hn::Max(near, hn::Zero(d)));
+      }
     }
   }
-  return bits;
+  return found;
 }
 
 // Bits of the pairs of `rows` spheres of a and `columns` of b.
@@ -67,28 +81,28 @@ HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
 
 // The pairs of an entry's children that overlap, as bits.
 struct Block {
-  std::uint64_t bits;
+  Nearness found;
   FrontEntry first;
 };
 
 // Writes the pairs of a block in order; places of `out` beyond them may be overwritten, but none beyond the block's
 // own 64.
-HWY_INLINE std::uint32_t list_hits(const Block& block, FrontEntry* out) {
+HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
   constexpr int kAtOnce = 4;  // most blocks have no more, and then the loop ends as foreseen
-  std::uint64_t bits = block.bits;
   const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
   while (bits != 0) {
     for (int k = 0; k < kAtOnce; ++k) {
       const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
-      *out++ = {block.first.a + place / kTreeBranching, block.first.b + place % kTreeBranching};
+      *out++ = {first.a + place / kTreeBranching, first.b + place % kTreeBranching};
       bits &= bits - 1;
     }
   }
   return hits;
 }
 
-Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation,
-                 std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+template <bool kTwice>
+HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation, float closeness,
+                                   std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
   // Tests of many entries first, then their lists: tests without a branch run into each other, while a list's length,
   // which no processor foresees, holds up what comes after it.
   constexpr std::size_t kBlocks = 32;
@@ -109,16 +123,31 @@ Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& fra
       const FrontEntry first{children_a[entry.a], children_b[entry.b]};
       const std::uint32_t rows = std::max<std::uint32_t>(counts_a[entry.a], 1);
       const std::uint32_t columns = std::max<std::uint32_t>(counts_b[entry.b], 1);
-      blocks[k] = {used_bits(rows, columns) & overlaps(spheres_a, first.a, spheres_b, first.b, moved, inflation),
-                   first};
+      const std::uint64_t used = used_bits(rows, columns);
+      const Nearness found = overlaps<kTwice>(spheres_a, first.a, spheres_b, first.b, moved, inflation, closeness);
+      blocks[k] = {{used & found.bits, used & found.close}, first};
     }
     for (std::size_t k = 0; k < count; ++k) {
       if (out.size() - result.hits < kPairs) return result;
-      result.hits += list_hits(blocks[k], out.data() + result.hits);
+      result.hits += list_hits(blocks[k].found.bits, blocks[k].first, out.data() + result.hits);
+      if constexpr (kTwice) {
+        if (close.size() - result.close < kPairs) return result;
+        result.close += list_hits(blocks[k].found.close, blocks[k].first, close.data() + result.close);
+      }
       ++result.consumed;
     }
   }
   return result;
+}
+
+Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation,
+                 std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  return expand_blocks<false>(a, b, frame, inflation, 0, front, out, {});
+}
+
+Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation, float closeness,
+                       std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
+  return expand_blocks<true>(a, b, frame, inflation, closeness, front, out, close);
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE
@@ -128,10 +157,16 @@ HWY_AFTER_NAMESPACE();
 namespace poise::collision {
 
 HWY_EXPORT(expand);
+HWY_EXPORT(expand_twice);
 
 Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
                        std::span<const FrontEntry> front, std::span<FrontEntry> out) {
   return HWY_DYNAMIC_DISPATCH(expand)(a, b, frame, inflation_m, front, out);
+}
+
+Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m, float closeness_m,
+                             std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
+  return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, inflation_m, closeness_m, front, out, close);
 }
 
 Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, float inflation_m,

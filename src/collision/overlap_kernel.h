@@ -20,6 +20,7 @@ struct FloatFrame {
 struct Expansion {
   std::uint32_t consumed = 0;  ///< entries of the input that were expanded; fewer than given when there was no room left
   std::uint32_t hits = 0;      ///< entries written
+  std::uint32_t close = 0;     ///< entries written to the second list
 };
 
 /// Expands each entry of a front into the overlapping pairs of its nodes' children (a leaf stands for itself), in order.
@@ -27,6 +28,10 @@ struct Expansion {
 /// precision. Needs kTreeBranching^2 free entries for each block. Any instruction set gives the same bits.
 Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
                        std::span<const FrontEntry> front, std::span<FrontEntry> out);
+
+/// The same, and those of them with |o_a - o_b| < r_a + r_b + closeness_m once more in a list of their own, in order; it needs as much room.
+Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m, float closeness_m,
+                             std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close);
 
 /// The same against the half-space normal . p <= offset, given in the frame of a: nodes with
 /// normal . o - offset < r + inflation_m. The b of each entry stays 0.

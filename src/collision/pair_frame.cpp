@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "collision/pair_frame.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace poise::collision {
@@ -39,7 +40,17 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
   const double size = a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() +
                       std::abs(frame.plane_height_m) + margin_m;
   frame.inflation_m = static_cast<float>(margin_m + kRoundings * size * kEpsilon);
+  frame.closeness_m = frame.inflation_m - static_cast<float>(margin_m);
   return frame;
+}
+
+void expect_gap(double gap_m, PairFrame& frame) {
+  frame.expected_gap_m = gap_m;
+  frame.closeness_m = frame.inflation_m - static_cast<float>(frame.margin_m - std::clamp(gap_m, 0.0, frame.margin_m));
+}
+
+Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
+  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, frame.inflation_m, frame.closeness_m, front, out, close);
 }
 
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out) {

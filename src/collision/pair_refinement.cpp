@@ -2,6 +2,7 @@
 #include "collision/pair_refinement.h"
 
 #include <algorithm>
+#include <array>
 
 #include "poise_assert.h"
 
@@ -27,13 +28,30 @@ PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double m
   return contact;
 }
 
+// Expands a run and sums up what is close, in parts whose lists of close entries stay small.
+Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, std::span<FrontEntry> room, ContactSums& sums) {
+  constexpr std::size_t kAtOnce = 16;
+  std::array<FrontEntry, kAtOnce * kTreeBranching * kTreeBranching> close;
+  Expansion all;
+  while (all.consumed < run.size()) {
+    const auto part = run.subspan(all.consumed, std::min(kAtOnce, run.size() - all.consumed));
+    const std::span<FrontEntry> left = room.subspan(all.hits);
+    const Expansion made = expand(frame, part, left, close);
+    add_close(frame, left.first(made.hits), std::span(close).first(made.close), sums);
+    all.consumed += made.consumed;
+    all.hits += made.hits;
+    if (made.consumed < part.size()) break;
+  }
+  return all;
+}
+
 // Expands up to `units` entries of one run into one segment; entries expanded, or none when there is no room.
 std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run, FrontPool& pool, int worker,
                          std::span<FrontPool> pools, LevelProgress& progress) {
   const std::span<FrontEntry> room = pool.room();
-  const Expansion made = expand(frame, run, room);
+  const Expansion made = frame.fitted && !frame.with_plane() ? expand_close(frame, run, room, progress.sums) : expand(frame, run, room);
   if (made.hits == 0) return made.consumed;
-  add_to_sums(frame, room.first(made.hits), progress.sums);
+  if (!frame.fitted || frame.with_plane()) add_to_sums(frame, room.first(made.hits), progress.sums);
   const SegmentRef ref = segment_ref(worker, pool.keep(made.hits));
   if (progress.last.none()) {
     progress.first = ref;

@@ -54,7 +54,8 @@ template <class GoOn>
 Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& go_on) {
   if (pair.level.next_is_polygons()) return complete_polygons(world, pair, go_on);
   FrameBuffers& buffers = world.buffers;
-  const collision::PairFrame frame = frame_of(world, pair);
+  collision::PairFrame frame = frame_of(world, pair);
+  if (frame.fitted && pair.level.level > 0) collision::expect_gap(pair.level.contact.likely_m, frame);
   collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
   collision::LevelProgress progress = collision::begin_level(pair.level, pool);
   std::uint32_t left = pair.level.front_entries;
