@@ -19,12 +19,10 @@ PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const 
   Vec3 direction = sums.direction;
   if (direction.isZero(0)) direction = frame.with_plane() ? Vec3(-frame.plane_normal) : frame.offset_m;
   if (direction.isZero(0)) direction = Vec3::UnitZ();
-  direction.normalize();
-  const Vec3 place = sums.place_m / sums.weight;
-  contact.direction = rotation_a * direction;
-  contact.moment_a_m = rotation_a * place.cross(direction);
-  contact.moment_b_m = rotation_a * (place - frame.offset_m).cross(direction);
-  contact.arm_m = rotation_a * place;
+  contact.direction = (rotation_a * direction).normalized();
+  contact.arm_m = rotation_a * (sums.place_m / sums.weight);
+  contact.moment_a_m = contact.arm_m.cross(contact.direction);
+  contact.moment_b_m = (contact.arm_m - rotation_a * frame.offset_m).cross(contact.direction);
   contact.surely_m = sums.cores_m;
   // What overlaps beyond doubt is not apart, whatever the fitted spheres say.
   contact.likely_m = std::min(sums.fitted_m, sums.cores_m);

@@ -148,18 +148,15 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, float fine
   for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
     add_block(frame, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), finest_m, lanes);
   }
-  FittedSums total = sums;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const auto at = [k](const float(&from)[3][kLanes]) {
-      return Vec3(static_cast<double>(from[0][k]), static_cast<double>(from[1][k]), static_cast<double>(from[2][k]));
-    };
-    total.direction += at(lanes.direction);
-    total.place_m += at(lanes.place);
-    total.weight += static_cast<double>(lanes.weight[k]);
-    total.fitted_m = std::min(total.fitted_m, static_cast<double>(lanes.gap[k]));
-    total.cores_m = std::min(total.cores_m, static_cast<double>(lanes.cores[k]));
-  }
-  sums = total;
+  const auto sum = [](const float(&of)[kLanes]) {
+    return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
+  };
+  const auto least = [](const float(&of)[kLanes]) { return static_cast<double>(*std::min_element(of, of + kLanes)); };
+  sums.direction += Vec3(sum(lanes.direction[0]), sum(lanes.direction[1]), sum(lanes.direction[2]));
+  sums.place_m += Vec3(sum(lanes.place[0]), sum(lanes.place[1]), sum(lanes.place[2]));
+  sums.weight += sum(lanes.weight);
+  sums.fitted_m = std::min(sums.fitted_m, least(lanes.gap));
+  sums.cores_m = std::min(sums.cores_m, least(lanes.cores));
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include "poise_assert.h"
 
@@ -31,13 +32,16 @@ PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double m
 // Expands a run and sums up what is close, in parts whose lists of close entries stay small.
 Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, std::span<FrontEntry> room, ContactSums& sums) {
   constexpr std::size_t kAtOnce = 16;
-  std::array<FrontEntry, kAtOnce * kTreeBranching * kTreeBranching> close;
+  constexpr std::size_t kRoom = kAtOnce * kTreeBranching * kTreeBranching;
+  // Bytes, because setting 8 KiB to zero takes longer than a level of a pair.
+  alignas(FrontEntry) std::array<std::byte, kRoom * sizeof(FrontEntry)> bytes;
+  const std::span<FrontEntry> close(reinterpret_cast<FrontEntry*>(bytes.data()), kRoom);
   Expansion all;
   while (all.consumed < run.size()) {
     const auto part = run.subspan(all.consumed, std::min(kAtOnce, run.size() - all.consumed));
     const std::span<FrontEntry> left = room.subspan(all.hits);
     const Expansion made = expand(frame, part, left, close);
-    add_close(frame, left.first(made.hits), std::span(close).first(made.close), sums);
+    add_close(frame, left.first(made.hits), close.first(made.close), sums);
     all.consumed += made.consumed;
     all.hits += made.hits;
     if (made.consumed < part.size()) break;
