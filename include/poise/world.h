@@ -22,12 +22,12 @@ class PairProbe;
 enum class ContactModel : std::uint8_t {
   Paper,   ///< every sphere contact in canonical order, once, each with the approach speed taken anew (DO eq. 1-5)
   Wrench,  ///< all sphere contacts together, weighted by overlap, one impulse a pair
-  Fitted,  ///< all nodes together by the spheres fitted to their surface, one impulse a pair
+  Fitted,  ///< all nodes together by the spheres fitted to their surface, one impulse a pair; it rests by a wrench
 };
 
 struct WorldSettings {
   Vec3 gravity_mps2 = Vec3::Zero();
-  ContactModel contact = ContactModel::Wrench;
+  ContactModel contact = ContactModel::Fitted;
   scheduler::Policy policy;                      ///< what is refined next
   ExecutorKind executor = ExecutorKind::Tbb;
   int threads = 0;                               ///< calling thread included; 0 = as many as the machine has; at most 256

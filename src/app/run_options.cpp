@@ -63,7 +63,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "What is refined first: perceptual, fifo or random (default: the scene's)")
       ->check(CLI::IsMember({"perceptual", "fifo", "random"}))
       ->type_name("P");
-  command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default wrench)")
+  command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default fitted)")
       ->check(CLI::IsMember({"paper", "wrench", "fitted"}))
       ->type_name("MODEL");
   command

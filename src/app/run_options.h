@@ -21,7 +21,7 @@ struct RunOptions {
   std::optional<double> deadline_ms, host_work_ms;
   bool paced = false;
   bool quiet = false;
-  std::string policy, contact = "wrench", clock = "wall", executor;
+  std::string policy, contact = "fitted", clock = "wall", executor;
   std::string json, states, frames_csv, picture;
   std::optional<std::string> require;
   TreeCacheOptions tree_cache;

@@ -12,7 +12,7 @@ namespace {
 /// Contacts whose gaps differ by less than this share of the skin count alike. Chosen: a tenth of a millimetre for a body 0.4 m across.
 constexpr double kFinestOfSkin = 0.1;
 
-/// One impulse along the mean direction at the mean place (DO eq. 1).
+/// Impacts get one impulse along the mean direction at the mean place (DO eq. 1), rest a wrench weighted by overlap.
 PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a) {
   PairContact contact;
   if (!(sums.weight > 0)) return contact;
@@ -23,6 +23,11 @@ PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const 
   contact.arm_m = rotation_a * (sums.place_m / sums.weight);
   contact.moment_a_m = contact.arm_m.cross(contact.direction);
   contact.moment_b_m = (contact.arm_m - rotation_a * frame.offset_m).cross(contact.direction);
+  if (sums.rest_weight_m > 0) {
+    contact.rest_direction = rotation_a * (sums.rest_direction_m / sums.rest_weight_m);
+    contact.rest_moment_a_m = rotation_a * (sums.rest_moment_m2 / sums.rest_weight_m);
+    contact.rest_moment_b_m = contact.rest_moment_a_m - (rotation_a * frame.offset_m).cross(contact.rest_direction);
+  }
   contact.surely_m = sums.cores_m;
   // What overlaps beyond doubt is not apart, whatever the fitted spheres say.
   contact.likely_m = std::min(sums.fitted_m, sums.cores_m);

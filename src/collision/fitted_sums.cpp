@@ -42,6 +42,7 @@ HWY_INLINE void gather(const NodeFit* fits, std::span<const FrontEntry> entries,
 // What the lanes have gathered.
 struct Lanes {
   alignas(32) float direction[3][kLanes] = {}, place[3][kLanes] = {}, weight[kLanes] = {}, gap[kLanes], cores[kLanes];
+  alignas(32) float rest_direction[3][kLanes] = {}, rest_moment[3][kLanes] = {}, rest_weight[kLanes] = {};
 };
 
 // exp(t) to a thousandth for |t| <= 6 and to a half down to -16, of operations that round alike everywhere: a polynomial to the
@@ -129,10 +130,25 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, floa
     add(sums.direction[0], hn::Mul(broad, dx));
     add(sums.direction[1], hn::Mul(broad, dy));
     add(sums.direction[2], hn::Mul(broad, dz));
-    add(sums.place[0], hn::Mul(sharp, hn::Add(ax, hn::Mul(half, dx))));
-    add(sums.place[1], hn::Mul(sharp, hn::Add(ay, hn::Mul(half, dy))));
-    add(sums.place[2], hn::Mul(sharp, hn::Add(az, hn::Mul(half, dz))));
+    const auto px = hn::Add(ax, hn::Mul(half, dx));
+    const auto py = hn::Add(ay, hn::Mul(half, dy));
+    const auto pz = hn::Add(az, hn::Mul(half, dz));
+    add(sums.place[0], hn::Mul(sharp, px));
+    add(sums.place[1], hn::Mul(sharp, py));
+    add(sums.place[2], hn::Mul(sharp, pz));
     add(sums.weight, sharp);
+    const auto overlap = hn::IfThenElseZero(used, hn::Max(hn::Sub(set(frame.skin_m), gap), hn::Zero(d)));
+    const auto flat = hn::Mul(overlap, inverse);
+    const auto lx = hn::Mul(flat, dx);
+    const auto ly = hn::Mul(flat, dy);
+    const auto lz = hn::Mul(flat, dz);
+    add(sums.rest_direction[0], lx);
+    add(sums.rest_direction[1], ly);
+    add(sums.rest_direction[2], lz);
+    add(sums.rest_moment[0], hn::Sub(hn::Mul(py, lz), hn::Mul(pz, ly)));
+    add(sums.rest_moment[1], hn::Sub(hn::Mul(pz, lx), hn::Mul(px, lz)));
+    add(sums.rest_moment[2], hn::Sub(hn::Mul(px, ly), hn::Mul(py, lx)));
+    add(sums.rest_weight, overlap);
     const auto far = hn::Set(d, kBeyond);
     const auto lower = [&](float* to, auto value)
                            HWY_ATTR { hn::Store(hn::Min(hn::Load(d, to + k), hn::IfThenElse(used, value, far)), d, to + k); };
@@ -152,8 +168,12 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, float fine
     return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
   };
   const auto least = [](const float(&of)[kLanes]) { return static_cast<double>(*std::min_element(of, of + kLanes)); };
-  sums.direction += Vec3(sum(lanes.direction[0]), sum(lanes.direction[1]), sum(lanes.direction[2]));
-  sums.place_m += Vec3(sum(lanes.place[0]), sum(lanes.place[1]), sum(lanes.place[2]));
+  const auto sum3 = [&](const float(&of)[3][kLanes]) { return Vec3(sum(of[0]), sum(of[1]), sum(of[2])); };
+  sums.direction += sum3(lanes.direction);
+  sums.place_m += sum3(lanes.place);
+  sums.rest_direction_m += sum3(lanes.rest_direction);
+  sums.rest_moment_m2 += sum3(lanes.rest_moment);
+  sums.rest_weight_m += sum(lanes.rest_weight);
   sums.weight += sum(lanes.weight);
   sums.fitted_m = std::min(sums.fitted_m, least(lanes.gap));
   sums.cores_m = std::min(sums.cores_m, least(lanes.cores));

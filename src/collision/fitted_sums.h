@@ -17,6 +17,9 @@ struct FittedSums {
   Vec3 direction = Vec3::Zero();       ///< sum of w n
   Vec3 place_m = Vec3::Zero();         ///< sum of w^8 p
   double weight = 0;                   ///< sum of w^8
+  Vec3 rest_direction_m = Vec3::Zero();   ///< sum of v n with v = max(0, skin - g): the wrench by which the pair rests
+  Vec3 rest_moment_m2 = Vec3::Zero();     ///< sum of v p x n
+  double rest_weight_m = 0;               ///< sum of v
   double fitted_m = 1e300;             ///< least gap of two fitted spheres
   double cores_m = 1e300;              ///< least gap of two cores: below zero the objects overlap beyond doubt
 };

@@ -143,12 +143,31 @@ response::System system_of(FrameBuffers& buffers) {
           buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
+// Impacts are over: rows whose pair rests by another wrench take that one.
+void rest_by_own_wrench(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      response::ContactRow& row = buffers.rows[k];
+      const collision::PairContact& contact = buffers.pairs[row.pair].level.contact;
+      if (contact.rest_direction.isZero(0)) continue;
+      row.point_impulse_ns += row.total_ns * row.direction;
+      row.total_ns = 0;
+      row.direction = contact.rest_direction;
+      row.moment_a_m = contact.rest_moment_a_m;
+      row.moment_b_m = contact.rest_moment_b_m;
+      response::prepare_row(row, row.inverse_mass_a, buffers.inverse_inertia[row.a], row.inverse_mass_b, buffers.inverse_inertia[row.b]);
+    }
+  });
+}
+
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping) {
   make_rows(world, report);
   const response::System system = system_of(world.buffers);
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
   const response::Convergence impacts = response::solve_impacts(system, settings, *world.executor);
+  if (world.settings.contact == ContactModel::Fitted) rest_by_own_wrench(world);
   const response::Convergence rest = response::solve_rest(system, settings, *world.executor);
   return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
 }
