@@ -56,7 +56,7 @@ struct Block {
 };
 
 void step(Block& block, parallel::Executor& executor) {
-  const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2};
+  const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2, {}};
   solve_impacts(block.system(), settings, executor);
   solve_rest(block.system(), settings, executor);
   for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
