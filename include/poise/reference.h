@@ -8,9 +8,9 @@
 
 namespace poise {
 
-/// One frame against its reference: the same frame done again from the same state with every candidate pair at its finest level, one
-/// wrench a pair and the response iterated until no impulse changes by more than 1e-10 of the largest. What cannot be said of a frame
-/// is empty.
+/// One frame against its reference: the same frame done again from the same state with every candidate pair at its finest level,
+/// answered by the contact model `fitted`, and the response iterated until no impulse changes by more than 1e-10 of the largest. What
+/// cannot be said of a frame is empty.
 ///
 /// Touched are the moving bodies to which a contact of the run or of the reference gave an impulse. With du = (dv, dw) the change of
 /// a body's velocity in the step, in the run and (with *) in the reference, m its mass and I its inertia in the world frame:

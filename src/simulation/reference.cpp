@@ -29,8 +29,8 @@ class StartOfFrame {
  public:
   explicit StartOfFrame(WorldState& world) : world_(world), contact_(world.settings.contact) {
     exchange();
-    // The reference belongs to no model: one wrench a pair.
-    world.settings.contact = ContactModel::Wrench;
+    // Polygons answer alike in every model; where balls are the surface, this one finds the balls that meet.
+    world.settings.contact = ContactModel::Fitted;
   }
   ~StartOfFrame() {
     exchange();

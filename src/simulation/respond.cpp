@@ -143,20 +143,25 @@ response::System system_of(FrameBuffers& buffers) {
           buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
-// Impacts are over: rows whose pair rests by another wrench take that one.
-void rest_by_own_wrench(WorldState& world) {
+// Impacts are over: rows whose pair rests by another wrench take that one, unless they have rebounded or would along it: a rebound is
+// the business of the impact phase, which knows one direction alone.
+void rest_by_own_wrench(WorldState& world, double still_mps) {
   FrameBuffers& buffers = world.buffers;
   parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       response::ContactRow& row = buffers.rows[k];
       const collision::PairContact& contact = buffers.pairs[row.pair].level.contact;
-      if (contact.rest_direction.isZero(0)) continue;
-      row.point_impulse_ns += row.total_ns * row.direction;
-      row.total_ns = 0;
-      row.direction = contact.rest_direction;
-      row.moment_a_m = contact.rest_moment_a_m;
-      row.moment_b_m = contact.rest_moment_b_m;
-      response::prepare_row(row, row.inverse_mass_a, buffers.inverse_inertia[row.a], row.inverse_mass_b, buffers.inverse_inertia[row.b]);
+      if (contact.rest_direction.isZero(0) || row.bounces) continue;
+      response::ContactRow rest = row;
+      rest.direction = contact.rest_direction;
+      rest.moment_a_m = contact.rest_moment_a_m;
+      rest.moment_b_m = contact.rest_moment_b_m;
+      response::prepare_row(rest, row.inverse_mass_a, buffers.inverse_inertia[row.a], row.inverse_mass_b, buffers.inverse_inertia[row.b]);
+      const double closing = response::approach_mps(rest, buffers.solver_bodies[row.a], buffers.solver_bodies[row.b]);
+      if (row.restitution * closing > still_mps) continue;
+      rest.point_impulse_ns += row.total_ns * row.direction;
+      rest.total_ns = 0;
+      row = rest;
     }
   });
 }
@@ -167,7 +172,7 @@ response::Convergence respond(WorldState& world, const StepInput& input, FrameRe
   const response::System system = system_of(world.buffers);
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
   const response::Convergence impacts = response::solve_impacts(system, settings, *world.executor);
-  if (world.settings.contact == ContactModel::Fitted) rest_by_own_wrench(world);
+  if (world.settings.contact == ContactModel::Fitted) rest_by_own_wrench(world, response::still_mps(settings));
   const response::Convergence rest = response::solve_rest(system, settings, *world.executor);
   return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
 }

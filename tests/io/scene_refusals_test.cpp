@@ -76,7 +76,7 @@ TEST(SceneRefusals, NameTheFieldOfTheFrame) {
       top(R"("gravity_mps2": [0, 0, 1e10], )", "gravity_mps2[2] = 1e10, must be <= 1e+09"),
       top(R"("gravity_mps2": [0, 0, 1e400], )", "gravity_mps2[2] = 1e400, cannot be represented as a double (line 1)"),
       top(R"("deadline_ms": 0, )", "deadline_ms = 0, must be > 0"),
-      top(R"("max_level": 7, )", "max_level = 7, must be"),
+      top(R"("max_level": 7, )", "max_level = 7, must be a whole number from 0 to 6"),
       top(R"("max_level": "leaves", )", "max_level = \"leaves\", must be a whole number from 0 to 6, or \"polygons\""),
       {R"({"name": "x", "dt_s": 0})", "dt_s = 0, must be > 0"},
       {R"({"name": "x", "dt_s": -0.1})", "dt_s = -0.1, must be > 0"},

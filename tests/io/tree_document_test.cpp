@@ -83,8 +83,8 @@ TEST(TreeDocument, AShellLeaksOnlyThroughItsSurface) {
 TEST(TreeDocument, CountsTheBytesOfEveryArray) {
   const std::vector<Sphere> one{{Vec3::Zero(), 1.0}};
   const SphereTree tree = tree_of_spheres(one).value();
-  // One node and the padding of eight, 41 bytes each, and two entries for its level.
-  EXPECT_EQ(io::bytes_of(tree), 9 * 41 + 2 * sizeof(NodeIndex));
+  // One node and the padding of eight, 53 bytes each, and two entries for its level.
+  EXPECT_EQ(io::bytes_of(tree), 9 * 53 + 2 * sizeof(NodeIndex));
 }
 
 }  // namespace
