@@ -150,7 +150,7 @@ void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
       ->type_name("HALF");
   add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the throws (default 1)");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels of the trees below the root (default 4)");
-  add_whole(command, "--fineness", o.fineness, 1, geometry::kMaxFineness, "How many times more edges the round parts of named shapes have (default 1)");
+  add_whole(command, "--fineness", o.fineness, 1, geometry::kMaxFineness, "How many times more edges the round parts of named shapes have (default 8)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0); costs are measured on one");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.levels/1), - for the standard output");
   add_path(command, "--csv", o.csv, "Write a line a row, - for the standard output");

@@ -43,7 +43,7 @@ Result<Shapes> make_shapes(const StudyLevelsOptions& options, const LevelsPlan& 
       build.stop = interrupt.token();
       build.progress = [&](double share) { progress.share(fmt::format("tree of {}", name), share); };
       TreeCacheOutcome outcome{};
-      Result<TrialShape> shape = make_trial_shape(name, static_cast<int>(options.fineness.value_or(1)), build, cache.value(), outcome);
+      Result<TrialShape> shape = make_trial_shape(name, static_cast<int>(options.fineness.value_or(8)), build, cache.value(), outcome);
       if (!shape && shape.error().kind == ErrorKind::Cancelled) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
       if (!shape) return shape.error();
       kept = kept && outcome != TreeCacheOutcome::NotWritable;
@@ -63,7 +63,7 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
   d.seed = settings.throws.seed;
   d.touches = settings.touches;
   d.depth = static_cast<int>(options.depth.value_or(4));
-  d.fineness = static_cast<int>(options.fineness.value_or(1));
+  d.fineness = static_cast<int>(options.fineness.value_or(8));
   d.threads = threads;
   d.speed_mps = settings.throws.speed_mps;
   d.spin_radps = settings.throws.spin_radps;
