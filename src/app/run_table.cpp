@@ -101,7 +101,7 @@ void refinement(const simulation::RunFigures& f, Out out) {
 void reference(const io::RunDocument& d, Out out) {
   if (!d.reference_every) return;
   const simulation::ReferenceRunFigures& r = d.figures.reference;
-  fmt::format_to(out, "\nreference      {} frames, each {}. one, done again at full depth to convergence\n", r.frames,
+  fmt::format_to(out, "\nreference      {} frames done again at full depth, to convergence: one in {}\n", r.frames,
                  *d.reference_every);
   if (r.frames == 0) return;
   fmt::format_to(out, "                     p50        p90        max\n");
