@@ -9,9 +9,6 @@
 namespace poise::collision {
 namespace {
 
-/// Contacts whose gaps differ by less than this share of the skin count alike. Chosen: a tenth of a millimetre for a body 0.4 m across.
-constexpr double kFinestOfSkin = 0.1;
-
 /// Impacts get one impulse along the mean direction at the mean place (DO eq. 1), rest a wrench weighted by overlap.
 PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a) {
   PairContact contact;
@@ -146,11 +143,10 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
 }
 
 void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close, ContactSums& sums) {
-  const auto finest_m = static_cast<float>(kFinestOfSkin * frame.skin_m);
   if (!close.empty()) {
-    add_fitted(frame, close, finest_m, sums.fitted);
+    add_fitted(frame, close, sums.fitted);
   } else if (sums.fitted.weight == 0) {
-    add_fitted(frame, near, finest_m, sums.fitted_near);
+    add_fitted(frame, near, sums.fitted_near);
   }
 }
 

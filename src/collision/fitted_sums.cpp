@@ -14,7 +14,6 @@ namespace poise::collision::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kLanes = 8;
-constexpr float kBreadth = 3;         ///< of the weights of directions, in standard deviations
 // Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers stay within single
 // precision, and out of the numbers near 0 that are slow.
 constexpr float kLargest = 6, kSmallest = -16;
@@ -23,7 +22,7 @@ constexpr float kBeyond = 1e30F;
 
 // Fits of one side, a figure an array.
 struct Fits {
-  alignas(32) float x[kLanes], y[kLanes], z[kLanes], radius[kLanes], variance[kLanes], core[kLanes];
+  alignas(32) float x[kLanes], y[kLanes], z[kLanes], radius[kLanes], core[kLanes];
 };
 
 template <NodeIndex FrontEntry::*kSide>
@@ -34,7 +33,6 @@ HWY_INLINE void gather(const NodeFit* fits, std::span<const FrontEntry> entries,
     into.y[k] = fit.y_m;
     into.z[k] = fit.z_m;
     into.radius[k] = fit.radius_m;
-    into.variance[k] = fit.variance_m2;
     into.core[k] = fit.core_m;
   }
 }
@@ -59,7 +57,7 @@ HWY_INLINE V exponential(D d, V t) {
 }
 
 // Adds up to eight contacts to the lanes. For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
-void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, Lanes& sums) {
+void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lanes& sums) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kPlaces[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
   const bool plane = frame.with_plane();
@@ -78,7 +76,6 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, floa
     auto dy = hn::Zero(d);
     auto dz = hn::Zero(d);
     auto radius_b = hn::Zero(d);
-    auto variance = at(a.variance);
     auto core = at(a.core);
     if (plane) {
       const auto nx = set(frame.plane_normal.x());
@@ -101,7 +98,6 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, floa
       dy = hn::Sub(row(1), ay);
       dz = hn::Sub(row(2), az);
       radius_b = at(b.radius);
-      variance = hn::Add(variance, at(b.variance));
       core = hn::Add(core, at(b.core));
     }
     const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
@@ -114,8 +110,7 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, floa
     }
     const auto radius_a = at(a.radius);
     const auto gap = hn::Sub(distance, hn::Add(radius_a, radius_b));
-    const auto breadth = hn::Sqrt(hn::Add(variance, hn::Set(d, finest_m * finest_m)));
-    const auto steepness = hn::Div(hn::Sub(gap, set(frame.expected_gap_m)), hn::Mul(breadth, hn::Set(d, -kBreadth)));
+    const auto steepness = hn::Mul(hn::Sub(set(frame.expected_gap_m), gap), set(1.0 / frame.breadth_m));
     const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, kSmallest)), hn::Set(d, kLargest));
     const auto weight = hn::IfThenElseZero(used, exponential(d, exponent));
     auto sharp = hn::IfThenElseZero(used, hn::Max(weight, hn::Set(d, kLeastOfPlaces)));
@@ -157,12 +152,12 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, floa
   }
 }
 
-void add(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, FittedSums& sums) {
+void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
   Lanes lanes;
   std::fill_n(lanes.gap, kLanes, kBeyond);
   std::fill_n(lanes.cores, kLanes, kBeyond);
   for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
-    add_block(frame, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), finest_m, lanes);
+    add_block(frame, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), lanes);
   }
   const auto sum = [](const float(&of)[kLanes]) {
     return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
@@ -187,8 +182,8 @@ namespace poise::collision {
 
 HWY_EXPORT(add);
 
-void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, FittedSums& sums) {
-  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, finest_m, sums);
+void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
+  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, sums);
 }
 
 }  // namespace poise::collision

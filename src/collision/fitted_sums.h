@@ -11,8 +11,8 @@ namespace poise::collision {
 
 /// Sums over the entries of a front whose nodes answer by their fitted spheres (docs/method.md, "Fitted spheres"); the frame of a. Entry k has
 /// the gap g of the two fitted spheres, the unit vector n from the first centre to the second, the point p in the middle between the
-/// two surfaces, and the weight w = exp(-(g - g0) / (3 s)), s^2 the sum of both variances, its exponent kept from -16 to 6; g0 is the gap
-/// that is expected. Directions want broad weights, places sharp ones. Sums of parts add up, so a front may be summed in pieces, in order.
+/// two surfaces, and the weight w = exp(-(g - g0) / b), its exponent kept from -16 to 6; g0 is the gap that is expected and b the breadth
+/// (PairFrame). Directions want broad weights, places sharp ones. Sums of parts add up, so a front may be summed in pieces, in order.
 struct FittedSums {
   Vec3 direction = Vec3::Zero();       ///< sum of w n
   Vec3 place_m = Vec3::Zero();         ///< sum of w^8 p
@@ -24,8 +24,7 @@ struct FittedSums {
   double cores_m = 1e300;              ///< least gap of two cores: below zero the objects overlap beyond doubt
 };
 
-/// Single precision in blocks of eight, the same bits on any instruction set. `finest_m` is the least s that counts: contacts whose gaps differ
-/// by less share a load. For two trees or a tree and a plane.
-void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, float finest_m, FittedSums& sums);
+/// Single precision in blocks of eight, the same bits on any instruction set. For two trees or a tree and a plane.
+void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
 
 }  // namespace poise::collision

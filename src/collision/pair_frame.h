@@ -25,7 +25,8 @@ struct PairFrame {
   double margin_m = 0;               ///< gaps below this count: what the two may close in the step
   double skin_m = 0;                 ///< gaps below this count as touching
   bool fitted = false;               ///< nodes answer by their fitted spheres
-  double expected_gap_m = 0;         ///< see expect_gap
+  double breadth_m = 1;              ///< of the weights of fitted spheres, > 0; see expect_fits
+  double expected_gap_m = 0;         ///< see expect_fits
   float closeness_m = 0;             ///< nodes whose spheres are nearer than this answer for the pair, if there are any
   FloatFrame rounded{};
   float inflation_m = 0;             ///< margin and a bound of the rounding of single precision
@@ -36,9 +37,10 @@ struct PairFrame {
 PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
                           double skin_m);
 
-/// With fitted spheres: tells the frame what the level before said of the gap. The two nodes where the surfaces are nearest have spheres
-/// that are at most as far apart as the surfaces.
-void expect_gap(double gap_m, PairFrame& frame);
+/// With fitted spheres: tells the frame by how much the surfaces deviate from the fits of the level that is worked out (root mean squares), and
+/// what the level before said of the gap. The two nodes where the surfaces are nearest have spheres that are at most as far
+/// apart as the surfaces.
+void expect_fits(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame);
 
 /// Expands part of a front of the pair by one level on both sides.
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out);

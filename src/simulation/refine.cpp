@@ -55,7 +55,11 @@ Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& g
   if (pair.level.next_is_polygons()) return complete_polygons(world, pair, go_on);
   FrameBuffers& buffers = world.buffers;
   collision::PairFrame frame = frame_of(world, pair);
-  if (frame.fitted && pair.level.level > 0) collision::expect_gap(pair.level.contact.likely_m, frame);
+  if (frame.fitted) {
+    const std::size_t next = pair.level.level + 1U;
+    collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next], world.shapes[world.shape_of[pair.b]].deviation_m[next],
+                           pair.level.level > 0 ? pair.level.contact.likely_m : 0.0, frame);
+  }
   collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
   collision::LevelProgress progress = collision::begin_level(pair.level, pool);
   std::uint32_t left = pair.level.front_entries;

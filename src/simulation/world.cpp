@@ -28,11 +28,18 @@ simulation::ShapeFacts facts_of(ShapePtr shape) {
   for (std::size_t level = 0; shape->kind == ShapeKind::Tree && level < facts.error_m.size(); ++level) {
     double area = 0;
     double sum = 0;
+    double deviations_m = 0;
+    int fitted = 0;
     for (const NodeIndex node : tree.nodes_at(static_cast<Level>(std::min<std::size_t>(level, tree.depth())))) {
       const double r = static_cast<double>(tree.radius_m[node]);
       area += r * r;
       sum += r * r * static_cast<double>(tree.protrusion_mean_m[node]);
+      const NodeFit& fit = tree.fit[node];
+      if (fit.radius_m < -tree.radius_m[0]) continue;  // no surface
+      deviations_m += std::sqrt(static_cast<double>(fit.variance_m2));
+      ++fitted;
     }
+    facts.deviation_m[level] = fitted > 0 ? deviations_m / fitted : 0.0;
     facts.error_m[level] = static_cast<float>(area > 0 ? sum / area : 0.0);
   }
   facts.shape = std::move(shape);

@@ -25,6 +25,7 @@ namespace poise::simulation {
 struct ShapeFacts {
   ShapePtr shape;
   std::array<float, kMaxTreeDepth + 1> error_m{};  ///< area-weighted mean protrusion of each level; the last one repeats
+  std::array<double, kMaxTreeDepth + 1> deviation_m{};  ///< of the surface from the fits of each level, the mean over its nodes; likewise
 };
 
 /// What a pair takes from one frame to the next. Part of the state.

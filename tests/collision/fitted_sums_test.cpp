@@ -13,8 +13,6 @@
 namespace poise::collision {
 namespace {
 
-constexpr float kFinest_m = 1e-3F;
-
 // Fits that have nothing to do with the tree they are given to, so that no figure can stand in for another.
 ShapePtr with_random_fits(const ShapePtr& shape, std::mt19937_64& random) {
   Shape changed = *shape;
@@ -39,6 +37,7 @@ Contacts random_contacts(std::size_t count, std::mt19937_64& random, bool plane 
   made.frame = make_pair_frame(*made.a, random_pose(random, 0.6), *made.b, random_pose(random, 0.6), 0.1, 0.01);
   made.frame.fitted = true;
   made.frame.expected_gap_m = uniform(random, -0.1, 0.1);
+  made.frame.breadth_m = uniform(random, 0.3, 0.6);
   for (std::size_t i = 0; i < count; ++i) {
     made.front.push_back({static_cast<NodeIndex>(random() % made.a->tree.node_count()),
                           plane ? 0 : static_cast<NodeIndex>(random() % made.b->tree.node_count())});
@@ -65,9 +64,7 @@ FittedSums defined_sums(const PairFrame& frame, std::span<const FrontEntry> fron
     const auto radius_a = static_cast<double>(a.radius_m);
     const auto radius_b = static_cast<double>(b.radius_m);
     const double gap = distance - radius_a - radius_b;
-    const double s = std::sqrt(static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2) +
-                               static_cast<double>(kFinest_m) * static_cast<double>(kFinest_m));
-    const double w = std::exp(std::clamp(-(gap - frame.expected_gap_m) / (3 * s), -16.0, 6.0));
+    const double w = std::exp(std::clamp(-(gap - frame.expected_gap_m) / frame.breadth_m, -16.0, 6.0));
     const double sharp = std::pow(std::max(w, std::exp(-10.0)), 8);
     sums.direction += w * way;
     sums.place_m += sharp * (center(a) + 0.5 * (distance + radius_a - radius_b) * way);
@@ -93,7 +90,7 @@ TEST(FittedSums, AreWhatTheirDefinitionSaysForTreesAndPlanes) {
     for (const std::size_t count : {1U, 2U, 7U, 8U, 9U, 40U}) {
       const Contacts contacts = random_contacts(count, random, plane);
       FittedSums sums;
-      add_fitted(contacts.frame, contacts.front, kFinest_m, sums);
+      add_fitted(contacts.frame, contacts.front, sums);
       expect_near(sums, defined_sums(contacts.frame, contacts.front));
     }
   }
@@ -104,9 +101,9 @@ TEST(FittedSums, OfPartsAddUp) {
   const Contacts contacts = random_contacts(29, random);
   const std::span<const FrontEntry> front(contacts.front);
   FittedSums parts;
-  add_fitted(contacts.frame, front.first(5), kFinest_m, parts);
-  add_fitted(contacts.frame, front.subspan(5, 0), kFinest_m, parts);
-  add_fitted(contacts.frame, front.subspan(5), kFinest_m, parts);
+  add_fitted(contacts.frame, front.first(5), parts);
+  add_fitted(contacts.frame, front.subspan(5, 0), parts);
+  add_fitted(contacts.frame, front.subspan(5), parts);
   expect_near(parts, defined_sums(contacts.frame, front));
 }
 
@@ -117,7 +114,7 @@ TEST(FittedSums, HaveTheSameBitsOnEveryInstructionSet) {
     std::vector<FittedSums> all;
     const int sets = on_every_instruction_set([&] {
       FittedSums sums;
-      add_fitted(contacts.frame, contacts.front, kFinest_m, sums);
+      add_fitted(contacts.frame, contacts.front, sums);
       all.push_back(sums);
     });
     EXPECT_GT(sets, 1);
