@@ -7,7 +7,7 @@
 
 namespace poise::geometry {
 
-/// Fills tree.fit: for each node the sphere that a body from outside meets in its stead (docs/method.md, "Fitted spheres"). The part of the
+/// Fills tree.fit: for each node the sphere that a body from outside meets in its stead (docs/method.md, "The contact of a pair"). The part of the
 /// outside whose nearest point of the object is inside a node's sphere is sampled up to twice the mean radius of the node's level,
 /// so that an edge or a corner counts by the room from which it can be met; each sample's nearest point p with the normal n there
 /// asks for |p + rho n - c'| = rho + r' with rho the mean radius of the level, in the sense of least squares, drawn gently

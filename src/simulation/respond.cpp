@@ -157,6 +157,7 @@ void rest_by_own_wrench(WorldState& world, double still_mps) {
       rest.moment_a_m = contact.rest_moment_a_m;
       rest.moment_b_m = contact.rest_moment_b_m;
       response::prepare_row(rest, row.inverse_mass_a, buffers.inverse_inertia[row.a], row.inverse_mass_b, buffers.inverse_inertia[row.b]);
+      if (rest.effective_mass == 0) continue;  // opposed directions cancel: one of them is better than none
       const double closing = response::approach_mps(rest, buffers.solver_bodies[row.a], buffers.solver_bodies[row.b]);
       if (row.restitution * closing > still_mps) continue;
       rest.point_impulse_ns += row.total_ns * row.direction;
