@@ -10,6 +10,7 @@
 
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "simulation/contact_models.h"
 
 namespace poise::app {
 namespace {
@@ -128,9 +129,9 @@ ExecutorKind executor_kind(const RunOptions& options) {
 
 WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   WorldSettings settings;
-  if (options.contact == "paper") settings.contact = ContactModel::Paper;
-  if (options.contact == "wrench") settings.contact = ContactModel::Wrench;
-  if (options.contact == "fitted") settings.contact = ContactModel::Fitted;
+  for (const simulation::NamedContactModel& named : simulation::kContactModels) {
+    if (options.contact == named.name) settings.contact = named.model;
+  }
   settings.policy = scene.policy;
   if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
   if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;

@@ -37,7 +37,7 @@ struct PairFrame {
 PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
                           double skin_m);
 
-/// With fitted spheres: tells the frame by how much the surfaces deviate from the fits of the level that is worked out (root mean squares), and
+/// With fitted spheres: tells the frame by how much the surfaces deviate from the fits of the level that is worked out (means over its nodes), and
 /// what the level before said of the gap. The two nodes where the surfaces are nearest have spheres that are at most as far
 /// apart as the surfaces.
 void expect_fits(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame);
