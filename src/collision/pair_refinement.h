@@ -7,6 +7,7 @@
 #include "collision/contact_sums.h"
 #include "collision/front.h"
 #include "collision/pair_frame.h"
+#include "collision/patch.h"
 #include "poise/types.h"
 
 namespace poise::collision {
@@ -20,7 +21,8 @@ struct PairLevel {
   SegmentRef front;               ///< none at level 0: the two roots
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
   std::uint32_t next_units = 1;   ///< what the next level costs, in node-pair expansions
-  PairContact contact;
+  PairContact contact;            ///< answers impacts
+  PatchSet patches;               ///< where the pair rests; filled with the contact
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
