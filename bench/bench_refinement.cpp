@@ -60,7 +60,7 @@ std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, PairLev
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 512, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), progress, pair);
+    publish_level(frame, Mat3::Identity(), pools, progress, pair);
   }
   return expansions;
 }

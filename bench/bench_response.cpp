@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "latencies.h"
+#include "response/rest.h"
 #include "response/solve.h"
 
 namespace poise::response {
@@ -21,6 +22,9 @@ struct Block {
   std::vector<ContactRow> rows;
   Coloring coloring;
   SolveScratch scratch;
+  std::vector<RestPair> pairs;
+  std::vector<RestPatch> patches;
+  RestSolver solver;
 
   explicit Block(std::uint32_t side) {
     bodies.emplace_back();
@@ -46,19 +50,28 @@ struct Block {
       row.direction = directions[i];
       prepare_row(row, bodies[row.a].inverse_mass, Mat3::Identity(), 1, Mat3::Identity());
       rows.push_back(row);
+      RestPair& pair = pairs.emplace_back();
+      pair.a = row.a;
+      pair.b = row.b;
+      pair.patch_begin = static_cast<std::uint32_t>(patches.size());
+      pair.patch_count = 1;
+      pair.a_to_b_m = row.direction;
+      RestPatch& patch = patches.emplace_back();
+      patch.normal = row.direction;
+      patch.arm_m = 0.5 * row.direction;
     }
   }
   void connect(std::uint32_t a, std::uint32_t b, const Vec3& direction) {
     edges.push_back({a, b, a != 0, true});
     directions.push_back(direction);
   }
-  System system() { return {bodies, accelerations, rows, {}, inverse_inertia, coloring, scratch}; }
+  System system() { return {bodies, rows, {}, inverse_inertia, coloring, scratch}; }
 };
 
 void step(Block& block, parallel::Executor& executor) {
   const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2, {}};
   solve_impacts(block.system(), settings, executor);
-  solve_rest(block.system(), settings, executor);
+  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.pairs, block.patches, block.coloring}, settings, executor);
   for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
 }
 

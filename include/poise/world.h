@@ -39,7 +39,7 @@ struct WorldSettings {
 
 struct Material {
   double restitution = 0;                        ///< in [0, 1]; of two materials the larger counts
-  double friction = 0;                           ///< >= 0; kept, and not used yet
+  double friction = 0;                           ///< Coulomb's coefficient, >= 0; of two materials the geometric mean counts
   double density_kgpm3 = 1000;                   ///< > 0
 };
 

@@ -9,7 +9,7 @@
 namespace poise::collision {
 namespace {
 
-/// Impacts get one impulse along the mean direction at the mean place (DO eq. 1), rest a wrench weighted by overlap.
+/// One impulse along the mean direction at the mean place (DO eq. 1).
 PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a) {
   PairContact contact;
   if (!(sums.weight > 0)) return contact;
@@ -20,11 +20,6 @@ PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const 
   contact.arm_m = rotation_a * (sums.place_m / sums.weight);
   contact.moment_a_m = contact.arm_m.cross(contact.direction);
   contact.moment_b_m = (contact.arm_m - rotation_a * frame.offset_m).cross(contact.direction);
-  if (sums.rest_weight_m > 0) {
-    contact.rest_direction = rotation_a * (sums.rest_direction_m / sums.rest_weight_m);
-    contact.rest_moment_a_m = rotation_a * (sums.rest_moment_m2 / sums.rest_weight_m);
-    contact.rest_moment_b_m = contact.rest_moment_a_m - (rotation_a * frame.offset_m).cross(contact.rest_direction);
-  }
   contact.surely_m = sums.cores_m;
   // What overlaps beyond doubt is not apart, whatever the fitted spheres say.
   contact.likely_m = std::min(sums.fitted_m, sums.cores_m);
@@ -147,6 +142,25 @@ void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::sp
     add_fitted(frame, close, sums.fitted);
   } else if (sums.fitted.weight == 0) {
     add_fitted(frame, near, sums.fitted_near);
+  }
+}
+
+void add_to_places(const PairFrame& frame, std::span<const FrontEntry> entries, PatchClusters& places) {
+  if (frame.fitted) {
+    add_places(frame, entries, places);
+    return;
+  }
+  for (const FrontEntry entry : entries) {
+    const SphereContact contact = sphere_contact(frame, entry);
+    double expected = static_cast<double>(frame.a->tree.protrusion_mean_m[entry.a]);
+    double certain = static_cast<double>(frame.a->tree.protrusion_max_m[entry.a]);
+    if (!frame.with_plane()) {
+      expected += static_cast<double>(frame.b->tree.protrusion_mean_m[entry.b]);
+      certain += static_cast<double>(frame.b->tree.protrusion_max_m[entry.b]);
+    }
+    if (frame.by_spheres) expected = 0;
+    if (contact.gap_m + expected >= frame.margin_m) continue;
+    places.add({contact.normal, contact.point_m, contact.gap_m + expected, contact.gap_m + certain});
   }
 }
 

@@ -59,14 +59,16 @@ struct PairContact {
   Vec3 direction = Vec3::Zero();   ///< l, from a to b, |l| <= 1
   Vec3 moment_a_m = Vec3::Zero();  ///< t_a = sum w (c - x_a) x n / sum w
   Vec3 moment_b_m = Vec3::Zero();  ///< t_b = sum w (c - x_b) x n / sum w
-  Vec3 rest_direction = Vec3::Zero();  ///< the wrench of resting contact, where it is another than that of impacts; else 0
-  Vec3 rest_moment_a_m = Vec3::Zero(), rest_moment_b_m = Vec3::Zero();
   Vec3 arm_m = Vec3::Zero();       ///< mean contact point from the centre of mass of a
   double spheres_m = 0;            ///< least gap of two spheres; not known with PairFrame::fitted
   double likely_m = 0;             ///< likely gap of the two surfaces, least over the front
   double surely_m = 0;             ///< below zero the two surfaces penetrate beyond doubt
   bool present = false;            ///< something is nearer than the margin
 };
+
+/// Gives the contacts of entries that are nearer than the margin to `places`, in order: of the fitted spheres with PairFrame::fitted, otherwise of
+/// the nodes' own with the gap that is likely there.
+void add_to_places(const PairFrame& frame, std::span<const FrontEntry> entries, PatchClusters& places);
 
 PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a);
 

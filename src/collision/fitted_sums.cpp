@@ -40,7 +40,6 @@ HWY_INLINE void gather(const NodeFit* fits, std::span<const FrontEntry> entries,
 // What the lanes have gathered.
 struct Lanes {
   alignas(32) float direction[3][kLanes] = {}, place[3][kLanes] = {}, weight[kLanes] = {}, gap[kLanes], cores[kLanes];
-  alignas(32) float rest_direction[3][kLanes] = {}, rest_moment[3][kLanes] = {}, rest_weight[kLanes] = {};
 };
 
 // exp(t) to a thousandth for |t| <= 6 and to a half down to -16, of operations that round alike everywhere: a polynomial to the
@@ -56,59 +55,80 @@ HWY_INLINE V exponential(D d, V t) {
   return sum;
 }
 
-// Adds up to eight contacts to the lanes. For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
+// Contacts of some lanes: where the fitted spheres of a are, the way to those of b, and how far it is.
+template <class V>
+struct LaneContacts {
+  V ax, ay, az, dx, dy, dz, distance, radius_a, radius_b, core;
+};
+
+// For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
+template <class D>
+HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fits& b, std::size_t k) {
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
+  const auto at = [&](const float* from) HWY_ATTR { return hn::Load(d, from + k); };
+  LaneContacts<hn::Vec<D>> c;
+  c.ax = at(a.x);
+  c.ay = at(a.y);
+  c.az = at(a.z);
+  c.radius_a = at(a.radius);
+  c.core = at(a.core);
+  if (frame.with_plane()) {
+    const auto nx = set(frame.plane_normal.x());
+    const auto ny = set(frame.plane_normal.y());
+    const auto nz = set(frame.plane_normal.z());
+    const auto height = hn::Sub(hn::Add(hn::Add(hn::Mul(nx, c.ax), hn::Mul(ny, c.ay)), hn::Mul(nz, c.az)), set(frame.plane_height_m));
+    c.dx = hn::Neg(hn::Mul(height, nx));
+    c.dy = hn::Neg(hn::Mul(height, ny));
+    c.dz = hn::Neg(hn::Mul(height, nz));
+    c.radius_b = hn::Zero(d);
+  } else {
+    const auto bx = at(b.x);
+    const auto by = at(b.y);
+    const auto bz = at(b.z);
+    const auto row = [&](int r) HWY_ATTR {
+      const float* const turn = frame.rounded.rotation + 3 * r;
+      return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), bx), hn::Mul(hn::Set(d, turn[1]), by)),
+                     hn::Add(hn::Mul(hn::Set(d, turn[2]), bz), hn::Set(d, frame.rounded.offset_m[r])));
+    };
+    c.dx = hn::Sub(row(0), c.ax);
+    c.dy = hn::Sub(row(1), c.ay);
+    c.dz = hn::Sub(row(2), c.az);
+    c.radius_b = at(b.radius);
+    c.core = hn::Add(c.core, at(b.core));
+  }
+  const auto square = hn::Add(hn::Add(hn::Mul(c.dx, c.dx), hn::Mul(c.dy, c.dy)), hn::Mul(c.dz, c.dz));
+  c.distance = hn::Sqrt(square);
+  // A centre beneath the plane is at a negative distance from it, and the direction stays that of the plane.
+  if (frame.with_plane()) {
+    const auto along = hn::Add(hn::Add(hn::Mul(c.dx, set(frame.plane_normal.x())), hn::Mul(c.dy, set(frame.plane_normal.y()))),
+                               hn::Mul(c.dz, set(frame.plane_normal.z())));
+    c.distance = hn::CopySign(c.distance, hn::Neg(along));
+  }
+  return c;
+}
+
+// Adds up to eight contacts to the lanes.
 void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lanes& sums) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kPlaces[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
-  const bool plane = frame.with_plane();
   Fits a;
   Fits b;
   gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
-  if (!plane) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
+  if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
   const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
-    const auto at = [&](const float* from) HWY_ATTR { return hn::Load(d, from + k); };
-    const auto used = hn::Lt(at(kPlaces), hn::Set(d, static_cast<float>(entries.size())));
-    const auto ax = at(a.x);
-    const auto ay = at(a.y);
-    const auto az = at(a.z);
-    auto dx = hn::Zero(d);
-    auto dy = hn::Zero(d);
-    auto dz = hn::Zero(d);
-    auto radius_b = hn::Zero(d);
-    auto core = at(a.core);
-    if (plane) {
-      const auto nx = set(frame.plane_normal.x());
-      const auto ny = set(frame.plane_normal.y());
-      const auto nz = set(frame.plane_normal.z());
-      const auto height = hn::Sub(hn::Add(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), hn::Mul(nz, az)), set(frame.plane_height_m));
-      dx = hn::Neg(hn::Mul(height, nx));
-      dy = hn::Neg(hn::Mul(height, ny));
-      dz = hn::Neg(hn::Mul(height, nz));
-    } else {
-      const auto bx = at(b.x);
-      const auto by = at(b.y);
-      const auto bz = at(b.z);
-      const auto row = [&](int r) HWY_ATTR {
-        const float* const turn = frame.rounded.rotation + 3 * r;
-        return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), bx), hn::Mul(hn::Set(d, turn[1]), by)),
-                       hn::Add(hn::Mul(hn::Set(d, turn[2]), bz), hn::Set(d, frame.rounded.offset_m[r])));
-      };
-      dx = hn::Sub(row(0), ax);
-      dy = hn::Sub(row(1), ay);
-      dz = hn::Sub(row(2), az);
-      radius_b = at(b.radius);
-      core = hn::Add(core, at(b.core));
-    }
-    const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-    auto distance = hn::Sqrt(square);
-    // A centre beneath the plane is at a negative distance from it, and the direction stays that of the plane.
-    if (plane) {
-      const auto along = hn::Add(hn::Add(hn::Mul(dx, set(frame.plane_normal.x())), hn::Mul(dy, set(frame.plane_normal.y()))),
-                                 hn::Mul(dz, set(frame.plane_normal.z())));
-      distance = hn::CopySign(distance, hn::Neg(along));
-    }
-    const auto radius_a = at(a.radius);
+    const auto used = hn::Lt(hn::Load(d, kPlaces + k), hn::Set(d, static_cast<float>(entries.size())));
+    const auto c = contacts_of(d, frame, a, b, k);
+    const auto ax = c.ax;
+    const auto ay = c.ay;
+    const auto az = c.az;
+    const auto dx = c.dx;
+    const auto dy = c.dy;
+    const auto dz = c.dz;
+    const auto distance = c.distance;
+    const auto radius_a = c.radius_a;
+    const auto radius_b = c.radius_b;
+    const auto core = c.core;
     const auto gap = hn::Sub(distance, hn::Add(radius_a, radius_b));
     const auto steepness = hn::Mul(hn::Sub(set(frame.expected_gap_m), gap), set(1.0 / frame.breadth_m));
     const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, kSmallest)), hn::Set(d, kLargest));
@@ -132,23 +152,58 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lane
     add(sums.place[1], hn::Mul(sharp, py));
     add(sums.place[2], hn::Mul(sharp, pz));
     add(sums.weight, sharp);
-    const auto overlap = hn::IfThenElseZero(used, hn::Max(hn::Sub(set(frame.skin_m), gap), hn::Zero(d)));
-    const auto flat = hn::Mul(overlap, inverse);
-    const auto lx = hn::Mul(flat, dx);
-    const auto ly = hn::Mul(flat, dy);
-    const auto lz = hn::Mul(flat, dz);
-    add(sums.rest_direction[0], lx);
-    add(sums.rest_direction[1], ly);
-    add(sums.rest_direction[2], lz);
-    add(sums.rest_moment[0], hn::Sub(hn::Mul(py, lz), hn::Mul(pz, ly)));
-    add(sums.rest_moment[1], hn::Sub(hn::Mul(pz, lx), hn::Mul(px, lz)));
-    add(sums.rest_moment[2], hn::Sub(hn::Mul(px, ly), hn::Mul(py, lx)));
-    add(sums.rest_weight, overlap);
     const auto far = hn::Set(d, kBeyond);
     const auto lower = [&](float* to, auto value)
                            HWY_ATTR { hn::Store(hn::Min(hn::Load(d, to + k), hn::IfThenElse(used, value, far)), d, to + k); };
     lower(sums.gap, gap);
     lower(sums.cores, hn::Sub(distance, core));
+  }
+}
+
+// Up to eight contacts, a figure an array.
+struct BlockContacts {
+  alignas(32) float gap[kLanes], cores[kLanes], normal[3][kLanes], point[3][kLanes];
+};
+
+void block_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, BlockContacts& into) {
+  const hn::CappedTag<float, kLanes> d;
+  Fits a;
+  Fits b;
+  gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
+  if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto c = contacts_of(d, frame, a, b, k);
+    const auto apart = hn::Ne(c.distance, hn::Zero(d));
+    const auto inverse = hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1.0F), c.distance));
+    const auto half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(inverse, hn::Add(c.distance, hn::Sub(c.radius_a, c.radius_b))));
+    hn::Store(hn::Sub(c.distance, hn::Add(c.radius_a, c.radius_b)), d, into.gap + k);
+    hn::Store(hn::Sub(c.distance, c.core), d, into.cores + k);
+    hn::Store(hn::Mul(inverse, c.dx), d, into.normal[0] + k);
+    hn::Store(hn::Mul(inverse, c.dy), d, into.normal[1] + k);
+    hn::Store(hn::Mul(inverse, c.dz), d, into.normal[2] + k);
+    hn::Store(hn::Add(c.ax, hn::Mul(half, c.dx)), d, into.point[0] + k);
+    hn::Store(hn::Add(c.ay, hn::Mul(half, c.dy)), d, into.point[1] + k);
+    hn::Store(hn::Add(c.az, hn::Mul(half, c.dz)), d, into.point[2] + k);
+  }
+}
+
+void places(const PairFrame& frame, std::span<const FrontEntry> entries, PatchClusters& into) {
+  const auto reach = static_cast<float>(frame.margin_m);
+  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
+    const std::size_t count = std::min(kLanes, entries.size() - begin);
+    BlockContacts block;
+    block_contacts(frame, entries.subspan(begin, count), block);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (block.gap[k] >= reach) continue;
+      const auto vector = [k](const float(&of)[3][kLanes]) {
+        return Vec3(static_cast<double>(of[0][k]), static_cast<double>(of[1][k]), static_cast<double>(of[2][k]));
+      };
+      NodeContact contact{vector(block.normal), vector(block.point), static_cast<double>(block.gap[k]), static_cast<double>(block.cores[k])};
+      if (frame.with_plane()) contact.normal = -frame.plane_normal;
+      // Centres that coincide have no direction of their own.
+      if (contact.normal.isZero(0)) contact.normal = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
+      into.add(contact);
+    }
   }
 }
 
@@ -166,9 +221,6 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums
   const auto sum3 = [&](const float(&of)[3][kLanes]) { return Vec3(sum(of[0]), sum(of[1]), sum(of[2])); };
   sums.direction += sum3(lanes.direction);
   sums.place_m += sum3(lanes.place);
-  sums.rest_direction_m += sum3(lanes.rest_direction);
-  sums.rest_moment_m2 += sum3(lanes.rest_moment);
-  sums.rest_weight_m += sum(lanes.rest_weight);
   sums.weight += sum(lanes.weight);
   sums.fitted_m = std::min(sums.fitted_m, least(lanes.gap));
   sums.cores_m = std::min(sums.cores_m, least(lanes.cores));
@@ -181,9 +233,14 @@ HWY_AFTER_NAMESPACE();
 namespace poise::collision {
 
 HWY_EXPORT(add);
+HWY_EXPORT(places);
 
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
   if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, sums);
+}
+
+void add_places(const PairFrame& frame, std::span<const FrontEntry> entries, PatchClusters& places) {
+  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(places)(frame, entries, places);
 }
 
 }  // namespace poise::collision

@@ -5,6 +5,7 @@
 
 #include "collision/front.h"
 #include "collision/pair_frame.h"
+#include "collision/patch_clusters.h"
 #include "poise/types.h"
 
 namespace poise::collision {
@@ -17,14 +18,14 @@ struct FittedSums {
   Vec3 direction = Vec3::Zero();          ///< sum of w n
   Vec3 place_m = Vec3::Zero();            ///< sum of w^8 p
   double weight = 0;                      ///< sum of w^8
-  Vec3 rest_direction_m = Vec3::Zero();   ///< sum of v n with v = max(0, skin - g): the wrench by which the pair rests
-  Vec3 rest_moment_m2 = Vec3::Zero();     ///< sum of v p x n
-  double rest_weight_m = 0;               ///< sum of v
   double fitted_m = 1e300;                ///< least gap of two fitted spheres
   double cores_m = 1e300;                 ///< least gap of two cores: below zero the objects overlap beyond doubt
 };
 
 /// Single precision in blocks of eight, the same bits on any instruction set. For two trees or a tree and a plane.
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
+
+/// Gives the contacts of those entries whose fitted spheres are nearer than the margin to `places`, in order. The same bits likewise.
+void add_places(const PairFrame& frame, std::span<const FrontEntry> entries, PatchClusters& places);
 
 }  // namespace poise::collision

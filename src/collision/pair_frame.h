@@ -25,6 +25,7 @@ struct PairFrame {
   double margin_m = 0;               ///< gaps below this count: what the two may close in the step
   double skin_m = 0;                 ///< gaps below this count as touching
   bool fitted = false;               ///< nodes answer by their fitted spheres
+  bool by_spheres = false;           ///< the spheres themselves are the surface, whatever they protrude
   double breadth_m = 1;              ///< of the weights of fitted spheres, > 0; see expect_fits
   double expected_gap_m = 0;         ///< see expect_fits
   float closeness_m = 0;             ///< nodes whose spheres are nearer than this answer for the pair, if there are any

@@ -16,6 +16,9 @@ constexpr FrontEntry kRoots[1] = {{0, 0}};
 // the largest. Measured: heights of settled piles of jacks at level 0 are then within 5 % of those at full depth.
 constexpr double kNesting = 0.25;
 
+// Places nearer than this many skins (a quarter of the smaller body's radius, chosen) in like directions are one.
+constexpr double kPlaceOfSize = 50;
+
 // A wrench of one contact, with the gaps of level 0. The moment about b is left to the caller.
 PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double mean_m, double most_m) {
   PairContact contact;
@@ -130,13 +133,29 @@ Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int work
   return Quantum::More;
 }
 
-void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelProgress& progress, PairLevel& pair) {
+Patch lone_patch(const PairContact& contact, const Mat3& rotation_a) {
+  Patch patch;
+  const double length = contact.direction.norm();
+  if (length > 0) patch.normal = rotation_a.transpose() * (contact.direction / length);
+  patch.point_m = rotation_a.transpose() * contact.arm_m;
+  patch.gap_m = contact.likely_m;
+  patch.surely_m = std::max(contact.likely_m, contact.surely_m);
+  return patch;
+}
+
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
+                   PairLevel& pair) {
   ++pair.level;
   pair.front = progress.first;
   pair.front_entries = progress.entries;
   pair.next_units = progress.entries;
   pair.contact = finish_contact(frame, progress.sums, rotation_a);
   pair.apart = !pair.contact.present;
+  pair.patches.count = 0;
+  if (pair.apart || pair.contact.likely_m >= frame.margin_m) return;
+  PatchClusters places(frame.margin_m, kPlaceOfSize * frame.skin_m);
+  for_each_segment(pools, pair.front, [&](std::span<const FrontEntry> entries) { add_to_places(frame, entries, places); });
+  places.finish(pair.patches);
 }
 
 }  // namespace poise::collision

@@ -64,8 +64,12 @@ LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
                     LevelProgress& progress);
 
-/// Makes a complete level the pair's own.
-void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelProgress& progress, PairLevel& pair);
+/// Makes a complete level the pair's own, and finds where the pair rests if it is nearer than the margin.
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
+                   PairLevel& pair);
+
+/// A contact as the one place where a pair rests, in the frame of a.
+Patch lone_patch(const PairContact& contact, const Mat3& rotation_a);
 
 /// Calls visit(span of entries) over the pair's front, in order.
 template <class Visit>

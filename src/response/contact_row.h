@@ -16,7 +16,7 @@ struct SolverBody {
   Vec3 moved_m = Vec3::Zero();        ///< in the step so far
   Vec3 turned_rad = Vec3::Zero();     ///< in the step so far
   double inverse_mass = 0;            ///< 0 for bodies that do not yield; these are never written
-  bool answered = false;              ///< a resting contact pushed it in this step
+  bool answered = false;              ///< resting contact held or pushed it in this step
 };
 
 /// One sphere contact of a pair, world frame, for the model that answers each on its own.
@@ -38,12 +38,12 @@ struct ContactRow {
   double inverse_mass_a = 0, inverse_mass_b = 0;
   double effective_mass = 0;          ///< 1 / K; 0 when degenerate: the row answers nothing
   double gap_m = 0;                   ///< likely gap of the two surfaces
-  double surely_m = 0;                ///< gap that is certain: below zero they penetrate beyond doubt
-  double slop_m = 0;                  ///< overlap that is left alone
   double restitution = 0;
-  double impulse_ns = 0;              ///< of resting contact, per substep; >= 0; kept for the next frame
-  double total_ns = 0;                ///< all that b received along l in this step
-  Vec3 point_impulse_ns = Vec3::Zero();  ///< what the point contacts gave to b in this step
+  double friction = 0;                ///< Coulomb's coefficient
+  Vec3 arm_m = Vec3::Zero();          ///< mean place of contact, from the centre of mass of a
+  Vec3 a_to_b_m = Vec3::Zero();       ///< between the centres of mass
+  double total_ns = 0;                ///< all that b received along l from impacts
+  Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
   bool bounces = false;               ///< comes in fast enough to rebound: left to the impact phase
 };
 

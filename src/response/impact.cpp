@@ -41,6 +41,26 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
   return answered;
 }
 
+// Coulomb friction of one impulse along the wrench: what stops the slip at the place of contact, or as much as the cone allows.
+void rub(const System& system, ContactRow& row, double lambda_ns) {
+  SolverBody& a = system.bodies[row.a];
+  SolverBody& b = system.bodies[row.b];
+  const Vec3 arm_b = row.arm_m - row.a_to_b_m;
+  const Vec3 normal = row.direction.normalized();
+  Vec3 slip = b.velocity_mps + b.spin_radps.cross(arm_b) - a.velocity_mps - a.spin_radps.cross(row.arm_m);
+  slip -= slip.dot(normal) * normal;
+  const double speed = slip.norm();
+  if (!(speed > 0)) return;
+  ContactRow across = row;
+  across.direction = -slip / speed;
+  across.moment_a_m = row.arm_m.cross(across.direction);
+  across.moment_b_m = arm_b.cross(across.direction);
+  if (!prepare_row(across, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b, system.inverse_inertia[row.b])) return;
+  const double given_ns = std::min(speed * across.effective_mass, row.friction * lambda_ns * row.direction.norm());
+  apply_impulse(across, given_ns, a, b);
+  row.point_impulse_ns += given_ns * across.direction;
+}
+
 bool answer_wrench(const System& system, ContactRow& row, double dt_s, double still_mps) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
@@ -56,6 +76,7 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
   if (lambda <= 0) return false;
   apply_impulse(row, lambda, a, b);
   row.total_ns += lambda;
+  if (row.friction > 0) rub(system, row, lambda);
   return true;
 }
 
@@ -84,7 +105,7 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       if (round > 1 && changed[gates[i].a] + 1 < round && changed[gates[i].b] + 1 < round) return;
       ContactRow& row = system.rows[i];
       if (round == 1) {
-        gates[i] = {row.a, row.b, row.surely_m + row.slop_m < 0};
+        gates[i] = {row.a, row.b};
         note_rebound(system, row, still_mps);
       }
       if (row.effective_mass == 0) return;

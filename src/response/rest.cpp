@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
+#include "response/rest.h"
 
-#include "response/solve.h"
-#include "response/sweep.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "response/rest_lanes.h"
 
 namespace poise::response {
 namespace {
@@ -10,123 +14,386 @@ namespace {
 // Share of a certain overlap that a substep takes back, and the greatest speed of that. Faster, and a pair that has just
 // been refined pops.
 constexpr double kPushShare = 0.1;
-constexpr double kMaxPushMps = 0.5;
+constexpr double kMaxPushMps = 0.3;
 
-// The gap now, to first order in the motion of the step so far.
-double gap_change(const ContactRow& row, const SolverBody& a, const SolverBody& b) {
-  return row.direction.dot(b.moved_m - a.moved_m) + row.moment_b_m.dot(b.turned_rad) -
-         row.moment_a_m.dot(a.turned_rad);
+constexpr std::size_t kMostPatches = 4;
+
+// Lanes and motions in one precision.
+template <class T>
+struct Lanes {
+  std::vector<PatchLanes<T>> patches;
+  std::vector<FrictionLanes<T>> friction;
+  std::vector<Motion<T>> motions;   // one a body
+  std::vector<Motion<T>> begun;     // velocities and spins when the substep began
+
+  std::span<PatchLanes<T>> patches_of(const RestBlock& block) { return std::span(patches).subspan(block.first, block.patches); }
+  std::span<FrictionLanes<T>> friction_of(const RestBlock& block) {
+    return friction.empty() ? std::span<FrictionLanes<T>>() : std::span(friction).subspan(block.first, block.patches);
+  }
+};
+
+// What a direction does to a pair.
+struct Direction {
+  Vec3 l, moment_a, moment_b, turn_a, turn_b;
+  double mass = 0;  ///< M, 0 where nothing yields
+  double rate = 0;
+};
+
+Direction direction_of(const RestSystem& system, const RestPair& pair, const Vec3& l, const Vec3& arm_m) {
+  const SolverBody& a = system.bodies[pair.a];
+  const SolverBody& b = system.bodies[pair.b];
+  Direction made;
+  made.l = l;
+  made.moment_a = arm_m.cross(l);
+  made.moment_b = (arm_m - pair.a_to_b_m).cross(l);
+  made.turn_a = system.inverse_inertia[pair.a] * made.moment_a;
+  made.turn_b = system.inverse_inertia[pair.b] * made.moment_b;
+  const double k = a.inverse_mass + b.inverse_mass + made.moment_a.dot(made.turn_a) + made.moment_b.dot(made.turn_b);
+  made.mass = k > 0 && std::isfinite(1.0 / k) ? 1.0 / k : 0.0;
+  made.rate = l.dot(a.velocity_mps - b.velocity_mps) + made.moment_a.dot(a.spin_radps) - made.moment_b.dot(b.spin_radps);
+  return made;
 }
 
-void mark(const ContactRow& row, SolverBody& a, SolverBody& b) {
-  if (row.inverse_mass_a > 0) a.answered = true;
-  if (row.inverse_mass_b > 0) b.answered = true;
+template <class T>
+void set_direction(const RestSystem& system, const RestPair& pair, const Direction& from, std::size_t lane, DirectionLanes<T>& into) {
+  for (int k = 0; k < 3; ++k) {
+    into.l[k][lane] = static_cast<T>(from.l[k]);
+    into.ta[k][lane] = static_cast<T>(from.moment_a[k]);
+    into.tb[k][lane] = static_cast<T>(from.moment_b[k]);
+    into.ua[k][lane] = static_cast<T>(from.mass * from.turn_a[k]);
+    into.ub[k][lane] = static_cast<T>(from.mass * from.turn_b[k]);
+  }
+  into.ma[lane] = static_cast<T>(from.mass * system.bodies[pair.a].inverse_mass);
+  into.mb[lane] = static_cast<T>(from.mass * system.bodies[pair.b].inverse_mass);
+  into.rate[lane] = static_cast<T>(from.rate);
 }
 
-// Keeps a pair from closing further than its gap in this substep. Returns the impulse that this took, in N s.
-double solve_velocity(const System& system, ContactRow& row, double h_s) {
-  SolverBody& a = system.bodies[row.a];
-  SolverBody& b = system.bodies[row.b];
-  const double gap_m = std::max(0.0, row.gap_m + gap_change(row, a, b));
-  const double wanted = row.impulse_ns + (approach_mps(row, a, b) - gap_m / h_s) * row.effective_mass;
-  const double lambda = std::max(0.0, wanted) - row.impulse_ns;
-  if (lambda == 0) return 0;
-  row.impulse_ns += lambda;
-  row.total_ns += lambda;
-  apply_impulse(row, lambda, a, b);
-  mark(row, a, b);
-  return lambda;
+template <class T>
+void set_friction(const RestSystem& system, const RestPair& pair, const RestPatch& patch, double mass, bool warm, std::size_t lane,
+                  FrictionLanes<T>& into) {
+  const Tangents along = tangents(patch.normal);
+  into.coefficient[lane] = static_cast<T>(pair.friction);
+  for (std::size_t t = 0; t < 2; ++t) {
+    const Direction made = direction_of(system, pair, t == 0 ? along.first : along.second, patch.arm_m);
+    set_direction(system, pair, made, lane, into.along[t]);
+    into.share[t][lane] = static_cast<T>(mass > 0 ? made.mass / mass : 0.0);
+    into.impulse[t][lane] = static_cast<T>(warm && made.mass > 0 ? patch.friction_ns.dot(made.l) / made.mass : 0.0);
+  }
 }
 
-bool counts(const ContactRow& row) { return row.effective_mass != 0 && !row.bounces; }
-
-// Sweeps over the velocities of one substep.
-void solve_velocities(const System& system, double h_s, const Stopping& stopping, parallel::Executor& executor,
-                      Convergence& ended) {
-  if (!stopping.converges()) {
-    ++ended.sweeps;
-    sweep(system, executor, [&](std::size_t i) {
-      ContactRow& row = system.rows[i];
-      if (counts(row)) solve_velocity(system, row, h_s);
-    });
-    return;
+template <class T>
+void fill_block(const RestSystem& system, double still_mps, RestBlock& block, Lanes<T>& lanes) {
+  const std::span<PatchLanes<T>> patches = lanes.patches_of(block);
+  const std::span<FrictionLanes<T>> friction = lanes.friction_of(block);
+  std::fill(patches.begin(), patches.end(), PatchLanes<T>{});
+  std::fill(friction.begin(), friction.end(), FrictionLanes<T>{});
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    const RestPair& pair = system.pairs[block.pair[lane]];
+    // Without a load, what held the pair last time would add energy.
+    const bool warm = !(system.accelerations[pair.a].none() && system.accelerations[pair.b].none());
+    for (std::size_t p = 0; p < pair.patch_count; ++p) {
+      const RestPatch& patch = system.patches[pair.patch_begin + p];
+      PatchLanes<T>& into = patches[p];
+      Direction made = direction_of(system, pair, patch.normal, patch.arm_m);
+      if (pair.restitution * made.rate > still_mps) made.mass = 0;
+      set_direction(system, pair, made, lane, into.normal);
+      into.gap[lane] = static_cast<T>(patch.gap_m);
+      into.surely[lane] = static_cast<T>(patch.surely_m + pair.slop_m);
+      into.newton_s[lane] = static_cast<T>(made.mass);
+      into.impulse[lane] = static_cast<T>(warm && made.mass > 0 ? patch.impulse_ns / made.mass : 0.0);
+      if (pair.friction > 0 && !friction.empty()) set_friction(system, pair, patch, made.mass, warm, lane, friction[p]);
+    }
   }
-  system.scratch.change_ns.resize(system.rows.size());
-  for (std::uint32_t round = 0; round < stopping.max_sweeps; ++round) {
-    ++ended.sweeps;
-    sweep(system, executor, [&](std::size_t i) {
-      ContactRow& row = system.rows[i];
-      system.scratch.change_ns[i] = counts(row) ? solve_velocity(system, row, h_s) : 0.0;
-    });
-    if (settled(system, stopping, &ContactRow::impulse_ns)) return;
-  }
-  ended.reached = false;
-}
-
-// Takes a part of an overlap that is certain back, in place alone: no speed comes of it.
-void push_apart(const System& system, const ContactRow& row, double h_s, double still_mps) {
-  SolverBody& a = system.bodies[row.a];
-  SolverBody& b = system.bodies[row.b];
-  const double overlap_m = -(row.surely_m + gap_change(row, a, b) + row.slop_m);
-  // A pair that parts by itself need not be pushed.
-  if (overlap_m <= 0 || approach_mps(row, a, b) < -still_mps) return;
-  const double lambda = std::min(kPushShare * overlap_m, kMaxPushMps * h_s) * row.effective_mass;
-  if (row.inverse_mass_a > 0) {
-    a.moved_m -= (lambda * row.inverse_mass_a) * row.direction;
-    a.turned_rad -= lambda * row.turn_a;
-  }
-  if (row.inverse_mass_b > 0) {
-    b.moved_m += (lambda * row.inverse_mass_b) * row.direction;
-    b.turned_rad += lambda * row.turn_b;
-  }
-  mark(row, a, b);
 }
 
 }  // namespace
 
-Convergence solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
-  constexpr std::size_t kGrain = 512;
-  const double h_s = settings.dt_s / settings.substeps;
-  Convergence ended;
-  for (int substep = 0; substep < settings.substeps; ++substep) {
-    parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+Tangents tangents(const Vec3& normal) {
+  const double sign = std::copysign(1.0, normal.z());
+  const double a = -1.0 / (sign + normal.z());
+  const double b = normal.x() * normal.y() * a;
+  return {Vec3(1.0 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x()),
+          Vec3(b, sign + normal.y() * normal.y() * a, -normal.y())};
+}
+
+struct RestSolver::Buffers {
+  std::vector<RestBlock> blocks;
+  std::vector<std::size_t> block_begin;   // per colour, then the serial ones, then the end
+  std::vector<std::uint32_t> order;       // of one colour
+  std::vector<SweepChange<double>> changes;  // one a block, where sweeps converge
+  Lanes<float> single;
+  Lanes<double> twofold;
+
+  template <class T>
+  Lanes<T>& lanes() {
+    if constexpr (sizeof(T) == sizeof(float)) {
+      return single;
+    } else {
+      return twofold;
+    }
+  }
+
+  void add_blocks(const RestSystem& system, std::size_t width, std::uint32_t& lanes);
+  std::uint32_t make_blocks(const RestSystem& system);
+  template <class Visit>
+  void sweep(parallel::Executor& executor, Visit&& visit);
+  template <class T>
+  Convergence solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor);
+};
+
+// Blocks of the pairs in `order`, those with most patches first.
+void RestSolver::Buffers::add_blocks(const RestSystem& system, std::size_t width, std::uint32_t& lanes) {
+  for (std::size_t begin = 0; begin < order.size(); begin += width) {
+    RestBlock block;
+    block.count = static_cast<std::uint32_t>(std::min(width, order.size() - begin));
+    block.first = lanes;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      // Lanes that are not in use read what nobody else writes, and write nothing.
+      const std::uint32_t place = order[begin + std::min<std::size_t>(lane, block.count - 1)];
+      const RestPair& pair = system.pairs[place];
+      block.a[lane] = pair.a;
+      block.b[lane] = pair.b;
+      block.pair[lane] = place;
+      if (lane >= block.count) continue;
+      block.patches = std::max(block.patches, pair.patch_count);
+      if (system.bodies[pair.a].inverse_mass > 0) block.yields_a = static_cast<std::uint8_t>(block.yields_a | 1U << lane);
+      if (system.bodies[pair.b].inverse_mass > 0) block.yields_b = static_cast<std::uint8_t>(block.yields_b | 1U << lane);
+    }
+    lanes += block.patches;
+    blocks.push_back(block);
+  }
+}
+
+std::uint32_t RestSolver::Buffers::make_blocks(const RestSystem& system) {
+  blocks.clear();
+  block_begin.clear();
+  std::uint32_t lanes = 0;
+  const auto gather = [&](std::size_t begin, std::size_t end, bool by_count) {
+    order.clear();
+    for (std::uint32_t count = kMostPatches; by_count && count > 0; --count) {
       for (std::size_t i = begin; i < end; ++i) {
-        SolverBody& body = system.bodies[i];
-        body.velocity_mps += h_s * system.accelerations[i].linear_mps2;
-        body.spin_radps += h_s * system.accelerations[i].angular_radps2;
+        if (system.pairs[i].patch_count == count) order.push_back(static_cast<std::uint32_t>(i));
       }
-    });
-    sweep(system, executor, [&](std::size_t i) {
-      ContactRow& row = system.rows[i];
-      if (!counts(row)) {
-        row.impulse_ns = 0;
-        return;
-      }
-      if (row.impulse_ns == 0) return;
-      // Warm start with what held the pair last time, if something still presses: without a load it would add energy.
-      if (system.accelerations[row.a].none() && system.accelerations[row.b].none()) {
-        row.impulse_ns = 0;
-        return;
-      }
-      row.total_ns += row.impulse_ns;
-      apply_impulse(row, row.impulse_ns, system.bodies[row.a], system.bodies[row.b]);
-      mark(row, system.bodies[row.a], system.bodies[row.b]);
-    });
-    solve_velocities(system, h_s, settings.stopping, executor, ended);
-    parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = begin; i < end; ++i) {
-        SolverBody& body = system.bodies[i];
-        body.moved_m += h_s * body.velocity_mps;
-        body.turned_rad += h_s * body.spin_radps;
-      }
-    });
-    sweep(system, executor, [&](std::size_t i) {
-      if (!system.scratch.gates[i].may_push) return;
-      const ContactRow& row = system.rows[i];
-      if (counts(row)) push_apart(system, row, h_s, still_mps(settings));
+    }
+    for (std::size_t i = begin; i < end && !by_count; ++i) {
+      if (system.pairs[i].patch_count > 0) order.push_back(static_cast<std::uint32_t>(i));
+    }
+  };
+  const Coloring& coloring = system.coloring;
+  for (std::uint32_t color = 0; color < coloring.colors(); ++color) {
+    block_begin.push_back(blocks.size());
+    gather(coloring.begin(color), coloring.begin(color + 1), true);
+    add_blocks(system, kLanes, lanes);
+  }
+  block_begin.push_back(blocks.size());
+  gather(coloring.serial_begin(), system.pairs.size(), false);
+  add_blocks(system, 1, lanes);
+  block_begin.push_back(blocks.size());
+  return lanes;
+}
+
+template <class Visit>
+void RestSolver::Buffers::sweep(parallel::Executor& executor, Visit&& visit) {
+  constexpr std::size_t kGrain = 16;
+  for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
+    const std::size_t first = block_begin[color];
+    parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = first + begin; i < first + end; ++i) visit(i);
     });
   }
+  for (std::size_t i = block_begin[block_begin.size() - 2]; i < block_begin.back(); ++i) visit(i);
+}
+
+namespace {
+
+template <class T>
+std::array<T, 6> added_in(const Acceleration& pull, double h_s) {
+  std::array<T, 6> added;
+  for (std::size_t k = 0; k < 3; ++k) {
+    added[k] = static_cast<T>(h_s * pull.linear_mps2[static_cast<int>(k)]);
+    added[k + 3] = static_cast<T>(h_s * pull.angular_radps2[static_cast<int>(k)]);
+  }
+  return added;
+}
+
+// The figures of a motion one after another: v, w, x, q.
+template <class T>
+T* figures(Motion<T>& motion) {
+  return motion.v;
+}
+
+// Begins a substep: forces, and from the second one on what contacts gave in the one before.
+template <class T>
+void begin_substep(const RestSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
+  T* const now = figures(lanes.motions[i]);
+  T* const begun = figures(lanes.begun[i]);
+  const std::array<T, 6> added = added_in<T>(system.accelerations[i], h_s);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const T before = now[k];
+    // What changed in the substep before was the forces' part and the contacts': both come again.
+    now[k] = first ? before + added[k] : before + (before - begun[k]);
+    begun[k] = before;
+  }
+}
+
+template <class T>
+void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
+  T* const now = figures(lanes.motions[i]);
+  for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
+}
+
+template <class T>
+void add_totals(std::span<PatchLanes<T>> patches, std::span<FrictionLanes<T>> friction) {
+  for (PatchLanes<T>& patch : patches) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) patch.total[lane] += patch.impulse[lane];
+  }
+  for (FrictionLanes<T>& rubbed : friction) {
+    for (std::size_t t = 0; t < 2; ++t) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) rubbed.total[t][lane] += rubbed.impulse[t][lane];
+    }
+  }
+}
+
+// Gives the bodies of a block what its patches came to, in double precision and at one point for both bodies of each.
+template <class T>
+void give_block(const RestSystem& system, const RestBlock& block, std::span<const PatchLanes<T>> patches, std::span<const FrictionLanes<T>> friction) {
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    RestPair& pair = system.pairs[block.pair[lane]];
+    SolverBody& a = system.bodies[pair.a];
+    SolverBody& b = system.bodies[pair.b];
+    Vec3 sum = Vec3::Zero();
+    Vec3 moment_a = Vec3::Zero();
+    Vec3 moment_b = Vec3::Zero();
+    for (std::size_t p = 0; p < pair.patch_count; ++p) {
+      RestPatch& patch = system.patches[pair.patch_begin + p];
+      const double newton_s = static_cast<double>(patches[p].newton_s[lane]);
+      patch.impulse_ns = newton_s * static_cast<double>(patches[p].impulse[lane]);
+      Vec3 given = (newton_s * static_cast<double>(patches[p].total[lane])) * patch.normal;
+      patch.friction_ns.setZero();
+      if (!friction.empty() && pair.friction > 0) {
+        const Tangents along = tangents(patch.normal);
+        for (std::size_t t = 0; t < 2; ++t) {
+          const double unit_ns = newton_s * static_cast<double>(friction[p].share[t][lane]);
+          const Vec3& tangent = t == 0 ? along.first : along.second;
+          patch.friction_ns += (unit_ns * static_cast<double>(friction[p].impulse[t][lane])) * tangent;
+          given += (unit_ns * static_cast<double>(friction[p].total[t][lane])) * tangent;
+        }
+      }
+      sum += given;
+      moment_a += patch.arm_m.cross(given);
+      moment_b += (patch.arm_m - pair.a_to_b_m).cross(given);
+    }
+    pair.impulse_ns = sum;
+    const bool answered = !sum.isZero(0) || !moment_a.isZero(0) || !moment_b.isZero(0) || (block.pushed >> lane & 1U) != 0;
+    if (!answered) continue;
+    if (a.inverse_mass > 0) {
+      a.velocity_mps -= a.inverse_mass * sum;
+      a.spin_radps -= system.inverse_inertia[pair.a] * moment_a;
+      a.answered = true;
+    }
+    if (b.inverse_mass > 0) {
+      b.velocity_mps += b.inverse_mass * sum;
+      b.spin_radps += system.inverse_inertia[pair.b] * moment_b;
+      b.answered = true;
+    }
+  }
+}
+
+}  // namespace
+
+template <class T>
+Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
+  constexpr std::size_t kGrain = 512;
+  constexpr std::size_t kBlocksAtOnce = 16;
+  const Stopping& stopping = settings.stopping;
+  const double h_s = settings.dt_s / settings.substeps;
+  Lanes<T>& all = lanes<T>();
+  const std::uint32_t needed = make_blocks(system);
+  const bool rubs = std::any_of(system.pairs.begin(), system.pairs.end(), [](const RestPair& pair) { return pair.friction > 0 && pair.patch_count > 0; });
+  all.patches.resize(std::max<std::size_t>(all.patches.size(), needed));
+  all.friction.resize(rubs ? all.patches.size() : 0);
+  all.motions.resize(system.bodies.size());
+  all.begun.resize(system.bodies.size());
+  if (stopping.converges()) changes.resize(blocks.size());
+  const auto for_bodies = [&](auto&& visit) {
+    parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  };
+  parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) fill_block(system, still_mps(settings), blocks[i], all);
+  });
+  SubstepTerms<T> terms;
+  terms.h_s = static_cast<T>(h_s);
+  terms.still_mps = static_cast<T>(still_mps(settings));
+  terms.push_share = static_cast<T>(kPushShare);
+  terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
+  terms.watch = stopping.converges();
+  Convergence ended;
+  for (int substep = 0; substep < settings.substeps; ++substep) {
+    terms.begun_s = static_cast<T>(substep * h_s);
+    for_bodies([&](std::size_t i) {
+      if (substep == 0) all.motions[i] = Motion<T>{};
+      begin_substep(system, i, h_s, substep == 0, all);
+    });
+    if (substep == 0) sweep(executor, [&](std::size_t i) { warm_block(blocks[i], all.patches_of(blocks[i]), all.friction_of(blocks[i]), all.motions.data()); });
+    const std::uint32_t most = stopping.converges() ? stopping.max_sweeps : 1;
+    bool reached = !stopping.converges();
+    for (std::uint32_t round = 0; round < most; ++round) {
+      ++ended.sweeps;
+      const bool last = !stopping.converges();
+      sweep(executor, [&](std::size_t i) {
+        RestBlock& block = blocks[i];
+        const SweepChange<T> change = solve_block(block, all.patches_of(block), all.friction_of(block), terms, round == 0, all.motions.data());
+        if (terms.watch) changes[i] = {static_cast<double>(change.largest), static_cast<double>(change.change)};
+        if (last) add_totals(all.patches_of(block), all.friction_of(block));
+      });
+      if (!terms.watch) break;
+      SweepChange<double> sum;
+      for (const SweepChange<double>& change : changes) {
+        sum.largest = std::max(sum.largest, change.largest);
+        sum.change = std::max(sum.change, change.change);
+      }
+      reached = sum.change <= stopping.share * sum.largest;
+      if (reached) break;
+    }
+    if (terms.watch) {
+      for (RestBlock& block : blocks) add_totals(all.patches_of(block), all.friction_of(block));
+    }
+    ended.reached = ended.reached && reached;
+    for_bodies([&](std::size_t i) { end_substep(i, h_s, all); });
+  }
+  for_bodies([&](std::size_t i) {
+    SolverBody& body = system.bodies[i];
+    const Motion<T>& motion = all.motions[i];
+    body.moved_m = settings.dt_s * body.velocity_mps + Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
+    body.turned_rad = settings.dt_s * body.spin_radps + Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
+    body.velocity_mps += settings.dt_s * system.accelerations[i].linear_mps2;
+    body.spin_radps += settings.dt_s * system.accelerations[i].angular_radps2;
+  });
+  sweep(executor, [&](std::size_t i) {
+    give_block<T>(system, blocks[i], all.patches_of(blocks[i]), all.friction_of(blocks[i]));
+  });
   return ended;
+}
+
+RestSolver::RestSolver() : buffers_(std::make_unique<Buffers>()) {}
+RestSolver::~RestSolver() = default;
+RestSolver::RestSolver(RestSolver&&) noexcept = default;
+RestSolver& RestSolver::operator=(RestSolver&&) noexcept = default;
+
+void RestSolver::reserve(std::size_t bodies, std::size_t pairs, std::size_t patches) {
+  buffers_->blocks.reserve(pairs);
+  buffers_->order.reserve(pairs);
+  buffers_->block_begin.reserve(Coloring::kColors + 2);
+  buffers_->single.patches.reserve(patches);
+  buffers_->single.motions.reserve(bodies);
+  buffers_->single.begun.reserve(bodies);
+}
+
+Convergence RestSolver::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
+  return settings.stopping.converges() ? buffers_->solve<double>(system, settings, executor)
+                                       : buffers_->solve<float>(system, settings, executor);
 }
 
 }  // namespace poise::response

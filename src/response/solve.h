@@ -49,7 +49,6 @@ struct Acceleration {
 /// What a sweep looks at before it touches a row: small, because most sweeps leave most rows alone.
 struct RowGate {
   std::uint32_t a = 0, b = 0;
-  bool may_push = false;              ///< the pair overlaps beyond doubt
 };
 
 /// Buffers of the solver. Invariant: they only grow.
@@ -62,10 +61,9 @@ struct SolveScratch {
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` are those of the rows.
 struct System {
   std::span<SolverBody> bodies;
-  std::span<const Acceleration> accelerations;  ///< one a body
   std::span<ContactRow> rows;
   std::span<const PointContact> points;
-  std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts only
+  std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts and friction only
   const Coloring& coloring;
   SolveScratch& scratch;
 };
@@ -76,12 +74,8 @@ struct System {
 /// and does not rebound is slowed so that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
 /// an impulse was needed, at most kImpactSweeps times or as `stopping` says. Linear and angular momentum are kept; energy never
 /// grows. Point contacts are answered in the first sweep alone.
+/// With friction an impulse lambda brings one across it, against the slip at the place of contact and at most the coefficient times lambda.
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 inline constexpr std::uint32_t kImpactSweeps = 8;
-
-/// Adds forces and keeps bodies from sinking into each other, in substeps (Macklin et al. 2019): one sweep over the
-/// velocities (or as many as `stopping` says), warm started from each row's impulse, and one over the positions of pairs that overlap beyond doubt. Pushing
-/// positions alone leaves no speed behind, whatever is not yet solved. Fills moved_m and turned_rad.
-Convergence solve_rest(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 
 }  // namespace poise::response

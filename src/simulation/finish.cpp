@@ -17,6 +17,7 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
                          : Vec3(h_s * solved.velocity_mps - (0.5 * h_s * h_s) * pull.linear_mps2);
   bodies.set_position(i, bodies.position(i) + moved);
   bodies.set_velocity(i, solved.velocity_mps);
+  const Quat before = bodies.orientation(i);
   const Quat& axes = bodies.shape[i]->principal_axes;
   dynamics::Rotation rotation{bodies.orientation(i) * axes, solved.spin_radps};
   rotation = dynamics::turned_freely(rotation, bodies.principal_kgm2[i], h_s);
@@ -26,6 +27,9 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
   }
   bodies.set_orientation(i, (rotation.orientation * axes.conjugate()).normalized());
   bodies.set_spin(i, rotation.spin_radps);
+  // A point of the surface moves along a chord of its turn.
+  const double sine = (bodies.orientation(i) * before.conjugate()).vec().norm();
+  world.buffers.motions[i] = {moved, 2.0 * bodies.shape[i]->bounding_radius_m * sine};
   if (bodies.pushed[i] != 0) {
     bodies.set_force(i, Vec3::Zero());
     bodies.set_torque(i, Vec3::Zero());
@@ -34,18 +38,41 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
 }
 
 // What an answered pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
-Contact contact_of(const WorldState& world, const ActivePair& pair, const response::ContactRow& row) {
+Contact contact_of(const WorldState& world, const ActivePair& pair, const response::ContactRow& row, const Vec3& rest_ns) {
   Contact contact;
   contact.a = world.bodies.id_of(pair.low);
   contact.b = world.bodies.id_of(pair.high);
-  contact.level = pair.level.level;
+  contact.level = pair.answered_level();
   const double sign = pair.a == pair.low ? 1.0 : -1.0;
   const double length = row.direction.norm();
   if (length > 0) contact.normal = (sign / length) * row.direction;
-  contact.point_m = world.buffers.poses[pair.a].position_m + pair.level.contact.arm_m;
+  contact.point_m = world.buffers.poses[pair.a].position_m + row.arm_m;
   contact.gap_m = row.gap_m;
-  contact.impulse_ns = sign * (row.total_ns * row.direction + row.point_impulse_ns);
+  contact.impulse_ns = sign * (row.total_ns * row.direction + row.point_impulse_ns + rest_ns);
   return contact;
+}
+
+// What a pair takes along, the motion of this step counted.
+PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
+  PairMemory memory = pair.memory;
+  memory.frames_waited = pair.answered_level() > 0 || !pair.refinable() ? 0 : memory.frames_waited + 1;
+  memory.touching = false;
+  memory.place_begin = pair.place_begin;
+  memory.place_count = pair.place_count;
+  if (pair.fresh()) {
+    memory.level = pair.level.level;
+    memory.apart = pair.level.apart;
+    memory.reach_m = pair.reach_m;
+    memory.moved_m = 0;
+  } else if (pair.kept == Kept::Nothing) {
+    memory.level = 0;
+    memory.apart = false;
+    memory.reach_m = 0;
+  }
+  const StepMotion& a = buffers.motions[pair.a];
+  const StepMotion& b = buffers.motions[pair.b];
+  memory.moved_m += (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
+  return memory;
 }
 
 // Merges the touching pairs of two frames, both sorted, into what began and what ended.
@@ -76,6 +103,7 @@ void make_events(WorldState& world) {
 }  // namespace
 
 void integrate(WorldState& world, const StepInput& input) {
+  world.buffers.motions.assign(world.bodies.slot_count(), StepMotion{});
   parallel::parallel_for(*world.executor, world.bodies.slot_count(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       if (world.bodies.dynamic[i] != 0) integrate_body(world, i, input.dt_s);
@@ -89,26 +117,22 @@ void publish(WorldState& world) {
   // Both, since they change places: a later frame must find the room that this one needed.
   world.memory.reserve(buffers.pairs.capacity());
   world.next_memory.reserve(buffers.pairs.capacity());
+  world.places.reserve(buffers.places.capacity());
+  buffers.places.reserve(world.places.capacity());
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());
+  keep_impulses(world);
   parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ActivePair& pair = buffers.pairs[i];
-      PairMemory& memory = world.next_memory[i];
-      memory = pair.memory;
-      memory.frames_waited = pair.level.level > 0 || !pair.level.refinable() ? 0 : memory.frames_waited + 1;
-      memory.touching = false;
-      memory.impulse_ns = 0;
-    }
+    for (std::size_t i = begin; i < end; ++i) world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
   });
   parallel::parallel_for(*world.executor, buffers.rows.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const response::ContactRow& row = buffers.rows[k];
-      PairMemory& memory = world.next_memory[row.pair];
-      memory.impulse_ns = row.impulse_ns;
-      memory.touching = row.gap_m <= 0 || row.total_ns > 0 || row.point_impulse_ns.squaredNorm() > 0;
+      world.next_memory[row.pair].touching =
+          row.gap_m <= 0 || row.total_ns > 0 || !row.point_impulse_ns.isZero(0) || !buffers.rest_pairs[k].impulse_ns.isZero(0);
     }
   });
+  std::swap(world.places, buffers.places);
   world.contacts_listed = false;
   world.events.clear();
   make_events(world);
@@ -120,7 +144,7 @@ void list_contacts(WorldState& world) {
   world.contacts.resize(buffers.rows.size());
   for (std::size_t k = 0; k < buffers.rows.size(); ++k) {
     const response::ContactRow& row = buffers.rows[k];
-    world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row);
+    world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row, buffers.rest_pairs[k].impulse_ns);
   }
   world.contacts_listed = true;
 }

@@ -13,6 +13,10 @@ namespace {
 // Gaps below this share of the smaller body count as touching. Chosen: half a percent is below what a coarse level can
 // tell apart, and keeps resting contacts from flickering.
 constexpr double kSkin = 5e-3;
+// Refinement looks this much of the smaller body beyond what may touch in the step, so that what it finds holds while the bodies move so far.
+constexpr double kKeep = 6e-3;
+// Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one: about the radius of a leaf.
+constexpr double kHold = 0.1;
 constexpr std::size_t kGrain = 128;
 
 double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput& input) {
@@ -47,7 +51,10 @@ class Recollection {
   PairMemory of(std::uint32_t low, std::uint32_t high) {
     while (at_ != end_ && before(*at_, {low, high})) ++at_;
     if (at_ != end_ && at_->low == low && at_->high == high) return *at_;
-    return {low, high, 0, false, 0};
+    PairMemory none;
+    none.low = low;
+    none.high = high;
+    return none;
   }
 
  private:
@@ -69,6 +76,22 @@ ActivePair outlined(const WorldState& world, const collision::CandidatePair& can
   pair.skin_m = kSkin * std::min(radius_a, radius_b);
   pair.margin_m = margin_m(world, pair.a, pair.b, pair.skin_m, input);
   return pair;
+}
+
+// What of the memory of a pair counts now.
+void recall(const WorldState& world, ActivePair& pair) {
+  const double size_m = pair.skin_m / kSkin;
+  const bool exact = pair.level.deepest == 0;  // its only level is the truth, and the mandatory part works it out anyway
+  const bool keeps = !exact && world.settings.contact != ContactModel::Paper;  // the paper answers fronts
+  pair.reach_m = keeps ? pair.margin_m + kKeep * size_m : pair.margin_m;
+  pair.kept = Kept::Nothing;
+  const PairMemory& memory = pair.memory;
+  if (!keeps || memory.reach_m == 0) return;
+  if (memory.moved_m + pair.margin_m <= memory.reach_m) {
+    pair.kept = memory.apart ? Kept::Apart : Kept::Places;
+  } else if (!memory.apart && memory.moved_m <= kHold * size_m) {
+    pair.kept = Kept::Stale;
+  }
 }
 
 // Are the root spheres of a pair nearer than its margin? World frame, double precision.
@@ -115,8 +138,9 @@ collision::PairFrame frame_of(const WorldState& world, const ActivePair& pair) {
   const FrameBuffers& buffers = world.buffers;
   collision::PairFrame frame =
       collision::make_pair_frame(*world.bodies.shape[pair.a], buffers.poses[pair.a], *world.bodies.shape[pair.b],
-                                 buffers.poses[pair.b], pair.margin_m, pair.skin_m);
+                                 buffers.poses[pair.b], pair.reach_m, pair.skin_m);
   frame.fitted = world.settings.contact == ContactModel::Fitted;
+  frame.by_spheres = world.settings.contact == ContactModel::Paper;
   return frame;
 }
 
@@ -200,7 +224,8 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       const Shape& shape_b = *world.bodies.shape[pair.b];
       pair.level.deepest = collision::deepest_level(shape_a, shape_b, input.max_level);
       if (input.polygons) collision::allow_polygons(shape_a, shape_b, input.max_level, pair.level);
-      if (pair.level.refinable()) pair.cues = cues_of(input.view, sighting_of(world, pair));
+      recall(world, pair);
+      if (pair.refinable()) pair.cues = cues_of(input.view, sighting_of(world, pair));
     }
   });
   report.coarse_pairs = buffers.pairs.size();

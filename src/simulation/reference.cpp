@@ -29,10 +29,13 @@ class StartOfFrame {
  public:
   explicit StartOfFrame(WorldState& world) : world_(world), contact_(world.settings.contact) {
     exchange();
+    // The step has left the places that it started from in its buffers.
+    std::swap(world.places, world.reference->frame.places);
     // Polygons answer alike in every model; where balls are the surface, this one finds the balls that meet.
     world.settings.contact = ContactModel::Fitted;
   }
   ~StartOfFrame() {
+    std::swap(world_.places, world_.reference->frame.places);
     exchange();
     world_.settings.contact = contact_;
   }
@@ -56,8 +59,9 @@ class StartOfFrame {
   ContactModel contact_;
 };
 
-double size_of_impulse(const response::ContactRow& row) {
-  return (row.total_ns * row.direction + row.point_impulse_ns).norm();
+double size_of_impulse(const FrameBuffers& frame, std::size_t row) {
+  const response::ContactRow& impact = frame.rows[row];
+  return (impact.total_ns * impact.direction + impact.point_impulse_ns + frame.rest_pairs[row].impulse_ns).norm();
 }
 
 const collision::TrueSurface& surface_of(const WorldState& world, std::uint32_t slot) {
@@ -87,8 +91,8 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
     pairs[i].a = run.pairs[i].a;
     pairs[i].b = run.pairs[i].b;
   }
-  for (const response::ContactRow& row : run.rows) pairs[row.pair].run_ns = size_of_impulse(row);
-  for (const response::ContactRow& row : full.rows) pairs[row.pair].reference_ns = size_of_impulse(row);
+  for (std::size_t k = 0; k < run.rows.size(); ++k) pairs[run.rows[k].pair].run_ns = size_of_impulse(run, k);
+  for (std::size_t k = 0; k < full.rows.size(); ++k) pairs[full.rows[k].pair].reference_ns = size_of_impulse(full, k);
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, pairs.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -97,7 +101,7 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
       pair.gap_m = collision::surface_distance_m(surface_of(world, pair.a), full.poses[pair.a],
                                                  surface_of(world, pair.b), full.poses[pair.b]);
       if (!view.present) continue;
-      const Vec3 point = full.poses[pair.a].position_m + run.pairs[i].level.contact.arm_m;
+      const Vec3 point = full.poses[pair.a].position_m + run.rest_patches[run.pairs[i].place_begin].arm_m;
       pair.gap_px = length_px(view, point, pair.gap_m);
     }
   });
@@ -192,6 +196,8 @@ ReferenceFigures refer(WorldState& world, const StepInput& input) {
     const StartOfFrame start(world);
     predict(world, full);
     find_pairs(world, full, made);
+    // What a pair keeps is part of the run, not of the truth.
+    for (ActivePair& pair : world.buffers.pairs) pair.kept = Kept::Nothing;
     const std::size_t not_finest = refine_to_the_end(world);
     const response::Convergence response = respond(world, full, made, kConverged);
     prepare_surfaces(world);

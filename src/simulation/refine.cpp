@@ -22,6 +22,8 @@ struct Refinement {
     const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
     const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
     for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
+    // Levels up to the one that is kept bring nothing that is not known.
+    for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level) error_m[level] = error_m[pair.memory.level];
     if (pair.level.polygons) error_m[pair.level.deepest] = 0;
     const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
                                      pair.level.next_units};
@@ -74,7 +76,7 @@ Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& g
       return pair.full ? Outcome::Full : Outcome::Cut;
     }
   }
-  collision::publish_level(frame, buffers.poses[pair.a].rotation, progress, pair.level);
+  collision::publish_level(frame, buffers.poses[pair.a].rotation, buffers.pools, progress, pair.level);
   if (pair.level.next_is_polygons() && pair.level.refinable()) {
     pair.level.next_units = collision::polygon_units(*frame.a, *frame.b, buffers.pools, pair.level.front);
   }
@@ -128,7 +130,7 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
     if (outcome == Outcome::Cut) break;
     if (outcome == Outcome::Full) continue;
     if (pair.level.apart) contacts.add(-1);
-    if (pair.level.refinable()) {
+    if (pair.refinable()) {
       world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
     }
   }
@@ -146,7 +148,7 @@ void put_into_bands(Refinement& refinement) {
     // Backwards, because the last one put into a band is the first one taken.
     for (std::size_t i = end; i-- > begin;) {
       const ActivePair& pair = world.buffers.pairs[i];
-      if (!pair.level.refinable()) continue;
+      if (!pair.refinable()) continue;
       const auto item = static_cast<std::uint32_t>(i);
       world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
     }
@@ -160,7 +162,7 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   scheduler::FrameBudget budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin,
                                                                tail_work(world, 0), world.unit_cost_ns);
   // Every active pair is answered unless a refinement finds it apart.
-  const auto present = static_cast<std::int64_t>(world.buffers.pairs.size());
+  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const ActivePair& pair) { return !pair.apart(); });
   parallel::Shared<std::int64_t> contacts(present);
   const TimePoint first_cut = budget.cut(static_cast<std::uint64_t>(present));
   report.host_reserved = host;
@@ -196,7 +198,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
   };
   world.rounds.begin_frame(budget_units, buffers.pairs.size());
   for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
-    if (buffers.pairs[i].level.refinable()) world.rounds.add(candidate(i));
+    if (buffers.pairs[i].refinable()) world.rounds.add(candidate(i));
   }
   // Whether there is room is decided from worst cases before a round, not by whose pool fills up first: an answer must not
   // depend on threads.
@@ -226,7 +228,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
       const ActivePair& pair = buffers.pairs[chosen.pair];
       if (pair.full) continue;
       if (!pair.level.by_polygons()) room -= std::min<std::uint64_t>(room, pair.level.front_entries);
-      if (pair.level.refinable()) world.rounds.add(candidate(chosen.pair));
+      if (pair.refinable()) world.rounds.add(candidate(chosen.pair));
     }
   }
 }
@@ -240,14 +242,14 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   work.candidate_pairs = world.buffers.pairs.size();
   if (world.settings.contact == ContactModel::Paper) {
     for (const ActivePair& pair : world.buffers.pairs) {
-      if (!pair.level.apart && !pair.level.by_polygons()) work.sphere_contacts += pair.level.front_entries;
+      if (!pair.apart() && !pair.by_polygons()) work.sphere_contacts += pair.level.front_entries;
     }
   }
   return work;
 }
 
 bool refine_pair(WorldState& world, ActivePair& pair, int worker) {
-  while (pair.level.refinable() && !pair.full) complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+  while (pair.refinable() && !pair.full) complete_level(world, pair, worker, [](std::uint64_t) { return true; });
   return !pair.full;
 }
 

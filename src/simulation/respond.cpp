@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "parallel/shared.h"
 #include "simulation/stages.h"
@@ -8,8 +10,83 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-// Overlap that is left alone, as a share of the smaller body's radius. Chosen: keeps contacts closed without being seen.
+// Overlap that is left alone, as a share of the skin. Chosen: keeps contacts closed without being seen.
 constexpr double kSlopOfSkin = 0.2;
+
+PlacedPair placed_pair(const WorldState& world, const ActivePair& pair) {
+  const FrameBuffers& buffers = world.buffers;
+  const Shape& shape_b = *world.bodies.shape[pair.b];
+  PlacedPair made{buffers.poses[pair.a], buffers.poses[pair.b], shape_b.kind == ShapeKind::Plane, 0};
+  if (made.plane) made.height_m = (made.b.rotation * shape_b.plane_normal).dot(made.b.position_m) + shape_b.plane_offset_m;
+  return made;
+}
+
+collision::PairContact coarsest_contact_of(const WorldState& world, const ActivePair& pair) {
+  const FrameBuffers& buffers = world.buffers;
+  const auto placed = [&](std::uint32_t slot) {
+    return collision::PlacedRoot{world.bodies.shape[slot].get(), buffers.root_center_m[slot],
+                                 buffers.poses[slot].position_m};
+  };
+  const Shape& shape_b = *world.bodies.shape[pair.b];
+  if (shape_b.kind == ShapeKind::Tree) return collision::coarsest_contact(placed(pair.a), placed(pair.b));
+  const Vec3 normal = buffers.poses[pair.b].rotation * shape_b.plane_normal;
+  const double height = normal.dot(buffers.poses[pair.b].position_m) + shape_b.plane_offset_m;
+  return collision::coarsest_plane_contact(placed(pair.a), normal, height);
+}
+
+// How many places a pair has in this frame. The first answers impacts; it rests at the others, or at the first where that is alone.
+std::uint8_t count_places(const ActivePair& pair) {
+  if (pair.apart()) return 0;
+  if (pair.by_kept()) return pair.memory.place_count;
+  if (pair.level.level == 0) return 1;
+  return static_cast<std::uint8_t>(1 + pair.level.patches.count);
+}
+
+std::span<KeptPlace> resting(std::span<KeptPlace> places) { return places.size() > 1 ? places.subspan(1) : places; }
+
+// New places take over the impulses of the old ones that are nearest to them and look the same way.
+void hand_over(std::span<const KeptPlace> old, double size_m, std::span<KeptPlace> places) {
+  constexpr double kLike = 0.7;
+  std::array<bool, collision::kMaxPatches + 1> taken{};
+  for (KeptPlace& place : places) {
+    double least = size_m * size_m;
+    std::size_t nearest = old.size();
+    for (std::size_t k = 0; k < old.size(); ++k) {
+      const double square = (old[k].on_a_m - place.on_a_m).squaredNorm();
+      if (taken[k] || square >= least || old[k].normal.dot(place.normal) < kLike) continue;
+      least = square;
+      nearest = k;
+    }
+    if (nearest == old.size()) continue;
+    taken[nearest] = true;
+    place.impulse_ns = old[nearest].impulse_ns;
+    place.friction_ns = old[nearest].friction_ns;
+  }
+}
+
+// The places of a pair, fixed to its bodies and where they are now.
+void set_places(WorldState& world, ActivePair& pair) {
+  // New places within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
+  constexpr double kSameOfSkin = 50;
+  FrameBuffers& buffers = world.buffers;
+  const std::span<KeptPlace> places = std::span(buffers.places).subspan(pair.place_begin, pair.place_count);
+  const std::span<response::RestPatch> patches = std::span(buffers.rest_patches).subspan(pair.place_begin, pair.place_count);
+  const std::span<KeptPlace> old = std::span(world.places).subspan(pair.memory.place_begin, pair.memory.place_count);
+  const PlacedPair where = placed_pair(world, pair);
+  if (pair.by_kept()) {
+    std::copy(old.begin(), old.end(), places.begin());
+  } else {
+    if (pair.level.level == 0) pair.level.contact = coarsest_contact_of(world, pair);
+    places[0] = keep(where, collision::lone_patch(pair.level.contact, where.a.rotation));
+    for (std::size_t k = 0; k < pair.level.patches.count && pair.level.level > 0; ++k) places[k + 1] = keep(where, pair.level.patches.patch[k]);
+    hand_over(resting(old), kSameOfSkin * pair.skin_m, resting(places));
+  }
+  pair.answered = false;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    patches[k] = placed(where, places[k]);
+    pair.answered = pair.answered || patches[k].gap_m < pair.margin_m;
+  }
+}
 
 void fill_bodies(WorldState& world) {
   const dynamics::BodyStore& bodies = world.bodies;
@@ -33,6 +110,25 @@ void fill_bodies(WorldState& world) {
   });
 }
 
+// Places of all pairs, one pair after another.
+void lay_out_places(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  std::uint32_t places = 0;
+  for (ActivePair& pair : buffers.pairs) {
+    pair.place_begin = places;
+    pair.place_count = count_places(pair);
+    places += pair.place_count;
+  }
+  buffers.places.resize(places);
+  buffers.rest_patches.resize(places);
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      buffers.pairs[i].answered = false;
+      if (buffers.pairs[i].place_count > 0) set_places(world, buffers.pairs[i]);
+    }
+  });
+}
+
 // The pairs that are answered, in canonical order, coloured by the bodies that yield.
 void list_rows(WorldState& world, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
@@ -40,33 +136,35 @@ void list_rows(WorldState& world, FrameReport& report) {
   buffers.edges.clear();
   buffers.points_begin.clear();
   // All grow with the pairs, so that later frames whose share of answered pairs is larger need no room of their own.
-  buffers.row_pair.reserve(buffers.pairs.capacity());
-  buffers.edges.reserve(buffers.pairs.capacity());
-  buffers.points_begin.reserve(buffers.pairs.capacity() + 1);
-  buffers.rows.reserve(buffers.pairs.capacity());
-  buffers.scratch.gates.reserve(buffers.pairs.capacity());
+  const std::size_t room = buffers.pairs.capacity();
+  buffers.row_pair.reserve(room);
+  buffers.edges.reserve(room);
+  buffers.points_begin.reserve(room + 1);
+  buffers.rows.reserve(room);
+  buffers.rest_pairs.reserve(room);
+  buffers.scratch.gates.reserve(room);
   std::uint32_t points = 0;
   const bool by_points = world.settings.contact == ContactModel::Paper;
   for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
     const ActivePair& pair = buffers.pairs[i];
-    if (pair.level.apart) continue;
-    ++report.level_histogram[pair.level.by_polygons() ? kPolygonPlace : pair.level.level];
-    if (pair.level.refinable()) ++report.pairs_left;
+    if (!pair.apart() && pair.refinable()) ++report.pairs_left;
+    if (!pair.answered) continue;
+    ++report.level_histogram[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
     buffers.row_pair.push_back(static_cast<std::uint32_t>(i));
     buffers.edges.push_back({pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0});
     buffers.points_begin.push_back(points);
-    if (by_points && !pair.level.by_polygons()) points += pair.level.front_entries;
+    if (by_points && !pair.by_polygons()) points += pair.level.front_entries;
   }
   buffers.points_begin.push_back(points);
   buffers.points.resize(points);
-  buffers.coloring.reserve(buffers.pairs.capacity());
+  buffers.coloring.reserve(room);
   buffers.coloring.color(buffers.edges, world.bodies.slot_count());
 }
 
 void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place, response::ContactRow& row) {
   FrameBuffers& buffers = world.buffers;
   row.points_begin = row.points_end = buffers.points_begin[place];
-  if (pair.level.by_polygons()) return;  // one contact, exact: the row itself
+  if (pair.by_polygons()) return;  // one contact, exact: the row itself
   const collision::PairFrame frame = frame_of(world, pair);
   const Mat3& turn = buffers.poses[pair.a].rotation;
   collision::for_each_segment(buffers.pools, pair.level.front, [&](std::span<const collision::FrontEntry> entries) {
@@ -78,40 +176,42 @@ void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place,
   });
 }
 
-collision::PairContact coarsest_contact_of(const WorldState& world, const ActivePair& pair) {
-  const FrameBuffers& buffers = world.buffers;
-  const auto placed = [&](std::uint32_t slot) {
-    return collision::PlacedRoot{world.bodies.shape[slot].get(), buffers.root_center_m[slot],
-                                 buffers.poses[slot].position_m};
-  };
-  const Shape& shape_b = *world.bodies.shape[pair.b];
-  if (shape_b.kind == ShapeKind::Tree) return collision::coarsest_contact(placed(pair.a), placed(pair.b));
-  const Vec3 normal = buffers.poses[pair.b].rotation * shape_b.plane_normal;
-  const double height = normal.dot(buffers.poses[pair.b].position_m) + shape_b.plane_offset_m;
-  return collision::coarsest_plane_contact(placed(pair.a), normal, height);
+Material mixed(const WorldState& world, const ActivePair& pair) {
+  const Material& a = world.materials[world.bodies.material[pair.a]];
+  const Material& b = world.materials[world.bodies.material[pair.b]];
+  Material both;
+  both.restitution = std::max(a.restitution, b.restitution);
+  both.friction = std::sqrt(a.friction * b.friction);
+  return both;
 }
 
 response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_t& degenerate) {
   FrameBuffers& buffers = world.buffers;
-  ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
-  collision::PairContact& contact = pair.level.contact;
-  if (pair.level.level == 0) {
-    contact = coarsest_contact_of(world, pair);
-  }
+  const ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
+  const Material material = mixed(world, pair);
   response::ContactRow row;
   row.a = pair.a;
   row.b = pair.b;
   row.pair = buffers.row_pair[place];
-  row.direction = contact.direction;
-  row.moment_a_m = contact.moment_a_m;
-  row.moment_b_m = contact.moment_b_m;
-  row.surely_m = contact.surely_m;
-  // The paper answers the spheres themselves; the wrench answers the surfaces that are likely inside them.
-  row.gap_m = world.settings.contact == ContactModel::Paper ? contact.spheres_m : contact.likely_m;
-  row.slop_m = kSlopOfSkin * pair.skin_m;
-  row.restitution = std::max(world.materials[world.bodies.material[pair.a]].restitution,
-                             world.materials[world.bodies.material[pair.b]].restitution);
-  row.impulse_ns = pair.memory.impulse_ns;
+  row.a_to_b_m = buffers.poses[pair.b].position_m - buffers.poses[pair.a].position_m;
+  row.restitution = material.restitution;
+  row.friction = material.friction;
+  if (pair.by_kept()) {
+    const response::RestPatch& kept = buffers.rest_patches[pair.place_begin];
+    row.direction = kept.normal;
+    row.arm_m = kept.arm_m;
+    row.moment_a_m = row.arm_m.cross(row.direction);
+    row.moment_b_m = (row.arm_m - row.a_to_b_m).cross(row.direction);
+    row.gap_m = kept.gap_m;
+  } else {
+    const collision::PairContact& contact = pair.level.contact;
+    row.direction = contact.direction;
+    row.arm_m = contact.arm_m;
+    row.moment_a_m = contact.moment_a_m;
+    row.moment_b_m = contact.moment_b_m;
+    // The paper answers the spheres themselves; the wrench answers the surfaces that are likely inside them.
+    row.gap_m = world.settings.contact == ContactModel::Paper ? contact.spheres_m : contact.likely_m;
+  }
   if (!response::prepare_row(row, world.bodies.inverse_mass[pair.a], buffers.inverse_inertia[pair.a],
                              world.bodies.inverse_mass[pair.b], buffers.inverse_inertia[pair.b])) {
     ++degenerate;
@@ -120,10 +220,28 @@ response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_
   return row;
 }
 
+// What of a pair may rest, once impacts are over.
+response::RestPair rest_pair(const WorldState& world, const response::ContactRow& row) {
+  const ActivePair& pair = world.buffers.pairs[row.pair];
+  response::RestPair rest;
+  rest.a = row.a;
+  rest.b = row.b;
+  const bool lone = pair.place_count == 1;
+  rest.patch_begin = pair.place_begin + (lone ? 0 : 1);
+  // A pair that is about to rebound is the business of the impact phase.
+  rest.patch_count = row.bounces ? 0 : lone ? 1 : pair.place_count - 1U;
+  rest.friction = row.friction;
+  rest.restitution = row.restitution;
+  rest.slop_m = kSlopOfSkin * pair.skin_m;
+  rest.a_to_b_m = row.a_to_b_m;
+  return rest;
+}
+
 }  // namespace
 
 void make_rows(WorldState& world, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
+  lay_out_places(world);
   list_rows(world, report);
   report.contact_pairs = buffers.row_pair.size();
   report.colors_full = buffers.row_pair.size() - buffers.coloring.serial_begin();
@@ -139,43 +257,45 @@ void make_rows(WorldState& world, FrameReport& report) {
 }
 
 response::System system_of(FrameBuffers& buffers) {
-  return {buffers.solver_bodies, buffers.accelerations,   buffers.rows,    buffers.points,
-          buffers.inverse_inertia, buffers.coloring, buffers.scratch};
-}
-
-// Impacts are over: rows whose pair rests by another wrench take that one, unless they have rebounded or would along it: a rebound is
-// the business of the impact phase, which knows one direction alone.
-void rest_by_own_wrench(WorldState& world, double still_mps) {
-  FrameBuffers& buffers = world.buffers;
-  parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      response::ContactRow& row = buffers.rows[k];
-      const collision::PairContact& contact = buffers.pairs[row.pair].level.contact;
-      if (contact.rest_direction.isZero(0) || row.bounces) continue;
-      response::ContactRow rest = row;
-      rest.direction = contact.rest_direction;
-      rest.moment_a_m = contact.rest_moment_a_m;
-      rest.moment_b_m = contact.rest_moment_b_m;
-      response::prepare_row(rest, row.inverse_mass_a, buffers.inverse_inertia[row.a], row.inverse_mass_b, buffers.inverse_inertia[row.b]);
-      if (rest.effective_mass == 0) continue;  // opposed directions cancel: one of them is better than none
-      const double closing = response::approach_mps(rest, buffers.solver_bodies[row.a], buffers.solver_bodies[row.b]);
-      if (row.restitution * closing > still_mps) continue;
-      rest.point_impulse_ns += row.total_ns * row.direction;
-      rest.total_ns = 0;
-      row = rest;
-    }
-  });
+  return {buffers.solver_bodies, buffers.rows, buffers.points, buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping) {
   make_rows(world, report);
-  const response::System system = system_of(world.buffers);
+  FrameBuffers& buffers = world.buffers;
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
-  const response::Convergence impacts = response::solve_impacts(system, settings, *world.executor);
-  if (world.settings.contact == ContactModel::Fitted) rest_by_own_wrench(world, response::still_mps(settings));
-  const response::Convergence rest = response::solve_rest(system, settings, *world.executor);
+  const response::Convergence impacts = response::solve_impacts(system_of(buffers), settings, *world.executor);
+  buffers.rest_pairs.resize(buffers.rows.size());
+  parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) buffers.rest_pairs[k] = rest_pair(world, buffers.rows[k]);
+  });
+  const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia,
+                                    buffers.rest_pairs,    buffers.rest_patches,  buffers.coloring};
+  const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);
   return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
+}
+
+// What resting contact came to goes into the memory of the pairs.
+void keep_impulses(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ActivePair& pair = buffers.pairs[i];
+      if (pair.place_count == 0) continue;
+      const std::span<KeptPlace> places = resting(std::span(buffers.places).subspan(pair.place_begin, pair.place_count));
+      const PlacedPair where = placed_pair(world, pair);
+      const std::size_t first = pair.place_begin + (pair.place_count == 1 ? 0U : 1U);
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        if (pair.answered) {
+          keep_impulse(where, buffers.rest_patches[first + k], places[k]);
+        } else {
+          places[k].impulse_ns = 0;
+          places[k].friction_ns.setZero();
+        }
+      }
+    }
+  });
 }
 
 }  // namespace poise::simulation

@@ -36,6 +36,9 @@ std::size_t refine_to_the_end(WorldState& world);
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping = {});
 
+/// Puts what resting contact came to into the places of the frame.
+void keep_impulses(WorldState& world);
+
 /// Positions and orientations after the step.
 void integrate(WorldState& world, const StepInput& input);
 

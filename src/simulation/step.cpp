@@ -37,6 +37,21 @@ void forget_removed(simulation::WorldState& world) {
   world.removed_slots.clear();
 }
 
+// What is kept of a body that the caller has put somewhere else no longer holds.
+void forget_displaced(simulation::WorldState& world) {
+  if (world.displaced_slots.empty()) return;
+  std::sort(world.displaced_slots.begin(), world.displaced_slots.end());
+  const auto displaced = [&](std::uint32_t slot) {
+    return std::binary_search(world.displaced_slots.begin(), world.displaced_slots.end(), slot);
+  };
+  for (simulation::PairMemory& pair : world.memory) {
+    if (!displaced(pair.low) && !displaced(pair.high)) continue;
+    pair.reach_m = 0;
+    pair.apart = false;
+  }
+  world.displaced_slots.clear();
+}
+
 // A stopwatch for stages that follow each other.
 class Laps {
  public:
@@ -86,6 +101,7 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
 
   Laps laps(start);
   forget_removed(world);
+  forget_displaced(world);
   simulation::predict(world, input);
   report.times.predict = laps.lap();
   simulation::find_pairs(world, input, report);

@@ -157,8 +157,12 @@ Status World::set_state(BodyId body, const BodyState& state) {
   if (!contains(body)) return stale(body);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = simulation::check_state(state, bodies.dynamic[body.slot] == 0)) return *bad;
+  const Quat turn = unit(state.orientation);
+  if (bodies.position(body.slot) != state.position_m || bodies.orientation(body.slot).coeffs() != turn.coeffs()) {
+    state_->displaced_slots.push_back(body.slot);
+  }
   bodies.set_position(body.slot, state.position_m);
-  bodies.set_orientation(body.slot, unit(state.orientation));
+  bodies.set_orientation(body.slot, turn);
   bodies.set_velocity(body.slot, state.velocity_mps);
   bodies.set_spin(body.slot, state.angular_velocity_radps);
   return Done{};
@@ -256,10 +260,13 @@ std::uint64_t World::state_hash() const {
   mix(bodies.collides_with);
   for (const simulation::PairMemory& pair : state_->memory) {
     // Field by field: padding has no defined bits.
-    const std::uint64_t words[4] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
-                                    pair.touching ? 1U : 0U, std::bit_cast<std::uint64_t>(pair.impulse_ns)};
+    const std::uint64_t words[5] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
+                                    std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
+                                    std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m)};
     hash = XXH64(words, sizeof(words), hash);
   }
+  static_assert(sizeof(simulation::KeptPlace) == 14 * sizeof(double), "no padding in what is hashed");
+  hash = XXH64(state_->places.data(), state_->places.size() * sizeof(simulation::KeptPlace), hash);
   return hash;
 }
 

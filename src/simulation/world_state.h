@@ -17,7 +17,9 @@
 #include "poise/scheduler/rounds.h"
 #include "poise/world.h"
 #include "response/contact_row.h"
+#include "response/rest.h"
 #include "response/solve.h"
+#include "simulation/kept_places.h"
 
 namespace poise::simulation {
 
@@ -29,11 +31,28 @@ struct ShapeFacts {
 };
 
 /// What a pair takes from one frame to the next. Part of the state.
+///
+/// What was once found out about a pair counts for as long as its bodies have not moved too far against each other: that it is apart, or the
+/// places where it may touch. Invariant: places follow each other in WorldState::places; the first answers impacts, the others (or
+/// the first, if it is alone) rest.
 struct PairMemory {
   std::uint32_t low = 0, high = 0;     ///< slots
   std::uint32_t frames_waited = 0;     ///< since a level beyond the mandatory one was completed
+  std::uint32_t place_begin = 0;
+  std::uint8_t place_count = 0;
+  Level level = 0;                     ///< that found it out
   bool touching = false;
-  double impulse_ns = 0;               ///< of resting contact, per substep
+  bool apart = false;                  ///< nothing was nearer than reach_m
+  double reach_m = 0;                  ///< all that was nearer than this is in the places; 0: nothing is kept but impulses
+  double moved_m = 0;                  ///< at most by so much has any gap changed since
+};
+
+/// What of a pair's memory counts in a frame.
+enum class Kept : std::uint8_t {
+  Nothing,
+  Apart,   ///< it cannot touch in this step
+  Places,  ///< it can touch at its places only
+  Stale,   ///< its places are too old to be sure of, and better than nothing
 };
 
 /// A candidate pair whose coarsest spheres are nearer than its margin, during one frame.
@@ -41,12 +60,34 @@ struct ActivePair {
   std::uint32_t low = 0, high = 0;     ///< slots in order
   std::uint32_t a = 0, b = 0;          ///< the same, a plane always second
   double margin_m = 0, skin_m = 0;
-  collision::PairLevel level;          ///< the contact of level 0 is made only if the pair stays there
-  scheduler::PairCues cues;
-  PairMemory memory;
+  double reach_m = 0;                  ///< what refinement looks for: margin_m and what lets a pair keep what it finds
+  Kept kept = Kept::Nothing;
   bool full = false;                   ///< a front had no room: left at its level
+  std::uint8_t place_count = 0;        ///< of this frame
+  bool answered = false;               ///< a place is nearer than the margin
+  std::uint32_t place_begin = 0;
+  PairMemory memory;
+  collision::PairLevel level;          ///< what refinement knows; the contact of level 0 is made only if the pair stays there
+  scheduler::PairCues cues;
 
   [[nodiscard]] std::uint64_t id() const { return (std::uint64_t{low} << 32U) | high; }
+  /// Refinement found out more than what is kept.
+  [[nodiscard]] bool fresh() const {
+    return level.level > 0 && ((kept != Kept::Places && kept != Kept::Stale) || level.apart || level.level >= memory.level);
+  }
+  [[nodiscard]] bool by_kept() const { return (kept == Kept::Places || kept == Kept::Stale) && !fresh(); }
+  [[nodiscard]] bool apart() const { return kept == Kept::Apart || level.apart; }
+  [[nodiscard]] Level answered_level() const { return by_kept() ? memory.level : level.level; }
+  [[nodiscard]] bool by_polygons() const { return level.polygons && answered_level() == level.deepest; }
+  [[nodiscard]] bool refinable() const {
+    return level.refinable() && kept != Kept::Apart && !(kept == Kept::Places && memory.level >= level.deepest);
+  }
+};
+
+/// How a body moved in a step.
+struct StepMotion {
+  Vec3 moved_m = Vec3::Zero();
+  double turned_m = 0;                 ///< at most by so much its surface moved by turning
 };
 
 /// What one worker did in a refinement; put together when all have ended.
@@ -73,7 +114,11 @@ struct FrameBuffers {
   std::vector<response::Coloring::Edge> edges;
   response::Coloring coloring;
   response::SolveScratch scratch;
+  std::vector<KeptPlace> places;                       // of this frame's pairs, in canonical order
   std::vector<response::ContactRow> rows;              // in the order of the colouring
+  std::vector<response::RestPair> rest_pairs;          // one a row
+  std::vector<response::RestPatch> rest_patches;       // one a place
+  std::vector<StepMotion> motions;                     // one a slot, of the step that ends
   std::vector<response::PointContact> points;
   std::vector<std::uint32_t> points_begin;             // per answered pair
   std::vector<response::SolverBody> solver_bodies;     // one a slot
@@ -101,7 +146,9 @@ struct WorldState {
 
   std::vector<PairMemory> memory;          // of the last step's active pairs, sorted
   std::vector<PairMemory> next_memory;
+  std::vector<KeptPlace> places;                       // of memory
   std::vector<std::uint32_t> removed_slots;            // since the last step
+  std::vector<std::uint32_t> displaced_slots;          // likewise: put somewhere else by the caller
   std::vector<Contact> contacts;
   bool contacts_listed = true;                         // contacts are those of the last step
   std::vector<ContactEvent> events;
@@ -114,6 +161,7 @@ struct WorldState {
   scheduler::DurationForecast host_work;
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
   FrameBuffers buffers;
+  response::RestSolver rest_solver;
   std::unique_ptr<Reference> reference;
 };
 

@@ -30,7 +30,7 @@ bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker,
     if (quantum == Quantum::Full) return false;
     if (quantum == Quantum::Complete) break;
   }
-  publish_level(frame, Mat3::Identity(), progress, pair);
+  publish_level(frame, Mat3::Identity(), pools, progress, pair);
   return true;
 }
 

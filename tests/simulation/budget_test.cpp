@@ -38,7 +38,7 @@ TEST(Budget, NoWorkLeavesEveryPairAtItsMandatoryLevel) {
     const FrameReport report = stage.world.step(input);
     EXPECT_EQ(report.jobs_done, 0U);
     EXPECT_EQ(report.level_histogram[0], report.contact_pairs);
-    EXPECT_EQ(report.pairs_left, report.contact_pairs);
+    EXPECT_EQ(report.pairs_left, report.coarse_pairs);
   }
 }
 

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "parallel/executor.h"
+#include "poise/types.h"
+#include "response/solve.h"
+
+namespace poise::response {
+
+/// One place where a pair rests, world frame.
+struct RestPatch {
+  Vec3 normal = Vec3::UnitZ();        ///< unit, from a to b
+  Vec3 arm_m = Vec3::Zero();          ///< of the place, from the centre of mass of a
+  double gap_m = 0;                   ///< of the surfaces there at the start of the step, negative in overlap
+  double surely_m = 0;                ///< below zero they overlap there beyond doubt
+  double impulse_ns = 0;              ///< along the normal in a substep, >= 0: what the last step ended with goes in, what this one ends with comes out
+  Vec3 friction_ns = Vec3::Zero();    ///< across it, likewise
+};
+
+/// Two tangents of a unit normal (Duff et al. 2017).
+struct Tangents {
+  Vec3 first, second;
+};
+Tangents tangents(const Vec3& normal);
+
+/// A pair that may rest: its patches follow each other.
+struct RestPair {
+  std::uint32_t a = 0, b = 0;         ///< solver bodies
+  std::uint32_t patch_begin = 0;
+  std::uint32_t patch_count = 0;      ///< at most kMaxPatches of collision; 0: this step it does not rest
+  double friction = 0;                ///< Coulomb's coefficient, >= 0
+  double restitution = 0;             ///< a patch that closes fast enough to rebound is left to the impact phase of a later step
+  double slop_m = 0;                  ///< overlap that is left alone
+  Vec3 a_to_b_m = Vec3::Zero();       ///< from the centre of mass of a to that of b
+  Vec3 impulse_ns = Vec3::Zero();     ///< comes out: what b received in the step
+};
+
+/// Bodies and pairs of one step. `pairs` are in the order of `coloring`.
+struct RestSystem {
+  std::span<SolverBody> bodies;
+  std::span<const Acceleration> accelerations;  ///< one a body
+  std::span<const Mat3> inverse_inertia;        ///< one a body, world frame
+  std::span<RestPair> pairs;
+  std::span<RestPatch> patches;
+  const Coloring& coloring;
+};
+
+/// Lanes of the solver: eight pairs of a colour side by side. Invariant: buffers only grow.
+class RestSolver {
+ public:
+  RestSolver();
+  ~RestSolver();
+  RestSolver(RestSolver&&) noexcept;
+  RestSolver& operator=(RestSolver&&) noexcept;
+
+  /// Room for so many pairs and patches.
+  void reserve(std::size_t bodies, std::size_t pairs, std::size_t patches);
+
+  /// Adds forces and keeps bodies from sinking into each other (docs/response.md). In `substeps` (Macklin et al. 2019) patch after
+  /// patch gets the impulse that keeps its gap from closing further than it is wide, warm started from the last step's, and Coulomb friction within
+  /// its cone; what overlaps beyond doubt is pushed apart in place alone. Impulses are sought in single precision from what changes in
+  /// the step, and given in double precision at the end: momentum and angular momentum are kept to rounding. With
+  /// settings.stopping.converges() everything is in double precision, and sweeps are repeated as it says. Fills moved_m and turned_rad. The same bits on any number of
+  /// threads and instruction set.
+  Convergence solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor);
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+};
+
+}  // namespace poise::response

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+#include "response/rest.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+
+namespace poise::response {
+namespace {
+
+/// Bodies and pairs that rest on each other, each patch of one pair given when the pair is added.
+struct Bench {
+  std::vector<SolverBody> bodies;
+  std::vector<Vec3> places_m;
+  std::vector<Acceleration> accelerations;
+  std::vector<Mat3> inverse_inertia;
+  std::vector<RestPair> pairs;
+  std::vector<RestPatch> patches;
+  Coloring coloring;
+  SolveSettings settings;
+  RestSolver solver;
+  std::unique_ptr<parallel::Executor> executor = parallel::make_executor(ExecutorKind::Serial, 1);
+
+  std::uint32_t add_body(double mass_kg, const Vec3& place_m = Vec3::Zero(), const Vec3& velocity = Vec3::Zero()) {
+    SolverBody body;
+    body.velocity_mps = velocity;
+    body.inverse_mass = mass_kg > 0 ? 1 / mass_kg : 0;
+    bodies.push_back(body);
+    places_m.push_back(place_m);
+    Acceleration pull;
+    if (mass_kg > 0) pull.linear_mps2 = settings.gravity_mps2;
+    accelerations.push_back(pull);
+    inverse_inertia.push_back(mass_kg > 0 ? Mat3(Mat3::Identity() / (0.4 * mass_kg)) : Mat3(Mat3::Zero()));
+    return static_cast<std::uint32_t>(bodies.size() - 1);
+  }
+  // Patches that touch at world points.
+  void add_pair(std::uint32_t a, std::uint32_t b, const Vec3& normal, std::vector<Vec3> points_m, double friction = 0, double gap_m = 0) {
+    RestPair pair;
+    pair.a = a;
+    pair.b = b;
+    pair.patch_begin = static_cast<std::uint32_t>(patches.size());
+    pair.patch_count = static_cast<std::uint32_t>(points_m.size());
+    pair.friction = friction;
+    pair.a_to_b_m = places_m[b] - places_m[a];
+    pairs.push_back(pair);
+    for (const Vec3& point : points_m) {
+      RestPatch patch;
+      patch.normal = normal;
+      patch.arm_m = point - places_m[a];
+      patch.gap_m = patch.surely_m = gap_m;
+      patches.push_back(patch);
+    }
+  }
+  Convergence solve() {
+    std::vector<Coloring::Edge> edges;
+    for (const RestPair& pair : pairs) edges.push_back({pair.a, pair.b, bodies[pair.a].inverse_mass > 0, bodies[pair.b].inverse_mass > 0});
+    coloring.color(edges, bodies.size());
+    std::vector<RestPair> ordered;
+    for (const std::uint32_t i : coloring.order()) ordered.push_back(pairs[i]);
+    pairs = ordered;
+    return solver.solve({bodies, accelerations, inverse_inertia, pairs, patches, coloring}, settings, *executor);
+  }
+  Vec3 momentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (const SolverBody& body : bodies) {
+      if (body.inverse_mass > 0) sum += body.velocity_mps / body.inverse_mass;
+    }
+    return sum;
+  }
+  Vec3 angular_momentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i].inverse_mass == 0) continue;
+      sum += places_m[i].cross(bodies[i].velocity_mps) / bodies[i].inverse_mass + inverse_inertia[i].inverse() * bodies[i].spin_radps;
+    }
+    return sum;
+  }
+};
+
+TEST(Rest, ABodyOnTheFloorStaysWhereItIs) {
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  const auto floor = bench.add_body(0);
+  const auto ball = bench.add_body(2, Vec3(0, 0, 1));
+  bench.add_pair(floor, ball, Vec3::UnitZ(), {Vec3::Zero()});
+  bench.solve();
+  EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), 0, 1e-7);
+  EXPECT_NEAR(bench.bodies[ball].moved_m.z(), 0, 1e-8);
+  EXPECT_TRUE(bench.bodies[ball].answered);
+  EXPECT_FALSE(bench.bodies[floor].answered);
+  EXPECT_NEAR(bench.pairs[0].impulse_ns.z(), 2 * 9.81 / 60, 1e-6);
+  EXPECT_NEAR(bench.patches[0].impulse_ns, 2 * 9.81 / 120, 1e-6) << "a substep's";
+}
+
+TEST(Rest, AGapClosesAndNoMore) {
+  Bench bench;
+  bench.settings.dt_s = 0.1;
+  const auto wall = bench.add_body(0);
+  const auto ball = bench.add_body(1, Vec3(1, 0, 0), Vec3(-4, 0, 0));
+  bench.add_pair(wall, ball, Vec3::UnitX(), {Vec3::Zero()}, 0, 0.3);
+  bench.solve();
+  EXPECT_NEAR(bench.bodies[ball].moved_m.x(), -0.3, 1e-6);
+}
+
+TEST(Rest, OverlapIsPushedApartWithoutLeavingSpeedBehind) {
+  Bench bench;
+  const auto a = bench.add_body(1);
+  const auto b = bench.add_body(1, Vec3(1, 0, 0));
+  bench.add_pair(a, b, Vec3::UnitX(), {Vec3(0.5, 0, 0)}, 0, -0.1);
+  bench.solve();
+  EXPECT_GT(bench.bodies[b].moved_m.x() - bench.bodies[a].moved_m.x(), 1e-3);
+  EXPECT_TRUE(bench.bodies[a].answered);
+  EXPECT_TRUE(bench.bodies[b].velocity_mps.isZero(0));
+}
+
+TEST(Rest, WhatMayNotOverlapAtAllIsNotPushed) {
+  // A coarse level says that the surfaces likely meet, but is not sure of it.
+  Bench bench;
+  const auto a = bench.add_body(1);
+  const auto b = bench.add_body(1, Vec3(1, 0, 0));
+  bench.add_pair(a, b, Vec3::UnitX(), {Vec3(0.5, 0, 0)}, 0, -0.1);
+  bench.patches[0].surely_m = 0.2;
+  bench.solve();
+  EXPECT_TRUE(bench.bodies[a].moved_m.isZero(0));
+  EXPECT_FALSE(bench.bodies[a].answered);
+}
+
+TEST(Rest, APairWithoutPatchesIsLeftAlone) {
+  Bench bench;
+  const auto a = bench.add_body(1, Vec3::Zero(), Vec3(5, 0, 0));
+  const auto b = bench.add_body(0, Vec3(1, 0, 0));
+  bench.add_pair(a, b, Vec3::UnitX(), {});
+  bench.solve();
+  EXPECT_EQ(bench.bodies[a].velocity_mps, Vec3(5, 0, 0));
+}
+
+TEST(Rest, FrictionStopsABodyByCoulombsLaw) {
+  for (const double friction : {0.0, 0.3, 0.8}) {
+    Bench bench;
+    bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+    bench.settings.dt_s = 0.01;
+    const auto floor = bench.add_body(0);
+    const auto box = bench.add_body(2, Vec3(0, 0, 0.01), Vec3(1, 0.5, 0));
+    const auto corners = {Vec3(1, 1, 0), Vec3(-1, 1, 0), Vec3(-1, -1, 0), Vec3(1, -1, 0)};
+    bench.add_pair(floor, box, Vec3::UnitZ(), corners, friction);
+    for (int step = 0; step < 10; ++step) bench.solve();
+    const double speed = std::sqrt(1.25) - friction * 10 * 0.1;
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.norm(), speed, 0.01) << friction;
+    for (int step = 0; step < 90; ++step) bench.solve();
+    const double later = std::max(0.0, std::sqrt(1.25) - friction * 10 * 1.0);
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.norm(), later, 1e-3) << friction;
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.z(), 0, 1e-3);
+  }
+}
+
+TEST(Rest, FrictionHoldsAgainstAPullWithinTheConeAlone) {
+  for (const double pull : {0.45, 0.55}) {
+    Bench bench;
+    bench.settings.gravity_mps2 = Vec3(10 * pull, 0, -10);
+    const auto floor = bench.add_body(0);
+    const auto box = bench.add_body(3, Vec3(0, 0, 0.01));
+    bench.add_pair(floor, box, Vec3::UnitZ(), {Vec3(1, 1, 0), Vec3(-1, 1, 0), Vec3(-1, -1, 0), Vec3(1, -1, 0)}, 0.5);
+    for (int step = 0; step < 60; ++step) bench.solve();
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.x(), pull < 0.5 ? 0 : 10 * (pull - 0.5), 0.01) << pull;
+  }
+}
+
+RC_GTEST_PROP(Rest, AnyPatchesKeepMomentumAndAngularMomentum, ()) {
+  const auto number = [] { return 1e-3 * *rc::gen::inRange(-1000, 1000); };
+  const auto vector = [&] { return Vec3(number(), number(), number()); };
+  Bench bench;
+  bench.settings.substeps = *rc::gen::inRange(1, 4);
+  const double friction = *rc::gen::element(0.0, 0.5);
+  for (int i = 0; i < 7; ++i) bench.add_body(0.1 + std::abs(number()), vector(), vector());
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    for (std::uint32_t j = i + 1; j < 7; ++j) {
+      std::vector<Vec3> points;
+      for (int k = *rc::gen::inRange(1, 5); k > 0; --k) points.push_back(vector());
+      bench.add_pair(i, j, (vector() + Vec3(0.1, 0.2, 0.3)).normalized(), points, friction);
+    }
+  }
+  const Vec3 momentum = bench.momentum();
+  const Vec3 angular = bench.angular_momentum();
+  bench.solve();
+  RC_ASSERT((bench.momentum() - momentum).norm() < 1e-12 * 10);
+  RC_ASSERT((bench.angular_momentum() - angular).norm() < 1e-12 * 10);
+}
+
+// A layer of balls on the ground, each against its neighbours: more pairs than lanes, of different patch counts.
+Bench layer(int threads) {
+  Bench bench;
+  bench.executor = parallel::make_executor(ExecutorKind::Threads, threads);
+  bench.settings.gravity_mps2 = Vec3(0.3, 0.2, -9.81);
+  const auto ground = bench.add_body(0);
+  for (int i = 0; i < 40; ++i) {
+    const double x = i % 7;
+    const double y = static_cast<double>(i / 7);
+    const auto ball = bench.add_body(1 + 0.1 * i, Vec3(x, y, 0.5), Vec3(0.1 * (i % 3), 0.05 * (i % 5), 0));
+    std::vector<Vec3> feet;
+    for (int k = 0; k <= i % 4; ++k) feet.emplace_back(x + 0.1 * (k % 2), y + 0.1 * (k / 2), 0);
+    bench.add_pair(ground, ball, Vec3::UnitZ(), feet, i % 2 == 0 ? 0.4 : 0.0, -1e-3 * (i % 3));
+    if (i % 7 > 0) bench.add_pair(ball - 1, ball, Vec3::UnitX(), {Vec3(x - 0.5, y, 0.5)}, 0.2, 1e-3);
+    if (i >= 7) bench.add_pair(ball - 7, ball, Vec3::UnitY(), {Vec3(x, y - 0.5, 0.5)}, 0, -2e-3);
+  }
+  for (int step = 0; step < 3; ++step) bench.solve();
+  return bench;
+}
+
+TEST(Rest, ThreadsDoNotShow) {
+  const Bench one = layer(1);
+  for (const int threads : {2, 4}) {
+    const Bench many = layer(threads);
+    for (std::size_t i = 0; i < one.bodies.size(); ++i) {
+      ASSERT_EQ(one.bodies[i].velocity_mps, many.bodies[i].velocity_mps);
+      ASSERT_EQ(one.bodies[i].moved_m, many.bodies[i].moved_m);
+      ASSERT_EQ(one.bodies[i].turned_rad, many.bodies[i].turned_rad);
+    }
+  }
+}
+
+// A column of equal bodies at rest on the ground: the impulse below body k carries all that stand on it.
+Bench column(std::uint32_t count) {
+  Bench bench;
+  bench.settings.dt_s = 0.01;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+  bench.settings.substeps = 1;
+  auto below = bench.add_body(0);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto body = bench.add_body(2, Vec3(0, 0, i + 0.5));
+    bench.add_pair(below, body, Vec3::UnitZ(), {Vec3(0, 0, i)});
+    below = body;
+  }
+  return bench;
+}
+
+TEST(Convergence, CarriesAColumnWithTheWeightAboveEachContact) {
+  Bench bench = column(15);
+  bench.settings.stopping = {1e-10, 100000};
+  const Convergence ended = bench.solve();
+  EXPECT_TRUE(ended.reached);
+  EXPECT_GT(ended.sweeps, 50U);
+  for (const RestPair& pair : bench.pairs) EXPECT_NEAR(pair.impulse_ns.z(), 2 * 10 * 0.01 * (16 - pair.b), 1e-6) << pair.b;
+  for (const SolverBody& body : bench.bodies) EXPECT_NEAR(body.velocity_mps.z(), 0, 1e-7);
+}
+
+TEST(Convergence, OfAColumnComesWithTheStepsThatWarmStartEachOther) {
+  Bench bench = column(5);
+  for (int step = 0; step < 200; ++step) bench.solve();
+  for (const RestPair& pair : bench.pairs) EXPECT_NEAR(pair.impulse_ns.z(), 2 * 10 * 0.01 * (6 - pair.b), 1e-4) << pair.b;
+}
+
+TEST(Convergence, IsDeniedWhereSweepsWereCutOff) {
+  Bench bench = column(15);
+  bench.settings.stopping = {1e-10, 20};
+  const Convergence ended = bench.solve();
+  EXPECT_FALSE(ended.reached);
+  EXPECT_EQ(ended.sweeps, 20U);
+}
+
+TEST(Convergence, TakesOneSweepASubstepWhereItIsNotAskedFor) {
+  Bench bench = column(15);
+  bench.settings.substeps = 3;
+  EXPECT_EQ(bench.solve().sweeps, 3U);
+}
+
+}  // namespace
+}  // namespace poise::response
