@@ -44,6 +44,13 @@ Quat rotation_by(const Vec3& angle_rad) {
   return {std::cos(0.5 * angle), part.x(), part.y(), part.z()};
 }
 
+Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn) {
+  const Quat after = (turn * start.orientation).normalized();
+  if (moments_kgm2.x() == moments_kgm2.y() && moments_kgm2.y() == moments_kgm2.z()) return {after, start.spin_radps};
+  const Vec3 momentum = start.orientation * moments_kgm2.cwiseProduct(start.orientation.conjugate() * start.spin_radps);
+  return {after, after * (after.conjugate() * momentum).cwiseQuotient(moments_kgm2)};
+}
+
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s) {
   const double speed = start.spin_radps.norm();
   if (speed == 0) return start;

@@ -19,6 +19,9 @@ struct Rotation {
 /// Integration, VII.5), for any step. Equal moments turn by the exact exponential. Any thread.
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s);
 
+/// Turns a body by `turn` (world) without a torque or time: the angular momentum vector stays, so the spin follows.
+Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn);
+
 /// The rotation by a vector (axis times angle, rad) as a unit quaternion.
 Quat rotation_by(const Vec3& angle_rad);
 

@@ -76,7 +76,7 @@ void set_friction(const RestSystem& system, const RestPair& pair, const RestPatc
   for (std::size_t t = 0; t < 2; ++t) {
     const Direction made = direction_of(system, pair, t == 0 ? along.first : along.second, patch.arm_m);
     set_direction(system, pair, made, lane, into.along[t]);
-    into.share[t][lane] = static_cast<T>(mass > 0 ? made.mass / mass : 0.0);
+    into.share[t][lane] = static_cast<T>(made.mass / mass);
     into.impulse[t][lane] = static_cast<T>(warm && made.mass > 0 ? patch.friction_ns.dot(made.l) / made.mass : 0.0);
   }
 }
@@ -101,7 +101,7 @@ void fill_block(const RestSystem& system, double still_mps, RestBlock& block, La
       into.surely[lane] = static_cast<T>(patch.surely_m + pair.slop_m);
       into.newton_s[lane] = static_cast<T>(made.mass);
       into.impulse[lane] = static_cast<T>(warm && made.mass > 0 ? patch.impulse_ns / made.mass : 0.0);
-      if (pair.friction > 0 && !friction.empty()) set_friction(system, pair, patch, made.mass, warm, lane, friction[p]);
+      if (pair.friction > 0 && !friction.empty() && made.mass > 0) set_friction(system, pair, patch, made.mass, warm, lane, friction[p]);
     }
   }
 }

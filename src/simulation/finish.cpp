@@ -22,8 +22,9 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
   dynamics::Rotation rotation{bodies.orientation(i) * axes, solved.spin_radps};
   rotation = dynamics::turned_freely(rotation, bodies.principal_kgm2[i], h_s);
   if (solved.answered) {
-    // What contacts turned the body beyond its spin: they push overlapping bodies apart.
-    rotation.orientation = dynamics::rotation_by(solved.turned_rad - h_s * solved.spin_radps) * rotation.orientation;
+    // What contacts turned the body beyond its spin, as where they pushed it out of an overlap. Its angular momentum stays.
+    const Quat turn = dynamics::rotation_by(solved.turned_rad - h_s * solved.spin_radps);
+    rotation = dynamics::turned_by(rotation, bodies.principal_kgm2[i], turn);
   }
   bodies.set_orientation(i, (rotation.orientation * axes.conjugate()).normalized());
   bodies.set_spin(i, rotation.spin_radps);

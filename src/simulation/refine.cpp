@@ -77,6 +77,11 @@ Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& g
     }
   }
   collision::publish_level(frame, buffers.poses[pair.a].rotation, buffers.pools, progress, pair.level);
+  if (!pair.level.refinable() && world.settings.contact != ContactModel::Paper) {
+    // Nobody reads the front of a pair that is done but the paper's model.
+    pool.release(progress.mark);
+    pair.level.front = {};
+  }
   if (pair.level.next_is_polygons() && pair.level.refinable()) {
     pair.level.next_units = collision::polygon_units(*frame.a, *frame.b, buffers.pools, pair.level.front);
   }
@@ -206,29 +211,39 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
   for (;;) {
     const std::span<const scheduler::Candidate> round = world.rounds.next_round();
     if (round.empty()) break;
-    std::uint64_t worst = 0;
-    for (const scheduler::Candidate& chosen : round) {
-      ActivePair& pair = buffers.pairs[chosen.pair];
-      // Polygons make no front.
-      const std::uint64_t could_make =
-          pair.level.next_is_polygons() ? 0 : std::uint64_t{chosen.units} * kTreeBranching * kTreeBranching;
-      pair.full = worst + could_make > room;
-      if (!pair.full) worst += could_make;
-    }
-    parallel::parallel_for(*world.executor, round.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
-      for (std::size_t i = begin; i < end; ++i) {
-        ActivePair& pair = buffers.pairs[round[i].pair];
-        const std::uint64_t units = pair.level.next_units;
-        const Outcome outcome =
-            pair.full ? Outcome::Full : complete_level(world, pair, worker, [](std::uint64_t) { return true; });
-        note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
+    // In slices whose worst cases have room.
+    for (std::size_t first = 0; first < round.size();) {
+      std::uint64_t worst = 0;
+      std::size_t end = first;
+      for (; end < round.size(); ++end) {
+        ActivePair& pair = buffers.pairs[round[end].pair];
+        // Polygons make no front.
+        const std::uint64_t could_make =
+            pair.level.next_is_polygons() ? 0 : std::uint64_t{round[end].units} * kTreeBranching * kTreeBranching;
+        if (worst + could_make > room && end > first) break;
+        pair.full = worst + could_make > room;
+        if (!pair.full) worst += could_make;
       }
-    });
+      const std::span<const scheduler::Candidate> slice = round.subspan(first, end - first);
+      parallel::parallel_for(*world.executor, slice.size(), kGrain, [&](std::size_t begin, std::size_t past, int worker) {
+        for (std::size_t i = begin; i < past; ++i) {
+          ActivePair& pair = buffers.pairs[slice[i].pair];
+          const std::uint64_t units = pair.level.next_units;
+          const Outcome outcome =
+              pair.full ? Outcome::Full : complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+          note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
+        }
+      });
+      for (const scheduler::Candidate& chosen : slice) {
+        const ActivePair& pair = buffers.pairs[chosen.pair];
+        const bool kept = !pair.level.by_polygons() && (pair.level.refinable() || world.settings.contact == ContactModel::Paper);
+        if (!pair.full && kept) room -= std::min<std::uint64_t>(room, pair.level.front_entries);
+      }
+      first = end;
+    }
     for (const scheduler::Candidate& chosen : round) {
       const ActivePair& pair = buffers.pairs[chosen.pair];
-      if (pair.full) continue;
-      if (!pair.level.by_polygons()) room -= std::min<std::uint64_t>(room, pair.level.front_entries);
-      if (pair.refinable()) world.rounds.add(candidate(chosen.pair));
+      if (!pair.full && pair.refinable()) world.rounds.add(candidate(chosen.pair));
     }
   }
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kGrain = 256;
 // Overlap that is left alone, as a share of the skin. Chosen: keeps contacts closed without being seen.
-constexpr double kSlopOfSkin = 0.2;
+constexpr double kSlopOfSkin = 1e-4;
 
 PlacedPair placed_pair(const WorldState& world, const ActivePair& pair) {
   const FrameBuffers& buffers = world.buffers;

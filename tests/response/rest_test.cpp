@@ -166,6 +166,18 @@ TEST(Rest, FrictionHoldsAgainstAPullWithinTheConeAlone) {
   }
 }
 
+TEST(Rest, WhatIsLeftToTheImpactPhaseIsNotRubbedEither) {
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+  const auto floor = bench.add_body(0);
+  const auto ball = bench.add_body(1, Vec3(0, 0, 1), Vec3(3, 0, -5));
+  bench.add_pair(floor, ball, Vec3::UnitZ(), {Vec3::Zero()}, 0.5, 0.01);
+  bench.pairs[0].restitution = 0.5;
+  bench.solve();
+  EXPECT_EQ(bench.bodies[ball].velocity_mps.x(), 3);
+  EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), -5 - 10.0 / 60, 1e-12);
+}
+
 RC_GTEST_PROP(Rest, AnyPatchesKeepMomentumAndAngularMomentum, ()) {
   const auto number = [] { return 1e-3 * *rc::gen::inRange(-1000, 1000); };
   const auto vector = [&] { return Vec3(number(), number(), number()); };
