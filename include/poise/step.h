@@ -114,6 +114,8 @@ struct FrameReport {
   std::size_t jobs_done = 0;             ///< levels completed
   std::size_t jobs_dropped = 0;          ///< started and not completed, or completed too late
   std::size_t pairs_separated = 0;       ///< found apart by refinement
+  std::size_t kept_apart = 0;            ///< known to be apart from an earlier frame: cost no refinement
+  std::size_t kept_contacts = 0;         ///< answered by what an earlier frame found out
   std::size_t pairs_left = 0;            ///< still refinable when refinement ended
   std::array<std::uint32_t, kPolygonPlace + 1> level_histogram{};  ///< contact pairs by completed level; at kPolygonPlace those by polygons
 

@@ -32,6 +32,7 @@ struct ContactRow {
   std::uint32_t a = 0, b = 0;         ///< solver bodies; a pair's order, not that of slots
   std::uint32_t pair = 0;             ///< place of the pair in canonical order
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
+  std::uint32_t patches_begin = 0, patches_end = 0;  ///< of the places where the pair rests, if it has more than one
   Vec3 direction = Vec3::Zero();      ///< l
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
   Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b

@@ -8,6 +8,7 @@
 
 #include "parallel/executor.h"
 #include "response/contact_row.h"
+#include "response/rest_patch.h"
 
 namespace poise::response {
 
@@ -58,11 +59,12 @@ struct SolveScratch {
   std::vector<double> change_ns;      ///< one a row, where sweeps converge: by how much the last one changed its impulse
 };
 
-/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` are those of the rows.
+/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `patches` are those of the rows.
 struct System {
   std::span<SolverBody> bodies;
   std::span<ContactRow> rows;
   std::span<const PointContact> points;
+  std::span<const RestPatch> patches;
   std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts and friction only
   const Coloring& coloring;
   SolveScratch& scratch;
@@ -74,6 +76,7 @@ struct System {
 /// and does not rebound is slowed so that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
 /// an impulse was needed, at most kImpactSweeps times or as `stopping` says. Linear and angular momentum are kept; energy never
 /// grows. Point contacts are answered in the first sweep alone.
+/// Interlocked bodies may close at one place while their mean parts: a place that overlaps beyond doubt and closes fast enough to rebound gets an impulse of its own.
 /// With friction an impulse lambda brings one across it, against the slip at the place of contact and at most the coefficient times lambda.
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 inline constexpr std::uint32_t kImpactSweeps = 8;

@@ -148,7 +148,9 @@ void list_rows(WorldState& world, FrameReport& report) {
   for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
     const ActivePair& pair = buffers.pairs[i];
     if (!pair.apart() && pair.refinable()) ++report.pairs_left;
+    if (pair.kept == Kept::Apart) ++report.kept_apart;
     if (!pair.answered) continue;
+    if (pair.by_kept()) ++report.kept_contacts;
     ++report.level_histogram[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
     buffers.row_pair.push_back(static_cast<std::uint32_t>(i));
     buffers.edges.push_back({pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0});
@@ -196,6 +198,10 @@ response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_
   row.a_to_b_m = buffers.poses[pair.b].position_m - buffers.poses[pair.a].position_m;
   row.restitution = material.restitution;
   row.friction = material.friction;
+  if (pair.place_count > 1) {
+    row.patches_begin = pair.place_begin + 1;
+    row.patches_end = pair.place_begin + pair.place_count;
+  }
   if (pair.by_kept()) {
     const response::RestPatch& kept = buffers.rest_patches[pair.place_begin];
     row.direction = kept.normal;
@@ -257,7 +263,7 @@ void make_rows(WorldState& world, FrameReport& report) {
 }
 
 response::System system_of(FrameBuffers& buffers) {
-  return {buffers.solver_bodies, buffers.rows, buffers.points, buffers.inverse_inertia, buffers.coloring, buffers.scratch};
+  return {buffers.solver_bodies, buffers.rows, buffers.points, buffers.rest_patches, buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
