@@ -11,10 +11,12 @@ namespace {
 // Shares of the smaller body's radius. What is farther than the first beyond the nearest place does not hold the pair yet; what is
 // deeper than the second is looked for along the curve of the crossing. Chosen: what a pair at rest keeps between frames, and its skin.
 constexpr double kReach = 1.5e-2;
-constexpr double kBeneath = 5e-3;
+constexpr double kBeneath = 1e-2;
 // Of a deep overlap: how much deeper than the impact's answer a corner may lie, and the deepest that is told at all.
 constexpr double kDeeper = 1.5;
 constexpr double kDeepest = 0.25;
+// From this share of what was looked through on, corners may lie deeper.
+constexpr double kNearlyBeneath = 0.8;
 // Places that reach this share of the depth of the impact's answer explain it.
 constexpr double kExplained = 0.5;
 // Triangles at the crossing that are looked at again, of each body.
@@ -101,15 +103,14 @@ PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const Placed
   if (!contact.present) return {};
   const double size = size_m(frame);
   const double depth = -contact.likely_m;
-  const auto unexplained = [&] { return depth > 0 && places.least_gap_m() > -kExplained * depth; };
-  if (sums.crossed && depth > kExplained * places_beneath_m(frame) && unexplained()) {
+  if (sums.crossed && depth > kNearlyBeneath * places_beneath_m(frame)) {
     look_deeper(on_a, on_b, sums, std::min(kDeeper * depth, kDeepest * size), places);
   }
   const double length = contact.direction.norm();
   const Vec3 normal = length > 0 ? Vec3(rotation_a.transpose() * contact.direction / length) : Vec3(Vec3::UnitZ());
   // Where places overlap in other directions too, the depth along the mean of them says nothing.
-  const bool odd = !(places.least_gap_m() < 0) || places.overlaps_only_along(normal);
-  if (places.count() == 0 || (unexplained() && odd)) {
+  const bool one_way = !(places.least_gap_m() < 0) || places.overlaps_only_along(normal);
+  if (places.count() == 0 || (depth > 0 && places.least_gap_m() > -kExplained * depth && one_way)) {
     FoundPlace lone;
     lone.patch.normal = normal;
     lone.patch.point_m = rotation_a.transpose() * contact.arm_m;
