@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/polygon_places.h"
+
 namespace poise::collision {
 namespace {
 
@@ -102,7 +104,8 @@ class Block {
       : frame_(frame), entry_(entry), progress_(progress), sums_(progress.sums) {}
 
   void meshes(std::span<const std::uint32_t> triangles_a, std::span<const std::uint32_t> triangles_b) {
-    const double reach = progress_.reach_m(frame_);
+    beneath_m_ = progress_.rests ? places_beneath_m(frame_) : 0.0;
+    const double reach = farthest_m();
     const double spare = kSpare * (frame_.a->bounding_radius_m + frame_.b->bounding_radius_m);
     const Sphere leaf_a = frame_.a->tree.sphere(entry_.a);
     const Sphere leaf_b = frame_.b->tree.sphere(entry_.b);
@@ -132,8 +135,9 @@ class Block {
     const PlacedSurface& on = of_b ? progress_.on_a : progress_.on_b;
     const Sphere ball = of_b ? frame_.b->tree.sphere(entry_.b) : frame_.a->tree.sphere(entry_.a);
     const Vec3 center = of_b ? progress_.on_b.point(ball.center_m) : ball.center_m;
+    sinks_m_ = ball.radius_m + progress_.reach_m(frame_);
     std::array<Boxed, kBlock> placed;
-    const std::size_t count = near(on, triangles, {center, ball.radius_m + progress_.reach_m(frame_)}, placed);
+    const std::size_t count = near(on, triangles, {center, ball.radius_m + farthest_m()}, placed);
     for (std::size_t i = 0; i < count; ++i) triangle_and_ball(on, placed[i].triangle, center, ball.radius_m, of_b);
   }
 
@@ -143,22 +147,32 @@ class Block {
       for (std::size_t k = 0; k < 3; ++k) {
         if ((t.features & (ShapeSurface::kVertex0 << k)) == 0) continue;
         const Vec3& corner = progress_.on_a.surface->vertices_m[t.vertex[k]];
-        FacingFeatures feature;
-        feature.gap_m = frame_.plane_normal.dot(corner) - frame_.plane_height_m;
-        if (!(feature.gap_m < progress_.reach_m(frame_))) continue;
-        feature.normal = -frame_.plane_normal;
-        feature.point_a_m = corner;
-        feature.point_b_m = corner;
+        const double gap = frame_.plane_normal.dot(corner) - frame_.plane_height_m;
+        if (!(gap < farthest_m())) continue;
+        const FacingFeatures feature{gap, -frame_.plane_normal, corner, corner, t.vertex[k],
+                                     FacingFeatures::Kind::CornerFace, false, false, false};
         const MetPairs::Answer met = progress_.met.meet(t.vertex[k], 0);
         if (met == MetPairs::Answer::Met) continue;
         if (met == MetPairs::Answer::New || owns(progress_.on_a, frame_.a->tree, entry_.a, triangle, corner)) {
-          add_feature(feature, sums_);
+          if (gap < progress_.reach_m(frame_)) add_feature(feature, sums_);
+          if (!progress_.rests) continue;
+          FacingFeatures at_rest = feature;
+          at_rest.point_b_m -= gap * frame_.plane_normal;
+          note_place(at_rest, std::uint64_t{triangle} << 32U, progress_.places);
         }
       }
     }
   }
 
  private:
+  // Beyond this, nothing counts for anything.
+  [[nodiscard]] double farthest_m() const { return std::max(progress_.reach_m(frame_), progress_.places_reach_m(frame_)); }
+
+  void note(const FacingFeatures& feature, std::uint32_t triangle_a, std::uint32_t triangle_b) {
+    if (progress_.rests) note_place(feature, std::uint64_t{triangle_a} << 32U | triangle_b, progress_.places);
+    if (!feature.resting && feature.gap_m < progress_.reach_m(frame_)) add_feature(feature, sums_);
+  }
+
   // Places the triangles that meet a ball; how many.
   static std::size_t near(const PlacedSurface& on, std::span<const std::uint32_t> triangles, const Ball& ball,
                           std::array<Boxed, kBlock>& out) {
@@ -190,13 +204,10 @@ class Block {
   }
 
   void two_triangles(const PlacedTriangle& a, const PlacedTriangle& b) {
-    const double reach = progress_.reach_m(frame_);
+    const double apart = farthest_m();
+    const double reach = std::max(apart, beneath_m_);
     const PlaneSides sides = plane_sides(a, b);
-    const auto beyond = [reach](const std::array<double, 3>& above) {
-      return (above[0] > reach && above[1] > reach && above[2] > reach) ||
-             (above[0] < -reach && above[1] < -reach && above[2] < -reach);
-    };
-    if (beyond(sides.a_above_b) || beyond(sides.b_above_a)) return;
+    if (beyond(sides, reach)) return;
     const MetPairs::Answer met = progress_.met.meet(a.index, b.index);
     if (met == MetPairs::Answer::Met) return;
     const bool unlisted = met == MetPairs::Answer::NoRoom;
@@ -210,9 +221,9 @@ class Block {
     }
     if (reach <= 0) return;
     FeatureList features;
-    const std::size_t count = facing_features(progress_.on_a, a, progress_.on_b, b, sides, reach, features);
+    const std::size_t count = facing_features(progress_.on_a, a, progress_.on_b, b, sides, apart, features, beneath_m_);
     for (std::size_t k = 0; k < count; ++k) {
-      if (features[k].gap_m < reach && counts(features[k].point_a_m, features[k].point_b_m)) add_feature(features[k], sums_);
+      if (features[k].gap_m < apart && counts(features[k].point_a_m, features[k].point_b_m)) note(features[k], a.index, b.index);
     }
   }
 
@@ -221,11 +232,11 @@ class Block {
     if (on.surface->solid) {
       const double above = t.normal.dot(center - t.corner_m[0]);
       // Whether it is inside is asked once, of the nearest face, when all have been seen.
-      if (above < 0 && above - radius_m > sums_.sunk.gap_m && over_face(t, center)) {
+      if (above < 0 && -above <= sinks_m_ && above - radius_m > sums_.sunk.gap_m && over_face(t, center)) {
         note_sunk({above - radius_m, sign * t.normal, center, center - above * t.normal, of_b}, sums_);
       }
     }
-    const double reach = progress_.reach_m(frame_);
+    const double reach = farthest_m();
     FeatureList features;
     const std::size_t count = features_facing_point(on, t, center, radius_m + reach, features);
     if (count == 0) return;
@@ -242,7 +253,7 @@ class Block {
       feature.point_b_m -= radius_m * feature.normal;
       feature.normal *= sign;
       if (!of_b) std::swap(feature.point_a_m, feature.point_b_m);
-      add_feature(feature, sums_);
+      note(feature, of_b ? t.index : entry_.a, of_b ? entry_.b : t.index);
     }
   }
 
@@ -250,6 +261,8 @@ class Block {
   FrontEntry entry_;
   PolygonProgress& progress_;
   PolygonSums& sums_;
+  double beneath_m_ = 0;  // how far two features of meshes may have passed each other
+  double sinks_m_ = 0;    // how deep the centre of a ball may lie beneath a face
 };
 
 // Blocks of an entry; none where one of its leaves has no surface.
@@ -326,13 +339,15 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(units, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress) {
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress, bool rests) {
   progress.reading = pair.front;
   progress.roots = pair.front.none();
   progress.on_a.surface = frame.a->surface.get();
   progress.on_b.surface = frame.b->surface.get();
   progress.on_b.rotation = frame.rotation;
   const double size = std::min(frame.a->bounding_radius_m, frame.b->bounding_radius_m);
+  progress.rests = rests;
+  progress.places = PlaceList(frame.with_plane() ? frame.a->bounding_radius_m : size);
   progress.on_b.offset_m = frame.offset_m + kAside * size * Vec3(0.61, 0.73, -0.31);
   progress.sums.softness_m = polygon_softness_m(frame);
   progress.most_m = frame.margin_m;
@@ -343,6 +358,11 @@ void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLe
 }
 
 double PolygonProgress::reach_m(const PairFrame& frame) const { return reach_of_sums_m(frame, sums, most_m); }
+
+double PolygonProgress::places_reach_m(const PairFrame& frame) const {
+  if (!rests) return 0;
+  return collision::places_reach_m(frame, sums.crossed ? 0.0 : std::min(sums.least_gap_m, most_m));
+}
 
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress) {
   constexpr FrontEntry kRoots[1] = {{0, 0}};
@@ -368,8 +388,12 @@ Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, s
   return Quantum::More;
 }
 
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, const PolygonProgress& progress, PairLevel& pair) {
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair) {
   pair.contact = finish_polygons(frame, progress.on_a, progress.on_b, progress.sums, pair.contact, rotation_a);
+  pair.patches = {};
+  if (progress.rests) {
+    pair.patches = patches_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums, pair.contact, progress.places);
+  }
   ++pair.level;
   pair.apart = !pair.contact.present;
 }

@@ -8,6 +8,7 @@
 #include "collision/front.h"
 #include "collision/pair_frame.h"
 #include "collision/pair_refinement.h"
+#include "collision/place_list.h"
 #include "collision/polygon_sums.h"
 
 namespace poise::collision {
@@ -28,7 +29,7 @@ class MetPairs {
   std::size_t count_ = 0;
 };
 
-/// The level of polygons of a pair while it is worked out, by one worker, in bounded pieces. About 25 KB, on the stack.
+/// The level of polygons of a pair while it is worked out, by one worker, in bounded pieces. About 32 KB, on the stack.
 struct PolygonProgress {
   SegmentRef reading;             ///< of the front of leaves
   bool roots = false;             ///< the front is the two roots
@@ -39,9 +40,13 @@ struct PolygonProgress {
   double most_m = 0;              ///< the surfaces are not farther apart than this, or than the margin
   PolygonSums sums;
   MetPairs met;
+  bool rests = true;              ///< the pair's patches are asked for
+  PlaceList places;
 
-  /// Beyond this, what faces each other no longer counts.
+  /// Beyond this, what faces each other no longer counts for an impact.
   [[nodiscard]] double reach_m(const PairFrame& frame) const;
+  /// The same for places to rest on.
+  [[nodiscard]] double places_reach_m(const PairFrame& frame) const;
 };
 
 /// Adds the level of polygons to a pair at level 0 whose `deepest` is set, where a shape has a surface and the trees of both end
@@ -51,12 +56,14 @@ void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& 
 /// What the polygons of a front of leaves (none: the two roots) cost, in node-pair expansions; at most 2^32 - 1.
 std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
 
-void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress);
+/// With `rests` false the pair gets no patches, and nothing is done for them.
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress,
+                    bool rests = true);
 
 /// Goes on for about `units`: at most one block of triangles more. Bounded, allocates nothing. More or Complete.
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress);
 
-/// Makes the complete level the pair's own. The front stays that of the leaves.
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, const PolygonProgress& progress, PairLevel& pair);
+/// Makes the complete level the pair's own, its patches with it. The front stays that of the leaves.
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair);
 
 }  // namespace poise::collision

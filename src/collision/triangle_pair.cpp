@@ -9,8 +9,12 @@ namespace {
 
 // How far, as a sine, a direction may lean out of a cone of normals: rounding alone would drop a face that lies on an edge.
 constexpr double kLean = 1e-7;
-// Sine of the angle under which two edges count as parallel; their ends speak for them.
+// The same for places to rest on: faces that lie on each other may lean by this and still have their rims crossed. Chosen.
+constexpr double kRestingLean = 0.1;
+// Sine of the angle under which two edges count as parallel; their ends speak for them. Where the direction square to both is let
+// lean it must not be rounding alone that it comes from.
 constexpr double kParallel = 1e-6;
+constexpr double kRestingParallel = 1e-4;
 // Two points nearer than this share of their coordinates have no direction between them.
 constexpr double kCoinciding = 1e-13;
 
@@ -40,8 +44,8 @@ Side side_of(const PlacedSurface& on, const PlacedTriangle& t, std::size_t k) {
 }
 
 // Does a step from the side into either face not lead along `direction`?
-bool in_cone(const Side& side, const Vec3& direction) {
-  const double lean = kLean * side.length_m;
+bool in_cone(const Side& side, const Vec3& direction, double sine = kLean) {
+  const double lean = sine * side.length_m;
   return side.into.dot(direction) <= lean && side.into_beyond.dot(direction) <= lean;
 }
 
@@ -74,8 +78,8 @@ std::uint32_t vertex_of(const PlacedSurface& on, const PlacedTriangle& t, std::s
 class Finder {
  public:
   Finder(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b, const PlacedTriangle& b, double reach_m,
-         FeatureList& out)
-      : on_a_(on_a), a_(a), on_b_(on_b), b_(b), reach_m_(reach_m), out_(out) {}
+         FeatureList& out, double beneath_m)
+      : on_a_(on_a), a_(a), on_b_(on_b), b_(b), reach_m_(reach_m), beneath_m_(beneath_m), out_(out) {}
 
   void corners_over_faces(const PlaneSides& sides) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -115,21 +119,56 @@ class Finder {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  void add(double gap_m, const Vec3& normal, const Vec3& point_a, const Vec3& point_b) {
-    out_[count_++] = {gap_m, normal, point_a, point_b};
+  using Kind = FacingFeatures::Kind;
+
+  FacingFeatures& add(double gap_m, const Vec3& normal, const Vec3& point_a, const Vec3& point_b, Kind kind) {
+    out_[count_] = {gap_m, normal, point_a, point_b, FacingFeatures::kNoCorner, kind, false, false, false};
+    return out_[count_++];
   }
 
   // `sign` turns what leads from the face to the corner into what leads from a to b.
   void corner_over_face(const PlacedSurface& on_corner, const PlacedTriangle& corner, std::size_t k, double above_m,
                         const PlacedSurface& on_face, const PlacedTriangle& face, double sign) {
-    if (std::abs(above_m) > reach_m_ || (on_face.surface->solid && above_m < 0)) return;
+    const double height = std::abs(above_m);
+    if (height > std::max(reach_m_, beneath_m_) || face.normal.isZero(0)) return;
+    const bool solid = on_face.surface->solid;
     const Vec3& point = corner.corner_m[k];
-    if (face.normal.isZero(0) || !over_face(face, point)) return;
-    const Vec3 to_corner = above_m < 0 ? Vec3(-face.normal) : face.normal;
-    if (!leaves(on_corner, vertex_of(on_corner, corner, k), -to_corner)) return;
-    const Vec3 on_plane = point - above_m * face.normal;
-    const bool face_is_a = sign > 0;
-    add(std::abs(above_m), sign * to_corner, face_is_a ? on_plane : point, face_is_a ? point : on_plane);
+    const std::uint32_t vertex = vertex_of(on_corner, corner, k);
+    const auto face_each_other = [&](const Vec3& to_corner, double gap_m, bool in_groove) {
+      if (!leaves(on_corner, vertex, -to_corner)) return;
+      const Vec3 on_plane = point - above_m * face.normal;
+      const bool face_is_a = sign > 0;
+      FacingFeatures& made =
+          add(gap_m, sign * to_corner, face_is_a ? on_plane : point, face_is_a ? point : on_plane, Kind::CornerFace);
+      made.corner = vertex;
+      made.corner_of_b = face_is_a;
+      made.resting = gap_m < 0;
+      made.in_groove = in_groove;
+    };
+    const bool over = over_face(face, point);
+    if (over && height <= reach_m_ && !(solid && above_m < 0)) {
+      face_each_other(above_m < 0 ? Vec3(-face.normal) : face.normal, height, false);
+    }
+    if (height > beneath_m_ || above_m == 0) return;
+    // The side that counts is the outer one; of a sheet, that of the other body.
+    double side = 1;
+    if (!solid) {
+      if (!on_corner.surface->solid) return;
+      if (face.normal.dot(on_corner.offset_m - face.corner_m[0]) < 0) side = -1;
+    }
+    if (side * above_m > 0 || !(over || past_groove(on_face, face, point, height, side))) return;
+    face_each_other(side * face.normal, -height, !over);
+  }
+
+  // Is a point that is `beneath_m` under a face past its rim only where the surface turns up, and no farther than it is deep?
+  static bool past_groove(const PlacedSurface& on, const PlacedTriangle& t, const Vec3& point_m, double beneath_m, double up) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Side side = side_of(on, t, k);
+      const double past = -side.into.dot(point_m - side.from_m);
+      if (past <= 0) continue;
+      if (past > 2 * beneath_m * side.length_m || !(up * t.normal.dot(side.into_beyond) > kLean * side.length_m)) return false;
+    }
+    return true;
   }
 
   // Interior points of both; the direction from the edges themselves, so that it stays true at no gap at all.
@@ -153,8 +192,13 @@ class Finder {
       normal = -normal;
       gap = -gap;
     }
-    if (gap < 0 || gap > reach_m_ || !leaves(on_b_, side_b, -normal)) return;
-    if (in_cone(side_a, normal) && in_cone(side_b, -normal)) add(gap, normal, point_a, point_b);
+    if (gap < -beneath_m_ || gap > reach_m_ || !leaves(on_b_, side_b, -normal)) return;
+    const bool touching = gap >= 0 && in_cone(side_a, normal) && in_cone(side_b, -normal);
+    if (!touching) {
+      if (beneath_m_ <= 0 || !(across2 > kRestingParallel * kRestingParallel * lengths * lengths)) return;
+      if (!in_cone(side_a, normal, kRestingLean) || !in_cone(side_b, -normal, kRestingLean)) return;
+    }
+    add(gap, normal, point_a, point_b, Kind::Edges).resting = !touching;
   }
 
   void corner_at_edge(const PlacedSurface& on_corner, const PlacedTriangle& corner, std::size_t k, const PlacedSurface& on_edge,
@@ -171,7 +215,7 @@ class Finder {
     if (!leaves(on_edge, side, to_corner) || !leaves(on_corner, vertex, -to_corner)) return;
     if (!in_cone(side, to_corner) || !in_cone(on_corner, vertex, -to_corner)) return;
     const bool edge_is_a = sign > 0;
-    add(gap, sign * to_corner, edge_is_a ? at_edge : point, edge_is_a ? point : at_edge);
+    add(gap, sign * to_corner, edge_is_a ? at_edge : point, edge_is_a ? point : at_edge, Kind::Other);
   }
 
   void two_corners(std::size_t k, std::size_t m) {
@@ -183,7 +227,7 @@ class Finder {
     const Vec3 normal = direction(between, gap, a_.corner_m[k], on_a_.rotation * on_a_.surface->vertex_normal[vertex_a]);
     if (!leaves(on_a_, vertex_a, normal) || !leaves(on_b_, vertex_b, -normal)) return;
     if (!in_cone(on_a_, vertex_a, normal) || !in_cone(on_b_, vertex_b, -normal)) return;
-    add(gap, normal, a_.corner_m[k], b_.corner_m[m]);
+    add(gap, normal, a_.corner_m[k], b_.corner_m[m], Kind::Other);
   }
 
   static Vec3 direction(const Vec3& between, double length, const Vec3& near, const Vec3& otherwise) {
@@ -196,7 +240,7 @@ class Finder {
   const PlacedTriangle& a_;
   const PlacedSurface& on_b_;
   const PlacedTriangle& b_;
-  double reach_m_;
+  double reach_m_, beneath_m_;
   FeatureList& out_;
   std::size_t count_ = 0;
 };
@@ -239,6 +283,14 @@ PlaneSides plane_sides(const PlacedTriangle& a, const PlacedTriangle& b) {
     sides.b_above_a[k] = a.normal.dot(b.corner_m[k] - a.corner_m[0]);
   }
   return sides;
+}
+
+bool beyond(const PlaneSides& sides, double reach_m) {
+  const auto apart = [reach_m](const std::array<double, 3>& above) {
+    return (above[0] > reach_m && above[1] > reach_m && above[2] > reach_m) ||
+           (above[0] < -reach_m && above[1] < -reach_m && above[2] < -reach_m);
+  };
+  return apart(sides.a_above_b) || apart(sides.b_above_a);
 }
 
 std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
@@ -290,8 +342,9 @@ std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedT
 }
 
 std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
-                            const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out) {
-  Finder finder(on_a, a, on_b, b, reach_m, out);
+                            const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out,
+                            double beneath_m) {
+  Finder finder(on_a, a, on_b, b, reach_m, out, beneath_m);
   finder.corners_over_faces(sides);
   finder.edges();
   finder.corners();
@@ -301,7 +354,9 @@ std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, 
 std::size_t features_facing_point(const PlacedSurface& on_a, const PlacedTriangle& a, const Vec3& point_m, double reach_m,
                                   FeatureList& out) {
   std::size_t count = 0;
-  const auto add = [&](double gap, const Vec3& normal, const Vec3& at) { out[count++] = {gap, normal, at, point_m}; };
+  const auto add = [&](double gap, const Vec3& normal, const Vec3& at) {
+    out[count++] = {gap, normal, at, point_m, FacingFeatures::kNoCorner, FacingFeatures::Kind::Other, false, false, false};
+  };
   const double above = a.normal.dot(point_m - a.corner_m[0]);
   if (!a.normal.isZero(0) && std::abs(above) <= reach_m && !(on_a.surface->solid && above < 0) && over_face(a, point_m)) {
     add(std::abs(above), above < 0 ? Vec3(-a.normal) : a.normal, point_m - above * a.normal);

@@ -38,19 +38,30 @@ bool over_face(const PlacedTriangle& t, const Vec3& point_m);
 
 /// Two features of two surfaces that face each other: a corner and a face, two edges, an edge and a corner, or two corners.
 struct FacingFeatures {
-  double gap_m;       ///< >= 0 along the normal for meshes; of a ball less its radius
+  enum class Kind : std::uint8_t { CornerFace, Edges, Other };
+  static constexpr std::uint32_t kNoCorner = 0xffffffffU;
+
+  double gap_m;       ///< along the normal, of a ball less its radius; for meshes >= 0 unless features beneath were asked for
   Vec3 normal;        ///< unit, from a to b
   Vec3 point_a_m, point_b_m;
+  std::uint32_t corner;  ///< that lies over or beneath a face: its vertex; kNoCorner for all else
+  Kind kind;
+  bool corner_of_b;   ///< whose corner it is
+  bool resting;       ///< beneath, or leaning a little: a place to rest on, of which a first touch knows nothing
+  bool in_groove;     ///< a corner beneath a face and past its rim, where the surface turns up: beneath the next face as well
 };
 
-/// Most facing features of two triangles: 6 of corner and face, 9 of two sides, 18 of side and corner, 9 of two corners.
-using FeatureList = std::array<FacingFeatures, 42>;
+/// Most facing features of two triangles: 6 of corner and face, over it or beneath (of a sheet both), 9 of two sides, 18 of side and
+/// corner, 9 of two corners.
+using FeatureList = std::array<FacingFeatures, 48>;
 
 /// Signed distances of the corners of two triangles from each other's plane.
 struct PlaneSides {
   std::array<double, 3> a_above_b, b_above_a;
 };
 PlaneSides plane_sides(const PlacedTriangle& a, const PlacedTriangle& b);
+/// Does one of the triangles lie wholly on one side of the other's plane, and farther than `reach_m` from it?
+bool beyond(const PlaneSides& sides, double reach_m);
 
 /// Where two triangles pass through each other: from -> to, along normal_a x normal_b.
 struct CrossingSegment {
@@ -64,8 +75,11 @@ std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedT
 /// The features of two triangles that face each other within `reach_m` and that the triangles stand for; how many. A pair of
 /// features counts where nothing beside it is nearer: the direction between the two lies in the cone of normals of each
 /// (a corner over a face counts wherever it is over it, so that a face that lies flat has all its corners).
+/// With `beneath_m` > 0 those come too that have passed through each other by less than that, and crossed edges whose direction
+/// leans out of a cone by up to 0.1: marked as `resting`. A face of a sheet looks to the side where the other body's centre is.
 std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
-                            const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out);
+                            const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out,
+                            double beneath_m = 0);
 
 /// The same for a triangle and the centre of a ball of b.
 std::size_t features_facing_point(const PlacedSurface& on_a, const PlacedTriangle& a, const Vec3& point_m, double reach_m,

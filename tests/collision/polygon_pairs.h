@@ -23,7 +23,8 @@ struct PolygonAnswer {
 };
 
 /// Refines a pair to its leaves and through its polygons, `units` at a time; nothing but what is apart where a tree says so.
-inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools, std::uint32_t units = 1U << 30U) {
+inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools, std::uint32_t units = 1U << 30U,
+                                        bool rests = true) {
   PolygonAnswer answer;
   PairLevel& pair = answer.level;
   pools[0].clear();
@@ -38,7 +39,7 @@ inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontP
   if (pair.apart) return answer;
   answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);
   PolygonProgress progress;
-  begin_polygons(frame, Mat3::Identity(), pair, progress);
+  begin_polygons(frame, Mat3::Identity(), pair, progress, rests);
   do {
     ++answer.quanta;
   } while (run_polygons(frame, pools, units, progress) == Quantum::More);

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include "collision/place_list.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poise::collision {
+namespace {
+
+// Of places that span the same but for this share, the one with the least gap is taken, and of those the first in the mesh.
+constexpr double kClearlyMore = 1e-2;
+// Axes in the plane of contact along which the outermost places are kept when the list is full.
+constexpr std::size_t kAxes = 8;
+
+// Two directions square to a unit one (Frisvad 2012 shows why the least coordinate is the safe one to cross with).
+struct Plane {
+  Vec3 u, v;
+  explicit Plane(const Vec3& normal) {
+    Vec3 other = Vec3::UnitX();
+    if (std::abs(normal.y()) < std::abs(normal.x())) other = Vec3::UnitY();
+    if (std::abs(normal.z()) < std::min(std::abs(normal.x()), std::abs(normal.y()))) other = Vec3::UnitZ();
+    u = normal.cross(other).normalized();
+    v = normal.cross(u);
+  }
+};
+
+}  // namespace
+
+bool PlaceList::better(const FoundPlace& a, const FoundPlace& b) const {
+  if (a.patch.gap_m < b.patch.gap_m - tie_m_) return true;
+  return a.patch.gap_m < b.patch.gap_m + tie_m_ && a.rank < b.rank;
+}
+
+void PlaceList::add(const FoundPlace& place) {
+  least_gap_m_ = std::min(least_gap_m_, place.patch.gap_m);
+  for (std::size_t i = 0; i < count_; ++i) {
+    FoundPlace& other = place_[i];
+    if ((other.patch.point_m - place.patch.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
+    if (other.patch.normal.dot(place.patch.normal) < kOneWay) continue;
+    const std::uint64_t first = std::min(other.order, place.order);
+    if (better(place, other)) other = place;
+    other.order = first;
+    return;
+  }
+  if (count_ == kRoom) thin_out();
+  place_[count_++] = place;
+}
+
+bool PlaceList::overlaps_only_along(const Vec3& normal) const {
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (place_[i].patch.gap_m < 0 && place_[i].patch.normal.dot(normal) < kOneWay) return false;
+  }
+  return true;
+}
+
+// Does the same corner leave the solid sooner by another face?
+bool PlaceList::outdone(std::size_t index) const {
+  const FoundPlace& place = place_[index];
+  if (place.corner == FoundPlace::kNoCorner || place.in_groove || !(place.patch.gap_m < 0)) return false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const FoundPlace& other = place_[i];
+    if (other.corner != place.corner || other.in_groove || !(other.patch.gap_m <= 0)) continue;
+    if (other.patch.gap_m > place.patch.gap_m + tie_m_) return true;
+  }
+  return false;
+}
+
+void PlaceList::sort_into(double reach_m, Groups& groups) const {
+  std::array<std::uint8_t, kRoom> left;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (!(place_[i].patch.gap_m < reach_m) || outdone(i)) continue;
+    std::size_t at = count++;
+    for (; at > 0 && place_[left[at - 1]].order > place_[i].order; --at) left[at] = left[at - 1];
+    left[at] = static_cast<std::uint8_t>(i);
+  }
+  while (count > 0 && groups.count < kMaxPatches) {
+    std::size_t deepest = 0;
+    for (std::size_t k = 1; k < count; ++k) {
+      if (place_[left[k]].patch.gap_m < place_[left[deepest]].patch.gap_m - tie_m_) deepest = k;
+    }
+    Group& group = groups.group[groups.count++];
+    group.count = 0;
+    group.normal = place_[left[deepest]].patch.normal;
+    group.member[group.count++] = left[deepest];
+    std::size_t rest = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (k == deepest) continue;
+      if (place_[left[k]].patch.normal.dot(group.normal) >= kOneWay) {
+        group.member[group.count++] = left[k];
+      } else {
+        left[rest++] = left[k];
+      }
+    }
+    count = rest;
+  }
+}
+
+// Of the places that are as deep as the deepest: the one farthest from the middle of all, so that the rest can span from it.
+std::size_t PlaceList::outermost_of_deepest(const Group& group) const {
+  const auto patch = [&](std::size_t k) -> const Patch& { return place_[group.member[k]].patch; };
+  Vec3 middle = Vec3::Zero();
+  for (std::size_t k = 0; k < group.count; ++k) middle += patch(k).point_m;
+  middle /= static_cast<double>(group.count);
+  std::size_t best = 0;
+  double farthest2 = (patch(0).point_m - middle).squaredNorm();
+  for (std::size_t k = 1; k < group.count; ++k) {
+    const double there2 = (patch(k).point_m - middle).squaredNorm();
+    if (patch(k).gap_m > patch(0).gap_m + tie_m_ || !(there2 > farthest2 * (1 + kClearlyMore))) continue;
+    best = k;
+    farthest2 = there2;
+  }
+  return best;
+}
+
+std::size_t PlaceList::pick(const Group& group, std::size_t most, std::array<std::uint8_t, kMaxPatches>& out) const {
+  const auto at = [&](std::size_t k) -> const Vec3& { return place_[group.member[k]].patch.point_m; };
+  std::size_t count = 0;
+  std::array<Vec3, kMaxPatches> chosen;
+  const auto take = [&](std::size_t k) {
+    chosen[count] = at(k);
+    out[count++] = group.member[k];
+  };
+  const auto gap = [&](std::size_t k) { return place_[group.member[k]].patch.gap_m; };
+  // The member with the largest figure above `least`; none where there is no such.
+  const auto largest = [&](double least, auto&& figure) {
+    std::size_t best = group.count;
+    double most_yet = least;
+    for (std::size_t k = 0; k < group.count; ++k) {
+      const double there = figure(at(k));
+      if (!(there > least)) continue;
+      const bool clearly = best == group.count || there > most_yet * (1 + kClearlyMore);
+      if (!clearly && !(there > most_yet * (1 - kClearlyMore) && gap(k) < gap(best) - tie_m_)) continue;
+      best = k;
+      most_yet = std::max(most_yet, there);
+    }
+    return best;
+  };
+  take(outermost_of_deepest(group));
+  if (most < 2) return count;
+  const std::size_t second =
+      largest(merge_m_ * merge_m_, [&](const Vec3& p) { return (p - chosen[0]).cross(group.normal).squaredNorm(); });
+  if (second == group.count) return count;
+  take(second);
+  if (most < 3) return count;
+  // Twice areas. Places that make no triangle higher than the merging distance add nothing.
+  const Vec3 base = chosen[1] - chosen[0];
+  const double thin = merge_m_ * base.norm();
+  const std::size_t third =
+      largest(thin, [&](const Vec3& p) { return std::abs(group.normal.dot(base.cross(p - chosen[0]))); });
+  if (third == group.count) return count;
+  take(third);
+  if (most < 4) return count;
+  const double turn = group.normal.dot(base.cross(chosen[2] - chosen[0])) > 0 ? 1.0 : -1.0;
+  const std::size_t fourth = largest(thin, [&](const Vec3& p) {
+    double outside = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3& from = chosen[i];
+      outside = std::max(outside, -turn * group.normal.dot((chosen[(i + 1) % 3] - from).cross(p - from)));
+    }
+    return outside;
+  });
+  if (fourth != group.count) take(fourth);
+  return count;
+}
+
+PatchSet PlaceList::choose(double reach_m) const {
+  Groups groups;
+  sort_into(reach_m, groups);
+  std::array<std::size_t, kMaxPatches> share{};
+  std::size_t given = groups.count;
+  std::fill_n(share.begin(), groups.count, std::size_t{1});
+  for (bool more = true; more && given < kMaxPatches;) {
+    more = false;
+    for (std::size_t g = 0; g < groups.count && given < kMaxPatches; ++g) {
+      if (share[g] == groups.group[g].count) continue;
+      ++share[g];
+      ++given;
+      more = true;
+    }
+  }
+  PatchSet set;
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    std::array<std::uint8_t, kMaxPatches> picked;
+    const std::size_t count = pick(groups.group[g], share[g], picked);
+    for (std::size_t k = 0; k < count; ++k) set.patch[set.count++] = place_[picked[k]].patch;
+  }
+  return set;
+}
+
+void PlaceList::thin_out() {
+  Groups groups;
+  sort_into(std::numeric_limits<double>::infinity(), groups);
+  std::array<bool, kRoom> keep{};
+  for (std::size_t g = 0; g < groups.count; ++g) {
+    const Group& group = groups.group[g];
+    const Plane plane(group.normal);
+    keep[group.member[0]] = true;
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      // Eight axes evenly around; the diagonal ones need not be unit.
+      constexpr std::array<std::array<double, 2>, kAxes> kToward = {
+          {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+      const Vec3 toward = kToward[axis][0] * plane.u + kToward[axis][1] * plane.v;
+      std::size_t best = 0;
+      for (std::size_t k = 1; k < group.count; ++k) {
+        if (toward.dot(place_[group.member[k]].patch.point_m) > toward.dot(place_[group.member[best]].patch.point_m)) best = k;
+      }
+      keep[group.member[best]] = true;
+    }
+  }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (keep[i]) place_[count++] = place_[i];
+  }
+  count_ = count;
+}
+
+}  // namespace poise::collision

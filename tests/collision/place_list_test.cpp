@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "collision/place_list.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "collision/shapes.h"
+
+namespace poise::collision {
+namespace {
+
+FoundPlace found(const Vec3& point, double gap, std::uint64_t order, const Vec3& normal = Vec3::UnitZ()) {
+  FoundPlace place;
+  place.patch = {normal, point, gap, gap};
+  place.order = order;
+  return place;
+}
+
+double widest(const PatchSet& set) {
+  double most = 0;
+  for (const Patch& p : set.all()) {
+    for (const Patch& q : set.all()) most = std::max(most, (p.point_m - q.point_m).norm());
+  }
+  return most;
+}
+
+TEST(PlaceList, ChoosesTheDeepestAndTheOnesThatSpanTheRest) {
+  PlaceList list(1);
+  std::uint64_t order = 0;
+  for (int x = -3; x <= 3; ++x) {
+    for (int y = -3; y <= 3; ++y) list.add(found(Vec3(x, y, 0), x == 3 && y == 3 ? -0.1 : 0.0, order++));
+  }
+  const PatchSet set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_EQ(set.patch[0].gap_m, -0.1);
+  for (const Patch& p : set.all()) {
+    EXPECT_EQ(std::abs(p.point_m.x()), 3);
+    EXPECT_EQ(std::abs(p.point_m.y()), 3);
+  }
+}
+
+TEST(PlaceList, WhatIsNearAnotherPlaceInTheSameDirectionIsTheSamePlace) {
+  PlaceList list(1);
+  list.add(found(Vec3(0, 0, 0), 1e-3, 1));
+  list.add(found(Vec3(5e-4, 0, 0), -1e-3, 2));
+  list.add(found(Vec3(0, 5e-4, 0), 2e-3, 0));
+  EXPECT_EQ(list.count(), 1U);
+  EXPECT_EQ(list.choose(0.1).patch[0].gap_m, -1e-3);
+  list.add(found(Vec3(0, 0, 0), 0, 3, Vec3::UnitX()));
+  EXPECT_EQ(list.count(), 2U);
+  EXPECT_EQ(list.least_gap_m(), -1e-3);
+}
+
+TEST(PlaceList, EveryDirectionHasItsShare) {
+  PlaceList list(1);
+  for (int i = 0; i < 6; ++i) list.add(found(Vec3(i, i % 2, 0), -0.01, static_cast<std::uint64_t>(i)));
+  list.add(found(Vec3(2, 0, 0), 0.001, 9, Vec3::UnitX()));
+  PatchSet set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_EQ(set.patch[3].normal, Vec3::UnitX());
+  list.add(found(Vec3(2, 3, 0), 0.001, 10, Vec3::UnitX()));
+  list.add(found(Vec3(2, 4, 0), 0.001, 11, Vec3::UnitX()));
+  set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_EQ(std::ranges::count_if(set.all(), [](const Patch& p) { return p.normal == Vec3::UnitX(); }), 2);
+}
+
+TEST(PlaceList, ACornerBeneathTwoFacesLeavesByTheNearerOneButInAGroove) {
+  for (const bool groove : {false, true}) {
+    PlaceList list(1);
+    FoundPlace up = found(Vec3::Zero(), -0.001, 1);
+    FoundPlace aside = found(Vec3::Zero(), -0.004, 0, Vec3::UnitX());
+    up.corner = aside.corner = 7;
+    up.in_groove = aside.in_groove = groove;
+    list.add(aside);
+    list.add(up);
+    const PatchSet set = list.choose(0.01);
+    EXPECT_EQ(set.count, groove ? 2U : 1U);
+    EXPECT_EQ(set.patch[groove ? 1 : 0].normal, Vec3::UnitZ());
+  }
+}
+
+TEST(PlaceList, TheOrderOfFindingDoesNotMatter) {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<FoundPlace> places;
+    for (std::uint64_t i = 0; i < 40; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 40;
+      places.push_back(found(Vec3(std::cos(angle), std::sin(angle), 0), 0, i));
+    }
+    PlaceList straight(1);
+    for (const FoundPlace& place : places) straight.add(place);
+    std::ranges::shuffle(places, random);
+    PlaceList shuffled(1);
+    for (const FoundPlace& place : places) shuffled.add(place);
+    const PatchSet one = straight.choose(1);
+    const PatchSet other = shuffled.choose(1);
+    ASSERT_EQ(one.count, 4U);
+    ASSERT_EQ(other.count, 4U);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one.patch[i].point_m, other.patch[i].point_m);
+  }
+}
+
+TEST(PlaceList, AFullListKeepsItsDeepestAndItsOutermost) {
+  std::mt19937_64 random(4);
+  PlaceList list(1);
+  double least = 1;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const double angle = uniform(random, 0, 2 * std::numbers::pi);
+    const double radius = uniform(random, 0, 5);
+    const double gap = uniform(random, -1, 0);
+    least = std::min(least, gap);
+    list.add(found(radius * Vec3(std::cos(angle), std::sin(angle), 0), gap, i));
+    ASSERT_LE(list.count(), PlaceList::kRoom);
+  }
+  const PatchSet set = list.choose(1);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_NEAR(set.patch[0].gap_m, least, 2e-6);
+  EXPECT_GT(widest(set), 9);
+}
+
+TEST(PlaceList, PlacesInARowAreTwo) {
+  PlaceList list(1);
+  for (std::uint64_t i = 0; i < 10; ++i) list.add(found(Vec3(0.1 * static_cast<double>(i), 0, 0), 0, i));
+  const PatchSet set = list.choose(1);
+  EXPECT_EQ(set.count, 2U);
+  EXPECT_NEAR(widest(set), 0.9, 1e-12);
+}
+
+}  // namespace
+}  // namespace poise::collision
