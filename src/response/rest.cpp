@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "response/anderson_mixing.h"
 #include "response/rest_lanes.h"
 
 namespace poise::response {
@@ -17,6 +18,14 @@ constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
 
 constexpr std::size_t kMostPatches = 4;
+
+// Sweeps of a substep: as many as visit so many patches in all, at least one, and none more once a sweep changes no approach by more than a
+// share of what counts as still. So small scenes converge, and the cost of large ones is linear in their patches.
+constexpr std::uint32_t kVisits = 60000;
+constexpr std::uint32_t kMostSweeps = 60;
+constexpr double kSettledOfStill = 1e-5;
+// From so many sweeps on they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones.
+constexpr std::uint32_t kMixedSweeps = 20;
 
 // Lanes and motions in one precision.
 template <class T>
@@ -121,6 +130,8 @@ struct RestSolver::Buffers {
   std::vector<std::size_t> block_begin;   // per colour, then the serial ones, then the end
   std::vector<std::uint32_t> order;       // of one colour
   std::vector<SweepChange<double>> changes;  // one a block, where sweeps converge
+  AndersonMixing mixing;
+  std::vector<double> before, after;         // impulses of all lanes, in roots of energy
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -137,9 +148,86 @@ struct RestSolver::Buffers {
   std::uint32_t make_blocks(const RestSystem& system);
   template <class Visit>
   void sweep(parallel::Executor& executor, Visit&& visit);
+  std::size_t read_impulses(std::vector<double>& into);
+  void mix(parallel::Executor& executor);
+  [[nodiscard]] std::uint32_t most_sweeps(const RestSystem& system, const Stopping& stopping) const;
   template <class T>
   Convergence solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor);
 };
+
+std::uint32_t RestSolver::Buffers::most_sweeps(const RestSystem& system, const Stopping& stopping) const {
+  if (stopping.converges()) return stopping.max_sweeps;
+  std::size_t patches = 0;
+  for (const RestPair& pair : system.pairs) patches += pair.patch_count;
+  return std::clamp(kVisits / std::max(static_cast<std::uint32_t>(patches), 1U), 1U, kMostSweeps);
+}
+
+// Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
+std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
+  std::size_t at = 0;
+  for (const RestBlock& block : blocks) {
+    const auto patches = twofold.patches_of(block);
+    const auto friction = twofold.friction_of(block);
+    for (std::size_t p = 0; p < block.patches; ++p) {
+      for (std::size_t lane = 0; lane < block.count; ++lane) {
+        const double root = std::sqrt(patches[p].newton_s[lane]);
+        into[at++] = root * patches[p].impulse[lane];
+        for (std::size_t t = 0; t < 2 && !friction.empty(); ++t) into[at++] = root * std::sqrt(friction[p].share[t][lane]) * friction[p].impulse[t][lane];
+      }
+    }
+  }
+  return at;
+}
+
+// Goes from what the last sweep came to, to what the last few together let expect, within the cones.
+void RestSolver::Buffers::mix(parallel::Executor& executor) {
+  read_impulses(after);
+  if (!mixing.mix(before, after)) return;
+  std::size_t at = 0;
+  const auto change_to = [](double& impulse, double wanted) {
+    // What warm_block gives to the bodies is the change.
+    const double change = wanted - impulse;
+    impulse = change;
+    return wanted;
+  };
+  std::size_t kept = 0;
+  for (const RestBlock& block : blocks) {
+    const auto patches = twofold.patches_of(block);
+    const auto friction = twofold.friction_of(block);
+    for (std::size_t p = 0; p < block.patches; ++p) {
+      for (std::size_t lane = 0; lane < block.count; ++lane) {
+        const double root = std::sqrt(patches[p].newton_s[lane]);
+        const double normal = root > 0 ? std::max(0.0, after[at] / root) : 0.0;
+        ++at;
+        after[kept++] = change_to(patches[p].impulse[lane], normal);
+        if (friction.empty()) continue;
+        double wanted[2];
+        double square = 0;
+        for (std::size_t t = 0; t < 2; ++t) {
+          const double share = friction[p].share[t][lane];
+          wanted[t] = root > 0 && share > 0 ? after[at] / (root * std::sqrt(share)) : 0.0;
+          ++at;
+          square += wanted[t] * wanted[t] * share * share;
+        }
+        const double most = friction[p].coefficient[lane] * normal;
+        const double scale = square > most * most ? most / std::sqrt(square) : 1.0;
+        for (std::size_t t = 0; t < 2; ++t) after[kept++] = change_to(friction[p].impulse[t][lane], scale * wanted[t]);
+      }
+    }
+  }
+  sweep(executor, [&](std::size_t i) { warm_block(blocks[i], twofold.patches_of(blocks[i]), twofold.friction_of(blocks[i]), twofold.motions.data()); });
+  at = 0;
+  for (const RestBlock& block : blocks) {
+    const auto patches = twofold.patches_of(block);
+    const auto friction = twofold.friction_of(block);
+    for (std::size_t p = 0; p < block.patches; ++p) {
+      for (std::size_t lane = 0; lane < block.count; ++lane) {
+        patches[p].impulse[lane] = after[at++];
+        for (std::size_t t = 0; t < 2 && !friction.empty(); ++t) friction[p].impulse[t][lane] = after[at++];
+      }
+    }
+  }
+}
 
 // Blocks of the pairs in `order`, those with most patches first.
 void RestSolver::Buffers::add_blocks(const RestSystem& system, std::size_t width, std::uint32_t& lanes) {
@@ -314,7 +402,13 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   all.friction.resize(rubs ? all.patches.size() : 0);
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
-  if (stopping.converges()) changes.resize(blocks.size());
+  const std::uint32_t most = most_sweeps(system, stopping);
+  const bool mixed = sizeof(T) == sizeof(double) && !stopping.converges();
+  if (mixed) {
+    before.resize(std::max<std::size_t>(before.size(), 3 * kLanes * needed));
+    after.resize(before.size());
+  }
+  changes.resize(blocks.size());
   const auto for_bodies = [&](auto&& visit) {
     parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) visit(i);
@@ -328,7 +422,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   terms.still_mps = static_cast<T>(still_mps(settings));
   terms.push_share = static_cast<T>(kPushShare);
   terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
-  terms.watch = stopping.converges();
+  terms.watch = most > 1;
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
@@ -337,29 +431,36 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       begin_substep(system, i, h_s, substep == 0, all);
     });
     if (substep == 0) sweep(executor, [&](std::size_t i) { warm_block(blocks[i], all.patches_of(blocks[i]), all.friction_of(blocks[i]), all.motions.data()); });
-    const std::uint32_t most = stopping.converges() ? stopping.max_sweeps : 1;
     bool reached = !stopping.converges();
+    if (mixed) mixing.begin(read_impulses(before));
     for (std::uint32_t round = 0; round < most; ++round) {
       ++ended.sweeps;
-      const bool last = !stopping.converges();
+      if (mixed) read_impulses(before);
       sweep(executor, [&](std::size_t i) {
         RestBlock& block = blocks[i];
         const SweepChange<T> change = solve_block(block, all.patches_of(block), all.friction_of(block), terms, round == 0, all.motions.data());
-        if (terms.watch) changes[i] = {static_cast<double>(change.largest), static_cast<double>(change.change)};
-        if (last) add_totals(all.patches_of(block), all.friction_of(block));
+        if (!terms.watch) return;
+        changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
       });
       if (!terms.watch) break;
       SweepChange<double> sum;
       for (const SweepChange<double>& change : changes) {
-        sum.largest = std::max(sum.largest, change.largest);
-        sum.change = std::max(sum.change, change.change);
+        sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
+        sum.change_ns = std::max(sum.change_ns, change.change_ns);
+        sum.change_mps = std::max(sum.change_mps, change.change_mps);
       }
-      reached = sum.change <= stopping.share * sum.largest;
-      if (reached) break;
+      if (stopping.converges()) {
+        reached = sum.change_ns <= stopping.share * sum.largest_ns;
+        if (reached) break;
+      } else if (sum.change_mps <= kSettledOfStill * still_mps(settings)) {
+        break;
+      }
+      // A plain sweep comes last.
+      if (mixed && round + 1 < most) mix(executor);
     }
-    if (terms.watch) {
-      for (RestBlock& block : blocks) add_totals(all.patches_of(block), all.friction_of(block));
-    }
+    parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) add_totals(all.patches_of(blocks[i]), all.friction_of(blocks[i]));
+    });
     ended.reached = ended.reached && reached;
     for_bodies([&](std::size_t i) { end_substep(i, h_s, all); });
   }
@@ -385,6 +486,7 @@ RestSolver& RestSolver::operator=(RestSolver&&) noexcept = default;
 void RestSolver::reserve(std::size_t bodies, std::size_t pairs, std::size_t patches) {
   buffers_->blocks.reserve(pairs);
   buffers_->order.reserve(pairs);
+  buffers_->changes.reserve(pairs);
   buffers_->block_begin.reserve(Coloring::kColors + 2);
   buffers_->single.patches.reserve(patches);
   buffers_->single.motions.reserve(bodies);
@@ -392,8 +494,8 @@ void RestSolver::reserve(std::size_t bodies, std::size_t pairs, std::size_t patc
 }
 
 Convergence RestSolver::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
-  return settings.stopping.converges() ? buffers_->solve<double>(system, settings, executor)
-                                       : buffers_->solve<float>(system, settings, executor);
+  const bool twofold = settings.stopping.converges() || buffers_->most_sweeps(system, settings.stopping) >= kMixedSweeps;
+  return twofold ? buffers_->solve<double>(system, settings, executor) : buffers_->solve<float>(system, settings, executor);
 }
 
 }  // namespace poise::response

@@ -190,10 +190,12 @@ SweepChange<T> solve(RestBlock& block, PatchLanes<T>* patches, FrictionLanes<T>*
       const V units = hn::Sub(after, before);
       give(d, patch.normal, lane, units, moving);
       V change = zero;
-      if (friction != nullptr) change = hn::Mul(unit, rub(d, patch, friction[p], lane, moving));
+      if (friction != nullptr) change = rub(d, patch, friction[p], lane, moving);
       if (terms.watch) {
-        note(d, hn::Max(change, hn::Mul(unit, hn::Abs(units))), changed.change);
-        note(d, hn::Mul(unit, after), changed.largest);
+        change = hn::Max(change, hn::Abs(units));
+        note(d, change, changed.change_mps);
+        note(d, hn::Mul(unit, change), changed.change_ns);
+        note(d, hn::Mul(unit, after), changed.largest_ns);
       }
       if (!push) continue;
       const V overlap = hn::Sub(closed, load_at(patch.surely));

@@ -69,10 +69,12 @@ struct SubstepTerms {
   bool watch = false;                         ///< find out what the sweep changes
 };
 
-/// What a sweep changed, in N s.
+/// What a sweep changed.
 template <class T>
 struct SweepChange {
-  T largest = 0, change = 0;
+  T largest_ns = 0;                           ///< largest impulse
+  T change_ns = 0;                            ///< largest change of one
+  T change_mps = 0;                           ///< the largest in units: by how much it changed an approach
 };
 
 /// Gives the bodies of a block the impulses that its patches start with.
