@@ -77,16 +77,24 @@ void set_direction(const RestSystem& system, const RestPair& pair, const Directi
   into.rate[lane] = static_cast<T>(from.rate);
 }
 
+// Both tangents count with one mass, that of the direction which yields most: so friction points against the slip, whatever the two
+// yield, and never overshoots.
 template <class T>
 void set_friction(const RestSystem& system, const RestPair& pair, const RestPatch& patch, double mass, bool warm, std::size_t lane,
                   FrictionLanes<T>& into) {
   const Tangents along = tangents(patch.normal);
+  Direction made[2] = {direction_of(system, pair, along.first, patch.arm_m), direction_of(system, pair, along.second, patch.arm_m)};
+  if (!(made[0].mass > 0 && made[1].mass > 0)) return;
+  const double k0 = 1.0 / made[0].mass;
+  const double k1 = 1.0 / made[1].mass;
+  const double across = made[0].moment_a.dot(made[1].turn_a) + made[0].moment_b.dot(made[1].turn_b);
+  const double both = 1.0 / (0.5 * (k0 + k1) + std::hypot(0.5 * (k0 - k1), across));
   into.coefficient[lane] = static_cast<T>(pair.friction);
+  into.share[lane] = static_cast<T>(both / mass);
   for (std::size_t t = 0; t < 2; ++t) {
-    const Direction made = direction_of(system, pair, t == 0 ? along.first : along.second, patch.arm_m);
-    set_direction(system, pair, made, lane, into.along[t]);
-    into.share[t][lane] = static_cast<T>(made.mass / mass);
-    into.impulse[t][lane] = static_cast<T>(warm && made.mass > 0 ? patch.friction_ns.dot(made.l) / made.mass : 0.0);
+    made[t].mass = both;
+    set_direction(system, pair, made[t], lane, into.along[t]);
+    into.impulse[t][lane] = static_cast<T>(warm ? patch.friction_ns.dot(made[t].l) / both : 0.0);
   }
 }
 
@@ -172,7 +180,7 @@ std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
       for (std::size_t lane = 0; lane < block.count; ++lane) {
         const double root = std::sqrt(patches[p].newton_s[lane]);
         into[at++] = root * patches[p].impulse[lane];
-        for (std::size_t t = 0; t < 2 && !friction.empty(); ++t) into[at++] = root * std::sqrt(friction[p].share[t][lane]) * friction[p].impulse[t][lane];
+        for (std::size_t t = 0; t < 2 && !friction.empty(); ++t) into[at++] = root * std::sqrt(friction[p].share[lane]) * friction[p].impulse[t][lane];
       }
     }
   }
@@ -204,7 +212,7 @@ void RestSolver::Buffers::mix(parallel::Executor& executor) {
         double wanted[2];
         double square = 0;
         for (std::size_t t = 0; t < 2; ++t) {
-          const double share = friction[p].share[t][lane];
+          const double share = friction[p].share[lane];
           wanted[t] = root > 0 && share > 0 ? after[at] / (root * std::sqrt(share)) : 0.0;
           ++at;
           square += wanted[t] * wanted[t] * share * share;
@@ -361,7 +369,7 @@ void give_block(const RestSystem& system, const RestBlock& block, std::span<cons
       if (!friction.empty() && pair.friction > 0) {
         const Tangents along = tangents(patch.normal);
         for (std::size_t t = 0; t < 2; ++t) {
-          const double unit_ns = newton_s * static_cast<double>(friction[p].share[t][lane]);
+          const double unit_ns = newton_s * static_cast<double>(friction[p].share[lane]);
           const Vec3& tangent = t == 0 ? along.first : along.second;
           patch.friction_ns += (unit_ns * static_cast<double>(friction[p].impulse[t][lane])) * tangent;
           given += (unit_ns * static_cast<double>(friction[p].total[t][lane])) * tangent;

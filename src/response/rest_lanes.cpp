@@ -141,7 +141,7 @@ HWY_INLINE V rub(D d, const PatchLanes<T>& patch, FrictionLanes<T>& friction, st
   for (std::size_t t = 0; t < 2; ++t) {
     const V slip = hn::Add(load_at(friction.along[t].rate), approach(d, friction.along[t], lane, moving));
     wanted[t] = hn::Add(load_at(friction.impulse[t]), slip);
-    const V newtons = hn::Mul(wanted[t], load_at(friction.share[t]));
+    const V newtons = hn::Mul(wanted[t], load_at(friction.share));
     square = hn::Add(square, hn::Mul(newtons, newtons));
   }
   const V most = hn::Mul(load_at(friction.coefficient), load_at(patch.impulse));
@@ -154,7 +154,7 @@ HWY_INLINE V rub(D d, const PatchLanes<T>& patch, FrictionLanes<T>& friction, st
     const V units = hn::Sub(kept, load_at(friction.impulse[t]));
     hn::Store(kept, d, friction.impulse[t] + lane);
     give(d, friction.along[t], lane, units, moving);
-    change = hn::Max(change, hn::Abs(hn::Mul(units, load_at(friction.share[t]))));
+    change = hn::Max(change, hn::Abs(hn::Mul(units, load_at(friction.share))));
   }
   return change;
 }

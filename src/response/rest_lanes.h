@@ -42,7 +42,7 @@ struct PatchLanes {
 template <class T>
 struct FrictionLanes {
   DirectionLanes<T> along[2];
-  T share[2][kLanes] = {};                    ///< a unit along the tangent in units along the normal
+  T share[kLanes] = {};                       ///< a unit along a tangent in units along the normal
   T coefficient[kLanes] = {};
   T impulse[2][kLanes] = {}, total[2][kLanes] = {};
 };

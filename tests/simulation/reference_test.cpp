@@ -243,7 +243,7 @@ TEST(Reference, ConvergesToTheRestOfAStack) {
   EXPECT_TRUE(figures.converged);
   EXPECT_GT(figures.sweeps, 100U);
   EXPECT_LT(figures.change_mps.value(), 1e-7);
-  EXPECT_GT(figures.e_mps.value(), 1e-3);
+  EXPECT_LT(figures.e_mps.value(), 1e-6) << "a small scene converges by itself";
   EXPECT_EQ(figures.reference_contacts, 12U);
   EXPECT_EQ(figures.false_contacts, 0U);
 }
