@@ -138,6 +138,31 @@ TEST(PolygonPatches, ABoxThatHangsOverStandsOnWhatIsBeneathIt) {
   }
 }
 
+TEST(PolygonPatches, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
+  std::mt19937_64 random(9);
+  for (int round = 0; round < 40; ++round) {
+    Vec3 axis = random_vector(random, 1);
+    axis.z() = 0;
+    const double tilt = uniform(random, -3e-3, 3e-3);
+    const Mat3 turn = turned(tilt, axis) * turned(0.3, Vec3::UnitZ());
+    // The lowest corner is 0.1 mm beneath the face; the bottom of the upper cube is a plane.
+    double lowest = 0;
+    for (const Vec3& corner : cube().surface->vertices_m) lowest = std::min(lowest, (turn * corner).z());
+    const Vec3 offset(0.7, 0.1, 0.5 - lowest - 1e-4);
+    const Vec3 down = -turn.col(2);
+    const PatchSet set = patches(cube(), cube(), turn, offset, 0.02);
+    ASSERT_EQ(set.count, 4U) << round;
+    std::array<int, 2> ends{};
+    for (const Patch& p : set.all()) {
+      const double height = down.dot(Vec3(p.point_m.x(), p.point_m.y(), 0.5) - offset) - 0.5;
+      EXPECT_NEAR(p.gap_m, height, 2e-5) << round;
+      EXPECT_GT(p.normal.z(), 0.999);
+      ++ends[p.point_m.x() > 0.4 ? 1 : 0];
+    }
+    EXPECT_EQ(ends[1], 2) << round;
+  }
+}
+
 TEST(PolygonPatches, BricksLaidAcrossEachOtherMeetWhereTheirRimsCross) {
   for (const double gap : kGaps) {
     const double z = 0.25 + 0.5 * gap;
