@@ -234,17 +234,23 @@ TEST(PolygonPatches, AGrooveHoldsFromBothSides) {
     }
     EXPECT_EQ(left, 2);
   }
-  // A keel sharper than the groove, whose edge alone comes down to the bottom.
-  TriangleMesh wedge = box_mesh(Vec3(0.5, 1, 1));
-  for (Vec3& v : wedge.vertices_m) {
-    if (v.z() < 0) v.x() *= 1e-2;
-  }
+}
+
+TEST(PolygonPatches, ASharpKeelAtTheBottomOfAGrooveIsHeldFromBothSidesAboveAndBelowTheTouch) {
+  static const ShapePtr groove = mesh_shape(groove_mesh(), 1);
+  TriangleMesh wedge;
+  wedge.vertices_m = {Vec3(0, -0.5, 0), Vec3(0, 0.5, 0), Vec3(-0.3, -0.5, 1), Vec3(-0.3, 0.5, 1), Vec3(0.3, -0.5, 1), Vec3(0.3, 0.5, 1)};
+  wedge.triangles = {{0, 4, 2}, {1, 3, 5}, {0, 1, 5}, {0, 5, 4}, {0, 2, 3}, {0, 3, 1}, {2, 4, 5}, {2, 5, 3}};
   static const ShapePtr keel = mesh_shape(wedge, 1);
-  const double lowest = keel->surface->vertices_m[0].z();
-  for (const double gap : {1e-4, -1e-4}) {
-    const PatchSet set = patches(*groove, *keel, Mat3::Identity(), bottom + Vec3(0, 0, 2.5e-3 - lowest + gap * std::sqrt(2)));
+  const Vec3 bottom = groove->surface->vertices_m[4] + Vec3(0, 2, 0);
+  const Vec3 edge = keel->surface->vertices_m[0] + Vec3(0, 0.5, 0);
+  for (const double gap : {1e-4, 1e-6, -1e-6, -1e-4}) {
+    const PatchSet set = patches(*groove, *keel, Mat3::Identity(), bottom + Vec3(0, 0, gap * std::sqrt(2)) - edge);
     ASSERT_EQ(set.count, 4U) << gap;
-    for (const Patch& p : set.all()) EXPECT_NEAR(p.gap_m, gap, 1e-7) << p.normal.transpose();
+    for (const Patch& p : set.all()) {
+      EXPECT_NEAR(p.gap_m, gap, 1e-8) << p.normal.transpose();
+      EXPECT_NEAR(std::abs(p.point_m.y() - bottom.y()), 0.5, 1e-6);
+    }
     EXPECT_EQ(std::ranges::count_if(set.all(), [](const Patch& p) { return p.normal.x() > 0; }), 2);
   }
 }
