@@ -18,7 +18,7 @@ constexpr double kDeepest = 0.25;
 // From this share of what was looked through on, corners may lie deeper.
 constexpr double kNearlyBeneath = 0.8;
 // Places that reach this share of the depth of the impact's answer explain it.
-constexpr double kExplained = 0.5;
+constexpr double kExplained = 0.33;
 // Triangles at the crossing that are looked at again, of each body.
 constexpr std::size_t kAgain = 24;
 constexpr std::uint8_t kAllFeatures = 0x3f;
@@ -98,14 +98,17 @@ PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const Placed
   if (!contact.present) return {};
   const double size = size_m(frame);
   const double depth = -contact.likely_m;
-  if (sums.crossed && depth > kNearlyBeneath * places_beneath_m(frame)) {
+  const bool deep = depth > kNearlyBeneath * places_beneath_m(frame);
+  if (sums.crossed && deep) {
     look_deeper(on_a, on_b, sums, std::min(kDeeper * depth, kDeepest * size), places);
   }
   const double length = contact.direction.norm();
   const Vec3 normal = length > 0 ? Vec3(rotation_a.transpose() * contact.direction / length) : Vec3(Vec3::UnitZ());
-  // Where places overlap in other directions too, the depth along the mean of them says nothing.
-  const bool one_way = !(places.least_gap_m() < 0) || places.overlaps_only_along(normal);
-  if (places.count() == 0 || (depth > 0 && places.least_gap_m() > -kExplained * depth && one_way)) {
+  // The impact's answer takes the place of features that were not found. Where places overlap in other directions too, its depth
+  // along the mean of them says nothing; nor does it in a shallow overlap, where a normal that leans a little makes much of it.
+  const bool found = places.count() > 0 && (depth <= 0 || places.least_gap_m() < 0);
+  const bool too_shallow = deep && places.least_gap_m() > -kExplained * depth && places.overlaps_only_along(normal);
+  if (!found || too_shallow) {
     places.add({normal, rotation_a.transpose() * contact.arm_m, contact.likely_m, FoundPlace::kNoCorner, FoundPlace::kNoCorner,
                 static_cast<std::uint32_t>(FacingFeatures::Kind::Other) + 1, false});
   }
