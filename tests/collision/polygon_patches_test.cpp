@@ -163,6 +163,19 @@ TEST(PolygonPatches, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
   }
 }
 
+TEST(PolygonPatches, TheDepthAlongALeaningMeanIsNoPlaceBesideCornersThatAreKnown) {
+  // Nearly flush on three sides; the gradient of the overlap leans, and along it the bodies seem to overlap twice as deep.
+  static const ShapePtr block = mesh_shape(box_mesh(Vec3(1, 0.6, 0.3)), 0);
+  const Quat turn(0.99999993879426841, 0.00030812565810401982, 2.6843832770291165e-05, 0.00016355258168767556);
+  const Vec3 offset(-3.1650089332274594e-07, -0.29207078704036116, 0.29963948030765702);
+  const PatchSet set = patches(*block, *block, turn.toRotationMatrix(), offset, 4e-3);
+  ASSERT_EQ(set.count, 4U);
+  for (const Patch& p : set.all()) {
+    EXPECT_GT(p.gap_m, -4e-4);
+    EXPECT_NEAR(std::abs(p.point_m.x()), 0.5, 2e-4);
+  }
+}
+
 TEST(PolygonPatches, BricksLaidAcrossEachOtherMeetWhereTheirRimsCross) {
   for (const double gap : kGaps) {
     const double z = 0.25 + 0.5 * gap;
