@@ -27,16 +27,16 @@ struct Plane {
 }  // namespace
 
 bool PlaceList::better(const FoundPlace& a, const FoundPlace& b) const {
-  if (a.patch.gap_m < b.patch.gap_m - tie_m_) return true;
-  return a.patch.gap_m < b.patch.gap_m + tie_m_ && a.rank < b.rank;
+  if (a.gap_m < b.gap_m - tie_m_) return true;
+  return a.gap_m < b.gap_m + tie_m_ && a.rank < b.rank;
 }
 
 void PlaceList::add(const FoundPlace& place) {
-  least_gap_m_ = std::min(least_gap_m_, place.patch.gap_m);
+  least_gap_m_ = std::min(least_gap_m_, place.gap_m);
   for (std::size_t i = 0; i < count_; ++i) {
     FoundPlace& other = place_[i];
-    if ((other.patch.point_m - place.patch.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
-    if (other.patch.normal.dot(place.patch.normal) < kOneWay) continue;
+    if ((other.point_m - place.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
+    if (other.normal.dot(place.normal) < kOneWay) continue;
     const std::uint64_t first = std::min(other.order, place.order);
     if (better(place, other)) other = place;
     other.order = first;
@@ -48,7 +48,7 @@ void PlaceList::add(const FoundPlace& place) {
 
 bool PlaceList::overlaps_only_along(const Vec3& normal) const {
   for (std::size_t i = 0; i < count_; ++i) {
-    if (place_[i].patch.gap_m < 0 && place_[i].patch.normal.dot(normal) < kOneWay) return false;
+    if (place_[i].gap_m < 0 && place_[i].normal.dot(normal) < kOneWay) return false;
   }
   return true;
 }
@@ -56,11 +56,11 @@ bool PlaceList::overlaps_only_along(const Vec3& normal) const {
 // Does the same corner leave the solid sooner by another face?
 bool PlaceList::outdone(std::size_t index) const {
   const FoundPlace& place = place_[index];
-  if (place.corner == FoundPlace::kNoCorner || place.in_groove || !(place.patch.gap_m < 0)) return false;
+  if (place.corner == FoundPlace::kNoCorner || place.in_groove || !(place.gap_m < 0)) return false;
   for (std::size_t i = 0; i < count_; ++i) {
     const FoundPlace& other = place_[i];
-    if (other.corner != place.corner || other.in_groove || !(other.patch.gap_m <= 0)) continue;
-    if (other.patch.gap_m > place.patch.gap_m + tie_m_) return true;
+    if (other.corner != place.corner || other.in_groove || !(other.gap_m <= 0)) continue;
+    if (other.gap_m > place.gap_m + tie_m_) return true;
   }
   return false;
 }
@@ -69,7 +69,7 @@ void PlaceList::sort_into(double reach_m, Groups& groups) const {
   std::array<std::uint8_t, kRoom> left;
   std::size_t count = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (!(place_[i].patch.gap_m < reach_m) || outdone(i)) continue;
+    if (!(place_[i].gap_m < reach_m) || outdone(i)) continue;
     std::size_t at = count++;
     for (; at > 0 && place_[left[at - 1]].order > place_[i].order; --at) left[at] = left[at - 1];
     left[at] = static_cast<std::uint8_t>(i);
@@ -77,16 +77,16 @@ void PlaceList::sort_into(double reach_m, Groups& groups) const {
   while (count > 0 && groups.count < kMaxPatches) {
     std::size_t deepest = 0;
     for (std::size_t k = 1; k < count; ++k) {
-      if (place_[left[k]].patch.gap_m < place_[left[deepest]].patch.gap_m - tie_m_) deepest = k;
+      if (place_[left[k]].gap_m < place_[left[deepest]].gap_m - tie_m_) deepest = k;
     }
     Group& group = groups.group[groups.count++];
     group.count = 0;
-    group.normal = place_[left[deepest]].patch.normal;
+    group.normal = place_[left[deepest]].normal;
     group.member[group.count++] = left[deepest];
     std::size_t rest = 0;
     for (std::size_t k = 0; k < count; ++k) {
       if (k == deepest) continue;
-      if (place_[left[k]].patch.normal.dot(group.normal) >= kOneWay) {
+      if (place_[left[k]].normal.dot(group.normal) >= kOneWay) {
         group.member[group.count++] = left[k];
       } else {
         left[rest++] = left[k];
@@ -98,15 +98,15 @@ void PlaceList::sort_into(double reach_m, Groups& groups) const {
 
 // Of the places that are as deep as the deepest: the one farthest from the middle of all, so that the rest can span from it.
 std::size_t PlaceList::outermost_of_deepest(const Group& group) const {
-  const auto patch = [&](std::size_t k) -> const Patch& { return place_[group.member[k]].patch; };
+  const auto found = [&](std::size_t k) -> const FoundPlace& { return place_[group.member[k]]; };
   Vec3 middle = Vec3::Zero();
-  for (std::size_t k = 0; k < group.count; ++k) middle += patch(k).point_m;
+  for (std::size_t k = 0; k < group.count; ++k) middle += found(k).point_m;
   middle /= static_cast<double>(group.count);
   std::size_t best = 0;
-  double farthest2 = (patch(0).point_m - middle).squaredNorm();
+  double farthest2 = (found(0).point_m - middle).squaredNorm();
   for (std::size_t k = 1; k < group.count; ++k) {
-    const double there2 = (patch(k).point_m - middle).squaredNorm();
-    if (patch(k).gap_m > patch(0).gap_m + tie_m_ || !(there2 > farthest2 * (1 + kClearlyMore))) continue;
+    const double there2 = (found(k).point_m - middle).squaredNorm();
+    if (found(k).gap_m > found(0).gap_m + tie_m_ || !(there2 > farthest2 * (1 + kClearlyMore))) continue;
     best = k;
     farthest2 = there2;
   }
@@ -114,14 +114,14 @@ std::size_t PlaceList::outermost_of_deepest(const Group& group) const {
 }
 
 std::size_t PlaceList::pick(const Group& group, std::size_t most, std::array<std::uint8_t, kMaxPatches>& out) const {
-  const auto at = [&](std::size_t k) -> const Vec3& { return place_[group.member[k]].patch.point_m; };
+  const auto at = [&](std::size_t k) -> const Vec3& { return place_[group.member[k]].point_m; };
   std::size_t count = 0;
   std::array<Vec3, kMaxPatches> chosen;
   const auto take = [&](std::size_t k) {
     chosen[count] = at(k);
     out[count++] = group.member[k];
   };
-  const auto gap = [&](std::size_t k) { return place_[group.member[k]].patch.gap_m; };
+  const auto gap = [&](std::size_t k) { return place_[group.member[k]].gap_m; };
   // The member with the largest figure above `least`; none where there is no such.
   const auto largest = [&](double least, auto&& figure) {
     std::size_t best = group.count;
@@ -183,7 +183,10 @@ PatchSet PlaceList::choose(double reach_m) const {
   for (std::size_t g = 0; g < groups.count; ++g) {
     std::array<std::uint8_t, kMaxPatches> picked;
     const std::size_t count = pick(groups.group[g], share[g], picked);
-    for (std::size_t k = 0; k < count; ++k) set.patch[set.count++] = place_[picked[k]].patch;
+    for (std::size_t k = 0; k < count; ++k) {
+      const FoundPlace& place = place_[picked[k]];
+      set.patch[set.count++] = {place.normal, place.point_m, place.gap_m, place.gap_m};
+    }
   }
   return set;
 }
@@ -203,7 +206,7 @@ void PlaceList::thin_out() {
       const Vec3 toward = kToward[axis][0] * plane.u + kToward[axis][1] * plane.v;
       std::size_t best = 0;
       for (std::size_t k = 1; k < group.count; ++k) {
-        if (toward.dot(place_[group.member[k]].patch.point_m) > toward.dot(place_[group.member[best]].patch.point_m)) best = k;
+        if (toward.dot(place_[group.member[k]].point_m) > toward.dot(place_[group.member[best]].point_m)) best = k;
       }
       keep[group.member[best]] = true;
     }

@@ -15,11 +15,12 @@ namespace poise::collision {
 struct FoundPlace {
   static constexpr std::uint64_t kNoCorner = ~std::uint64_t{0};
 
-  Patch patch;
-  std::uint64_t order = 0;             ///< where the features stand in the meshes: the lower one goes first among equals
-  std::uint64_t corner = kNoCorner;    ///< names the corner that lies over or beneath a face
-  std::uint32_t rank = 0;              ///< of two that are one place and equally far, the lower one stays
-  bool in_groove = false;              ///< as in FacingFeatures
+  Vec3 normal, point_m;   ///< as in Patch
+  double gap_m;
+  std::uint64_t order;    ///< where the features stand in the meshes: the lower one goes first among equals
+  std::uint64_t corner;   ///< names the corner that lies over or beneath a face; kNoCorner for other features
+  std::uint32_t rank;     ///< of two that are one place and equally far, the lower one stays
+  bool in_groove;         ///< as in FacingFeatures
 };
 
 /// The places found for a pair, in bounded room. Invariant: no two of them are one place, that is, nearer than the merging distance
@@ -31,7 +32,13 @@ class PlaceList {
   static constexpr std::size_t kRoom = 64;
 
   /// `size_m` of the smaller body (its bounding radius, > 0): places nearer than 1e-3 of it are one, gaps within 2e-6 of it equal.
-  explicit PlaceList(double size_m = 1) : merge_m_(1e-3 * size_m), tie_m_(2e-6 * size_m) {}
+  explicit PlaceList(double size_m = 1) { clear(size_m); }
+  void clear(double size_m) {
+    merge_m_ = 1e-3 * size_m;
+    tie_m_ = 2e-6 * size_m;
+    least_gap_m_ = std::numeric_limits<double>::infinity();
+    count_ = 0;
+  }
 
   void add(const FoundPlace& place);
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -64,10 +71,9 @@ class PlaceList {
   std::size_t pick(const Group& group, std::size_t most, std::array<std::uint8_t, kMaxPatches>& out) const;
   void thin_out();
 
-  double merge_m_, tie_m_;
-  double least_gap_m_ = std::numeric_limits<double>::infinity();
-  std::size_t count_ = 0;
-  std::array<FoundPlace, kRoom> place_;
+  double merge_m_, tie_m_, least_gap_m_;
+  std::size_t count_;
+  std::array<FoundPlace, kRoom> place_;  // the first count_ are set
 };
 
 }  // namespace poise::collision

@@ -347,7 +347,7 @@ void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLe
   progress.on_b.rotation = frame.rotation;
   const double size = std::min(frame.a->bounding_radius_m, frame.b->bounding_radius_m);
   progress.rests = rests;
-  progress.places = PlaceList(frame.with_plane() ? frame.a->bounding_radius_m : size);
+  progress.places.clear(frame.with_plane() ? frame.a->bounding_radius_m : size);
   progress.on_b.offset_m = frame.offset_m + kAside * size * Vec3(0.61, 0.73, -0.31);
   progress.sums.softness_m = polygon_softness_m(frame);
   progress.most_m = frame.margin_m;

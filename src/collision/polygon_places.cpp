@@ -18,7 +18,7 @@ constexpr double kDeepest = 0.25;
 // From this share of what was looked through on, corners may lie deeper.
 constexpr double kNearlyBeneath = 0.8;
 // Places that reach this share of the depth of the impact's answer explain it.
-constexpr double kExplained = 0.5;
+constexpr double kExplained = 0.33;
 // Triangles at the crossing that are looked at again, of each body.
 constexpr std::size_t kAgain = 24;
 constexpr std::uint8_t kAllFeatures = 0x3f;
@@ -87,15 +87,10 @@ double places_reach_m(const PairFrame& frame, double least_m) {
 double places_beneath_m(const PairFrame& frame) { return kBeneath * size_m(frame); }
 
 void note_place(const FacingFeatures& feature, std::uint64_t order, PlaceList& places) {
-  FoundPlace found;
-  found.patch.normal = feature.normal;
-  found.patch.point_m = 0.5 * (feature.point_a_m + feature.point_b_m);
-  found.patch.gap_m = found.patch.surely_m = feature.gap_m;
-  found.order = order;
-  if (feature.corner != FacingFeatures::kNoCorner) found.corner = std::uint64_t{feature.corner} << 1U | (feature.corner_of_b ? 1U : 0U);
-  found.rank = static_cast<std::uint32_t>(feature.kind);
-  found.in_groove = feature.in_groove;
-  places.add(found);
+  std::uint64_t corner = FoundPlace::kNoCorner;
+  if (feature.corner != FacingFeatures::kNoCorner) corner = std::uint64_t{feature.corner} << 1U | (feature.corner_of_b ? 1U : 0U);
+  places.add({feature.normal, 0.5 * (feature.point_a_m + feature.point_b_m), feature.gap_m, order, corner,
+              static_cast<std::uint32_t>(feature.kind), feature.in_groove});
 }
 
 PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const PlacedSurface& on_a, const PlacedSurface& on_b,
@@ -103,21 +98,19 @@ PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const Placed
   if (!contact.present) return {};
   const double size = size_m(frame);
   const double depth = -contact.likely_m;
-  if (sums.crossed && depth > kNearlyBeneath * places_beneath_m(frame)) {
+  const bool deep = depth > kNearlyBeneath * places_beneath_m(frame);
+  if (sums.crossed && deep) {
     look_deeper(on_a, on_b, sums, std::min(kDeeper * depth, kDeepest * size), places);
   }
   const double length = contact.direction.norm();
   const Vec3 normal = length > 0 ? Vec3(rotation_a.transpose() * contact.direction / length) : Vec3(Vec3::UnitZ());
-  // Where places overlap in other directions too, the depth along the mean of them says nothing.
-  const bool one_way = !(places.least_gap_m() < 0) || places.overlaps_only_along(normal);
-  if (places.count() == 0 || (depth > 0 && places.least_gap_m() > -kExplained * depth && one_way)) {
-    FoundPlace lone;
-    lone.patch.normal = normal;
-    lone.patch.point_m = rotation_a.transpose() * contact.arm_m;
-    lone.patch.gap_m = lone.patch.surely_m = contact.likely_m;
-    lone.rank = static_cast<std::uint32_t>(FacingFeatures::Kind::Other) + 1;
-    lone.order = FoundPlace::kNoCorner;
-    places.add(lone);
+  // The impact's answer takes the place of features that were not found. Where places overlap in other directions too, its depth
+  // along the mean of them says nothing; nor does it in a shallow overlap, where a normal that leans a little makes much of it.
+  const bool found = places.count() > 0 && (depth <= 0 || places.least_gap_m() < 0);
+  const bool too_shallow = deep && places.least_gap_m() > -kExplained * depth && places.overlaps_only_along(normal);
+  if (!found || too_shallow) {
+    places.add({normal, rotation_a.transpose() * contact.arm_m, contact.likely_m, FoundPlace::kNoCorner, FoundPlace::kNoCorner,
+                static_cast<std::uint32_t>(FacingFeatures::Kind::Other) + 1, false});
   }
   return places.choose(std::max(places_reach_m(frame, places.least_gap_m()), places.least_gap_m() + 1e-6 * size));
 }

@@ -15,10 +15,7 @@ namespace poise::collision {
 namespace {
 
 FoundPlace found(const Vec3& point, double gap, std::uint64_t order, const Vec3& normal = Vec3::UnitZ()) {
-  FoundPlace place;
-  place.patch = {normal, point, gap, gap};
-  place.order = order;
-  return place;
+  return {normal, point, gap, order, FoundPlace::kNoCorner, 0, false};
 }
 
 double widest(const PatchSet& set) {
