@@ -27,10 +27,18 @@ struct PointContact {
   double gap_m = 0;
 };
 
-/// One pair that is answered: a single constraint along the wrench (l, t_a, t_b), see docs/method.md.
+/// One pair that is answered: a single constraint along the wrench (l, t_a, t_b), see docs/method.md. What every row of a step has comes first, what
+/// an impact needs after it: most rows of a scene at rest never get that far.
 struct ContactRow {
   std::uint32_t a = 0, b = 0;         ///< solver bodies; a pair's order, not that of slots
   std::uint32_t pair = 0;             ///< place of the pair in canonical order
+  bool bounces = false;               ///< comes in fast enough to rebound: left to the impact phase
+  double gap_m = 0;                   ///< likely gap of the two surfaces
+  double restitution = 0;
+  double friction = 0;                ///< Coulomb's coefficient
+  double total_ns = 0;                ///< all that b received along l from impacts
+  Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
+
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
   std::uint32_t patches_begin = 0, patches_end = 0;  ///< of the places where the pair rests, if it has more than one
   Vec3 direction = Vec3::Zero();      ///< l
@@ -38,14 +46,11 @@ struct ContactRow {
   Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
   double inverse_mass_a = 0, inverse_mass_b = 0;
   double effective_mass = 0;          ///< 1 / K; 0 when degenerate: the row answers nothing
-  double gap_m = 0;                   ///< likely gap of the two surfaces
-  double restitution = 0;
-  double friction = 0;                ///< Coulomb's coefficient
   Vec3 arm_m = Vec3::Zero();          ///< mean place of contact, from the centre of mass of a
   Vec3 a_to_b_m = Vec3::Zero();       ///< between the centres of mass
-  double total_ns = 0;                ///< all that b received along l from impacts
-  Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
-  bool bounces = false;               ///< comes in fast enough to rebound: left to the impact phase
+
+  /// What impacts gave to b, N s. A row that was never filled has no direction, and gave nothing along it.
+  [[nodiscard]] Vec3 impact_ns() const { return total_ns == 0 ? point_impulse_ns : Vec3(total_ns * direction + point_impulse_ns); }
 };
 
 /// Fills turn, inverse masses and effective mass from l and t; true unless K is not positive and finite

@@ -118,20 +118,29 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
   Convergence ended{!stopping.converges(), 0};
   std::vector<std::uint32_t>& changed = system.scratch.changed;
   std::vector<RowGate>& gates = system.scratch.gates;
+  if (system.source == nullptr) {
+    gates.clear();
+    for (const ContactRow& row : system.rows) gates.push_back({row.a, row.b, true, true});
+  } else if (std::none_of(gates.begin(), gates.end(), [](const RowGate& gate) { return gate.fast; })) {
+    ended.reached = true;
+    return ended;
+  }
   changed.assign(system.bodies.size(), 0);
-  gates.resize(system.rows.size());
   for (std::uint32_t round = 1; round <= most; ++round) {
     ++ended.sweeps;
     if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
     parallel::Shared<int> answered(0);
     sweep(system, executor, [&](std::size_t i) {
-      // What neither body's velocity has changed since the last round needs no other look.
-      if (round > 1 && changed[gates[i].a] + 1 < round && changed[gates[i].b] + 1 < round) return;
+      // What neither body's velocity has changed since the last round needs no other look, and at first only what is fast.
+      RowGate& gate = gates[i];
+      const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
+      if (round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched) return;
       ContactRow& row = system.rows[i];
-      if (round == 1) {
-        gates[i] = {row.a, row.b};
-        note_rebound(system, row, still_mps);
+      if (!gate.ready) {
+        system.source->fill(i);
+        gate.ready = true;
       }
+      if (round == 1) note_rebound(system, row, still_mps);
       if (row.effective_mass == 0) return;
       const double before_ns = row.total_ns;
       const bool here = row.points_begin < row.points_end
@@ -153,7 +162,7 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
   // first sweep has noted it; what impulses have changed since is looked at again.
   sweep(system, executor, [&](std::size_t i) {
     if (changed[gates[i].a] == 0 && changed[gates[i].b] == 0) return;
-    note_rebound(system, system.rows[i], still_mps);
+    if (gates[i].ready) note_rebound(system, system.rows[i], still_mps);
   });
   return ended;
 }

@@ -50,11 +50,20 @@ struct Acceleration {
 /// What a sweep looks at before it touches a row: small, because most sweeps leave most rows alone.
 struct RowGate {
   std::uint32_t a = 0, b = 0;
+  bool fast = true;                   ///< its bodies move fast enough against each other that it may need an answer
+  bool ready = true;                  ///< the row holds what an impact needs
+};
+
+/// Fills a row with what an impact needs when it is first looked at. Called by any worker, once a row.
+class RowSource {
+ public:
+  virtual ~RowSource() = default;
+  virtual void fill(std::size_t row) const = 0;
 };
 
 /// Buffers of the solver. Invariant: they only grow.
 struct SolveScratch {
-  std::vector<RowGate> gates;         ///< one a row
+  std::vector<RowGate> gates;         ///< one a row; made by solve_impacts where there is no RowSource
   std::vector<std::uint32_t> changed; ///< one a body: the last round of impacts that changed its velocity, from 1
   std::vector<double> change_ns;      ///< one a row, where sweeps converge: by how much the last one changed its impulse
 };
@@ -68,6 +77,7 @@ struct System {
   std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts and friction only
   const Coloring& coloring;
   SolveScratch& scratch;
+  const RowSource* source = nullptr;            ///< of rows whose gate is not ready; without it all are
 };
 
 /// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that closes

@@ -45,11 +45,11 @@ Contact contact_of(const WorldState& world, const ActivePair& pair, const respon
   contact.b = world.bodies.id_of(pair.high);
   contact.level = pair.answered_level();
   const double sign = pair.a == pair.low ? 1.0 : -1.0;
-  const double length = row.direction.norm();
-  if (length > 0) contact.normal = (sign / length) * row.direction;
-  contact.point_m = world.buffers.poses[pair.a].position_m + row.arm_m;
+  const response::RestPatch& place = world.buffers.rest_patches[pair.place_begin];
+  contact.normal = sign * place.normal;
+  contact.point_m = world.buffers.poses[pair.a].position_m + place.arm_m;
   contact.gap_m = row.gap_m;
-  contact.impulse_ns = sign * (row.total_ns * row.direction + row.point_impulse_ns + rest_ns);
+  contact.impulse_ns = sign * (row.impact_ns() + rest_ns);
   return contact;
 }
 

@@ -60,7 +60,8 @@ class OverlapTests {
 // Rows and impulses of all pairs; every wrench meets, whatever its gap.
 void answer_all(WorldState& world, double dt_s) {
   FrameReport report;
-  make_rows(world, report);
+  make_rows(world, 0, report);
+  fill_rows(world);
   for (response::ContactRow& row : world.buffers.rows) row.gap_m = -std::numeric_limits<double>::max();
   response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
 }

@@ -71,7 +71,8 @@ bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s) {
   find_pairs(world, input, report);
   world.buffers.pools[0].clear();
   for (ActivePair& pair : world.buffers.pairs) refine_pair(world, pair, 0);
-  make_rows(world, report);
+  make_rows(world, 0, report);
+  fill_rows(world);
   return !world.buffers.rows.empty();
 }
 

@@ -60,8 +60,7 @@ class StartOfFrame {
 };
 
 double size_of_impulse(const FrameBuffers& frame, std::size_t row) {
-  const response::ContactRow& impact = frame.rows[row];
-  return (impact.total_ns * impact.direction + impact.point_impulse_ns + frame.rest_pairs[row].impulse_ns).norm();
+  return (frame.rows[row].impact_ns() + frame.rest_pairs[row].impulse_ns).norm();
 }
 
 const collision::TrueSurface& surface_of(const WorldState& world, std::uint32_t slot) {

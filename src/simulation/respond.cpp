@@ -187,44 +187,74 @@ Material mixed(const WorldState& world, const ActivePair& pair) {
   return both;
 }
 
-response::ContactRow make_row(WorldState& world, std::uint32_t place, std::size_t& degenerate) {
-  FrameBuffers& buffers = world.buffers;
-  const ActivePair& pair = buffers.pairs[buffers.row_pair[place]];
+// What every row has.
+void outline_row(const WorldState& world, std::uint32_t place, response::ContactRow& row) {
+  const FrameBuffers& buffers = world.buffers;
+  row.pair = buffers.row_pair[place];
+  const ActivePair& pair = buffers.pairs[row.pair];
   const Material material = mixed(world, pair);
-  response::ContactRow row;
   row.a = pair.a;
   row.b = pair.b;
-  row.pair = buffers.row_pair[place];
-  row.a_to_b_m = buffers.poses[pair.b].position_m - buffers.poses[pair.a].position_m;
+  row.bounces = false;
+  row.gap_m = buffers.rest_patches[pair.place_begin].gap_m;
+  // The paper answers the spheres themselves; the others answer the surfaces that are likely inside them.
+  if (world.settings.contact == ContactModel::Paper && !pair.by_kept()) row.gap_m = pair.level.contact.spheres_m;
   row.restitution = material.restitution;
   row.friction = material.friction;
-  if (pair.place_count > 1) {
-    row.patches_begin = pair.place_begin + 1;
-    row.patches_end = pair.place_begin + pair.place_count;
-  }
-  if (pair.by_kept()) {
-    const response::RestPatch& kept = buffers.rest_patches[pair.place_begin];
-    row.direction = kept.normal;
-    row.arm_m = kept.arm_m;
-    row.moment_a_m = row.arm_m.cross(row.direction);
-    row.moment_b_m = (row.arm_m - row.a_to_b_m).cross(row.direction);
-    row.gap_m = kept.gap_m;
-  } else {
-    const collision::PairContact& contact = pair.level.contact;
-    row.direction = contact.direction;
-    row.arm_m = contact.arm_m;
-    row.moment_a_m = contact.moment_a_m;
-    row.moment_b_m = contact.moment_b_m;
-    // The paper answers the spheres themselves; the wrench answers the surfaces that are likely inside them.
-    row.gap_m = world.settings.contact == ContactModel::Paper ? contact.spheres_m : contact.likely_m;
-  }
-  if (!response::prepare_row(row, world.bodies.inverse_mass[pair.a], buffers.inverse_inertia[pair.a],
-                             world.bodies.inverse_mass[pair.b], buffers.inverse_inertia[pair.b])) {
-    ++degenerate;
-  }
-  if (world.settings.contact == ContactModel::Paper) fill_points(world, pair, place, row);
-  return row;
+  row.total_ns = 0;
+  row.point_impulse_ns.setZero();
 }
+
+// May the bodies of a row close so fast that it is an impact, at any of their points?
+bool may_be_fast(const WorldState& world, const response::ContactRow& row, double still_mps) {
+  const response::SolverBody& a = world.buffers.solver_bodies[row.a];
+  const response::SolverBody& b = world.buffers.solver_bodies[row.b];
+  const auto reach_m = [&](std::uint32_t slot) {
+    const Shape& shape = *world.bodies.shape[slot];
+    return shape.kind == ShapeKind::Plane ? 0.0 : shape.bounding_radius_m;
+  };
+  const double closing = (a.velocity_mps - b.velocity_mps).norm() + a.spin_radps.norm() * reach_m(row.a) + b.spin_radps.norm() * reach_m(row.b);
+  return closing > still_mps;
+}
+
+// What an impact needs.
+class PairRows final : public response::RowSource {
+ public:
+  PairRows(WorldState& world, parallel::Tickets& degenerate) : world_(world), degenerate_(degenerate) {}
+  void fill(std::size_t k) const override {
+    FrameBuffers& buffers = world_.buffers;
+    response::ContactRow& row = buffers.rows[k];
+    const ActivePair& pair = buffers.pairs[row.pair];
+    row.a_to_b_m = buffers.poses[pair.b].position_m - buffers.poses[pair.a].position_m;
+    row.points_begin = row.points_end = row.patches_begin = row.patches_end = 0;
+    if (pair.place_count > 1) {
+      row.patches_begin = pair.place_begin + 1;
+      row.patches_end = pair.place_begin + pair.place_count;
+    }
+    if (pair.by_kept()) {
+      const response::RestPatch& kept = buffers.rest_patches[pair.place_begin];
+      row.direction = kept.normal;
+      row.arm_m = kept.arm_m;
+      row.moment_a_m = row.arm_m.cross(row.direction);
+      row.moment_b_m = (row.arm_m - row.a_to_b_m).cross(row.direction);
+    } else {
+      const collision::PairContact& contact = pair.level.contact;
+      row.direction = contact.direction;
+      row.arm_m = contact.arm_m;
+      row.moment_a_m = contact.moment_a_m;
+      row.moment_b_m = contact.moment_b_m;
+    }
+    const auto& inverse_mass = world_.bodies.inverse_mass;
+    if (!response::prepare_row(row, inverse_mass[pair.a], buffers.inverse_inertia[pair.a], inverse_mass[pair.b], buffers.inverse_inertia[pair.b])) {
+      degenerate_.take(1);
+    }
+    if (world_.settings.contact == ContactModel::Paper) fill_points(world_, pair, buffers.coloring.order()[k], row);
+  }
+
+ private:
+  WorldState& world_;
+  parallel::Tickets& degenerate_;
+};
 
 // What of a pair may rest, once impacts are over.
 response::RestPair rest_pair(const WorldState& world, const response::ContactRow& row) {
@@ -239,13 +269,13 @@ response::RestPair rest_pair(const WorldState& world, const response::ContactRow
   rest.friction = row.friction;
   rest.restitution = row.restitution;
   rest.slop_m = kSlopOfSkin * pair.skin_m;
-  rest.a_to_b_m = row.a_to_b_m;
+  rest.a_to_b_m = world.buffers.poses[pair.b].position_m - world.buffers.poses[pair.a].position_m;
   return rest;
 }
 
 }  // namespace
 
-void make_rows(WorldState& world, FrameReport& report) {
+void make_rows(WorldState& world, double still_mps, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   lay_out_places(world);
   list_rows(world, report);
@@ -253,25 +283,37 @@ void make_rows(WorldState& world, FrameReport& report) {
   report.colors_full = buffers.row_pair.size() - buffers.coloring.serial_begin();
   fill_bodies(world);
   buffers.rows.resize(buffers.row_pair.size());
-  parallel::Tickets degenerate;
+  buffers.scratch.gates.resize(buffers.rows.size());
   parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    std::size_t found = 0;
-    for (std::size_t k = begin; k < end; ++k) buffers.rows[k] = make_row(world, buffers.coloring.order()[k], found);
-    if (found > 0) degenerate.take(found);
+    for (std::size_t k = begin; k < end; ++k) {
+      response::ContactRow& row = buffers.rows[k];
+      outline_row(world, buffers.coloring.order()[k], row);
+      buffers.scratch.gates[k] = {row.a, row.b, may_be_fast(world, row, still_mps), false};
+    }
   });
-  report.degenerate = degenerate.take(0);
 }
 
 response::System system_of(FrameBuffers& buffers) {
   return {buffers.solver_bodies, buffers.rows, buffers.points, buffers.rest_patches, buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
+void fill_rows(WorldState& world) {
+  parallel::Tickets degenerate;
+  const PairRows source(world, degenerate);
+  for (std::size_t k = 0; k < world.buffers.rows.size(); ++k) source.fill(k);
+}
+
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping) {
-  make_rows(world, report);
-  FrameBuffers& buffers = world.buffers;
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
-  const response::Convergence impacts = response::solve_impacts(system_of(buffers), settings, *world.executor);
+  make_rows(world, response::still_mps(settings), report);
+  FrameBuffers& buffers = world.buffers;
+  parallel::Tickets degenerate;
+  const PairRows source(world, degenerate);
+  response::System impact = system_of(buffers);
+  impact.source = &source;
+  const response::Convergence impacts = response::solve_impacts(impact, settings, *world.executor);
+  report.degenerate = degenerate.take(0);
   buffers.rest_pairs.resize(buffers.rows.size());
   parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) buffers.rest_pairs[k] = rest_pair(world, buffers.rows[k]);

@@ -24,8 +24,10 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report);
 /// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room.
 bool refine_pair(WorldState& world, ActivePair& pair, int worker);
 
-/// Velocities and the pairs that are answered, as rows ready to be solved: the first half of respond.
-void make_rows(WorldState& world, FrameReport& report);
+/// Velocities and the pairs that are answered, as rows: the first half of respond. What is slower than `still_mps` is no impact.
+void make_rows(WorldState& world, double still_mps, FrameReport& report);
+/// Fills all rows with what impacts need; respond does so as they are looked at.
+void fill_rows(WorldState& world);
 /// What the solvers work on.
 response::System system_of(FrameBuffers& buffers);
 /// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which answers no
