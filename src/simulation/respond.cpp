@@ -119,6 +119,10 @@ void lay_out_places(WorldState& world) {
     pair.place_count = count_places(pair);
     places += pair.place_count;
   }
+  // A pair may gain places in any later frame; room for the most that it can have costs no memory until it is used.
+  const std::size_t room = buffers.pairs.capacity() * (collision::kMaxPatches + 1);
+  buffers.places.reserve(room);
+  buffers.rest_patches.reserve(room);
   buffers.places.resize(places);
   buffers.rest_patches.resize(places);
   parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
