@@ -37,88 +37,68 @@ struct Lanes {
 
   std::span<PatchLanes<T>> patches_of(const RestBlock& block) { return std::span(patches).subspan(block.first, block.patches); }
   std::span<FrictionLanes<T>> friction_of(const RestBlock& block) {
-    return friction.empty() ? std::span<FrictionLanes<T>>() : std::span(friction).subspan(block.first, block.patches);
+    return friction.empty() || !block.rubs ? std::span<FrictionLanes<T>>() : std::span(friction).subspan(block.first, block.patches);
   }
 };
 
-// What a direction does to a pair.
-struct Direction {
-  Vec3 l, moment_a, moment_b, turn_a, turn_b;
-  double mass = 0;  ///< M, 0 where nothing yields
-  double rate = 0;
-};
-
-Direction direction_of(const RestSystem& system, const RestPair& pair, const Vec3& l, const Vec3& arm_m) {
-  const SolverBody& a = system.bodies[pair.a];
-  const SolverBody& b = system.bodies[pair.b];
-  Direction made;
-  made.l = l;
-  made.moment_a = arm_m.cross(l);
-  made.moment_b = (arm_m - pair.a_to_b_m).cross(l);
-  made.turn_a = system.inverse_inertia[pair.a] * made.moment_a;
-  made.turn_b = system.inverse_inertia[pair.b] * made.moment_b;
-  const double k = a.inverse_mass + b.inverse_mass + made.moment_a.dot(made.turn_a) + made.moment_b.dot(made.turn_b);
-  made.mass = k > 0 && std::isfinite(1.0 / k) ? 1.0 / k : 0.0;
-  made.rate = l.dot(a.velocity_mps - b.velocity_mps) + made.moment_a.dot(a.spin_radps) - made.moment_b.dot(b.spin_radps);
-  return made;
+template <class T>
+void set(const Vec3& from, std::size_t lane, T (&into)[3][kLanes]) {
+  for (std::size_t k = 0; k < 3; ++k) into[k][lane] = static_cast<T>(from[static_cast<Eigen::Index>(k)]);
 }
 
 template <class T>
-void set_direction(const RestSystem& system, const RestPair& pair, const Direction& from, std::size_t lane, DirectionLanes<T>& into) {
-  for (int k = 0; k < 3; ++k) {
-    into.l[k][lane] = static_cast<T>(from.l[k]);
-    into.ta[k][lane] = static_cast<T>(from.moment_a[k]);
-    into.tb[k][lane] = static_cast<T>(from.moment_b[k]);
-    into.ua[k][lane] = static_cast<T>(from.mass * from.turn_a[k]);
-    into.ub[k][lane] = static_cast<T>(from.mass * from.turn_b[k]);
-  }
-  into.ma[lane] = static_cast<T>(from.mass * system.bodies[pair.a].inverse_mass);
-  into.mb[lane] = static_cast<T>(from.mass * system.bodies[pair.b].inverse_mass);
-  into.rate[lane] = static_cast<T>(from.rate);
-}
-
-// Both tangents count with one mass, that of the direction which yields most: so friction points against the slip, whatever the two
-// yield, and never overshoots.
-template <class T>
-void set_friction(const RestSystem& system, const RestPair& pair, const RestPatch& patch, double mass, bool warm, std::size_t lane,
-                  FrictionLanes<T>& into) {
-  const Tangents along = tangents(patch.normal);
-  Direction made[2] = {direction_of(system, pair, along.first, patch.arm_m), direction_of(system, pair, along.second, patch.arm_m)};
-  if (!(made[0].mass > 0 && made[1].mass > 0)) return;
-  const double k0 = 1.0 / made[0].mass;
-  const double k1 = 1.0 / made[1].mass;
-  const double across = made[0].moment_a.dot(made[1].turn_a) + made[0].moment_b.dot(made[1].turn_b);
-  const double both = 1.0 / (0.5 * (k0 + k1) + std::hypot(0.5 * (k0 - k1), across));
-  into.coefficient[lane] = static_cast<T>(pair.friction);
-  into.share[lane] = static_cast<T>(both / mass);
-  for (std::size_t t = 0; t < 2; ++t) {
-    made[t].mass = both;
-    set_direction(system, pair, made[t], lane, into.along[t]);
-    into.impulse[t][lane] = static_cast<T>(warm ? patch.friction_ns.dot(made[t].l) / both : 0.0);
-  }
+void set_side(const RestSystem& system, std::uint32_t slot, double unit_kg, std::size_t lane, SideLanes<T>& into) {
+  const SolverBody& body = system.bodies[slot];
+  const Mat3& inertia = system.inverse_inertia[slot];
+  into.yield[lane] = static_cast<T>(unit_kg * body.inverse_mass);
+  const double parts[6] = {inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2)};
+  for (std::size_t k = 0; k < 6; ++k) into.inertia[k][lane] = static_cast<T>(unit_kg * parts[k]);
+  set(body.spin_radps, lane, into.spin);
 }
 
 template <class T>
 void fill_block(const RestSystem& system, double still_mps, RestBlock& block, Lanes<T>& lanes) {
   const std::span<PatchLanes<T>> patches = lanes.patches_of(block);
   const std::span<FrictionLanes<T>> friction = lanes.friction_of(block);
-  std::fill(patches.begin(), patches.end(), PatchLanes<T>{});
-  std::fill(friction.begin(), friction.end(), FrictionLanes<T>{});
+  PairLanes<T> pairs;
+  bool rubs = false;
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const RestPair& pair = system.pairs[block.pair[lane]];
-    // Without a load, what held the pair last time would add energy.
-    const bool warm = !(system.accelerations[pair.a].none() && system.accelerations[pair.b].none());
-    for (std::size_t p = 0; p < pair.patch_count; ++p) {
+    const SolverBody& a = system.bodies[pair.a];
+    const SolverBody& b = system.bodies[pair.b];
+    const double unit_kg = 1.0 / (a.inverse_mass + b.inverse_mass);
+    set_side(system, pair.a, unit_kg, lane, pairs.a);
+    set_side(system, pair.b, unit_kg, lane, pairs.b);
+    set(pair.a_to_b_m, lane, pairs.a_to_b);
+    set(Vec3(a.velocity_mps - b.velocity_mps), lane, pairs.velocity);
+    pairs.restitution[lane] = static_cast<T>(pair.restitution);
+    pairs.friction[lane] = static_cast<T>(pair.friction);
+    pairs.newton_s[lane] = static_cast<T>(unit_kg);
+    rubs = rubs || pair.friction > 0;
+  }
+  block.rubs = rubs && !friction.empty();
+  for (std::size_t p = 0; p < block.patches; ++p) {
+    PlaceLanes<T> places;
+    PatchLanes<T>& into = patches[p];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      into.gap[lane] = into.surely[lane] = 0;
+      if (lane >= block.count || p >= system.pairs[block.pair[lane]].patch_count) continue;
+      const RestPair& pair = system.pairs[block.pair[lane]];
       const RestPatch& patch = system.patches[pair.patch_begin + p];
-      PatchLanes<T>& into = patches[p];
-      Direction made = direction_of(system, pair, patch.normal, patch.arm_m);
-      if (pair.restitution * made.rate > still_mps) made.mass = 0;
-      set_direction(system, pair, made, lane, into.normal);
+      set(patch.normal, lane, places.normal);
+      set(patch.arm_m, lane, places.arm);
       into.gap[lane] = static_cast<T>(patch.gap_m);
       into.surely[lane] = static_cast<T>(patch.surely_m + pair.slop_m);
-      into.newton_s[lane] = static_cast<T>(made.mass);
-      into.impulse[lane] = static_cast<T>(warm && made.mass > 0 ? patch.impulse_ns / made.mass : 0.0);
-      if (pair.friction > 0 && !friction.empty() && made.mass > 0) set_friction(system, pair, patch, made.mass, warm, lane, friction[p]);
+      // Without a load, what held the pair last time would add energy.
+      if (system.accelerations[pair.a].none() && system.accelerations[pair.b].none()) continue;
+      const double per_unit = system.bodies[pair.a].inverse_mass + system.bodies[pair.b].inverse_mass;
+      places.impulse[lane] = static_cast<T>(per_unit * patch.impulse_ns);
+      set(Vec3(per_unit * patch.friction_ns), lane, places.rubbed);
+    }
+    prepare_patch(pairs, places, static_cast<T>(still_mps), into, block.rubs ? &friction[p] : nullptr);
+    // Pairs with fewer places leave the rest of their lanes without effect.
+    for (std::size_t lane = 0; lane < block.count; ++lane) {
+      if (p >= system.pairs[block.pair[lane]].patch_count) into.newton_s[lane] = 0;
     }
   }
 }

@@ -104,6 +104,111 @@ HWY_INLINE void keep(D d, const Pairs<V>& pairs, std::size_t first, std::size_t 
   store(d, pairs.turning_b, b.at + first + 3, lane);
 }
 
+template <class V>
+HWY_INLINE Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+template <class V>
+HWY_INLINE Triple<V> scaled(const V& by, const Triple<V>& a) {
+  return {hn::Mul(by, a.x), hn::Mul(by, a.y), hn::Mul(by, a.z)};
+}
+
+template <class D, class T>
+HWY_INLINE Triple<hn::Vec<D>> turned(D d, const SideLanes<T>& side, std::size_t lane, const Triple<hn::Vec<D>>& t) {
+  const auto at = [&](std::size_t k) HWY_ATTR { return hn::Load(d, side.inertia[k] + lane); };
+  return {dot(Triple<hn::Vec<D>>{at(0), at(3), at(4)}, t), dot(Triple<hn::Vec<D>>{at(3), at(1), at(5)}, t),
+          dot(Triple<hn::Vec<D>>{at(4), at(5), at(2)}, t)};
+}
+
+// A direction at the places of some lanes: moments, what it turns, and 1 / M.
+template <class V>
+struct Along {
+  Triple<V> l, ta, tb, ua, ub;
+  V k;
+};
+
+template <class D, class T, class V>
+HWY_INLINE Along<V> along(D d, const PairLanes<T>& pairs, std::size_t lane, const Triple<V>& l, const Triple<V>& arm_a, const Triple<V>& arm_b) {
+  Along<V> made;
+  made.l = l;
+  made.ta = cross(arm_a, l);
+  made.tb = cross(arm_b, l);
+  made.ua = turned(d, pairs.a, lane, made.ta);
+  made.ub = turned(d, pairs.b, lane, made.tb);
+  made.k = hn::Add(hn::Add(hn::Load(d, pairs.a.yield + lane), hn::Load(d, pairs.b.yield + lane)), hn::Add(dot(made.ta, made.ua), dot(made.tb, made.ub)));
+  return made;
+}
+
+template <class D, class T, class V>
+HWY_INLINE V rate_of(D d, const PairLanes<T>& pairs, std::size_t lane, const Along<V>& made) {
+  return hn::Sub(hn::Add(dot(made.l, load(d, pairs.velocity, lane)), dot(made.ta, load(d, pairs.a.spin, lane))), dot(made.tb, load(d, pairs.b.spin, lane)));
+}
+
+template <class D, class T, class V>
+HWY_INLINE void keep_direction(D d, const PairLanes<T>& pairs, std::size_t lane, const Along<V>& made, const V& mass, const V& rate,
+                               DirectionLanes<T>& into) {
+  store(d, made.l, into.l, lane);
+  store(d, made.ta, into.ta, lane);
+  store(d, made.tb, into.tb, lane);
+  store(d, scaled(mass, made.ua), into.ua, lane);
+  store(d, scaled(mass, made.ub), into.ub, lane);
+  hn::Store(hn::Mul(mass, hn::Load(d, pairs.a.yield + lane)), d, into.ma + lane);
+  hn::Store(hn::Mul(mass, hn::Load(d, pairs.b.yield + lane)), d, into.mb + lane);
+  hn::Store(rate, d, into.rate + lane);
+}
+
+template <class T>
+void prepare(const PairLanes<T>& pairs, const PlaceLanes<T>& places, T still_mps, PatchLanes<T>& patch, FrictionLanes<T>* friction) {
+  const hn::CappedTag<T, kLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d);
+  const V one = hn::Set(d, T(1));
+  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
+    const Triple<V> n = load(d, places.normal, lane);
+    const Triple<V> arm_a = load(d, places.arm, lane);
+    const Triple<V> arm_b = minus(arm_a, one, load(d, pairs.a_to_b, lane));
+    const V newton_s = hn::Load(d, pairs.newton_s + lane);
+    const Along<V> normal = along(d, pairs, lane, n, arm_a, arm_b);
+    const V rate = rate_of(d, pairs, lane, normal);
+    // The inverse masses make a sum of 1, so 1 / M is at least that.
+    auto counts = hn::And(hn::Gt(newton_s, zero), hn::Ge(normal.k, hn::Set(d, T(0.5))));
+    counts = hn::And(counts, hn::Le(hn::Mul(hn::Load(d, pairs.restitution + lane), rate), hn::Set(d, still_mps)));
+    const V mass = hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, normal.k, one)));
+    keep_direction(d, pairs, lane, normal, mass, rate, patch.normal);
+    hn::Store(hn::Mul(mass, newton_s), d, patch.newton_s + lane);
+    hn::Store(hn::IfThenElseZero(counts, hn::Mul(hn::Load(d, places.impulse + lane), normal.k)), d, patch.impulse + lane);
+    hn::Store(zero, d, patch.total + lane);
+    if (friction == nullptr) continue;
+    const V sign = hn::CopySign(one, n.z);
+    const V p = hn::Neg(hn::Div(one, hn::IfThenElse(counts, hn::Add(sign, n.z), one)));
+    const V q = hn::Mul(hn::Mul(n.x, n.y), p);
+    const Triple<V> tangents[2] = {
+        {hn::Add(one, hn::Mul(hn::Mul(sign, hn::Mul(n.x, n.x)), p)), hn::Mul(sign, q), hn::Neg(hn::Mul(sign, n.x))},
+        {q, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), p)), hn::Neg(n.y)}};
+    const Along<V> first = along(d, pairs, lane, tangents[0], arm_a, arm_b);
+    const Along<V> second = along(d, pairs, lane, tangents[1], arm_a, arm_b);
+    const V mixed = hn::Add(dot(first.ta, second.ua), dot(first.tb, second.ub));
+    const V half = hn::Set(d, T(0.5));
+    const V middle = hn::Mul(half, hn::Add(first.k, second.k));
+    const V apart = hn::Mul(half, hn::Sub(first.k, second.k));
+    // Both count with one mass, that of the direction which yields most: so friction points against the slip and never overshoots.
+    const V most = hn::Add(middle, hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
+    const V coefficient = hn::Load(d, pairs.friction + lane);
+    const auto rubs = hn::And(counts, hn::Gt(coefficient, zero));
+    const V across = hn::IfThenElseZero(rubs, hn::Div(one, hn::IfThenElse(rubs, most, one)));
+    const Triple<V> rubbed = load(d, places.rubbed, lane);
+    const Along<V>* const both[2] = {&first, &second};
+    for (std::size_t t = 0; t < 2; ++t) {
+      keep_direction(d, pairs, lane, *both[t], across, rate_of(d, pairs, lane, *both[t]), friction->along[t]);
+      hn::Store(hn::IfThenElseZero(rubs, hn::Mul(dot(rubbed, both[t]->l), most)), d, friction->impulse[t] + lane);
+      hn::Store(zero, d, friction->total[t] + lane);
+    }
+    hn::Store(hn::Mul(across, hn::IfThenElseZero(counts, normal.k)), d, friction->share + lane);
+    hn::Store(hn::IfThenElseZero(rubs, coefficient), d, friction->coefficient + lane);
+  }
+}
+
 template <class T>
 void warm(RestBlock& block, const PatchLanes<T>* patches, const FrictionLanes<T>* friction, Motion<T>* motions) {
   const hn::CappedTag<T, kLanes> d;
@@ -218,6 +323,13 @@ SweepChange<T> solve(RestBlock& block, PatchLanes<T>* patches, FrictionLanes<T>*
   return changed;
 }
 
+void prepare_float(const PairLanes<float>& pairs, const PlaceLanes<float>& places, float still_mps, PatchLanes<float>& patch, FrictionLanes<float>* friction) {
+  prepare(pairs, places, still_mps, patch, friction);
+}
+void prepare_double(const PairLanes<double>& pairs, const PlaceLanes<double>& places, double still_mps, PatchLanes<double>& patch,
+                    FrictionLanes<double>* friction) {
+  prepare(pairs, places, still_mps, patch, friction);
+}
 void warm_float(RestBlock& block, const PatchLanes<float>* patches, const FrictionLanes<float>* friction, Motion<float>* motions) {
   warm(block, patches, friction, motions);
 }
@@ -239,6 +351,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace poise::response {
 
+HWY_EXPORT(prepare_float);
+HWY_EXPORT(prepare_double);
 HWY_EXPORT(warm_float);
 HWY_EXPORT(warm_double);
 HWY_EXPORT(solve_float);
@@ -251,6 +365,13 @@ T* start(std::span<T> lanes) {
 }
 }  // namespace
 
+void prepare_patch(const PairLanes<float>& pairs, const PlaceLanes<float>& places, float still_mps, PatchLanes<float>& patch, FrictionLanes<float>* friction) {
+  HWY_DYNAMIC_DISPATCH(prepare_float)(pairs, places, still_mps, patch, friction);
+}
+void prepare_patch(const PairLanes<double>& pairs, const PlaceLanes<double>& places, double still_mps, PatchLanes<double>& patch,
+                   FrictionLanes<double>* friction) {
+  HWY_DYNAMIC_DISPATCH(prepare_double)(pairs, places, still_mps, patch, friction);
+}
 void warm_block(RestBlock& block, std::span<const PatchLanes<float>> patches, std::span<const FrictionLanes<float>> friction, Motion<float>* motions) {
   HWY_DYNAMIC_DISPATCH(warm_float)(block, patches.data(), start(friction), motions);
 }

@@ -30,7 +30,7 @@ struct alignas(64) DirectionLanes {
 
 /// The eight k-th patches of the pairs of a block.
 template <class T>
-struct PatchLanes {
+struct alignas(64) PatchLanes {
   DirectionLanes<T> normal;
   T gap[kLanes] = {};
   T surely[kLanes] = {};                      ///< with the slop
@@ -40,7 +40,7 @@ struct PatchLanes {
 
 /// Friction at the same places.
 template <class T>
-struct FrictionLanes {
+struct alignas(64) FrictionLanes {
   DirectionLanes<T> along[2];
   T share[kLanes] = {};                       ///< a unit along a tangent in units along the normal
   T coefficient[kLanes] = {};
@@ -55,8 +55,38 @@ struct RestBlock {
   std::uint32_t patches = 0;                  ///< the most that a pair has
   std::uint32_t first = 0;                    ///< of the lanes
   std::uint8_t yields_a = 0, yields_b = 0;    ///< bit by lane
+  bool rubs = true;                           ///< a pair has friction
   std::uint8_t pushed = 0;                    ///< bit by lane: something overlaps beyond doubt and was pushed
 };
+
+/// One side of the pairs of a block.
+template <class T>
+struct alignas(64) SideLanes {
+  T yield[kLanes] = {};                       ///< inverse mass as a share of that of both
+  T inertia[6][kLanes] = {};                  ///< inverse inertia likewise: xx, yy, zz, xy, xz, yz
+  T spin[3][kLanes] = {};
+};
+
+/// The pairs of a block, and of each one place. Masses are in shares of the inverse masses of both bodies together, so that nothing leaves single
+/// precision whatever they are.
+template <class T>
+struct alignas(64) PairLanes {
+  SideLanes<T> a, b;
+  T a_to_b[3][kLanes] = {};
+  T velocity[3][kLanes] = {};                 ///< of a against b
+  T restitution[kLanes] = {}, friction[kLanes] = {};
+  T newton_s[kLanes] = {};                    ///< 1 / (sum of inverse masses); 0 for a lane that is not in use
+};
+template <class T>
+struct alignas(64) PlaceLanes {
+  T normal[3][kLanes] = {}, arm[3][kLanes] = {};
+  T impulse[kLanes] = {}, rubbed[3][kLanes] = {};  ///< to start with, in newton_s of the pair
+};
+
+/// Makes the lanes of the k-th patches from the pairs and their places; `friction` may be null. Places that close fast enough to rebound answer nothing.
+void prepare_patch(const PairLanes<float>& pairs, const PlaceLanes<float>& places, float still_mps, PatchLanes<float>& patch, FrictionLanes<float>* friction);
+void prepare_patch(const PairLanes<double>& pairs, const PlaceLanes<double>& places, double still_mps, PatchLanes<double>& patch,
+                   FrictionLanes<double>* friction);
 
 /// One substep.
 template <class T>
