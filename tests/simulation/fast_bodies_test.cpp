@@ -169,5 +169,181 @@ TEST(FastBodies, AFreePlateTakesTheMomentumAndNothingIsGained) {
   }
 }
 
+TEST(FastBodies, WhatFliesPastTheRimIsNotHit) {
+  for (const double gap_m : {2e-4, 0.01}) {
+    for (const double side : {-1.0, 1.0}) {
+      Shot shot;
+      shot.aim_m = Vec3(side * (0.5 + kBulletM + gap_m), 0.2, 0);
+      const Outcome past = fire(shot);
+      EXPECT_EQ(past.hits, 0U);
+      EXPECT_EQ(past.bullet.velocity_mps, Vec3(0, 0, -kSpeed));
+      shot.aim_m.x() = side * (0.5 + kBulletM - gap_m);
+      EXPECT_EQ(fire(shot).hits, 1U);
+    }
+  }
+}
+
+TEST(FastBodies, AMeshBulletTurnsAsItLikesAndNeverPasses) {
+  for (const PlateKind plate : {PlateKind::Mesh, PlateKind::Balls, PlateKind::Plane}) {
+    for (const double dt_s : {1e-3, 1.0 / 60}) {
+      for (const double spin : {0.0, 30.0, 2000.0}) {
+        for (const bool polygons : {false, true}) {
+          Shot shot;
+          shot.plate = plate;
+          shot.mesh_bullet = true;
+          shot.dt_s = dt_s;
+          shot.spin = spin * Vec3(0.3, 0.5, 0.8);
+          shot.polygons = polygons;
+          shot.direction = Vec3(0.3, 0, -1);
+          const Outcome outcome = fire(shot);
+          SCOPED_TRACE("plate " + std::to_string(static_cast<int>(plate)) + " dt " + std::to_string(dt_s) + " spin " + std::to_string(spin) + (polygons ? " polygons" : ""));
+          EXPECT_GE(outcome.hits, 1U);
+          EXPECT_FALSE(outcome.passed);
+          EXPECT_LE(outcome.energy_most, outcome.energy_before * (1 + 1e-9));
+        }
+      }
+    }
+  }
+}
+
+TEST(FastBodies, AFaceThatLandsFlatIsMetInItsMiddle) {
+  for (const PlateKind plate : {PlateKind::Mesh, PlateKind::Plane}) {
+    Shot shot;
+    shot.plate = plate;
+    shot.mesh_bullet = true;
+    shot.aim_m = Vec3(0.05, 0.02, 0);
+    const Outcome outcome = fire(shot);
+    EXPECT_EQ(outcome.hits, 1U);
+    EXPECT_LT((outcome.bullet.velocity_mps - Vec3(0, 0, 0.5 * kSpeed)).norm(), 1e-3 * kSpeed) << outcome.bullet.velocity_mps.transpose();
+    EXPECT_LT(outcome.bullet.angular_velocity_radps.norm() * kBulletM, 1e-2 * kSpeed);
+  }
+}
+
+TEST(FastBodies, OfSeveralPlatesOneBehindTheOtherTheFirstIsHit) {
+  for (const double dt_s : {1e-3, 1.0 / 60}) {
+    Stage stage(WorldSettings{}, 0.0);
+    const ShapeId plate = stage.world.add_shape(plate_shape(PlateKind::Mesh));
+    std::vector<BodyId> plates;
+    for (int i = 0; i < 5; ++i) plates.push_back(stage.add(plate, Vec3(0, 0, -0.05 * i)));
+    const BodyId bullet = stage.add(stage.ball(kBulletM), Vec3(0.01, 0, 2), Vec3(0, 0, -kSpeed));
+    std::vector<double> last(plates.size() + 1, 0);
+    bool ordered = true;
+    for (int frame = 0; frame < static_cast<int>(0.5 / dt_s); ++frame) {
+      stage.world.step(swept_step(dt_s));
+      double above = stage.at(bullet).position_m.z();
+      for (const BodyId id : plates) {
+        ordered = ordered && stage.at(id).position_m.z() < above;
+        above = stage.at(id).position_m.z();
+      }
+    }
+    EXPECT_TRUE(ordered) << dt_s;
+    EXPECT_LT(stage.at(plates.back()).velocity_mps.z(), -0.1) << "nothing came through to the last plate";
+  }
+}
+
+TEST(FastBodies, BulletsThatFlyAtEachOtherMeetHalfWay) {
+  Stage stage(WorldSettings{}, 1.0);
+  const ShapeId ball = stage.ball(kBulletM);
+  const BodyId left = stage.add(ball, Vec3(-2, 0, 0), Vec3(kSpeed, 0, 0));
+  const BodyId right = stage.add(ball, Vec3(2, 0, 0), Vec3(-kSpeed, 0, 0));
+  const FrameReport report = stage.world.step(swept_step(1.0 / 60));
+  EXPECT_EQ(report.swept_pairs, 1U);
+  EXPECT_EQ(report.swept_hits, 1U);
+  EXPECT_NEAR(stage.at(left).position_m.x(), -kBulletM, 1e-4);
+  EXPECT_NEAR(stage.at(right).position_m.x(), kBulletM, 1e-4);
+  EXPECT_NEAR(stage.at(left).velocity_mps.x(), -kSpeed, 1e-9);
+  ASSERT_EQ(stage.world.contacts().size(), 1U);
+  EXPECT_NEAR(stage.world.contacts()[0].impulse_ns.x(), 2 * kSpeed * stage.world.mass_kg(left).value(), 1e-6);
+  ASSERT_EQ(stage.world.contact_events().size(), 1U);
+  EXPECT_EQ(stage.world.contact_events()[0].kind, ContactEvent::Kind::Begin);
+}
+
+TEST(FastBodies, ABodyThatWasHitIsInTheWayOfTheNextBullet) {
+  // The second bullet reaches the place where the first and the ball stand by then.
+  Stage stage(WorldSettings{}, 0.0);
+  const ShapeId ball = stage.ball(kBulletM);
+  const BodyId target = stage.add(ball, Vec3(0, 0, 0));
+  stage.add(ball, Vec3(-1, 0, 0), Vec3(kSpeed, 0, 0));
+  const BodyId second = stage.add(ball, Vec3(-2, 0, 0), Vec3(kSpeed, 0, 0));
+  const FrameReport report = stage.world.step(swept_step(1.0 / 60));
+  EXPECT_EQ(report.swept_hits, 2U);
+  EXPECT_LT(stage.at(second).position_m.x(), -3.9 * kBulletM);
+  EXPECT_LT(stage.at(target).position_m.norm(), 1e-6);
+}
+
+// A tray with a small pile, and bullets from a side.
+struct Volley {
+  Stage stage;
+  explicit Volley(int threads, int bullets, ExecutorKind executor = ExecutorKind::Threads) : stage(settings_of(threads, executor), 0.3) {
+    stage.jacks(40, 6);
+    const ShapeId ball = stage.ball(kBulletM);
+    for (int i = 0; i < bullets; ++i) {
+      stage.add(ball, Vec3(-2.9 + 0.11 * (i % 7), -2 + 0.002 * i, 0.4 + 0.13 * (i % 11)), Vec3(kSpeed, 3.0 * (i % 5), -2.0 * (i % 3)));
+    }
+  }
+  static WorldSettings settings_of(int threads, ExecutorKind executor) {
+    WorldSettings settings;
+    settings.gravity_mps2 = Vec3(0, 0, -9.81);
+    settings.threads = threads;
+    settings.executor = executor;
+    return settings;
+  }
+};
+
+TEST(FastBodies, AVolleyIntoAPileGainsNothingStaysInTheTrayAndIsTheSameOnAnyThreads) {
+  Volley one(1, 400);
+  Volley three(3, 400);
+  const Conserved before = one.stage.world.conserved();
+  std::size_t hits = 0;
+  for (int frame = 0; frame < 25; ++frame) {
+    hits += one.stage.world.step(swept_step(1.0 / 60)).swept_hits;
+    three.stage.world.step(swept_step(1.0 / 60));
+    ASSERT_EQ(one.stage.world.state_hash(), three.stage.world.state_hash()) << frame;
+  }
+  EXPECT_GT(hits, 400U);
+  const Conserved after = one.stage.world.conserved();
+  EXPECT_LT(after.kinetic_j + after.potential_j, before.kinetic_j + before.potential_j);
+  for (const BodyId body : one.stage.bodies) {
+    const Vec3 at = one.stage.at(body).position_m;
+    EXPECT_LT(std::abs(at.x()), 3.2) << at.transpose();
+    EXPECT_LT(std::abs(at.y()), 3.2) << at.transpose();
+    EXPECT_GT(at.z(), -0.2) << at.transpose();
+  }
+}
+
+TEST(FastBodies, OffNothingOfItHappens) {
+  Volley off(1, 60);
+  Volley slow_on(1, 0);
+  Volley slow_off(1, 0);
+  for (int frame = 0; frame < 20; ++frame) {
+    const FrameReport report = off.stage.world.step(step_of(1.0 / 60));
+    EXPECT_EQ(report.swept_pairs + report.swept_hits + report.swept_cut, 0U);
+    slow_off.stage.world.step(step_of(1.0 / 60));
+    EXPECT_EQ(slow_on.stage.world.step(swept_step(1.0 / 60)).swept_pairs, 0U);
+    ASSERT_EQ(slow_on.stage.world.state_hash(), slow_off.stage.world.state_hash()) << "slow bodies go other ways";
+  }
+}
+
+TEST(FastBodies, GravityAndTheRestOfTheStepCostNoEnergyWithoutAHitAndGainNoneWithOne) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage stage(settings, 1.0);
+  stage.plane(Vec3::UnitZ(), 0);
+  stage.plane(-Vec3::UnitZ(), -7);
+  stage.add(stage.ball(kBulletM), Vec3(0, 0, 3), Vec3(40, 0, -kSpeed));
+  const auto energy = [&] {
+    const Conserved now = stage.world.conserved();
+    return now.kinetic_j + now.potential_j;
+  };
+  const double before = energy();
+  std::size_t hits = 0;
+  for (int frame = 0; frame < 600; ++frame) {
+    hits += stage.world.step(swept_step(1.0 / 60)).swept_hits;
+    ASSERT_LE(energy(), before * (1 + 1e-12));
+  }
+  EXPECT_GT(hits, 300U);
+  EXPECT_GT(energy(), before * (1 - 1e-3));
+}
+
 }  // namespace
 }  // namespace poise
