@@ -17,8 +17,8 @@ constexpr int kStraightRounds = 48;
 constexpr double kSliding = 0.25;
 // Where a hit stands something is nearer than this many tolerances.
 constexpr double kNear = 2;
-// Turning that carries nothing farther than this share of the tolerance is none.
-constexpr double kNoTurn = 1e-6;
+// Turning that carries nothing farther than this share of the tolerance is none: where a hit stands it hardly shows.
+constexpr double kNoTurn = 0.1;
 
 // The largest rate of turning that a free body may come to: by its angular momentum and by its energy, whichever bounds more.
 double largest_rate_radps(const Mover& mover) {
