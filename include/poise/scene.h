@@ -137,6 +137,7 @@ struct Scene {
   std::optional<double> deadline_ms;
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;            ///< and then by the triangles of meshes
+  bool backtracking = false;        ///< StepInput::backtracking
   scheduler::Policy policy;
   std::optional<SceneCamera> camera;
   std::optional<std::array<double, 2>> gaze_px;  ///< from the top left corner; the centre of the image otherwise

@@ -55,6 +55,10 @@ struct StepInput {
   HostWork host_work;
   Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this level of its trees
   bool polygons = false;               ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
+  /// Answers bodies that move farther in the step than half their least extent (the smallest side of the box around them in their
+  /// principal axes) where and when they meet something within it. What was hit stands there until the end of the step, with
+  /// its new velocity. Off, none of it is done.
+  bool backtracking = false;
   bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
   /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit as without.
   /// What this takes is in none of the frame's times: a deadline moves by the little that is kept before the frame (a copy of
@@ -118,6 +122,11 @@ struct FrameReport {
   std::size_t kept_contacts = 0;         ///< answered by what an earlier frame found out
   std::size_t pairs_left = 0;            ///< still refinable when refinement ended
   std::array<std::uint32_t, kPolygonPlace + 1> level_histogram{};  ///< contact pairs by completed level; at kPolygonPlace those by polygons
+
+  // With StepInput::backtracking
+  std::size_t swept_pairs = 0;           ///< pairs with a fast body, sent to backtracking
+  std::size_t swept_hits = 0;            ///< of them met within the step and were answered there
+  std::size_t swept_cut = 0;             ///< of them stopped short because their work ran out; they go on in the next step
 
   // Capacities that were full (0 in a healthy frame)
   std::size_t pairs_dropped = 0;         ///< candidate partners of a body beyond its limit

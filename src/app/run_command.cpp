@@ -105,6 +105,7 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   loop.budget_work = options.budget_work;
   loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
   loop.polygons = options.max_level ? options.polygons : scene.polygons;
+  loop.backtracking = options.backtracking || scene.backtracking;
   loop.reference_every = options.reference_every;
   return loop;
 }
@@ -131,6 +132,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.budget_work = loop.budget_work;
   d.max_level = loop.max_level;
   d.polygons = loop.polygons;
+  d.backtracking = loop.backtracking;
   d.reference_every = loop.reference_every;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();

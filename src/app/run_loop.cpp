@@ -91,6 +91,7 @@ StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
   input.host_work.expected = settings.host_work;
   input.max_level = settings.max_level;
   input.polygons = settings.polygons;
+  input.backtracking = settings.backtracking;
   input.measure_energy = true;
   if (!settings.wall_clock && settings.budget_work) input.budget = Budget::work(*settings.budget_work);
   return input;

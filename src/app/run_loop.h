@@ -24,6 +24,7 @@ struct LoopSettings {
   std::optional<std::uint64_t> budget_work;  ///< work clock
   Level max_level = kMaxTreeDepth;
   bool polygons = false;
+  bool backtracking = false;
   std::optional<std::uint64_t> reference_every;  ///< >= 1: a reference of each measured frame whose number from 1 it divides
 };
 

@@ -75,6 +75,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_whole(command, "--budget-work", options.budget_work, 0, kMany,
             "Refinement a frame in node-pair expansions, with --clock work (default: unlimited)");
   add_max_level(command, options);
+  command.add_flag("--backtracking", options.backtracking,
+                   "Answer bodies that move far in a step where they meet something within it (default: the scene's)");
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))

@@ -18,6 +18,7 @@ struct RunOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every;
   bool polygons = false;  ///< --max-level polygons
+  bool backtracking = false;
   std::optional<double> deadline_ms, host_work_ms;
   bool paced = false;
   bool quiet = false;

@@ -98,6 +98,12 @@ void refinement(const simulation::RunFigures& f, Out out) {
   }
 }
 
+void swept(const simulation::RunFigures& f, Out out) {
+  if (f.swept.pairs == 0) return;
+  fmt::format_to(out, "backtracking   {} pairs with a fast body, {} met within a step, {} stopped short\n", f.swept.pairs, f.swept.hits,
+                 f.swept.cut);
+}
+
 void reference(const io::RunDocument& d, Out out) {
   if (!d.reference_every) return;
   const simulation::ReferenceRunFigures& r = d.figures.reference;
@@ -148,6 +154,7 @@ std::string run_table(const io::RunDocument& document) {
   times(document.figures, out);
   misses(document.figures, out);
   refinement(document.figures, out);
+  swept(document.figures, out);
   reference(document, out);
   state(document, out);
   return text;

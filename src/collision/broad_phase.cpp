@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
+#include "collision/broad_phase_cells.h"
 #include "parallel/shared.h"
 
 namespace poise::collision {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-constexpr double kFarthestCell = 1e9;
 constexpr double kLeastCellM = 1e-6;
 
 // The grid of a ball: those whose diameters lie within one octave share it. Its cells are as wide as its largest ball, so
@@ -23,37 +22,8 @@ int grid_of(double radius_m) {
   return std::clamp(exponent + 24, 0, 63);
 }
 
-std::int32_t cell_of(double x_m, double cells_per_meter) {
-  return static_cast<std::int32_t>(std::clamp(std::floor(x_m * cells_per_meter), -kFarthestCell, kFarthestCell));
-}
-
-bool meet(std::uint32_t group_a, std::uint32_t with_a, std::uint32_t group_b, std::uint32_t with_b) {
-  return (group_a & with_b) != 0 && (group_b & with_a) != 0;
-}
-
 }  // namespace
 
-// Gathers the pairs of one worker and hands them over a batch at a time.
-struct BroadPhase::Collector {
-  static constexpr std::size_t kBatch = 512;
-  std::span<CandidatePair> out;
-  parallel::Tickets& tickets;
-  std::size_t count = 0;
-  std::size_t dropped = 0;
-  CandidatePair batch[kBatch] = {};
-
-  void add(std::uint32_t a, std::uint32_t b) {
-    batch[count++] = {std::min(a, b), std::max(a, b)};
-    if (count == kBatch) flush();
-  }
-  void flush() {
-    const std::size_t begin = tickets.take(count);
-    // Beyond the end only the number counts: the caller makes room and asks again.
-    const std::size_t room = out.size() - std::min(begin, out.size());
-    std::copy_n(batch, std::min(count, room), out.begin() + static_cast<std::ptrdiff_t>(std::min(begin, out.size())));
-    count = 0;
-  }
-};
 
 std::uint64_t BroadPhase::bucket(const Cell& cell) const {
   const Grid& grid = grids_[static_cast<std::size_t>(cell.grid)];
@@ -105,6 +75,7 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
     std::uint64_t size[3];
     for (int axis = 0; axis < 3; ++axis) {
       grid.least[axis] = ranges[g].least[axis] - 1;  // a free border: searches reach one cell beyond
+      grid.most[axis] = ranges[g].most[axis] + 1;
       size[axis] = static_cast<std::uint64_t>(ranges[g].most[axis] - ranges[g].least[axis] + 3);
     }
     grid.row = size[0];
@@ -127,28 +98,6 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
   // Each begin has moved on to its bucket's end, which is the next one's begin.
   std::copy_backward(bucket_begin_.begin(), bucket_begin_.end() - 1, bucket_begin_.end());
   bucket_begin_[0] = 0;
-}
-
-// Visits the entries of `count` cells in a row along x.
-template <class Visit>
-void BroadPhase::visit_row(const Cell& first, std::int32_t count, Visit&& visit) const {
-  const auto visit_buckets = [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint32_t e = bucket_begin_[begin]; e < bucket_begin_[end]; ++e) {
-      const Cell& cell = entries_[e].cell;
-      // Far cells may share a bucket: the cell itself decides.
-      if (cell.grid != first.grid || cell.y != first.y || cell.z != first.z) continue;
-      if (cell.x < first.x || cell.x >= first.x + count) continue;
-      visit(e);
-    }
-  };
-  const std::uint64_t begin = bucket(first);
-  const std::uint64_t end = begin + static_cast<std::uint64_t>(count);
-  if (end <= mask_ + 1) {
-    visit_buckets(begin, end);
-  } else {
-    visit_buckets(begin, mask_ + 1);
-    visit_buckets(0, end - mask_ - 1);
-  }
 }
 
 void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
@@ -200,7 +149,7 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
 }
 
 std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                                std::uint32_t max_partners, parallel::Executor& executor, std::size_t& dropped) {
+                                std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor, std::size_t& dropped) {
   parallel::Tickets places;
   parallel::Tickets lost;
   parallel::parallel_for(executor, bounds.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -209,6 +158,13 @@ std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<c
     found.flush();
     if (found.dropped > 0) lost.take(found.dropped);
   });
+  if (!swept.empty()) {
+    parallel::parallel_for(executor, swept.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+      Collector found{found_, places};
+      for (std::size_t own = begin; own < end; ++own) search_along(own, bounds, planes, swept, found);
+      found.flush();
+    });
+  }
   dropped = lost.take(0);
   return places.take(0);
 }
@@ -233,15 +189,16 @@ void BroadPhase::sort_pairs(std::size_t count, parallel::Executor& executor) {
 }
 
 BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                                    std::uint32_t max_partners, parallel::Executor& executor) {
+                                    std::uint32_t max_partners, parallel::Executor& executor,
+                                    std::span<const SweptBound> swept) {
   Result result;
-  if (bounds.empty()) return result;
+  if (bounds.empty() && swept.empty()) return result;
   sort_into_cells(bounds, executor);
-  if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * bounds.size()));
-  std::size_t count = collect(bounds, planes, max_partners, executor, result.dropped);
+  if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
+  std::size_t count = collect(bounds, planes, swept, max_partners, executor, result.dropped);
   if (count > found_.size()) {
     found_.resize(count + count / 2);
-    count = collect(bounds, planes, max_partners, executor, result.dropped);
+    count = collect(bounds, planes, swept, max_partners, executor, result.dropped);
   }
   sort_pairs(count, executor);
   result.pairs = std::span<const CandidatePair>(sorted_).first(count);

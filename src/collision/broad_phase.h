@@ -21,6 +21,12 @@ struct MotionBound {
   bool dynamic = true;
 };
 
+/// A body that moves far in the step: its ball at the start, and the straight way of its centre.
+struct SweptBound {
+  MotionBound start;
+  Vec3 motion_m = Vec3::Zero();
+};
+
 /// A static half-space normal . x <= height, world frame.
 struct PlaneBound {
   Vec3 normal = Vec3::UnitZ();
@@ -47,8 +53,10 @@ class BroadPhase {
   };
   /// At least one of a pair is dynamic, and each is in a group that the other collides with. A bound keeps at most
   /// `max_partners` partners that are found from it. The same result on any number of threads. Linear in bounds and pairs.
+  /// `swept` bodies have no part in the grid: each looks along its way, at the cells there or at all entries if that is
+  /// less, and keeps every partner that it meets, other swept ones by comparison with each. Without any, nothing of that is done.
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
-              parallel::Executor& executor);
+              parallel::Executor& executor, std::span<const SweptBound> swept = {});
 
  private:
   struct Cell {
@@ -65,20 +73,26 @@ class BroadPhase {
   struct Grid {
     double widest_m = 0;
     double cells_per_m = 1;
-    std::int64_t least[3] = {0, 0, 0};
+    std::int64_t least[3] = {0, 0, 0}, most[3] = {0, 0, 0};  ///< cells, with a free border around those in use
     std::uint64_t row = 1, layer = 1, base = 0;
     bool used = false;
   };
   struct Collector;
+  struct Way;
 
   void sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
   void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
               std::uint32_t max_partners, Collector& found) const;
+  void search_along(std::size_t own, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
+                    std::span<const SweptBound> swept, Collector& found) const;
+  template <class Visit>
+  void visit_along(const Way& way, int grid, Visit&& visit) const;
   template <class Visit>
   void visit_row(const Cell& first, std::int32_t count, Visit&& visit) const;
   [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
   std::size_t collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                      std::uint32_t max_partners, parallel::Executor& executor, std::size_t& dropped);
+                      std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor,
+                      std::size_t& dropped);
   void sort_pairs(std::size_t count, parallel::Executor& executor);
 
   static constexpr int kGrids = 64;

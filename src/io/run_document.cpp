@@ -117,7 +117,8 @@ Json settings_json(const RunDocument& d) {
                    {"host_work_ms", d.host_work_ms},
                    {"budget_work", d.budget_work ? Json(*d.budget_work) : Json(nullptr)},
                    {"max_level", d.max_level},
-                   {"polygons", d.polygons}};
+                   {"polygons", d.polygons},
+                   {"backtracking", d.backtracking}};
   settings["policy_weights"] = {{"frustum", p.frustum}, {"size", p.size},       {"eccentricity", p.eccentricity},
                                 {"closing", p.closing}, {"waiting", p.waiting}, {"importance", p.importance}};
   return settings;
@@ -151,6 +152,7 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"fronts_full", f.capacity.fronts_full},
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
+  json["swept"] = {{"pairs", f.swept.pairs}, {"hits", f.swept.hits}, {"cut", f.swept.cut}};
   json["reference"] = reference_json(d);
   json["warm_up"] = {{"frames", f.warm_up_frames}, {"misses", f.warm_up_misses}};
   json["release_delay_ms"] = of(f.release_delay_ms);

@@ -40,6 +40,7 @@ struct RunDocument {
   std::optional<std::uint64_t> budget_work;
   int max_level = 0;
   bool polygons = false;
+  bool backtracking = false;
   std::optional<std::uint64_t> reference_every;
   double tray_side_m = 0;
   Machine machine;

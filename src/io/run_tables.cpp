@@ -95,6 +95,9 @@ void work_columns(const FrameReport& r, FrameRow& row) {
     row.column(fmt::format("level_{}", level), r.level_histogram[level]);
   }
   row.column("polygons", r.level_histogram[kPolygonPlace]);
+  row.column("swept_pairs", r.swept_pairs);
+  row.column("swept_hits", r.swept_hits);
+  row.column("swept_cut", r.swept_cut);
   row.column("pairs_dropped", r.pairs_dropped);
   row.column("fronts_full", r.fronts_full);
   row.column("colors_full", r.colors_full);

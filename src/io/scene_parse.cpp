@@ -84,11 +84,12 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(root, "", problems,
-                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "max_level", "policy",
+                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "max_level", "backtracking", "policy",
                           "camera", "gaze_px", "materials", "shapes", "bodies", "tray", "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
+  top.flag("backtracking", scene.backtracking);
   if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);
   parse_gaze(top, scene);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "dynamics/rotation.h"
 #include "simulation/stages.h"
+#include "simulation/swept.h"
 
 namespace poise::simulation {
 namespace {
@@ -76,6 +79,38 @@ PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
   return memory;
 }
 
+// Pairs that met within the step, put in among the others.
+void add_swept_contacts(WorldState& world) {
+  const FrameBuffers& buffers = world.buffers;
+  if (buffers.swept.hits.empty()) return;
+  for (const SweptHit& hit : buffers.swept.hits) {
+    const ActivePair& pair = buffers.pairs[hit.pair];
+    const double sign = pair.a == pair.low ? 1.0 : -1.0;
+    Contact contact;
+    contact.a = world.bodies.id_of(pair.low);
+    contact.b = world.bodies.id_of(pair.high);
+    contact.level = collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], kMaxTreeDepth);
+    contact.normal = sign * hit.normal;
+    contact.point_m = hit.point_m;
+    contact.gap_m = hit.gap_m;
+    contact.impulse_ns = hit.impulse_ns * contact.normal;
+    world.contacts.push_back(contact);
+  }
+  std::stable_sort(world.contacts.begin(), world.contacts.end(), [](const Contact& x, const Contact& y) {
+    return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot);
+  });
+  // A pair that touched at the start too is one contact.
+  std::size_t kept = 0;
+  for (std::size_t k = 1; k < world.contacts.size(); ++k) {
+    if (world.contacts[k].a == world.contacts[kept].a && world.contacts[k].b == world.contacts[kept].b) {
+      world.contacts[kept].impulse_ns += world.contacts[k].impulse_ns;
+    } else {
+      world.contacts[++kept] = world.contacts[k];
+    }
+  }
+  world.contacts.resize(kept + 1);
+}
+
 // Merges the touching pairs of two frames, both sorted, into what began and what ended.
 void make_events(WorldState& world) {
   const auto event = [&](ContactEvent::Kind kind, const PairMemory& pair) {
@@ -107,7 +142,9 @@ void integrate(WorldState& world, const StepInput& input) {
   world.buffers.motions.assign(world.bodies.slot_count(), StepMotion{});
   parallel::parallel_for(*world.executor, world.bodies.slot_count(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (world.bodies.dynamic[i] != 0) integrate_body(world, i, input.dt_s);
+      if (world.bodies.dynamic[i] == 0) continue;
+      if (input.backtracking && place_stopped(world, static_cast<std::uint32_t>(i))) continue;
+      integrate_body(world, i, input.dt_s);
     }
   });
 }
@@ -133,6 +170,7 @@ void publish(WorldState& world) {
           row.gap_m <= 0 || row.total_ns > 0 || !row.point_impulse_ns.isZero(0) || !buffers.rest_pairs[k].impulse_ns.isZero(0);
     }
   });
+  for (const SweptHit& hit : buffers.swept.hits) world.next_memory[hit.pair].touching = true;
   std::swap(world.places, buffers.places);
   world.contacts_listed = false;
   world.events.clear();
@@ -147,6 +185,7 @@ void list_contacts(WorldState& world) {
     const response::ContactRow& row = buffers.rows[k];
     world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row, buffers.rest_pairs[k].impulse_ns);
   }
+  add_swept_contacts(world);
   world.contacts_listed = true;
 }
 

@@ -6,6 +6,7 @@
 #include "parallel/shared.h"
 #include "simulation/cues.h"
 #include "simulation/stages.h"
+#include "simulation/swept.h"
 
 namespace poise::simulation {
 namespace {
@@ -153,8 +154,10 @@ void predict(WorldState& world, const StepInput& input) {
   buffers.root_center_m.resize(slots);
   buffers.bounds.clear();
   buffers.planes.clear();
+  if (input.backtracking || buffers.swept.on) begin_swept(world, input);
   for (std::size_t i = 0; i < slots; ++i) {
     if (bodies.alive[i] == 0) continue;
+    if (input.backtracking && sweep_if_fast(world, static_cast<std::uint32_t>(i), input)) continue;
     collision::MotionBound bound;
     bound.slot = static_cast<std::uint32_t>(i);
     if (bodies.shape[i]->kind == ShapeKind::Tree) buffers.bounds.push_back(bound);
@@ -190,7 +193,8 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   FrameBuffers& buffers = world.buffers;
   const TimePoint start = SteadyClock::now();
   const collision::BroadPhase::Result found =
-      world.broad_phase.find(buffers.bounds, buffers.planes, world.settings.max_partners, *world.executor);
+      world.broad_phase.find(buffers.bounds, buffers.planes, world.settings.max_partners, *world.executor,
+                             input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds) : std::span<const collision::SweptBound>{});
   report.times.broad_phase = SteadyClock::now() - start;
   report.pairs_dropped = found.dropped;
   report.candidate_pairs = found.pairs.size();
@@ -203,7 +207,8 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!roots_near(world, outlined(world, found.pairs[i], input))) continue;
+      const bool swept = input.backtracking && (buffers.swept.fast(found.pairs[i].low) || buffers.swept.fast(found.pairs[i].high));
+      if (!swept && !roots_near(world, outlined(world, found.pairs[i], input))) continue;
       buffers.active_candidate[begin + active++] = static_cast<std::uint32_t>(i);
     }
     buffers.active_of_chunk[begin / kGrain + 1] = active;
@@ -228,6 +233,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       if (pair.refinable()) pair.cues = cues_of(input.view, sighting_of(world, pair));
     }
   });
+  if (input.backtracking) send_swept(world, input, report);
   report.coarse_pairs = buffers.pairs.size();
   report.times.coarse = SteadyClock::now() - start - report.times.broad_phase;
 }

@@ -5,6 +5,7 @@
 
 #include "parallel/shared.h"
 #include "simulation/stages.h"
+#include "simulation/swept.h"
 
 namespace poise::simulation {
 namespace {
@@ -76,7 +77,7 @@ void set_places(WorldState& world, ActivePair& pair) {
   if (pair.by_kept()) {
     std::copy(old.begin(), old.end(), places.begin());
   } else {
-    if (pair.level.level == 0) pair.level.contact = coarsest_contact_of(world, pair);
+    if (pair.level.level == 0 && !pair.exact) pair.level.contact = coarsest_contact_of(world, pair);
     places[0] = keep(where, collision::lone_patch(pair.level.contact, where.a.rotation));
     for (std::size_t k = 0; k < pair.level.patches.count && pair.level.level > 0; ++k) places[k + 1] = keep(where, pair.level.patches.patch[k]);
     hand_over(resting(old), kSameOfSkin * pair.skin_m, resting(places));
@@ -325,6 +326,7 @@ response::Convergence respond(WorldState& world, const StepInput& input, FrameRe
   const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia,
                                     buffers.rest_pairs,    buffers.rest_patches,  buffers.coloring};
   const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);
+  if (input.backtracking) answer_swept(world, input, report);
   return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
 }
 

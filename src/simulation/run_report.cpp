@@ -145,6 +145,9 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.capacity.fronts_full += report.fronts_full;
     figures.capacity.colors_full += report.colors_full;
     figures.capacity.degenerate += report.degenerate;
+    figures.swept.pairs += report.swept_pairs;
+    figures.swept.hits += report.swept_hits;
+    figures.swept.cut += report.swept_cut;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     figures.longest_job_ms_max = std::max(figures.longest_job_ms_max, ms(report.longest_job));
   }

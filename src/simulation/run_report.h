@@ -80,6 +80,11 @@ struct CapacityFigures {
   std::uint64_t pairs_dropped = 0, fronts_full = 0, colors_full = 0, degenerate = 0;
 };
 
+/// Sums over the frames of what backtracking did.
+struct SweptFigures {
+  std::uint64_t pairs = 0, hits = 0, cut = 0;
+};
+
 struct RunFigures {
   std::uint64_t frames = 0;  ///< without warm-up
   std::uint64_t warm_up_frames = 0;
@@ -102,6 +107,7 @@ struct RunFigures {
   double contacts_mean = 0;
   WorkFigures work;
   CapacityFigures capacity;
+  SweptFigures swept;
   ReferenceRunFigures reference;
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/least_extent.h"
 #include "dynamics/conserved.h"
 #include "simulation/checks.h"
 #include "simulation/stages.h"
@@ -42,6 +43,7 @@ simulation::ShapeFacts facts_of(ShapePtr shape) {
     facts.deviation_m[level] = fitted > 0 ? deviations_m / fitted : 0.0;
     facts.error_m[level] = static_cast<float>(area > 0 ? sum / area : 0.0);
   }
+  facts.least_extent_m = collision::least_extent_m(*shape);
   facts.shape = std::move(shape);
   return facts;
 }

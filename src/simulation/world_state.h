@@ -20,6 +20,7 @@
 #include "response/rest.h"
 #include "response/solve.h"
 #include "simulation/kept_places.h"
+#include "simulation/swept_state.h"
 
 namespace poise::simulation {
 
@@ -28,6 +29,7 @@ struct ShapeFacts {
   ShapePtr shape;
   std::array<float, kMaxTreeDepth + 1> error_m{};  ///< area-weighted mean protrusion of each level; the last one repeats
   std::array<double, kMaxTreeDepth + 1> deviation_m{};  ///< of the surface from the fits of each level, the mean over its nodes; likewise
+  double least_extent_m = 0;           ///< collision::least_extent_m
 };
 
 /// What a pair takes from one frame to the next. Part of the state.
@@ -65,6 +67,7 @@ struct ActivePair {
   bool full = false;                   ///< a front had no room: left at its level
   std::uint8_t place_count = 0;        ///< of this frame
   bool answered = false;               ///< a place is nearer than the margin
+  bool exact = false;                  ///< its contact is there whatever its level: a pair of backtracking
   std::uint32_t place_begin = 0;
   PairMemory memory;
   collision::PairLevel level;          ///< what refinement knows; the contact of level 0 is made only if the pair stays there
@@ -123,6 +126,7 @@ struct FrameBuffers {
   std::vector<std::uint32_t> points_begin;             // per answered pair
   std::vector<response::SolverBody> solver_bodies;     // one a slot
   std::vector<response::Acceleration> accelerations;   // one a slot
+  SweptFrame swept;
 };
 
 /// What the reference of a frame works on (simulation/reference.h). A World that never asks for one has none.

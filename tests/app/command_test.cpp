@@ -251,14 +251,14 @@ TEST(Command, EndsAtCtrlCWithItsReportsWritten) {
 TEST(Command, ListsTheScenesThatShip) {
   const CommandResult table = poise_command({"scenes"});
   EXPECT_EQ(table.exit_code, 0) << table.error;
-  for (const char* name : {"two-body", "pile", "gas", "jacks", "real-meshes"}) {
+  for (const char* name : {"bullets", "two-body", "pile", "gas", "jacks", "real-meshes"}) {
     EXPECT_NE(table.out.find(name), std::string::npos) << name;
   }
   const json list = json::parse(poise_command({"scenes", "--json"}).out, nullptr, false);
   ASSERT_TRUE(list.is_array());
   EXPECT_GE(list.size(), 5U);
-  EXPECT_EQ(list.at(0).at("name"), "gas");
-  EXPECT_EQ(list.at(0).at("bodies"), 1006);
+  EXPECT_EQ(list.at(1).at("name"), "gas");
+  EXPECT_EQ(list.at(1).at("bodies"), 1006);
 }
 
 TEST(Command, HelpsAndTellsItsVersion) {

@@ -103,6 +103,35 @@ TEST(Allocation, PolygonsAllocateNothing) {
   EXPECT_GT(by_polygons, 60U);
 }
 
+TEST(Allocation, BacktrackingAllocatesNothingOnceWarm) {
+  WorldSettings settings;
+  settings.executor = ExecutorKind::Threads;
+  settings.threads = 2;
+  Stage stage(settings, 0.9);
+  stage.tray(4);
+  const ShapeId box = stage.world.add_shape(
+      make_mesh_shape(test::box_mesh(Vec3(0.1, 0.1, 0.1)), {.depth = 1, .preset = TreePreset::Fast}).value());
+  const ShapeId ball = stage.ball(0.025);
+  for (int i = 0; i < 40; ++i) {
+    stage.add(i % 4 == 0 ? box : ball, Vec3(-1.5 + 0.4 * (i % 8), -1.5 + 0.5 * (i / 8), 0.2), Vec3(300 - 15 * i, 20 * i, 2 * i));
+  }
+  std::vector<BodyState> start;
+  for (const BodyId body : stage.bodies) start.push_back(stage.at(body));
+  StepInput input = step_of(1.0 / 60);
+  input.backtracking = true;
+  std::size_t hits = 0;
+  const auto fly = [&] {
+    for (std::size_t i = 0; i < start.size(); ++i) EXPECT_TRUE(stage.world.set_state(stage.bodies[i], start[i]).ok());
+    for (int i = 0; i < 15; ++i) hits += stage.world.step(input).swept_hits;
+  };
+  fly();
+  fly();
+  const std::size_t before = allocations.load();
+  fly();
+  EXPECT_EQ(allocations.load() - before, 0U);
+  EXPECT_GT(hits, 300U);
+}
+
 TEST(Allocation, EveryFormOfNewIsCountedOnceAndPairsWithDelete) {
   constexpr std::align_val_t kLine{64};
   const std::size_t before = allocations.load();

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "simulation/swept_contact.h"
+
+#include <utility>
+
+#include "collision/polygon_contact.h"
+#include "simulation/stages.h"
+
+namespace poise::simulation {
+namespace {
+
+bool has_faces(const Shape& shape) { return shape.surface != nullptr || shape.kind == ShapeKind::Plane; }
+
+collision::PairContact lone_contact(const collision::Meeting& meeting) {
+  collision::PairContact contact;
+  contact.present = true;
+  contact.direction = meeting.contact.normal;
+  contact.arm_m = meeting.contact.point_m - meeting.a.position_m;
+  contact.moment_a_m = contact.arm_m.cross(contact.direction);
+  contact.moment_b_m = (meeting.contact.point_m - meeting.b.position_m).cross(contact.direction);
+  contact.spheres_m = contact.likely_m = contact.surely_m = meeting.contact.gap_m;
+  return contact;
+}
+
+// The poses of two bodies while they stand somewhere else.
+class OtherPoses {
+ public:
+  OtherPoses(FrameBuffers& buffers, const ActivePair& pair, const collision::Meeting& meeting)
+      : a_(buffers.poses[pair.a]),
+        b_(buffers.poses[pair.b]),
+        kept_a_(std::exchange(a_, {meeting.a.position_m, collision::turn_of(meeting.a)})),
+        kept_b_(std::exchange(b_, {meeting.b.position_m, collision::turn_of(meeting.b)})) {}
+  ~OtherPoses() {
+    a_ = kept_a_;
+    b_ = kept_b_;
+  }
+  OtherPoses(const OtherPoses&) = delete;
+  OtherPoses& operator=(const OtherPoses&) = delete;
+
+ private:
+  collision::Pose& a_;
+  collision::Pose& b_;
+  collision::Pose kept_a_, kept_b_;
+};
+
+}  // namespace
+
+double swept_slack_m(const WorldState& world, std::size_t slot) { return 0.5 * world.shapes[world.shape_of[slot]].least_extent_m; }
+
+void refine_whole(WorldState& world, ActivePair& pair, int worker) {
+  collision::FrontPool& pool = world.buffers.pools[static_cast<std::size_t>(worker)];
+  pool.clear();
+  refine_pair(world, pair, worker);
+  pool.clear();
+  pair.level.front = {};
+  pair.level.front_entries = 0;
+}
+
+collision::PairContact contact_where_met(WorldState& world, const ActivePair& pair, const collision::Meeting& meeting) {
+  // Wider than a hit stands apart, so that a face that lies flat counts whole.
+  constexpr double kBandOfGap = 4;
+  constexpr double kSameSide = 0.5;
+  const collision::PairContact lone = lone_contact(meeting);
+  const Shape& a = *meeting.a.shape;
+  const Shape& b = *meeting.b.shape;
+  if (!has_faces(a) || !has_faces(b)) return lone;
+  const OtherPoses poses(world.buffers, pair, meeting);
+  ActivePair there;
+  there.low = pair.low;
+  there.high = pair.high;
+  there.a = pair.a;
+  there.b = pair.b;
+  there.skin_m = pair.skin_m;
+  there.margin_m = there.reach_m = kBandOfGap * meeting.contact.gap_m;
+  there.level.deepest = collision::deepest_level(a, b, kMaxTreeDepth);
+  collision::allow_polygons(a, b, kMaxTreeDepth, there.level);
+  refine_whole(world, there, 0);
+  const collision::PairContact& full = there.level.contact;
+  const bool sound = !there.full && there.level.by_polygons() && full.present && full.direction.norm() > kSameSide &&
+                     full.direction.normalized().dot(lone.direction) > kSameSide;
+  return sound ? full : lone;
+}
+
+}  // namespace poise::simulation
