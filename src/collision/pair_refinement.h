@@ -23,6 +23,13 @@ struct PairLevel {
   std::uint32_t next_units = 1;   ///< what the next level costs, in node-pair expansions
   PairContact contact;            ///< answers impacts
   PatchSet patches;               ///< where the pair rests; filled with the contact
+  /// As new, but for contact and patches: these are not read before they are made.
+  void restart() {
+    level = deepest = 0;
+    polygons = apart = false;
+    front = {};
+    front_entries = next_units = 1;
+  }
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }

@@ -28,22 +28,6 @@ double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput
   return (speed + pull * input.dt_s) * input.dt_s;
 }
 
-// How much the gap of two bodies may close in the step, by their own motion.
-double margin_m(const WorldState& world, std::size_t a, std::size_t b, double skin_m, const StepInput& input) {
-  const dynamics::BodyStore& bodies = world.bodies;
-  const double h = input.dt_s;
-  double closing = (bodies.velocity(a) - bodies.velocity(b)).norm() * h;
-  for (const std::size_t i : {a, b}) {
-    // The surface moves by the spin at most across the body.
-    const double radius = bodies.shape[i]->bounding_radius_m;
-    closing += std::min(bodies.spin(i).norm() * h, 2.0) * radius;
-    if (bodies.pushed[i] != 0) closing += bodies.force(i).norm() * bodies.inverse_mass[i] * h * h;
-  }
-  // Gravity closes only what it does not pull alike.
-  if (bodies.dynamic[a] == 0 || bodies.dynamic[b] == 0) closing += world.settings.gravity_mps2.norm() * h * h;
-  return closing + skin_m;
-}
-
 // Goes through last frame's pairs beside this frame's, both in canonical order.
 class Recollection {
  public:
@@ -64,19 +48,50 @@ class Recollection {
   std::vector<PairMemory>::const_iterator at_, end_;
 };
 
-// Slots and margins of a candidate; nothing that needs its shapes refined.
-ActivePair outlined(const WorldState& world, const collision::CandidatePair& candidate, const StepInput& input) {
-  const auto is_plane = [&](std::uint32_t slot) { return world.bodies.shape[slot]->kind == ShapeKind::Plane; };
-  ActivePair pair;
-  pair.low = candidate.low;
-  pair.high = candidate.high;
-  pair.a = is_plane(candidate.low) ? candidate.high : candidate.low;
-  pair.b = is_plane(candidate.low) ? candidate.low : candidate.high;
-  const double radius_a = world.bodies.shape[pair.a]->bounding_radius_m;
-  const double radius_b = is_plane(pair.b) ? radius_a : world.bodies.shape[pair.b]->bounding_radius_m;
-  pair.skin_m = kSkin * std::min(radius_a, radius_b);
-  pair.margin_m = margin_m(world, pair.a, pair.b, pair.skin_m, input);
+// Slots, and how much the gap of the two bodies may close in the step by their own motion.
+struct Outline {
+  std::uint32_t a = 0, b = 0;  // a plane always second
+  double margin_m = 0, skin_m = 0;
+};
+
+Outline outline(const WorldState& world, const collision::CandidatePair& candidate, const StepInput& input) {
+  const std::vector<Glance>& glances = world.buffers.glances;
+  const bool turned = glances[candidate.low].plane;
+  Outline pair;
+  pair.a = turned ? candidate.high : candidate.low;
+  pair.b = turned ? candidate.low : candidate.high;
+  const Glance& a = glances[pair.a];
+  const Glance& b = glances[pair.b];
+  pair.skin_m = kSkin * (b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m));
+  pair.margin_m = (a.velocity_mps - b.velocity_mps).norm() * input.dt_s + a.own_m + b.own_m + pair.skin_m;
+  // Gravity closes only what it does not pull alike.
+  if (!a.dynamic || !b.dynamic) pair.margin_m += world.settings.gravity_mps2.norm() * input.dt_s * input.dt_s;
   return pair;
+}
+
+Glance glance(const WorldState& world, std::size_t i, const StepInput& input) {
+  const dynamics::BodyStore& bodies = world.bodies;
+  const collision::Pose& pose = world.buffers.poses[i];
+  const Shape& shape = *bodies.shape[i];
+  Glance made;
+  made.dynamic = bodies.dynamic[i] != 0;
+  if (shape.kind == ShapeKind::Plane) {
+    made.plane = true;
+    made.position_m = pose.rotation * shape.plane_normal;
+    made.bound_m = made.position_m.dot(pose.position_m) + shape.plane_offset_m;
+    return made;
+  }
+  made.position_m = pose.position_m;
+  made.radius_m = shape.bounding_radius_m;
+  made.bound_m = made.radius_m * (1.0 + kSkin) + motion_bound_m(world, i, input);
+  const Sphere root = shape.tree.sphere(0);
+  made.root_center_m = pose.position_m + pose.rotation * root.center_m;
+  made.root_radius_m = root.radius_m;
+  made.velocity_mps = bodies.velocity(i);
+  // The surface moves by the spin at most across the body.
+  made.own_m = std::min(bodies.spin(i).norm() * input.dt_s, 2.0) * made.radius_m;
+  if (bodies.pushed[i] != 0) made.own_m += bodies.force(i).norm() * bodies.inverse_mass[i] * input.dt_s * input.dt_s;
+  return made;
 }
 
 // What of the memory of a pair counts now.
@@ -95,19 +110,18 @@ void recall(const WorldState& world, ActivePair& pair) {
   }
 }
 
+// Do the bounds of two bodies meet, as the broad phase asks? Candidates that were kept may have parted.
+bool bounds_meet(const Glance& a, const Glance& b) {
+  if (b.plane) return b.position_m.dot(a.position_m) - b.bound_m < a.bound_m;
+  const double reach = a.bound_m + b.bound_m;
+  return (b.position_m - a.position_m).squaredNorm() < reach * reach;
+}
+
 // Are the root spheres of a pair nearer than its margin? World frame, double precision.
-bool roots_near(const WorldState& world, const ActivePair& pair) {
-  const FrameBuffers& buffers = world.buffers;
-  const double radius_a = static_cast<double>(world.bodies.shape[pair.a]->tree.radius_m[0]);
-  const Vec3& center_a = buffers.root_center_m[pair.a];
-  const Shape& shape_b = *world.bodies.shape[pair.b];
-  if (shape_b.kind == ShapeKind::Plane) {
-    const Vec3 normal = buffers.poses[pair.b].rotation * shape_b.plane_normal;
-    const double height = normal.dot(center_a - buffers.poses[pair.b].position_m) - shape_b.plane_offset_m;
-    return height < radius_a + pair.margin_m;
-  }
-  const double reach = radius_a + static_cast<double>(shape_b.tree.radius_m[0]) + pair.margin_m;
-  return (buffers.root_center_m[pair.b] - center_a).squaredNorm() < reach * reach;
+bool roots_near(const Glance& a, const Glance& b, double margin_m) {
+  if (b.plane) return b.position_m.dot(a.root_center_m) - b.bound_m < a.root_radius_m + margin_m;
+  const double reach = a.root_radius_m + b.root_radius_m + margin_m;
+  return (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
 }
 
 // What the viewer sees of a pair that is known by its root spheres alone.
@@ -152,6 +166,7 @@ void predict(WorldState& world, const StepInput& input) {
   buffers.poses.resize(slots);
   buffers.inverse_inertia.resize(slots);
   buffers.root_center_m.resize(slots);
+  buffers.glances.resize(slots);
   buffers.bounds.clear();
   buffers.planes.clear();
   if (input.backtracking || buffers.swept.on) begin_swept(world, input);
@@ -167,25 +182,20 @@ void predict(WorldState& world, const StepInput& input) {
       if (bodies.alive[i] == 0) continue;
       buffers.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
       buffers.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
-      if (bodies.shape[i]->kind == ShapeKind::Plane) continue;
-      buffers.root_center_m[i] =
-          buffers.poses[i].position_m + buffers.poses[i].rotation * bodies.shape[i]->tree.sphere(0).center_m;
+      buffers.glances[i] = glance(world, i, input);
+      buffers.root_center_m[i] = buffers.glances[i].root_center_m;
     }
   });
   parallel::parallel_for(*world.executor, buffers.bounds.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       collision::MotionBound& bound = buffers.bounds[k];
       const std::size_t i = bound.slot;
-      const double radius = bodies.shape[i]->bounding_radius_m;
-      bound = {bodies.position(i), radius * (1.0 + kSkin) + motion_bound_m(world, i, input), bound.slot,
-               bodies.group[i],    bodies.collides_with[i],                                  bodies.dynamic[i] != 0};
+      bound = {buffers.glances[i].position_m, buffers.glances[i].bound_m, bound.slot, bodies.group[i], bodies.collides_with[i], bodies.dynamic[i] != 0};
     }
   });
   for (std::size_t i = 0; i < slots; ++i) {
     if (bodies.alive[i] == 0 || bodies.shape[i]->kind != ShapeKind::Plane) continue;
-    const Vec3 normal = buffers.poses[i].rotation * bodies.shape[i]->plane_normal;
-    buffers.planes.push_back({normal, normal.dot(bodies.position(i)) + bodies.shape[i]->plane_offset_m,
-                              static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]});
+    buffers.planes.push_back({buffers.glances[i].position_m, buffers.glances[i].bound_m, static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]});
   }
 }
 
@@ -193,8 +203,9 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   FrameBuffers& buffers = world.buffers;
   const TimePoint start = SteadyClock::now();
   const collision::BroadPhase::Result found =
-      world.broad_phase.find(buffers.bounds, buffers.planes, world.settings.max_partners, *world.executor,
-                             input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds) : std::span<const collision::SweptBound>{});
+      world.candidates.find(world.broad_phase, buffers.bounds, buffers.planes,
+                            input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds) : std::span<const collision::SweptBound>{},
+                            world.settings.max_partners, *world.executor);
   report.times.broad_phase = SteadyClock::now() - start;
   report.pairs_dropped = found.dropped;
   report.candidate_pairs = found.pairs.size();
@@ -208,7 +219,10 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const bool swept = input.backtracking && (buffers.swept.fast(found.pairs[i].low) || buffers.swept.fast(found.pairs[i].high));
-      if (!swept && !roots_near(world, outlined(world, found.pairs[i], input))) continue;
+      const Outline pair = outline(world, found.pairs[i], input);
+      const Glance& a = buffers.glances[pair.a];
+      const Glance& b = buffers.glances[pair.b];
+      if (!swept && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
       buffers.active_candidate[begin + active++] = static_cast<std::uint32_t>(i);
     }
     buffers.active_of_chunk[begin / kGrain + 1] = active;
@@ -223,7 +237,15 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
     for (std::uint32_t k = first; k < buffers.active_of_chunk[chunk + 1]; ++k) {
       const std::uint32_t candidate = buffers.active_candidate[chunk * kGrain + (k - first)];
       ActivePair& pair = buffers.pairs[k];
-      pair = outlined(world, found.pairs[candidate], input);
+      const Outline known = outline(world, found.pairs[candidate], input);
+      pair.low = found.pairs[candidate].low;
+      pair.high = found.pairs[candidate].high;
+      pair.a = known.a;
+      pair.b = known.b;
+      pair.margin_m = known.margin_m;
+      pair.skin_m = known.skin_m;
+      pair.full = pair.exact = pair.answered = false;
+      pair.level.restart();
       pair.memory = recollection.of(pair.low, pair.high);
       const Shape& shape_a = *world.bodies.shape[pair.a];
       const Shape& shape_b = *world.bodies.shape[pair.b];

@@ -19,6 +19,7 @@
 #include "response/contact_row.h"
 #include "response/rest.h"
 #include "response/solve.h"
+#include "simulation/kept_candidates.h"
 #include "simulation/kept_places.h"
 #include "simulation/swept_state.h"
 
@@ -101,9 +102,22 @@ struct WorkerTally {
   SteadyClock::time_point ended{};
 };
 
+/// What finding pairs looks at of a body, side by side.
+struct Glance {
+  Vec3 position_m = Vec3::Zero();      ///< of a plane: its normal
+  double bound_m = 0;                  ///< of a ball that holds the body wherever it may be during the step; of a plane: its height
+  Vec3 root_center_m = Vec3::Zero();   ///< of the root sphere
+  double root_radius_m = 0;
+  Vec3 velocity_mps = Vec3::Zero();
+  double own_m = 0;                    ///< by how much its surface may move beyond what velocity and gravity do
+  double radius_m = 0;
+  bool plane = false, dynamic = false;
+};
+
 /// Everything that one step works on. Invariant: buffers only grow.
 struct FrameBuffers {
   std::vector<collision::Pose> poses;                  // one a slot
+  std::vector<Glance> glances;                         // one a slot
   std::vector<Mat3> inverse_inertia;                   // one a slot, world frame
   std::vector<Vec3> root_center_m;                     // one a slot, of the root sphere, world frame
   std::vector<collision::MotionBound> bounds;
@@ -158,6 +172,7 @@ struct WorldState {
   std::vector<ContactEvent> events;
 
   collision::BroadPhase broad_phase;
+  KeptCandidates candidates;
   parallel::PriorityBands bands;
   scheduler::RoundSelector rounds;
   scheduler::TailForecast tail;
