@@ -14,7 +14,9 @@ btVector3 to_bullet(const Vec3& v) {
   return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
 }
 
-Vec3 from_bullet(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
+Vec3 from_bullet(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
 
 /// A world and what it points to. Invariant: it points to nothing else, and goes first.
 class BulletPile {
@@ -51,7 +53,8 @@ class BulletPile {
       const btRigidBody& body = *bodies_[first_body_ + i];
       const btQuaternion turn = body.getCenterOfMassTransform().getRotation();
       states[i].position_m = from_bullet(body.getCenterOfMassPosition());
-      states[i].orientation = Quat(turn.w(), turn.x(), turn.y(), turn.z()).normalized();
+      const Vec3 axis = from_bullet({turn.x(), turn.y(), turn.z()});
+      states[i].orientation = Quat(static_cast<double>(turn.w()), axis.x(), axis.y(), axis.z()).normalized();
       states[i].velocity_mps = from_bullet(body.getLinearVelocity());
       states[i].angular_velocity_radps = from_bullet(body.getAngularVelocity());
     }

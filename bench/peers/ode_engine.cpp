@@ -21,7 +21,7 @@ class OdeLibrary {
   }
   OdeLibrary() {
     dInitODE2(0);
-    dAllocateODEDataForThread(dAllocateMaskAll);
+    dAllocateODEDataForThread(static_cast<unsigned int>(dAllocateMaskAll));
   }
   ~OdeLibrary() { dCloseODE(); }
   OdeLibrary(const OdeLibrary&) = delete;
