@@ -139,22 +139,22 @@ void print_table(std::uint64_t bodies, std::span<const Row> rows, const Options&
       bodies, options.frames, options.block_frames);
   for (std::size_t p = 0; p < 2; ++p) {
     const Phase phase = phases(options.frames)[p];
-    fmt::print("\n{:<22}{:>8}{:>10}{:>10}{:>18}{:>10}{:>10}{:>8}\n",
+    fmt::print("\n{:<22}{:>8}{:>10}{:>10}{:>20}{:>10}{:>10}{:>8}\n",
                fmt::format("{} ({} to {})", phase.name, phase.begin, phase.end), "threads", "CPU p50", "p99",
                "p25 to p75", "wall p50", "p99", "ratio");
     for (const Row& row : rows) {
       const TimeFigures& t = row.times[p];
       const std::optional<double> r = ratio(row, rows[0], p);
-      fmt::print("{:<22}{:>8}{:>10.3f}{:>10.3f}{:>18}{:>10.3f}{:>10.3f}{:>8}\n", row.engine, row.threads, t.cpu.p50_ms,
+      fmt::print("{:<22}{:>8}{:>10.3f}{:>10.3f}{:>20}{:>10.3f}{:>10.3f}{:>8}\n", row.engine, row.threads, t.cpu.p50_ms,
                  t.cpu.p99_ms, fmt::format("{:.3f} to {:.3f}", t.cpu.p25_ms, t.cpu.p75_ms), t.wall.p50_ms,
                  t.wall.p99_ms, r ? fmt::format("{:.2f}", *r) : "-");
     }
   }
-  fmt::print("\n{:<22}{:>8}{:>14}{:>14}{:>14}{:>16}{:>10}{:>7}\n", "the pile at the end", "threads", "mean height",
+  fmt::print("\n{:<22}{:>8}{:>14}{:>16}{:>14}{:>18}{:>10}{:>7}\n", "the pile at the end", "threads", "mean height",
              "mean speed", "mean overlap", "greatest overlap", "outside", "holds");
   for (const Row& row : rows) {
     const PileFigures& f = row.pile;
-    fmt::print("{:<22}{:>8}{:>12.3f} m{:>10.4f} m/s{:>11.2f} mm{:>13.1f} mm{:>10}{:>7}\n", row.engine, row.threads,
+    fmt::print("{:<22}{:>8}{:>12.3f} m{:>12.4f} m/s{:>11.2f} mm{:>15.1f} mm{:>10}{:>7}\n", row.engine, row.threads,
                f.mean_height_m, f.mean_speed_mps, 1e3 * f.mean_overlap_m, 1e3 * f.greatest_overlap_m, f.outside,
                row.holds() ? "yes" : "no");
   }
