@@ -138,6 +138,7 @@ struct Scene {
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;            ///< and then by the triangles of meshes
   bool backtracking = false;        ///< StepInput::backtracking
+  bool sleeping = false;            ///< WorldSettings::sleeping
   scheduler::Policy policy;
   std::optional<SceneCamera> camera;
   std::optional<std::array<double, 2>> gaze_px;  ///< from the top left corner; the centre of the image otherwise
@@ -162,7 +163,7 @@ std::uint64_t generated_body_count(const Scene& scene);
 View scene_view(const Scene& scene);
 
 struct SceneRunOptions {
-  WorldSettings world;  ///< gravity and seed are taken from the scene; the rest counts as it stands
+  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also ask for sleeping; the rest counts as it stands
   std::optional<std::uint64_t>
       bodies;  ///< how many bodies the generators make together, in proportion to their own counts
   std::optional<std::uint64_t> seed;  ///< instead of the scene's; moves generated bodies too

@@ -109,7 +109,7 @@ struct FrameReport {
   double cut_margin = 1;                 ///< reserve / point forecast
 
   // Counted work
-  std::size_t bodies = 0;                ///< dynamic bodies
+  std::size_t bodies = 0;                ///< dynamic bodies, those asleep included
   std::size_t candidate_pairs = 0;       ///< from the broad phase
   std::size_t coarse_pairs = 0;          ///< those that overlap at their mandatory level
   std::size_t contact_pairs = 0;         ///< answered as a contact
@@ -127,6 +127,11 @@ struct FrameReport {
   std::size_t swept_pairs = 0;           ///< pairs with a fast body, sent to backtracking
   std::size_t swept_hits = 0;            ///< of them met within the step and were answered there
   std::size_t swept_cut = 0;             ///< of them stopped short because their work ran out; they go on in the next step
+
+  // With WorldSettings::sleeping
+  std::size_t asleep = 0;                ///< bodies asleep after the step
+  std::size_t fell_asleep = 0;           ///< at the end of the step
+  std::size_t woken = 0;                 ///< in the step, or by calls since the one before
 
   // Capacities that were full (0 in a healthy frame)
   std::size_t pairs_dropped = 0;         ///< candidate partners of a body beyond its limit

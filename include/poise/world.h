@@ -32,6 +32,9 @@ struct WorldSettings {
   ExecutorKind executor = ExecutorKind::Tbb;
   int threads = 0;                               ///< calling thread included; 0 = as many as the machine has; at most 256
   std::uint64_t seed = 1;
+  /// Islands of bodies that have been still for half a second fall asleep: they stay where they are and cost next to nothing until
+  /// something that moves comes near them or the caller touches one of them or what they lie on. Off, none of it is done.
+  bool sleeping = false;
   int substeps = 2;                              ///< of the resting-contact solver, 1 to 16
   std::uint32_t max_partners = 256;              ///< candidate partners that a body keeps, 1 to 65536
   std::uint32_t max_front_entries = 1U << 22;    ///< room for fronts, entries a worker thread, >= 64
@@ -114,12 +117,15 @@ class World {
   [[nodiscard]] std::size_t body_count() const;  ///< static ones and planes included
 
   [[nodiscard]] Result<BodyState> state(BodyId body) const;
+  /// Wakes what sleeps there.
   Status set_state(BodyId body, const BodyState& state);
+  /// Does it sleep (WorldSettings::sleeping)? A body that sleeps has no velocity and no contacts.
+  [[nodiscard]] Result<bool> asleep(BodyId body) const;
   /// 0 for static bodies.
   [[nodiscard]] Result<double> mass_kg(BodyId body) const;
   [[nodiscard]] Result<ShapePtr> shape(BodyId body) const;
 
-  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies.
+  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies; wakes sleeping ones.
   Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
   Status apply_torque(BodyId body, const Vec3& torque_nm);
   /// Changes velocities at once by an impulse (kg m/s, world frame) at a world point.

@@ -133,6 +133,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.max_level = loop.max_level;
   d.polygons = loop.polygons;
   d.backtracking = loop.backtracking;
+  d.sleeping = world.sleeping;
   d.reference_every = loop.reference_every;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();

@@ -77,6 +77,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_max_level(command, options);
   command.add_flag("--backtracking", options.backtracking,
                    "Answer bodies that move far in a step where they meet something within it (default: the scene's)");
+  command.add_flag("--sleeping", options.sleeping, "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))
@@ -138,6 +139,7 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
   if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;
   if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
+  settings.sleeping = options.sleeping || scene.sleeping;
   settings.executor = executor_kind(options);
   settings.threads = static_cast<int>(options.threads.value_or(0));
   return settings;

@@ -20,6 +20,7 @@ struct RunOptions {
   bool polygons = false;  ///< --max-level polygons
   bool backtracking = false;
   std::optional<double> deadline_ms, host_work_ms;
+  bool sleeping = false;
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "fitted", clock = "wall", executor;

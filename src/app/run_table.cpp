@@ -135,6 +135,10 @@ void reference(const io::RunDocument& d, Out out) {
 void state(const io::RunDocument& d, Out out) {
   fmt::format_to(out, "energy         {:.6g} J at the start, {:.6g} J at the end, {:.6g} J at most\n",
                  d.start.kinetic_j + d.start.potential_j, d.end.kinetic_j + d.end.potential_j, d.energy_max_j);
+  const simulation::SleepFigures& s = d.figures.sleep;
+  if (d.sleeping) {
+    fmt::format_to(out, "sleeping       {} bodies at the end, {:.6g} on average, {} fell asleep, {} woke\n", s.asleep_end, s.asleep_mean, s.fell_asleep, s.woken);
+  }
   const simulation::CapacityFigures& c = d.figures.capacity;
   if (c.pairs_dropped + c.fronts_full + c.colors_full + c.degenerate > 0) {
     fmt::format_to(

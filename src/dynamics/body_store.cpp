@@ -26,6 +26,7 @@ BodyId BodyStore::add() {
     generation.push_back(0);
     alive.push_back(1);
     dynamic.push_back(0);
+    asleep.push_back(0);
     pushed.push_back(0);
   } else {
     std::pop_heap(free_.begin(), free_.end(), std::greater<>());
@@ -40,9 +41,11 @@ BodyId BodyStore::add() {
 void BodyStore::remove(std::uint32_t slot) {
   POISE_ASSERT(slot < alive.size() && alive[slot] != 0);
   if (dynamic[slot] != 0) --dynamic_count_;
+  if (asleep[slot] != 0) --asleep_count_;
   --alive_count_;
   alive[slot] = 0;
   dynamic[slot] = 0;
+  asleep[slot] = 0;
   pushed[slot] = 0;
   ++generation[slot];
   mass_kg[slot] = 0;
@@ -61,6 +64,26 @@ void BodyStore::make_dynamic(std::uint32_t slot) {
   POISE_ASSERT(alive[slot] != 0 && dynamic[slot] == 0);
   dynamic[slot] = 1;
   ++dynamic_count_;
+}
+
+void BodyStore::put_to_sleep(std::uint32_t slot) {
+  POISE_ASSERT(dynamic[slot] != 0 && pushed[slot] == 0);
+  dynamic[slot] = 0;
+  asleep[slot] = 1;
+  inverse_mass[slot] = 0;
+  set_velocity(slot, Vec3::Zero());
+  set_spin(slot, Vec3::Zero());
+  --dynamic_count_;
+  ++asleep_count_;
+}
+
+void BodyStore::wake(std::uint32_t slot) {
+  POISE_ASSERT(asleep[slot] != 0);
+  dynamic[slot] = 1;
+  asleep[slot] = 0;
+  inverse_mass[slot] = 1.0 / mass_kg[slot];
+  ++dynamic_count_;
+  --asleep_count_;
 }
 
 void BodyStore::set_position(std::size_t i, const Vec3& p) {

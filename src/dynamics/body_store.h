@@ -22,7 +22,7 @@ struct BodyStore {
   std::vector<double> wx_radps, wy_radps, wz_radps;
   std::vector<double> fx_n, fy_n, fz_n;        ///< applied for the next step
   std::vector<double> tx_nm, ty_nm, tz_nm;     ///< applied for the next step, about the centre of mass
-  std::vector<double> mass_kg, inverse_mass;   ///< 0 for static bodies
+  std::vector<double> mass_kg, inverse_mass;   ///< 0 for static bodies; the inverse alone for those asleep
   std::vector<Vec3> principal_kgm2;            ///< moments in the principal frame; 0 for static bodies
   std::vector<ShapePtr> shape;
   std::vector<std::uint32_t> material;
@@ -30,12 +30,14 @@ struct BodyStore {
   std::vector<double> importance;
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
-  std::vector<std::uint8_t> dynamic;           ///< alive and not static
+  std::vector<std::uint8_t> dynamic;           ///< alive, not static and awake
+  std::vector<std::uint8_t> asleep;            ///< alive, not static and counted as static for now
   std::vector<std::uint8_t> pushed;            ///< a force or torque waits
 
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }
-  [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }
+  [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }  ///< awake ones
+  [[nodiscard]] std::size_t asleep_count() const { return asleep_count_; }
 
   /// A slot with all numbers zero and identity orientation: the lowest free one.
   BodyId add();
@@ -46,6 +48,10 @@ struct BodyStore {
   }
   [[nodiscard]] BodyId id_of(std::uint32_t slot) const { return {slot, generation[slot]}; }
   void make_dynamic(std::uint32_t slot);
+  /// A dynamic body stops where it is and counts as static from now on, its mass kept aside.
+  void put_to_sleep(std::uint32_t slot);
+  /// A body that sleeps is dynamic again, at rest.
+  void wake(std::uint32_t slot);
 
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x_m[i], y_m[i], z_m[i]}; }
   [[nodiscard]] Quat orientation(std::size_t i) const { return {qw[i], qx[i], qy[i], qz[i]}; }
@@ -64,6 +70,7 @@ struct BodyStore {
   std::vector<std::uint32_t> free_;  // a heap whose front is the lowest free slot
   std::size_t alive_count_ = 0;
   std::size_t dynamic_count_ = 0;
+  std::size_t asleep_count_ = 0;
 };
 
 /// Turns the principal frame of a body into the world.

@@ -6,7 +6,7 @@ namespace poise::dynamics {
 Conserved conserved_sums(const BodyStore& bodies, const Vec3& gravity_mps2) {
   Conserved sums;
   for (std::size_t i = 0; i < bodies.slot_count(); ++i) {
-    if (bodies.dynamic[i] == 0) continue;
+    if (bodies.dynamic[i] == 0 && bodies.asleep[i] == 0) continue;
     const Vec3 x = bodies.position(i);
     const Vec3 v = bodies.velocity(i);
     const Quat turn = principal_to_world(bodies, i);

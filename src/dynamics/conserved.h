@@ -6,7 +6,7 @@
 
 namespace poise::dynamics {
 
-/// Sums over the dynamic bodies in slot order; potential energy is -m g . x.
+/// Sums over the bodies that are not static, in slot order; potential energy is -m g . x.
 Conserved conserved_sums(const BodyStore& bodies, const Vec3& gravity_mps2);
 
 }  // namespace poise::dynamics

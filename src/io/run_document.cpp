@@ -118,7 +118,8 @@ Json settings_json(const RunDocument& d) {
                    {"budget_work", d.budget_work ? Json(*d.budget_work) : Json(nullptr)},
                    {"max_level", d.max_level},
                    {"polygons", d.polygons},
-                   {"backtracking", d.backtracking}};
+                   {"backtracking", d.backtracking},
+                   {"sleeping", d.sleeping}};
   settings["policy_weights"] = {{"frustum", p.frustum}, {"size", p.size},       {"eccentricity", p.eccentricity},
                                 {"closing", p.closing}, {"waiting", p.waiting}, {"importance", p.importance}};
   return settings;
@@ -153,6 +154,7 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
   json["swept"] = {{"pairs", f.swept.pairs}, {"hits", f.swept.hits}, {"cut", f.swept.cut}};
+  json["sleep"] = {{"asleep_end", f.sleep.asleep_end}, {"asleep_mean", f.sleep.asleep_mean}, {"fell_asleep", f.sleep.fell_asleep}, {"woken", f.sleep.woken}};
   json["reference"] = reference_json(d);
   json["warm_up"] = {{"frames", f.warm_up_frames}, {"misses", f.warm_up_misses}};
   json["release_delay_ms"] = of(f.release_delay_ms);

@@ -41,6 +41,7 @@ struct RunDocument {
   int max_level = 0;
   bool polygons = false;
   bool backtracking = false;
+  bool sleeping = false;
   std::optional<std::uint64_t> reference_every;
   double tray_side_m = 0;
   Machine machine;

@@ -102,6 +102,9 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("fronts_full", r.fronts_full);
   row.column("colors_full", r.colors_full);
   row.column("degenerate", r.degenerate);
+  row.column("asleep", r.asleep);
+  row.column("fell_asleep", r.fell_asleep);
+  row.column("woken", r.woken);
   row.column("kinetic_j", r.kinetic_j);
   row.column("potential_j", r.potential_j);
 }

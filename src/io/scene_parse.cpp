@@ -84,12 +84,13 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(root, "", problems,
-                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "max_level", "backtracking", "policy",
+                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "max_level", "backtracking", "sleeping", "policy",
                           "camera", "gaze_px", "materials", "shapes", "bodies", "tray", "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
   top.flag("backtracking", scene.backtracking);
+  top.flag("sleeping", scene.sleeping);
   if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);
   parse_gaze(top, scene);

@@ -136,6 +136,7 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   WorldSettings settings = options.world;
   settings.gravity_mps2 = scene.gravity_mps2;
   settings.seed = options.seed.value_or(scene.seed);
+  settings.sleeping = settings.sleeping || scene.sleeping;
   Result<World> world = World::create(settings);
   if (!world) return world.error();
   auto impl =

@@ -126,6 +126,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
   std::uint64_t coarse = 0;
   std::uint64_t left = 0;
   std::uint64_t contacts = 0;
+  std::uint64_t asleep = 0;
   for (const RunFrame& frame : frames) {
     const FrameReport& report = frame.report;
     work.mandatory += report.work_mandatory;
@@ -148,6 +149,9 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.swept.pairs += report.swept_pairs;
     figures.swept.hits += report.swept_hits;
     figures.swept.cut += report.swept_cut;
+    figures.sleep.fell_asleep += report.fell_asleep;
+    figures.sleep.woken += report.woken;
+    asleep += report.asleep;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     figures.longest_job_ms_max = std::max(figures.longest_job_ms_max, ms(report.longest_job));
   }
@@ -161,6 +165,8 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
   work.coarse_pairs_mean = mean(coarse);
   work.pairs_left_mean = mean(left);
   figures.contacts_mean = mean(contacts);
+  figures.sleep.asleep_mean = mean(asleep);
+  figures.sleep.asleep_end = frames.back().report.asleep;
 }
 
 std::optional<double> level_mean(const RunFigures& figures) {

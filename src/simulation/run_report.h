@@ -75,6 +75,13 @@ struct WorkFigures {
   std::uint64_t frames_with_pairs_left = 0;
 };
 
+/// Bodies that slept (WorldSettings::sleeping).
+struct SleepFigures {
+  std::uint64_t asleep_end = 0;  ///< after the last frame
+  double asleep_mean = 0;        ///< after a frame
+  std::uint64_t fell_asleep = 0, woken = 0;  ///< sums over the frames
+};
+
 /// Sums of what was left out because a capacity was full; all 0 in a healthy run.
 struct CapacityFigures {
   std::uint64_t pairs_dropped = 0, fronts_full = 0, colors_full = 0, degenerate = 0;
@@ -108,6 +115,7 @@ struct RunFigures {
   WorkFigures work;
   CapacityFigures capacity;
   SweptFigures swept;
+  SleepFigures sleep;
   ReferenceRunFigures reference;
 };
 

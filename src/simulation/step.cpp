@@ -5,6 +5,7 @@
 #include "dynamics/conserved.h"
 #include "simulation/cpu_clock.h"
 #include "simulation/reference.h"
+#include "simulation/sleep.h"
 #include "simulation/stages.h"
 
 namespace poise {
@@ -52,6 +53,20 @@ void forget_displaced(simulation::WorldState& world) {
   world.displaced_slots.clear();
 }
 
+// The pairs of the frame. What sleeps and has a moving body near it wakes, so that none is met as if it were static.
+void find_awake_pairs(simulation::WorldState& world, const StepInput& input, FrameReport& report) {
+  simulation::find_pairs(world, input, report);
+  if (!world.settings.sleeping) return;
+  while (simulation::wake_touched(world)) {
+    const FrameReport before = report;
+    simulation::predict(world, input);
+    simulation::find_pairs(world, input, report);
+    report.times.broad_phase += before.times.broad_phase;
+    report.times.coarse += before.times.coarse;
+    report.work_mandatory += before.work_mandatory;
+  }
+}
+
 // A stopwatch for stages that follow each other.
 class Laps {
  public:
@@ -97,14 +112,15 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   const Nanoseconds cpu_before = simulation::thread_cpu_time();
   world.executor->wake();
   report.frame = world.frame;
-  report.bodies = world.bodies.dynamic_count();
+  report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
 
   Laps laps(start);
+  if (world.settings.sleeping) simulation::wake_stirred(world);
   forget_removed(world);
   forget_displaced(world);
   simulation::predict(world, input);
   report.times.predict = laps.lap();
-  simulation::find_pairs(world, input, report);
+  find_awake_pairs(world, input, report);
   laps.lap();
   simulation::refine(world, input, report);
   report.times.refine = laps.lap();
@@ -114,14 +130,10 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   report.times.integrate = laps.lap();
   simulation::publish(world);
   ++world.frame;
+  // A reference must find the bodies that the frame had.
+  if (world.settings.sleeping && !input.reference) simulation::fall_asleep(world, input.dt_s, report);
   report.times.publish = laps.lap();
   judge_time(world, input, start, cpu_before, report);
-  if (input.measure_energy) {
-    const dynamics::BodyStore& bodies = world.bodies;
-    const Conserved sums = dynamics::conserved_sums(bodies, world.settings.gravity_mps2);
-    report.kinetic_j = sums.kinetic_j;
-    report.potential_j = sums.potential_j;
-  }
   return report;
 }
 
@@ -135,6 +147,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   FrameReport report = run_frame(world, moved);
   report.reference = simulation::refer(world, input);
   report.reference->time += kept;
+  if (world.settings.sleeping) simulation::fall_asleep(world, input.dt_s, report);
   return report;
 }
 
@@ -147,7 +160,13 @@ FrameReport World::step(const StepInput& input) {
     refused.status = status;
     return refused;
   }
-  return input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
+  FrameReport report = input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
+  if (input.measure_energy) {
+    const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
+    report.kinetic_j = sums.kinetic_j;
+    report.potential_j = sums.potential_j;
+  }
+  return report;
 }
 
 }  // namespace poise

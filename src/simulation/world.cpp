@@ -10,6 +10,7 @@
 #include "collision/least_extent.h"
 #include "dynamics/conserved.h"
 #include "simulation/checks.h"
+#include "simulation/sleep.h"
 #include "simulation/stages.h"
 #include "simulation/world_state.h"
 
@@ -47,6 +48,8 @@ simulation::ShapeFacts facts_of(ShapePtr shape) {
   facts.shape = std::move(shape);
   return facts;
 }
+
+bool is_static(const dynamics::BodyStore& bodies, std::size_t slot) { return bodies.dynamic[slot] == 0 && bodies.asleep[slot] == 0; }
 
 // A quaternion that is of unit length but for rounding stays as it is, so that a state that is read and set again is the
 // same to the bit.
@@ -124,6 +127,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
   bodies.set_position(i, definition.position_m + turn * shape->origin_offset_m);
   state_->shape_of.resize(bodies.slot_count());
   state_->shape_of[i] = definition.shape.index;
+  simulation::stir(*state_, id.slot);
   if (definition.is_static) return id;
   bodies.make_dynamic(id.slot);
   bodies.mass_kg[i] = mass.value().mass_kg;
@@ -136,6 +140,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
 
 Status World::remove_body(BodyId body) {
   if (!contains(body)) return stale(body);
+  simulation::stir(*state_, body.slot);
   state_->bodies.remove(body.slot);
   state_->removed_slots.push_back(body.slot);
   state_->contacts.clear();
@@ -158,7 +163,8 @@ Result<BodyState> World::state(BodyId body) const {
 Status World::set_state(BodyId body, const BodyState& state) {
   if (!contains(body)) return stale(body);
   dynamics::BodyStore& bodies = state_->bodies;
-  if (auto bad = simulation::check_state(state, bodies.dynamic[body.slot] == 0)) return *bad;
+  if (auto bad = simulation::check_state(state, is_static(bodies, body.slot))) return *bad;
+  simulation::stir(*state_, body.slot);
   const Quat turn = unit(state.orientation);
   if (bodies.position(body.slot) != state.position_m || bodies.orientation(body.slot).coeffs() != turn.coeffs()) {
     state_->displaced_slots.push_back(body.slot);
@@ -168,6 +174,11 @@ Status World::set_state(BodyId body, const BodyState& state) {
   bodies.set_velocity(body.slot, state.velocity_mps);
   bodies.set_spin(body.slot, state.angular_velocity_radps);
   return Done{};
+}
+
+Result<bool> World::asleep(BodyId body) const {
+  if (!contains(body)) return stale(body);
+  return state_->bodies.asleep[body.slot] != 0;
 }
 
 Result<double> World::mass_kg(BodyId body) const {
@@ -188,7 +199,8 @@ Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m)
   const Vec3 torque = bodies.torque(body.slot) + (point_m - bodies.position(body.slot)).cross(force_n);
   if (auto bad = check_vector("force_n", force, simulation::kMaxForceN)) return *bad;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
-  if (bodies.dynamic[body.slot] == 0) return Done{};
+  if (is_static(bodies, body.slot)) return Done{};
+  simulation::stir(*state_, body.slot);
   bodies.set_force(body.slot, force);
   bodies.set_torque(body.slot, torque);
   bodies.pushed[body.slot] = 1;
@@ -200,7 +212,8 @@ Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
   dynamics::BodyStore& bodies = state_->bodies;
   const Vec3 torque = bodies.torque(body.slot) + torque_nm;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
-  if (bodies.dynamic[body.slot] == 0) return Done{};
+  if (is_static(bodies, body.slot)) return Done{};
+  simulation::stir(*state_, body.slot);
   bodies.set_torque(body.slot, torque);
   bodies.pushed[body.slot] = 1;
   return Done{};
@@ -211,16 +224,21 @@ Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& poi
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
   if (auto bad = check_vector("impulse_ns", impulse_ns, simulation::kMaxForceN)) return *bad;
-  if (bodies.dynamic[body.slot] == 0) return Done{};
+  if (is_static(bodies, body.slot)) return Done{};
+  // One that sleeps shows its mass for a moment; set_state wakes it if it accepts the new velocities.
+  const bool asleep = bodies.asleep[body.slot] != 0;
+  if (asleep) bodies.wake(body.slot);
   BodyState state = this->state(body).value();
   state.velocity_mps += bodies.inverse_mass[body.slot] * impulse_ns;
   state.angular_velocity_radps +=
       dynamics::inverse_inertia_world(bodies, body.slot) * (point_m - state.position_m).cross(impulse_ns);
+  if (asleep) bodies.put_to_sleep(body.slot);
   return set_state(body, state);
 }
 
 Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with) {
   if (!contains(body)) return stale(body);
+  simulation::stir(*state_, body.slot);
   state_->bodies.group[body.slot] = group;
   state_->bodies.collides_with[body.slot] = collides_with;
   return Done{};
@@ -260,15 +278,27 @@ std::uint64_t World::state_hash() const {
   mix(bodies.alive);
   mix(bodies.group);
   mix(bodies.collides_with);
-  for (const simulation::PairMemory& pair : state_->memory) {
-    // Field by field: padding has no defined bits.
-    const std::uint64_t words[5] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
-                                    std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
-                                    std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m)};
-    hash = XXH64(words, sizeof(words), hash);
-  }
+  const auto mix_pairs = [&](const std::vector<simulation::PairMemory>& memory) {
+    for (const simulation::PairMemory& pair : memory) {
+      // Field by field: padding has no defined bits.
+      const std::uint64_t words[5] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
+                                      std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
+                                      std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m)};
+      hash = XXH64(words, sizeof(words), hash);
+    }
+  };
   static_assert(sizeof(simulation::KeptPlace) == 14 * sizeof(double), "no padding in what is hashed");
-  hash = XXH64(state_->places.data(), state_->places.size() * sizeof(simulation::KeptPlace), hash);
+  mix_pairs(state_->memory);
+  mix(state_->places);
+  if (!state_->settings.sleeping) return hash;
+  const simulation::Sleep& sleep = state_->sleep;
+  mix(bodies.asleep);
+  mix(sleep.still_s);
+  mix(sleep.island);
+  mix(sleep.roused);
+  mix(sleep.stirred);
+  mix_pairs(sleep.aside.pairs);
+  mix(sleep.aside.places);
   return hash;
 }
 

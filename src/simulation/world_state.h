@@ -152,6 +152,27 @@ struct Reference {
   std::vector<std::unique_ptr<collision::TrueSurface>> surfaces;  ///< one a shape, made when it is first asked for
 };
 
+/// Pairs and what they keep: `pairs` sorted by slots, their places anywhere in `places`.
+struct KeptPairs {
+  std::vector<PairMemory> pairs;
+  std::vector<KeptPlace> places;
+};
+
+/// What sleeping needs (simulation/sleep.h). Empty in a World that does without. Part of the state but for what is only scratch.
+struct Sleep {
+  std::vector<double> still_s;             ///< one a slot: for how long an awake body has been still
+  std::vector<std::uint32_t> island;       ///< one a slot: of a body asleep, the lowest slot of those that fell asleep with it
+  std::vector<std::uint8_t> roused;        ///< one a slot: the island of this name is to wake
+  bool any_roused = false;
+  std::vector<std::uint32_t> stirred;      ///< static bodies that the caller put somewhere, changed or removed since the last step
+  KeptPairs aside;                         ///< of the pairs of which a body sleeps
+  std::size_t woken = 0;                   ///< since the last report
+
+  KeptPairs next_awake, next_aside;        // scratch
+  std::vector<std::uint32_t> parent;       // scratch: the union-find forest
+  std::vector<std::uint8_t> restless;      // scratch: islands of which a body moves
+};
+
 /// Everything that a World holds.
 struct WorldState {
   WorldSettings settings;
@@ -167,6 +188,7 @@ struct WorldState {
   std::vector<KeptPlace> places;                       // of memory
   std::vector<std::uint32_t> removed_slots;            // since the last step
   std::vector<std::uint32_t> displaced_slots;          // likewise: put somewhere else by the caller
+  Sleep sleep;
   std::vector<Contact> contacts;
   bool contacts_listed = true;                         // contacts are those of the last step
   std::vector<ContactEvent> events;
