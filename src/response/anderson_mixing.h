@@ -28,6 +28,7 @@ class AndersonMixing {
   bool started_ = false;
   double last_square_ = 0;
   std::array<Step, kDepth> steps_;
+  std::array<std::array<double, kDepth>, kDepth> products_{};  // of the residuals of two steps, by their places
   std::vector<double> residual_, after_;  // of the last point
 };
 

@@ -97,7 +97,9 @@ Glance glance(const WorldState& world, std::size_t i, const StepInput& input) {
 // What of the memory of a pair counts now.
 void recall(const WorldState& world, ActivePair& pair) {
   const double size_m = pair.skin_m / kSkin;
-  const bool exact = pair.level.deepest == 0;  // its only level is the truth, and the mandatory part works it out anyway
+  // Two balls, or a ball and a plane: their only level is the truth, and the mandatory part works it out anyway.
+  const auto& shape = world.bodies.shape;
+  const bool exact = collision::deepest_level(*shape[pair.a], *shape[pair.b], kMaxTreeDepth) == 0 && !shape[pair.a]->surface && !shape[pair.b]->surface;
   const bool keeps = !exact && world.settings.contact != ContactModel::Paper;  // the paper answers fronts
   pair.reach_m = keeps ? pair.margin_m + kKeep * size_m : pair.margin_m;
   pair.kept = Kept::Nothing;
