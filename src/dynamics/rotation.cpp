@@ -47,8 +47,13 @@ Quat rotation_by(const Vec3& angle_rad) {
 Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn) {
   const Quat after = (turn * start.orientation).normalized();
   if (moments_kgm2.x() == moments_kgm2.y() && moments_kgm2.y() == moments_kgm2.z()) return {after, start.spin_radps};
-  const Vec3 momentum = start.orientation * moments_kgm2.cwiseProduct(start.orientation.conjugate() * start.spin_radps);
-  return {after, after * (after.conjugate() * momentum).cwiseQuotient(moments_kgm2)};
+  const Vec3 spin = start.orientation.conjugate() * start.spin_radps;
+  const Vec3 momentum = after.conjugate() * (start.orientation * moments_kgm2.cwiseProduct(spin));
+  const Vec3 kept = momentum.cwiseQuotient(moments_kgm2);
+  // A needle that is tilted against its momentum would spin up about its thin axis.
+  const double before = spin.dot(moments_kgm2.cwiseProduct(spin));
+  const double energy = kept.dot(momentum);
+  return {after, (energy > before ? std::sqrt(before / energy) : 1.0) * (after * kept)};
 }
 
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s) {

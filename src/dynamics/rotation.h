@@ -19,7 +19,8 @@ struct Rotation {
 /// Integration, VII.5), for any step. Equal moments turn by the exact exponential. Any thread.
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s);
 
-/// Turns a body by `turn` (world) without a torque or time: the angular momentum vector stays, so the spin follows.
+/// Turns a body by `turn` (world) without a torque or time: the angular momentum vector stays, so the spin follows; where that would take energy, the
+/// energy stays and the momentum only its direction.
 Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn);
 
 /// The rotation by a vector (axis times angle, rad) as a unit quaternion.
