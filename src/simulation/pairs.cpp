@@ -16,8 +16,9 @@ namespace {
 constexpr double kSkin = 5e-3;
 // Refinement looks this much of the smaller body beyond what may touch in the step, so that what it finds holds while the bodies move so far.
 constexpr double kKeep = 6e-3;
-// Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one: about the radius of a leaf.
-constexpr double kHold = 0.1;
+// Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one. Measured on a frictionless pile whose
+// budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up again, at a half it stays within 2 % of its height.
+constexpr double kHold = 0.5;
 constexpr std::size_t kGrain = 128;
 
 double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput& input) {

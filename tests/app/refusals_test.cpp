@@ -91,7 +91,7 @@ TEST(Refusals, OfBadInputEndWithThree) {
   std::ofstream(folder.file("empty.json"));
   expect_refusals(
       3, {
-             {{"run", "no-such-scene"}, "no scene of this name ships (gas, jacks, pile, real-meshes, two-body"},
+             {{"run", "no-such-scene"}, "no scene of this name ships (bullets, gas, jacks, pile, real-meshes, two-body"},
              {{"run", folder.file("none.json")}, "none.json: no such file"},
              {{"run", folder.path().string()}, "is a directory, must be a scene file"},
              {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
