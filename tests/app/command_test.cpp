@@ -174,7 +174,8 @@ TEST(Command, TakesItsOptionsIntoTheReport) {
   const json report =
       figures_of({"run",         "jacks",    "--bodies",    "20",        "--frames", "4",          "--threads",
                   "2",           "--policy", "fifo",        "--contact", "paper",    "--deadline", "7.5",
-                  "--host-work", "0.5",      "--max-level", "1",         "--seed",   "5",          "--paced"});
+                  "--host-work", "0.5",      "--max-level", "1",         "--seed",   "5",          "--paced",
+                  "--sleeping"});
   EXPECT_EQ(report.at("schema"), "poise.run/1");
   EXPECT_EQ(report.at("scene"), "jacks");
   EXPECT_EQ(report.at("policy"), "fifo");
@@ -186,6 +187,8 @@ TEST(Command, TakesItsOptionsIntoTheReport) {
   EXPECT_EQ(report.at("settings").at("max_level"), 1);
   EXPECT_EQ(report.at("settings").at("seed"), 5);
   EXPECT_EQ(report.at("settings").at("paced"), true);
+  EXPECT_EQ(report.at("settings").at("sleeping"), true);
+  EXPECT_EQ(report.at("sleep").at("asleep_end"), 0);
   EXPECT_NEAR(report.at("tray_side_m").get<double>(), 1.05 * 2, 1e-9);
   EXPECT_FALSE(report.at("build").at("commit").get<std::string>().empty());
 }

@@ -45,6 +45,9 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   frame.report.cause = MissCause::Overrun;
   frame.report.level_histogram = {9, 8, 7};
   frame.report.level_histogram[kPolygonPlace] = 6;
+  frame.report.asleep = 12;
+  frame.report.fell_asleep = 5;
+  frame.report.woken = 3;
   std::string text;
   append_frame(frame, 0.05, text);
   const std::vector<std::string> names = cells(lines(frames_header())[0]);
@@ -60,6 +63,9 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   EXPECT_EQ(cell("cause"), "overrun");
   EXPECT_EQ(cell("level_1"), "8");
   EXPECT_EQ(cell("polygons"), "6");
+  EXPECT_EQ(cell("asleep"), "12");
+  EXPECT_EQ(cell("fell_asleep"), "5");
+  EXPECT_EQ(cell("woken"), "3");
   EXPECT_EQ(cell("status"), "done");
 }
 

@@ -29,6 +29,8 @@ TEST(Scene, HasTheStatedDefaults) {
   EXPECT_EQ(scene.policy.kind, scheduler::PolicyKind::Perceptual);
   EXPECT_EQ(scene.max_level, kMaxTreeDepth);
   EXPECT_FALSE(scene.polygons);
+  EXPECT_FALSE(scene.sleeping);
+  EXPECT_TRUE(parse(scene_text(R"("sleeping": true, )")).value().sleeping);
 }
 
 TEST(Scene, NamesTheDeepestLevelOrPolygons) {

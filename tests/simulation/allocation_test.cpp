@@ -132,6 +132,35 @@ TEST(Allocation, BacktrackingAllocatesNothingOnceWarm) {
   EXPECT_GT(hits, 300U);
 }
 
+TEST(Allocation, SleepingAndWakingAllocateNothingOnceWarm) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  settings.executor = ExecutorKind::Threads;
+  settings.threads = 2;
+  settings.sleeping = true;
+  Stage stage(settings, 0);
+  stage.plane(Vec3::UnitZ(), 0);
+  const ShapeId ball = stage.ball(0.5);
+  for (int i = 0; i < 40; ++i) stage.add(ball, Vec3(1.001 * (i % 8), 1.001 * (i / 8), 0.5));
+  std::size_t fell_asleep = 0;
+  std::size_t woken = 0;
+  const auto cycle = [&] {
+    EXPECT_TRUE(stage.world.apply_torque(stage.bodies[0], Vec3(0, 0, 1e-6)).ok());
+    for (int i = 0; i < 40; ++i) {
+      const FrameReport report = stage.world.step(step_of(1.0 / 60));
+      fell_asleep += report.fell_asleep;
+      woken += report.woken;
+    }
+  };
+  cycle();
+  cycle();
+  const std::size_t before = allocations.load();
+  cycle();
+  EXPECT_EQ(allocations.load() - before, 0U);
+  EXPECT_EQ(fell_asleep, 120U);
+  EXPECT_EQ(woken, 80U);
+}
+
 TEST(Allocation, EveryFormOfNewIsCountedOnceAndPairsWithDelete) {
   constexpr std::align_val_t kLine{64};
   const std::size_t before = allocations.load();

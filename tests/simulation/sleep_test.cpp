@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "simulation/scenes.h"
 
@@ -10,6 +11,7 @@ namespace poise {
 namespace {
 
 constexpr double kStepS = 1.0 / 60;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 WorldSettings sleepy(bool sleeping = true, int threads = 1) {
   WorldSettings settings;
@@ -243,8 +245,8 @@ TEST(Sleep, EveryCallThatChangesABodyWakesItAndRefusedOnesDoNot) {
       [](World& world, BodyId body, const BodyState&) { return world.set_groups(body, 1, 1); }};
   const std::vector<Change> refused = {
       [](World& world, BodyId body, BodyState state) { return state.velocity_mps.x() = 1e300, world.set_state(body, state); },
-      [](World& world, BodyId body, const BodyState& state) { return world.apply_force(body, Vec3(NAN, 0, 0), state.position_m); },
-      [](World& world, BodyId body, const BodyState&) { return world.apply_torque(body, Vec3(NAN, 0, 0)); },
+      [](World& world, BodyId body, const BodyState& state) { return world.apply_force(body, Vec3(kNan, 0, 0), state.position_m); },
+      [](World& world, BodyId body, const BodyState&) { return world.apply_torque(body, Vec3(kNan, 0, 0)); },
       [](World& world, BodyId body, const BodyState& state) { return world.apply_impulse(body, Vec3(1e29, 0, 0), state.position_m); }};
   Stage stage(sleepy(), 0);
   stage.plane(Vec3::UnitZ(), 0);
