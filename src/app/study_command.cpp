@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "app/study_accuracy.h"
 #include "app/study_levels.h"
 #include "app/study_trees.h"
 
@@ -11,7 +12,7 @@ namespace poise::app {
 void add_study_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("study", "Make the figures of the docs");
   command->require_subcommand(1);
-  command->footer("Example:\n  poise study trees --markdown trees.md\n  poise study levels --markdown levels.md\n\nEach study has its own --help.");
+  command->footer("Example:\n  poise study trees --markdown trees.md\n  poise study levels --markdown levels.md\n  poise study accuracy --only slope\n\nEach study has its own --help.");
   auto trees = std::make_shared<StudyTreesOptions>();
   CLI::App* study = command->add_subcommand("trees", "Build and judge the trees of many meshes: cost and fit, a row a mesh");
   add_study_trees_options(*study, *trees);
@@ -21,6 +22,10 @@ void add_study_command(CLI::App& app, int& exit_code) {
       command->add_subcommand("levels", "Compare the answers of each level and contact model with the exact ones");
   add_study_levels_options(*levels_study, *levels);
   levels_study->callback([levels, &exit_code] { exit_code = study_levels(*levels); });
+  auto accuracy = std::make_shared<StudyAccuracyOptions>();
+  CLI::App* accuracy_study = command->add_subcommand("accuracy", "Run cases whose outcome is known, and compare");
+  add_study_accuracy_options(*accuracy_study, *accuracy);
+  accuracy_study->callback([accuracy, &exit_code] { exit_code = study_accuracy(*accuracy); });
 }
 
 }  // namespace poise::app

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <utility>
 
-#include "app/child_command.h"
 #include "app/exit_codes.h"
+#include "app/gnuplot.h"
 #include "app/level_trial.h"
 #include "app/output_files.h"
 #include "app/progress.h"
@@ -77,23 +74,6 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
   return d;
 }
 
-// gnuplot reads its script from a file that goes away again.
-Result<std::string> drawn(const io::LevelsDocument& document, const parallel::Interrupt& interrupt) {
-  std::error_code failure;
-  std::string file = (std::filesystem::temp_directory_path(failure) / "poise-levels-XXXXXX").string();
-  const int handle = failure ? -1 : ::mkstemp(file.data());
-  if (handle < 0) return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be made", file)};
-  ::close(handle);
-  const Status written = io::write_file(file, io::levels_plot(document));
-  const Result<ChildResult> child = written ? run_program({"gnuplot", file}, interrupt) : Result<ChildResult>(written.error());
-  std::filesystem::remove(file, failure);
-  if (!child) return Error{ErrorKind::OutputFailed, fmt::format("--picture needs gnuplot-nox: {}", child.error().message)};
-  if (child.value().exit_code != 0) {
-    return Error{ErrorKind::OutputFailed, fmt::format("--picture: gnuplot ended with {}", child.value().exit_code)};
-  }
-  return child.value().out;
-}
-
 Status write_to(const std::string& path, const std::string& text) {
   if (path.empty()) return Done{};
   return path == "-" ? io::write_stdout(text) : io::write_file(path, text);
@@ -106,7 +86,7 @@ Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document
   const bool taken = o.json == "-" || o.markdown == "-" || o.csv == "-";
   if (written && !taken && !o.quiet) written = io::write_stdout(io::levels_table(document));
   if (!written || o.picture.empty()) return written;
-  const Result<std::string> picture = drawn(document, interrupt);
+  const Result<std::string> picture = drawn_by_gnuplot(io::levels_plot(document), interrupt);
   return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
 }
 

@@ -142,7 +142,7 @@ TriangleMesh extrude(const std::vector<Point2>& outline, const std::vector<std::
   return mesh;
 }
 
-TriangleMesh make_box(double x_m, double y_m, double z_m) {
+TriangleMesh make_slab(double x_m, double y_m, double z_m) {
   const double x = 0.5 * x_m;
   const double y = 0.5 * y_m;
   return extrude({{-x, -y}, {x, -y}, {x, y}, {-x, y}}, {{0, 1, 2}, {0, 2, 3}}, z_m);
@@ -186,10 +186,10 @@ Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness) 
   TriangleMesh mesh;
   if (kind == "jack") mesh = make_jack(fineness);
   if (kind == "torus") mesh = make_torus(fineness);
-  if (kind == "slab") mesh = make_box(1.0, 0.6, 0.1);
+  if (kind == "slab") mesh = make_slab(1.0, 0.6, 0.1);
   if (kind == "l") mesh = make_l();
   if (kind == "bowl") mesh = make_bowl(fineness);
-  if (kind == "cube") mesh = make_box(0.7, 0.7, 0.7);
+  if (kind == "cube") mesh = make_slab(0.7, 0.7, 0.7);
   if (kind == "disc") mesh = make_disc(fineness);
   if (mesh.triangles.empty()) return bad_input(fmt::format("shape '{}' is not known, must be one of {}", kind, fmt::join(procedural_shapes(), " ")));
   for (Vec3& v : mesh.vertices_m) {

@@ -25,6 +25,23 @@ std::span<const std::string_view> procedural_shapes();
 inline constexpr int kMaxFineness = 16;
 Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness = 1);
 
+/// Edges of boxes and wedges, so that the rounding to 1e-9 m stays small beside them.
+inline constexpr double kLeastBlockM = 1e-5;
+inline constexpr double kMostBlockM = 1e5;
+
+/// A box of 12 triangles around the origin, rounded as above. Refused: an edge out of the range above.
+Result<TriangleMesh> make_box(const Vec3& size_m);
+
+/// A stone of an arch around the y axis: the part of a ring between two radii, `angle_deg` (0.1 to 90) wide about the z axis, with
+/// flat faces, so that its corners lie on the two circles and stones side by side share their faces.
+struct WedgeSize {
+  double inner_m = 0, outer_m = 0;
+  double angle_deg = 0;
+  double depth_m = 0;              ///< along y
+};
+/// Refused: lengths and angles out of these ranges, outer_m not above inner_m.
+Result<TriangleMesh> make_wedge(const WedgeSize& size);
+
 /// The mesh as OBJ text, nine decimals; `comment` stands in the first line.
 std::string obj_text(const TriangleMesh& mesh, std::string_view comment);
 

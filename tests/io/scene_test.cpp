@@ -127,5 +127,24 @@ TEST(Scene, AllThatShipAreReadAndSeeTheirBodies) {
   EXPECT_GE(scenes, 5U);
 }
 
+TEST(Scene, ThoseOfTheAccuracyStudyAreReadAndTheirMeshesAreThere) {
+  std::size_t scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(POISE_SOURCE_DIR "/scenes/accuracy")) {
+    if (entry.path().extension() != ".json") continue;
+    const Result<Scene> scene = read_scene(entry.path());
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene.value().name, entry.path().stem().string());
+    EXPECT_FALSE(scene.value().description.empty());
+    for (const SceneShape& shape : scene.value().shapes) {
+      const auto* mesh = std::get_if<MeshSource>(&shape.source);
+      if (mesh != nullptr) {
+        EXPECT_TRUE(std::filesystem::exists(scene.value().base / mesh->file)) << mesh->file;
+      }
+    }
+    ++scenes;
+  }
+  EXPECT_EQ(scenes, 11U);
+}
+
 }  // namespace
 }  // namespace poise::testing

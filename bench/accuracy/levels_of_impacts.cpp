@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "accuracy/impacts.h"
+#include "accuracy/small_world.h"
+#include "poise/tree_cache.h"
+
+namespace poise::accuracy {
+namespace {
+
+constexpr std::array<const char*, 4> kMeshes = {"jack", "torus", "l", "bowl"};
+constexpr Level kDepth = 3;
+constexpr double kStepS = 1.0 / 120;
+
+std::string level_name(Level level) { return level > kDepth ? "polygons" : fmt::format("level {}", level); }
+
+// At kDepth + 1 by polygons.
+void set_level(SmallWorld& world, Level level) {
+  world.input.max_level = level;
+  world.input.polygons = level > kDepth;
+  if (level > kDepth) world.input.max_level = kMaxTreeDepth;
+}
+
+Result<std::vector<ShapePtr>> load(const Context& context) {
+  std::vector<ShapePtr> shapes;
+  for (const char* name : kMeshes) {
+    const Result<TriangleMesh> mesh = read_mesh(context.scenes / "meshes" / fmt::format("{}.obj", name), {});
+    if (!mesh) return mesh.error();
+    TreeBuildOptions build;
+    build.depth = kDepth;
+    build.threads = context.threads;
+    build.stop = context.stop;
+    const TreeCacheSettings off{.on = false, .folder = {}};
+    const Result<SphereTree> tree = cached_sphere_tree(mesh.value(), build, context.tree_cache.value_or(off));
+    if (!tree) return tree.error();
+    const Result<ShapePtr> shape = make_mesh_shape_with_tree(mesh.value(), tree.value());
+    if (!shape) return shape.error();
+    shapes.push_back(shape.value());
+  }
+  return shapes;
+}
+
+struct Kept {
+  double momentum = 0, angular_momentum = 0, energy = 0;  // largest change as a share of what the sum could be
+  std::size_t impulses = 0;
+};
+
+Kept watch(SmallWorld& world, int frames) {
+  const Motions start = motions_of(world.world(), world.bodies());
+  Kept kept;
+  for (int i = 0; i < frames; ++i) {
+    world.step(kStepS);
+    for (const Contact& contact : world.world().contacts()) kept.impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
+    const Motions now = motions_of(world.world(), world.bodies());
+    kept.momentum = std::max(kept.momentum, (now.momentum_ns - start.momentum_ns).norm() / start.scale.momentum_ns);
+    kept.angular_momentum = std::max(kept.angular_momentum,
+                                     (now.angular_momentum_js - start.angular_momentum_js).norm() / start.scale.angular_momentum_js);
+    kept.energy = std::max(kept.energy, std::abs(now.kinetic_j / start.kinetic_j - 1));
+  }
+  return kept;
+}
+
+// 64 bodies fall in on their common centre.
+void fill_cloud(SmallWorld& world, const std::vector<ShapePtr>& shapes) {
+  Random random(21);
+  std::vector<ShapeId> ids;
+  for (const ShapePtr& shape : shapes) ids.push_back(world.shape(shape));
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 place = 1.5 * Vec3(i % 4 - 1.5, i / 4 % 4 - 1.5, i / 16 - 1.5);
+    world.add(ids[static_cast<std::size_t>(i) % ids.size()], place, -1.2 * place + random.in_box(0.5), random.turn(), random.in_box(3));
+  }
+}
+
+}  // namespace
+
+Status cloud_momenta(Context& context) {
+  const Result<std::vector<ShapePtr>> shapes = load(context);
+  if (!shapes) return shapes.error();
+  double done = 0;
+  for (const auto& [e, friction] : {std::pair{0.0, 0.0}, std::pair{1.0, 0.0}, std::pair{0.3, 0.5}}) {
+    for (Level level = 0; level <= kDepth + 1; ++level) {
+      SmallWorld world(context, Vec3::Zero(), {e, friction, 1000});
+      fill_cloud(world, shapes.value());
+      set_level(world, level);
+      const Kept kept = watch(world, 150);
+      const std::string which = fmt::format("{}, e = {:g}{}", level_name(level), e, friction > 0 ? ", friction 0.5" : "");
+      context.add("change of momentum, " + which, "1", kept.momentum, 1e-12);
+      context.add("change of angular momentum, " + which, "1", kept.angular_momentum, 1e-12);
+      context.add("frames without an impulse, " + which, "", kept.impulses > 100 ? 0 : 150, 0);
+      const Status go_on = context.at(++done / 15);
+      if (!go_on) return go_on;
+    }
+  }
+  return Done{};
+}
+
+Status impact_energy(Context& context) {
+  const Result<std::vector<ShapePtr>> shapes = load(context);
+  if (!shapes) return shapes.error();
+  for (Level level = 0; level <= kDepth + 1; ++level) {
+    double worst = 0;
+    std::size_t impulses = 0;
+    Random random(31);
+    for (int k = 0; k < 24; ++k) {
+      // One pair alone, thrown off its line of centres; it parts again after one impact, or after a few.
+      SmallWorld world(context, Vec3::Zero(), {1, 0, 1000});
+      const ShapeId a = world.shape(shapes.value()[static_cast<std::size_t>(k) % kMeshes.size()]);
+      const ShapeId b = world.shape(shapes.value()[static_cast<std::size_t>(k / 4) % kMeshes.size()]);
+      const Vec3 line = random.direction();
+      world.add(a, Vec3::Zero(), Vec3::Zero(), random.turn(), random.in_box(2));
+      world.add(b, 2.2 * line + random.in_box(0.15), -2 * line, random.turn(), random.in_box(2));
+      set_level(world, level);
+      const Kept kept = watch(world, 150);
+      worst = std::max(worst, kept.energy);
+      impulses += kept.impulses;
+    }
+    context.add("change of kinetic energy, " + level_name(level), "1", worst, 1e-12);
+    context.add("throws without an impulse, " + level_name(level), "", impulses >= 12 ? 0 : 24, 0);
+    const Status go_on = context.at((level + 1.0) / (kDepth + 2));
+    if (!go_on) return go_on;
+  }
+  return Done{};
+}
+
+}  // namespace poise::accuracy

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/tree_cache_options.h"
+
+namespace poise::app {
+
+/// The command line of `poise study accuracy`.
+struct StudyAccuracyOptions {
+  std::vector<std::string> only;
+  std::string json, markdown, picture;
+  std::optional<std::uint64_t> threads;
+  TreeCacheOptions tree_cache;
+  bool list = false;
+  bool quiet = false;
+};
+
+/// Declares the options; `options` must outlive the parse.
+void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& options);
+
+/// Runs the cases with a known outcome and compares. Returns the exit code: kExitRequirementFailed where a row is not within its bound.
+int study_accuracy(const StudyAccuracyOptions& options);
+
+}  // namespace poise::app
