@@ -98,8 +98,12 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   touch.normal = -normal;
   touch.gap_m = normal.dot(a.center_m) - height_m - radius;
   const Vec3 arm = a.center_m - a.mass_center_m + radius * touch.normal;
-  return lone_contact(touch, arm, static_cast<double>(tree.protrusion_mean_m[0]),
-                      static_cast<double>(tree.protrusion_max_m[0]));
+  PairContact contact = lone_contact(touch, arm, static_cast<double>(tree.protrusion_mean_m[0]), static_cast<double>(tree.protrusion_max_m[0]));
+  // A body whose centre of mass is beneath the plane is there beyond doubt, in part at least.
+  const double center_m = normal.dot(a.mass_center_m) - height_m;
+  contact.likely_m = std::min(contact.likely_m, center_m);
+  contact.surely_m = std::min(contact.surely_m, center_m);
+  return contact;
 }
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool) {

@@ -62,7 +62,7 @@ struct PlacedRoot {
 };
 /// The contact of level 0: that of the two root spheres, whatever their distance.
 PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
-/// The same of a root sphere and the half-space normal . x <= height, world frame.
+/// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
 PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);

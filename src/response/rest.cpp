@@ -22,7 +22,7 @@ constexpr std::size_t kMostPatches = 4;
 // Sweeps of a substep: as many as visit so many patches in all, at least one, and none more once a sweep changes no approach by more than a
 // share of what counts as still. So small scenes converge, and the cost of large ones is linear in their patches.
 constexpr std::uint32_t kVisits = 20000;
-constexpr std::uint32_t kMostSweeps = 40;
+constexpr std::uint32_t kMostSweeps = 60;
 constexpr double kSettledOfStill = 3e-4;
 // From so many sweeps on they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones.
 constexpr std::uint32_t kMixedSweeps = 20;

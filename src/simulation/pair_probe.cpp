@@ -70,7 +70,11 @@ bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s) {
   predict(world, input);
   find_pairs(world, input, report);
   world.buffers.pools[0].clear();
-  for (ActivePair& pair : world.buffers.pairs) refine_pair(world, pair, 0);
+  for (ActivePair& pair : world.buffers.pairs) {
+    refine_pair(world, pair, 0);
+    // What the level finds near is met, though a step would leave it alone while it is farther than the step reaches.
+    pair.margin_m = std::numeric_limits<double>::max();
+  }
   make_rows(world, 0, report);
   fill_rows(world);
   return !world.buffers.rows.empty();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -72,9 +73,12 @@ struct Stage {
     tray(side_m);
     const int row = std::max(1, static_cast<int>(side_m / 1.9));
     for (int i = 0; i < count; ++i) {
+      // One after another: compilers evaluate the arguments of a call in different orders.
+      std::array<double, 7> drawn{};
+      for (double& number : drawn) number = unit();
       const Vec3 cell(i % row - 0.5 * (row - 1), (i / row) % row - 0.5 * (row - 1), i / (row * row));
-      add(shape, Vec3(0, 0, 1.1) + 1.9 * cell + 0.08 * Vec3(unit(), unit(), unit()), Vec3::Zero(), Vec3::Zero(),
-          Quat(unit(), unit(), unit(), unit()));
+      add(shape, Vec3(0, 0, 1.1) + 1.9 * cell + 0.08 * Vec3(drawn[6], drawn[5], drawn[4]), Vec3::Zero(), Vec3::Zero(),
+          Quat(drawn[3], drawn[2], drawn[1], drawn[0]));
     }
   }
   BodyState at(BodyId body) const { return world.state(body).value(); }
