@@ -62,7 +62,7 @@ Result<PairProbe> PairProbe::make(const PairSettings& settings) {
 PairProbe::PairProbe(World world) : world_(std::move(world)) {}
 
 // The stages of a step up to the rows.
-bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s) {
+bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach) {
   if (!world_.set_state({0, 0}, state.a) || !world_.set_state({1, 0}, state.b)) return false;
   WorldState& world = *world_.state_;
   const StepInput input = step_to(level, dt_s);
@@ -72,8 +72,7 @@ bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s) {
   world.buffers.pools[0].clear();
   for (ActivePair& pair : world.buffers.pairs) {
     refine_pair(world, pair, 0);
-    // What the level finds near is met, though a step would leave it alone while it is farther than the step reaches.
-    pair.margin_m = std::numeric_limits<double>::max();
+    if (reach == Reach::Found) pair.margin_m = std::numeric_limits<double>::max();
   }
   make_rows(world, 0, report);
   fill_rows(world);
@@ -96,7 +95,7 @@ PairAnswer PairProbe::solve(const PairState& state, double dt_s) {
 }
 
 PairAnswer PairProbe::answer(const PairState& state, ProbeLevel level, double dt_s) {
-  if (!pose(state, level, dt_s)) return {};
+  if (!pose(state, level, dt_s, Reach::Found)) return {};
   response::ContactRow& row = world_.state_->buffers.rows.front();
   const double gap_m = row.gap_m;
   row.gap_m = -std::numeric_limits<double>::max();
@@ -106,7 +105,7 @@ PairAnswer PairProbe::answer(const PairState& state, ProbeLevel level, double dt
 }
 
 bool PairProbe::acts(const PairState& state, ProbeLevel level, double dt_s) {
-  if (!pose(state, level, dt_s)) return false;
+  if (!pose(state, level, dt_s, Reach::Step)) return false;
   const PairAnswer answer = solve(state, dt_s);
   return !answer.dv_a_mps.isZero(0) || !answer.dv_b_mps.isZero(0);
 }

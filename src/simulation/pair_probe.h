@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -69,7 +70,9 @@ class PairProbe {
  private:
   explicit PairProbe(World world);
   static Result<World> world_of(const PairSettings& settings, std::span<const PairState> states, std::uint32_t room);
-  bool pose(const PairState& state, ProbeLevel level, double dt_s);
+  /// What counts as near: all that the level finds, or as in a step what may meet within it.
+  enum class Reach : std::uint8_t { Found, Step };
+  bool pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach);
   PairAnswer solve(const PairState& state, double dt_s);
 
   World world_;
