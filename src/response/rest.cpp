@@ -23,7 +23,7 @@ constexpr std::size_t kMostPatches = 4;
 // share of what counts as still. So small scenes converge, and the cost of large ones is linear in their patches.
 constexpr std::uint32_t kVisits = 20000;
 constexpr std::uint32_t kMostSweeps = 60;
-constexpr double kSettledOfStill = 3e-4;
+constexpr double kSettledOfStill = 3e-5;
 // From so many sweeps on they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones.
 constexpr std::uint32_t kMixedSweeps = 20;
 
