@@ -113,7 +113,7 @@ void give_block(const RestSystem& system, const RestBlock& block, Lanes<T>& lane
       moment_b += (patch.arm_m - pair.a_to_b_m).cross(given);
     }
     pair.impulse_ns = sum;
-    const bool answered = !sum.isZero(0) || !moment_a.isZero(0) || !moment_b.isZero(0) || (block.pushed >> lane & 1U) != 0;
+    const bool answered = !sum.isZero(0) || !moment_a.isZero(0) || !moment_b.isZero(0) || (std::uint32_t{block.pushed} >> lane & 1U) != 0;
     if (!answered) continue;
     if (a.inverse_mass > 0) {
       a.velocity_mps -= a.inverse_mass * sum;

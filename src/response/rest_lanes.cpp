@@ -32,7 +32,7 @@ HWY_INLINE void gather(const std::uint32_t (&bodies)[kLanes], const Motion<T>* m
 template <class T>
 HWY_INLINE void scatter(const std::uint32_t (&bodies)[kLanes], std::uint8_t yields, std::size_t figures, const Gathered<T>& from, Motion<T>* motions) {
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if ((yields >> lane & 1U) == 0) continue;
+    if ((std::uint32_t{yields} >> lane & 1U) == 0) continue;
     T* const to = motions[bodies[lane]].v;
     for (std::size_t k = 0; k < figures; ++k) to[k] = from.at[k][lane];
   }
