@@ -72,4 +72,9 @@ Status can_write(std::initializer_list<std::string> paths) {
   return Done{};
 }
 
+Status write_to(const std::string& path, const std::string& text) {
+  if (path.empty()) return Done{};
+  return path == "-" ? io::write_stdout(text) : io::write_file(path, text);
+}
+
 }  // namespace poise::app

@@ -27,4 +27,7 @@ Status check_picture(const std::string& path);
 /// Tells a path that cannot be written before long work, without leaving anything there. A pipe or a device is not tried: opening it is felt.
 Status can_write(std::initializer_list<std::string> paths);
 
+/// Writes to a file, or to the standard output for "-"; nothing for an empty path.
+Status write_to(const std::string& path, const std::string& text);
+
 }  // namespace poise::app

@@ -85,11 +85,6 @@ io::AccuracyDocument document_of(const accuracy::Context& context, double cpu_s)
   return d;
 }
 
-Status write_to(const std::string& path, const std::string& text) {
-  if (path.empty()) return Done{};
-  return path == "-" ? io::write_stdout(text) : io::write_file(path, text);
-}
-
 Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& document, const parallel::Interrupt& interrupt) {
   Status written = write_to(o.json, io::accuracy_json(document));
   if (written) written = write_to(o.markdown, io::accuracy_markdown(document));

@@ -74,11 +74,6 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
   return d;
 }
 
-Status write_to(const std::string& path, const std::string& text) {
-  if (path.empty()) return Done{};
-  return path == "-" ? io::write_stdout(text) : io::write_file(path, text);
-}
-
 Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document, const parallel::Interrupt& interrupt) {
   Status written = write_to(o.json, io::levels_json(document));
   if (written) written = write_to(o.csv, io::levels_csv(document));

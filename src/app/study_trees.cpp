@@ -69,11 +69,6 @@ Result<io::TreesRow> make_row(const StudyTreesOptions& options, const StudyMesh&
   return row;
 }
 
-Status write_to(const std::string& path, const std::string& text) {
-  if (path.empty()) return Done{};
-  return path == "-" ? io::write_stdout(text) : io::write_file(path, text);
-}
-
 Status write_all(const StudyTreesOptions& o, const io::TreesDocument& document) {
   Status written = write_to(o.json, io::trees_json(document));
   if (written) written = write_to(o.markdown, io::trees_markdown(document));
