@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "collision/polygon_contact.h"
@@ -99,6 +100,10 @@ void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, 
   }
 }
 
+std::uint64_t answered_of(const WorldState& world, std::int64_t present) {
+  return static_cast<std::uint64_t>(std::ceil(world.answered_share * static_cast<double>(std::max<std::int64_t>(present, 0))));
+}
+
 // The loop of one worker under a deadline: the best job there is, as long as the forecast lets it begin.
 void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget, parallel::Shared<std::int64_t>& contacts,
                     int worker) {
@@ -108,7 +113,7 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
   const TimePoint begun = SteadyClock::now();
   TimePoint now = begun;
   const auto admits = [&](std::uint64_t units) {
-    return budget.admits(now, units, static_cast<std::uint64_t>(std::max<std::int64_t>(contacts.get(), 0)));
+    return budget.admits(now, units, answered_of(world, contacts.get()));
   };
   for (;;) {
     const std::uint32_t item = world.bands.take();
@@ -166,19 +171,20 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   const Nanoseconds host = input.host_work.learn ? world.host_work.reserve() : input.host_work.expected;
   scheduler::FrameBudget budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin,
                                                                tail_work(world, 0), world.unit_cost_ns);
-  // Every active pair is answered unless a refinement finds it apart.
+  // Of the active pairs that refinement does not find apart, the share that was answered in the frames before will be.
   const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const ActivePair& pair) { return !pair.apart(); });
   parallel::Shared<std::int64_t> contacts(present);
-  const TimePoint first_cut = budget.cut(static_cast<std::uint64_t>(present));
+  const std::uint64_t expected = answered_of(world, present);
+  const TimePoint first_cut = budget.cut(expected);
   report.host_reserved = host;
-  report.reserve_at_cut = budget.reserve(static_cast<std::uint64_t>(present));
-  report.tail_forecast = budget.tail_forecast(static_cast<std::uint64_t>(present));
+  report.reserve_at_cut = budget.reserve(expected);
+  report.tail_forecast = budget.tail_forecast(expected);
   report.cut_margin = budget.margin;
   if (first_cut <= start) return;
   put_into_bands(refinement);
   world.executor->run([&](int worker) { work_until_cut(refinement, budget, contacts, worker); });
   const TimePoint end = SteadyClock::now();
-  const auto left = static_cast<std::uint64_t>(std::max<std::int64_t>(contacts.get(), 0));
+  const std::uint64_t left = answered_of(world, contacts.get());
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = budget.tail_forecast(left);
   report.refine_available = std::max(first_cut, budget.cut(left)) - start;

@@ -102,6 +102,10 @@ void judge_time(simulation::WorldState& world, const StepInput& input, SteadyClo
   report.cause = static_cast<MissCause>(scheduler::classify(facts));
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
   world.margin.observe(report.tail_actual, report.tail_forecast);
+  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const simulation::ActivePair& pair) { return !pair.apart(); });
+  if (present > 0) {
+    world.answered_share += 0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
+  }
   world.tail.learn(simulation::tail_work(world, report.contact_pairs), report.tail_actual);
 }
 

@@ -200,6 +200,7 @@ struct WorldState {
   scheduler::TailForecast tail;
   scheduler::TrackedQuantile margin;
   scheduler::DurationForecast host_work;
+  double answered_share = 1;                           // of the pairs that are not apart; learned
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
   FrameBuffers buffers;
   response::RestSolver rest_solver;
