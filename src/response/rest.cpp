@@ -294,7 +294,11 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       sweep(executor, [&](std::size_t i) {
         RestBlock& block = blocks[i];
         const SweepChange<T> change = solve_block(block, all.patches_of(block), all.friction_of(block), terms, round == 0, all.motions.data());
-        if (!terms.watch) return;
+        if (!terms.watch) {
+          // The only sweep: while its lanes are at hand.
+          add_totals(block, all);
+          return;
+        }
         changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
       });
       if (!terms.watch) break;
@@ -313,9 +317,11 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       // A plain sweep comes last.
       if (mixed && round + 1 < most) mix(executor);
     }
-    parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = begin; i < end; ++i) add_totals(blocks[i], all);
-    });
+    if (terms.watch) {
+      parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) add_totals(blocks[i], all);
+      });
+    }
     ended.reached = ended.reached && reached;
     for_bodies([&](std::size_t i) { end_substep(i, h_s, all); });
   }
