@@ -22,7 +22,7 @@ class PairProbe;
 enum class ContactModel : std::uint8_t {
   Paper,   ///< every sphere contact in canonical order, once, each with the approach speed taken anew (DO eq. 1-5)
   Wrench,  ///< all sphere contacts together, weighted by overlap, one impulse a pair
-  Fitted,  ///< all nodes together by the spheres fitted to their surface, one impulse a pair; it rests by a wrench
+  Fitted,  ///< all nodes together by the spheres fitted to their surface, one impulse a pair
 };
 
 struct WorldSettings {

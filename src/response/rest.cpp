@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "collision/patch.h"
 #include "response/anderson_mixing.h"
 #include "response/rest_blocks.h"
 
@@ -16,8 +17,6 @@ namespace {
 // been refined pops.
 constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
-
-constexpr std::size_t kMostPatches = 4;
 
 // Sweeps of a substep: as many as visit so many patches in all, at least one, and none more once a sweep changes no approach by more than a
 // share of what counts as still. So small scenes converge, and the cost of large ones is linear in their patches.
@@ -170,7 +169,7 @@ std::uint32_t RestSolver::Buffers::make_blocks(const RestSystem& system) {
   std::uint32_t lanes = 0;
   const auto gather = [&](std::size_t begin, std::size_t end, bool by_count) {
     order.clear();
-    for (std::uint32_t count = kMostPatches; by_count && count > 0; --count) {
+    for (std::uint32_t count = collision::kMaxPatches; by_count && count > 0; --count) {
       for (std::size_t i = begin; i < end; ++i) {
         if (system.pairs[i].patch_count == count) order.push_back(static_cast<std::uint32_t>(i));
       }
@@ -343,16 +342,6 @@ RestSolver::RestSolver() : buffers_(std::make_unique<Buffers>()) {}
 RestSolver::~RestSolver() = default;
 RestSolver::RestSolver(RestSolver&&) noexcept = default;
 RestSolver& RestSolver::operator=(RestSolver&&) noexcept = default;
-
-void RestSolver::reserve(std::size_t bodies, std::size_t pairs, std::size_t patches) {
-  buffers_->blocks.reserve(pairs);
-  buffers_->order.reserve(pairs);
-  buffers_->changes.reserve(pairs);
-  buffers_->block_begin.reserve(Coloring::kColors + 2);
-  buffers_->single.patches.reserve(patches);
-  buffers_->single.motions.reserve(bodies);
-  buffers_->single.begun.reserve(bodies);
-}
 
 Convergence RestSolver::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
   const bool twofold = settings.stopping.converges() || buffers_->most_sweeps(system, settings.stopping) >= kMixedSweeps;

@@ -48,9 +48,6 @@ class RestSolver {
   RestSolver(RestSolver&&) noexcept;
   RestSolver& operator=(RestSolver&&) noexcept;
 
-  /// Room for so many pairs and patches.
-  void reserve(std::size_t bodies, std::size_t pairs, std::size_t patches);
-
   /// Adds forces and keeps bodies from sinking into each other (docs/response.md). In `substeps` (Macklin et al. 2019) patch after
   /// patch gets the impulse that keeps its gap from closing further than it is wide, warm started from the last step's, and Coulomb friction within
   /// its cone; what overlaps beyond doubt is pushed apart in place alone. Impulses are sought in single precision from what changes in
