@@ -52,7 +52,7 @@ std::vector<Posed> near_touches(const Shape& jack, std::size_t count) {
   return poses;
 }
 
-std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, PairLevel& pair) {
+std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, LonePair& pair) {
   std::uint32_t expansions = 0;
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   while (pair.refinable()) {
@@ -60,7 +60,7 @@ std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, PairLev
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 512, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair);
+    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
   }
   return expansions;
 }
@@ -72,7 +72,7 @@ void root_to_leaves(benchmark::State& state) {
   pools.emplace_back(1U << 16U);
   for (const Posed& posed : poses) {
     const PairFrame frame = make_pair_frame(*jack, posed.a, *jack, posed.b, 0.02, 0.001);
-    PairLevel pair;
+    LonePair pair;
     pools[0].clear();
     refine(frame, pools, pair);
     if (pair.apart || pair.contact.spheres_m != least_gap_m(frame)) state.SkipWithError("a wrong answer");
@@ -83,7 +83,7 @@ void root_to_leaves(benchmark::State& state) {
     const Posed& posed = poses[next];
     next = next + 1 == poses.size() ? 0 : next + 1;
     const PairFrame frame = make_pair_frame(*jack, posed.a, *jack, posed.b, 0.02, 0.001);
-    PairLevel pair;
+    LonePair pair;
     pools[0].clear();
     expansions += refine(frame, pools, pair);
     benchmark::DoNotOptimize(pair.contact.likely_m);

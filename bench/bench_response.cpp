@@ -23,17 +23,22 @@ struct Block {
   Coloring coloring;
   SolveScratch scratch;
   std::vector<RestPair> pairs;
-  std::vector<RestPatch> patches;
+  std::vector<RestPlace> places;
+  std::vector<RestLoad> loads;
+  std::vector<Vec3> given_ns;
+  std::vector<collision::Pose> poses;
   RestSolver solver;
 
   explicit Block(std::uint32_t side) {
     bodies.emplace_back();
+    poses.emplace_back();
     accelerations.emplace_back();
     const auto slot = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return 1 + x + side * (y + side * z); };
     for (std::uint32_t z = 0; z < 5; ++z) {
       for (std::uint32_t y = 0; y < side; ++y) {
         for (std::uint32_t x = 0; x < side; ++x) {
           bodies.emplace_back().inverse_mass = 1;
+          poses.push_back({Vec3(x, y, z), Mat3::Identity()});
           accelerations.push_back({Vec3(0, 0, -9.81), Vec3::Zero()});
           if (x > 0) connect(slot(x - 1, y, z), slot(x, y, z), Vec3::UnitX());
           if (y > 0) connect(slot(x, y - 1, z), slot(x, y, z), Vec3::UnitY());
@@ -50,28 +55,31 @@ struct Block {
       row.direction = directions[i];
       prepare_row(row, bodies[row.a].inverse_mass, Mat3::Identity(), 1, Mat3::Identity());
       rows.push_back(row);
-      RestPair& pair = pairs.emplace_back();
-      pair.a = row.a;
-      pair.b = row.b;
-      pair.patch_begin = static_cast<std::uint32_t>(patches.size());
-      pair.patch_count = 1;
-      pair.a_to_b_m = row.direction;
-      RestPatch& patch = patches.emplace_back();
-      patch.normal = row.direction;
-      patch.arm_m = 0.5 * row.direction;
     }
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      RestPair& pair = pairs.emplace_back();
+      pair.a = edges[i].a;
+      pair.b = edges[i].b;
+      pair.place_begin = static_cast<std::uint32_t>(i);
+      pair.place_count = 1;
+      const Vec3 on_b = -0.5 * directions[i];
+      places.push_back({directions[i], poses[pair.b].position_m + on_b - poses[pair.a].position_m, on_b, 0});
+    }
+    loads.resize(places.size());
+    given_ns.resize(pairs.size());
   }
   void connect(std::uint32_t a, std::uint32_t b, const Vec3& direction) {
-    edges.push_back({a, b, a != 0, true});
+    edges.push_back({a, b, a != 0, true, 1});
     directions.push_back(direction);
   }
-  System system() { return {bodies, rows, {}, {}, inverse_inertia, coloring, scratch}; }
+  System system() { return {bodies, rows, {}, {}, {}, inverse_inertia, coloring, scratch}; }
 };
 
 void step(Block& block, parallel::Executor& executor) {
   const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2, {}};
   solve_impacts(block.system(), settings, executor);
-  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.pairs, block.patches, block.coloring}, settings, executor);
+  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.poses, block.pairs, block.places, block.loads, block.given_ns, block.coloring},
+                     settings, executor);
   for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
 }
 

@@ -90,7 +90,7 @@ Walk walk(const PairFrame& frame, Scratch& scratch) {
 }
 
 /// As the step does it: in quanta, every level published with its contact.
-std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, PairLevel& pair) {
+std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, LonePair& pair) {
   std::uint32_t expansions = 0;
   pair.deepest = deepest_level(*frame.a, *frame.b, kDepth);
   while (pair.refinable()) {
@@ -98,7 +98,7 @@ std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, PairLev
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 512, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair);
+    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
   }
   return expansions;
 }
@@ -152,7 +152,7 @@ void time_contacts(benchmark::State& state, const Case& c) {
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 17U);
   time_queries(state, c, [&](const PosedPair& posed) {
-    PairLevel pair;
+    LonePair pair;
     pools[0].clear();
     const std::uint32_t expansions = refine(frame_of(c, posed), pools, pair);
     benchmark::DoNotOptimize(pair.contact.likely_m);
@@ -161,12 +161,12 @@ void time_contacts(benchmark::State& state, const Case& c) {
 }
 
 /// The polygons of a pair whose trees are done: what the pair says then.
-std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, PairLevel& pair) {
+std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, LonePair& pair) {
   PolygonProgress progress;
-  begin_polygons(frame, Mat3::Identity(), pair, progress);
+  begin_polygons(frame, Mat3::Identity(), pair, pair, progress);
   while (run_polygons(frame, pools, 512, progress) == Quantum::More) {
   }
-  publish_polygons(frame, Mat3::Identity(), progress, pair);
+  publish_polygons(frame, Mat3::Identity(), progress, pair, pair);
   return pair.front_entries;
 }
 
@@ -185,7 +185,7 @@ void time_polygons(benchmark::State& state, const Case& c) {
   double leaf_pairs = 0;
   double units = 0;
   for (auto _ : state) {
-    PairLevel pair;
+    LonePair pair;
     PairFrame frame;
     do {
       frame = frame_of(c, c.poses[next]);
@@ -250,7 +250,7 @@ Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
     const Walk walked = walk(frame_of(c, posed), scratch);
     if (touches) ++c.verdicts.touching;
     pools[0].clear();
-    PairLevel pair;
+    LonePair pair;
     const PairFrame frame = frame_of(c, posed);
     refine(frame, pools, pair);
     if (!pair.apart) {

@@ -148,18 +148,18 @@ Patch lone_patch(const PairContact& contact, const Mat3& rotation_a) {
 }
 
 void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
-                   PairLevel& pair) {
+                   PairLevel& pair, LevelContact& found) {
   ++pair.level;
   pair.front = progress.first;
   pair.front_entries = progress.entries;
   pair.next_units = progress.entries;
-  pair.contact = finish_contact(frame, progress.sums, rotation_a);
-  pair.apart = !pair.contact.present;
-  pair.patches.count = 0;
-  if (pair.apart || pair.contact.likely_m >= frame.margin_m) return;
+  found.contact = finish_contact(frame, progress.sums, rotation_a);
+  pair.apart = !found.contact.present;
+  found.patches.count = 0;
+  if (pair.apart || found.contact.likely_m >= frame.margin_m) return;
   PatchClusters places(frame.margin_m, kPlaceOfSize * frame.skin_m);
   for_each_segment(pools, pair.front, [&](std::span<const FrontEntry> entries) { add_to_places(frame, entries, places); });
-  places.finish(pair.patches);
+  places.finish(found.patches);
 }
 
 }  // namespace poise::collision

@@ -21,19 +21,19 @@ struct PairLevel {
   SegmentRef front;               ///< none at level 0: the two roots
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
   std::uint32_t next_units = 1;   ///< what the next level costs, in node-pair expansions
-  PairContact contact;            ///< answers impacts
-  PatchSet patches;               ///< where the pair rests; filled with the contact
-  /// As new, but for contact and patches: these are not read before they are made.
-  void restart() {
-    level = deepest = 0;
-    polygons = apart = false;
-    front = {};
-    front_entries = next_units = 1;
-  }
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
 };
+
+/// What that level found out, if there is one: apart from it, because most pairs of a calm scene have none.
+struct LevelContact {
+  PairContact contact;            ///< answers impacts
+  PatchSet patches;               ///< where the pair rests; filled with the contact
+};
+
+/// Both together, for who refines one pair by itself.
+struct LonePair : PairLevel, LevelContact {};
 
 /// A level that is being worked out, by one worker at a time, in bounded pieces.
 struct LevelProgress {
@@ -73,7 +73,7 @@ Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int work
 
 /// Makes a complete level the pair's own, and finds where the pair rests if it is nearer than the margin.
 void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
-                   PairLevel& pair);
+                   PairLevel& pair, LevelContact& found);
 
 /// A contact as the one place where a pair rests, in the frame of a.
 Patch lone_patch(const PairContact& contact, const Mat3& rotation_a);

@@ -339,7 +339,7 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(units, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress, bool rests) {
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found, PolygonProgress& progress, bool rests) {
   progress.reading = pair.front;
   progress.roots = pair.front.none();
   progress.on_a.surface = frame.a->surface.get();
@@ -352,8 +352,8 @@ void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLe
   progress.sums.softness_m = polygon_softness_m(frame);
   progress.most_m = frame.margin_m;
   const bool meshes = progress.on_a.surface != nullptr && progress.on_b.surface != nullptr;
-  if (!meshes || !pair.contact.present || reach_of_sums_m(frame, progress.sums, 0) >= frame.margin_m) return;
-  const Vec3 start = rotation_a.transpose() * pair.contact.arm_m;
+  if (!meshes || !found.contact.present || reach_of_sums_m(frame, progress.sums, 0) >= frame.margin_m) return;
+  const Vec3 start = rotation_a.transpose() * found.contact.arm_m;
   progress.most_m = std::min(frame.margin_m, guessed_gap_m(progress, frame, start));
 }
 
@@ -388,14 +388,14 @@ Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, s
   return Quantum::More;
 }
 
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair) {
-  pair.contact = finish_polygons(frame, progress.on_a, progress.on_b, progress.sums, pair.contact, rotation_a);
-  pair.patches = {};
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair, LevelContact& found) {
+  found.contact = finish_polygons(frame, progress.on_a, progress.on_b, progress.sums, found.contact, rotation_a);
+  found.patches = {};
   if (progress.rests) {
-    pair.patches = patches_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums, pair.contact, progress.places);
+    found.patches = patches_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums, found.contact, progress.places);
   }
   ++pair.level;
-  pair.apart = !pair.contact.present;
+  pair.apart = !found.contact.present;
 }
 
 }  // namespace poise::collision

@@ -57,13 +57,13 @@ void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& 
 std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
 
 /// With `rests` false the pair gets no patches, and nothing is done for them.
-void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, PolygonProgress& progress,
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found, PolygonProgress& progress,
                     bool rests = true);
 
 /// Goes on for about `units`: at most one block of triangles more. Bounded, allocates nothing. More or Complete.
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress);
 
 /// Makes the complete level the pair's own, its patches with it. The front stays that of the leaves.
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair);
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair, LevelContact& found);
 
 }  // namespace poise::collision

@@ -23,15 +23,17 @@ bool prepare_row(ContactRow& row, double inverse_mass_a, const Mat3& inverse_ine
 
 void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {
   used_.assign(bodies, 0);
-  color_of_.resize(edges.size());
-  std::size_t count[kColors + 1] = {};
+  bin_of_.resize(edges.size());
+  // A bin a colour and rank, the highest rank first. What finds no colour keeps its order.
+  std::size_t count[(kColors + 1) * kRanks] = {};
   colors_ = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Edge& edge = edges[i];
     const std::uint64_t used = (edge.yields_a ? used_[edge.a] : 0) | (edge.yields_b ? used_[edge.b] : 0);
     const auto color = static_cast<std::uint32_t>(std::countr_one(used));
-    color_of_[i] = static_cast<std::uint8_t>(color);
-    ++count[color];
+    const std::uint32_t bin = color * kRanks + (color == kColors ? 0 : kRanks - 1 - edge.rank);
+    bin_of_[i] = static_cast<std::uint16_t>(bin);
+    ++count[bin];
     if (color == kColors) continue;
     const std::uint64_t mark = std::uint64_t{1} << color;
     if (edge.yields_a) used_[edge.a] |= mark;
@@ -39,15 +41,16 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {
     colors_ = std::max(colors_, color + 1);
   }
   begin_.resize(kColors + 2);
-  std::size_t place[kColors + 1];
+  std::size_t place[(kColors + 1) * kRanks];
   std::size_t sum = 0;
-  for (std::uint32_t c = 0; c <= kColors; ++c) {
-    begin_[c] = place[c] = sum;
-    sum += count[c];
+  for (std::uint32_t bin = 0; bin < (kColors + 1) * kRanks; ++bin) {
+    if (bin % kRanks == 0) begin_[bin / kRanks] = sum;
+    place[bin] = sum;
+    sum += count[bin];
   }
   begin_[kColors + 1] = sum;
   order_.resize(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) order_[place[color_of_[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < edges.size(); ++i) order_[place[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
 }
 
 }  // namespace poise::response

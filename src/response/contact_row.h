@@ -40,7 +40,7 @@ struct ContactRow {
   Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
 
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
-  std::uint32_t patches_begin = 0, patches_end = 0;  ///< of the places where the pair rests, if it has more than one
+  std::uint32_t places_begin = 0, places_end = 0;  ///< of the places where the pair rests, if it has more than one
   Vec3 direction = Vec3::Zero();      ///< l
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
   Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
@@ -76,18 +76,20 @@ inline void apply_impulse(const ContactRow& row, double lambda_ns, SolverBody& a
   }
 }
 
-/// Order of rows such that no two rows of one colour share a body that yields. Deterministic for the rows' order.
+/// Order of rows such that no two rows of one colour share a body that yields; within a colour by rank, the highest first. Deterministic for the rows' order.
 /// Invariant: begin has one more entry than there are colours; rows of the last stretch, if `serial`, share bodies.
 class Coloring {
  public:
   static constexpr std::uint32_t kColors = 64;
+  static constexpr std::uint32_t kRanks = 8;
   struct Edge {
     std::uint32_t a = 0, b = 0;
     bool yields_a = true, yields_b = true;
+    std::uint8_t rank = 0;              ///< below kRanks
   };
   void color(std::span<const Edge> edges, std::size_t bodies);
   void reserve(std::size_t edges) {
-    color_of_.reserve(edges);
+    bin_of_.reserve(edges);
     order_.reserve(edges);
     begin_.reserve(kColors + 2);
   }
@@ -100,7 +102,7 @@ class Coloring {
 
  private:
   std::vector<std::uint64_t> used_;
-  std::vector<std::uint8_t> color_of_;
+  std::vector<std::uint16_t> bin_of_;
   std::vector<std::uint32_t> order_;
   std::vector<std::size_t> begin_ = {0};
   std::uint32_t colors_ = 0;

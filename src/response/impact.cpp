@@ -81,24 +81,24 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
 }
 
 // Places of the pair that overlap beyond doubt and would rebound: rest cannot take these, since it rebounds nothing.
-bool answer_patches(const System& system, ContactRow& row, double still_mps) {
+bool answer_places(const System& system, ContactRow& row, double still_mps) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
   bool answered = false;
-  for (std::uint32_t p = row.patches_begin; p < row.patches_end; ++p) {
-    const RestPatch& patch = system.patches[p];
-    if (patch.surely_m > 0) continue;
+  for (std::uint32_t p = row.places_begin; p < row.places_end; ++p) {
+    const PlaceNow place = place_now(system.poses[row.a], system.poses[row.b], system.places[p]);
+    if (place.surely_m > 0) continue;
     ContactRow single = row;
-    single.arm_m = patch.arm_m;
-    single.direction = patch.normal;
-    single.moment_a_m = patch.arm_m.cross(patch.normal);
-    single.moment_b_m = (patch.arm_m - row.a_to_b_m).cross(patch.normal);
+    single.arm_m = place.arm_m;
+    single.direction = place.normal;
+    single.moment_a_m = place.arm_m.cross(place.normal);
+    single.moment_b_m = (place.arm_m - row.a_to_b_m).cross(place.normal);
     const double closing = approach_mps(single, a, b);
     if (row.restitution * closing <= still_mps) continue;
     if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b, system.inverse_inertia[row.b])) continue;
     const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
     apply_impulse(single, lambda, a, b);
-    row.point_impulse_ns += lambda * patch.normal;
+    row.point_impulse_ns += lambda * place.normal;
     answered = true;
   }
   return answered;
@@ -146,7 +146,7 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       const bool here = row.points_begin < row.points_end
                             ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
                             : answer_wrench(system, row, settings.dt_s, still_mps);
-      const bool there = row.restitution > 0 && row.patches_begin < row.patches_end && answer_patches(system, row, still_mps);
+      const bool there = row.restitution > 0 && row.places_begin < row.places_end && answer_places(system, row, still_mps);
       if (!here && !there) return;
       if (row.inverse_mass_a > 0) changed[row.a] = round;
       if (row.inverse_mass_b > 0) changed[row.b] = round;

@@ -28,18 +28,9 @@ constexpr std::uint32_t kMixedSweeps = 20;
 
 }  // namespace
 
-Tangents tangents(const Vec3& normal) {
-  const double sign = std::copysign(1.0, normal.z());
-  const double a = -1.0 / (sign + normal.z());
-  const double b = normal.x() * normal.y() * a;
-  return {Vec3(1.0 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x()),
-          Vec3(b, sign + normal.y() * normal.y() * a, -normal.y())};
-}
-
 struct RestSolver::Buffers {
   std::vector<RestBlock> blocks;
   std::vector<std::size_t> block_begin;   // per colour, then the serial ones, then the end
-  std::vector<std::uint32_t> order;       // of one colour
   std::vector<SweepChange<double>> changes;  // one a block, where sweeps converge
   AndersonMixing mixing;
   std::vector<double> before, after;         // impulses of all lanes, in roots of energy
@@ -55,10 +46,12 @@ struct RestSolver::Buffers {
     }
   }
 
-  void add_blocks(const RestSystem& system, std::size_t width, std::uint32_t& lanes);
+  void add_blocks(const RestSystem& system, std::size_t begin, std::size_t end, std::size_t width, std::uint32_t& lanes);
   std::uint32_t make_blocks(const RestSystem& system);
   template <class Visit>
   void sweep(parallel::Executor& executor, Visit&& visit);
+  template <class Visit>
+  void for_impulses(Visit&& visit);
   std::size_t read_impulses(std::vector<double>& into);
   void mix(parallel::Executor& executor);
   [[nodiscard]] std::uint32_t most_sweeps(const RestSystem& system, const Stopping& stopping) const;
@@ -68,25 +61,30 @@ struct RestSolver::Buffers {
 
 std::uint32_t RestSolver::Buffers::most_sweeps(const RestSystem& system, const Stopping& stopping) const {
   if (stopping.converges()) return stopping.max_sweeps;
-  std::size_t patches = 0;
-  for (const RestPair& pair : system.pairs) patches += pair.patch_count;
-  return std::clamp(kVisits / std::max(static_cast<std::uint32_t>(patches), 1U), 1U, kMostSweeps);
+  std::size_t places = 0;
+  for (const RestPair& pair : system.pairs) places += pair.place_count;
+  return std::clamp(kVisits / std::max(static_cast<std::uint32_t>(places), 1U), 1U, kMostSweeps);
+}
+
+// Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
+template <class Visit>
+void RestSolver::Buffers::for_impulses(Visit&& visit) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    for (PatchLanes<double>& patch : twofold.patches_of(blocks[i])) {
+      for (std::size_t lane = 0; lane < blocks[i].count; ++lane) visit(blocks[i].rubs, twofold.pairs[i], patch, lane);
+    }
+  }
 }
 
 // Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
 std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
   std::size_t at = 0;
-  for (const RestBlock& block : blocks) {
-    const auto patches = twofold.patches_of(block);
-    const auto friction = twofold.friction_of(block);
-    for (std::size_t p = 0; p < block.patches; ++p) {
-      for (std::size_t lane = 0; lane < block.count; ++lane) {
-        const double root = std::sqrt(patches[p].newton_s[lane]);
-        into[at++] = root * patches[p].impulse[lane];
-        for (std::size_t t = 0; t < 2 && !friction.empty(); ++t) into[at++] = root * std::sqrt(friction[p].share[lane]) * friction[p].impulse[t][lane];
-      }
-    }
-  }
+  const auto root_of = [](double newton_s, double mass) { return mass > 0 ? std::sqrt(newton_s / mass) : 0.0; };
+  for_impulses([&](bool rubs, const PairLanes<double>& shared, const PatchLanes<double>& patch, std::size_t lane) {
+    into[at++] = root_of(shared.newton_s[lane], patch.mass[lane]) * patch.impulse[lane];
+    const double across = root_of(shared.newton_s[lane], patch.across[lane]);
+    for (std::size_t k = 0; k < 3 && rubs; ++k) into[at++] = across * patch.rubbed[k][lane];
+  });
   return at;
 }
 
@@ -95,69 +93,40 @@ void RestSolver::Buffers::mix(parallel::Executor& executor) {
   read_impulses(after);
   if (!mixing.mix(before, after)) return;
   std::size_t at = 0;
-  const auto change_to = [](double& impulse, double wanted) {
-    // What warm_block gives to the bodies is the change.
-    const double change = wanted - impulse;
-    impulse = change;
-    return wanted;
-  };
   std::size_t kept = 0;
-  for (const RestBlock& block : blocks) {
-    const auto patches = twofold.patches_of(block);
-    const auto friction = twofold.friction_of(block);
-    for (std::size_t p = 0; p < block.patches; ++p) {
-      for (std::size_t lane = 0; lane < block.count; ++lane) {
-        const double root = std::sqrt(patches[p].newton_s[lane]);
-        const double normal = root > 0 ? std::max(0.0, after[at] / root) : 0.0;
-        ++at;
-        after[kept++] = change_to(patches[p].impulse[lane], normal);
-        if (friction.empty()) continue;
-        double wanted[2];
-        double square = 0;
-        for (std::size_t t = 0; t < 2; ++t) {
-          const double share = friction[p].share[lane];
-          wanted[t] = root > 0 && share > 0 ? after[at] / (root * std::sqrt(share)) : 0.0;
-          ++at;
-          square += wanted[t] * wanted[t] * share * share;
-        }
-        const double most = friction[p].coefficient[lane] * normal;
-        const double scale = square > most * most ? most / std::sqrt(square) : 1.0;
-        for (std::size_t t = 0; t < 2; ++t) after[kept++] = change_to(friction[p].impulse[t][lane], scale * wanted[t]);
-      }
-    }
-  }
-  sweep(executor, [&](std::size_t i) { warm_block(blocks[i], twofold.patches_of(blocks[i]), twofold.friction_of(blocks[i]), twofold.motions.data()); });
+  const auto change_to = [&](double& impulse, double wanted) {
+    // What warm_block gives to the bodies is the change.
+    impulse = wanted - impulse;
+    after[kept++] = wanted;
+  };
+  const auto impulse_of = [](double value, double newton_s, double mass) { return mass > 0 && newton_s > 0 ? value / std::sqrt(newton_s / mass) : 0.0; };
+  for_impulses([&](bool rubs, const PairLanes<double>& shared, PatchLanes<double>& patch, std::size_t lane) {
+    const double newton_s = shared.newton_s[lane];
+    const double normal = std::max(0.0, impulse_of(after[at++], newton_s, patch.mass[lane]));
+    Vec3 across = Vec3::Zero();
+    for (Eigen::Index k = 0; k < 3 && rubs; ++k) across[k] = impulse_of(after[at++], newton_s, patch.across[lane]);
+    const double most = shared.friction[lane] * normal;
+    if (across.norm() > most) across *= most / across.norm();
+    change_to(patch.impulse[lane], normal);
+    for (std::size_t k = 0; k < 3 && rubs; ++k) change_to(patch.rubbed[k][lane], across[static_cast<Eigen::Index>(k)]);
+  });
+  sweep(executor, [&](std::size_t i) { warm_block(blocks[i], twofold.pairs[i], twofold.patches_of(blocks[i]), twofold.bodies()); });
   at = 0;
-  for (const RestBlock& block : blocks) {
-    const auto patches = twofold.patches_of(block);
-    const auto friction = twofold.friction_of(block);
-    for (std::size_t p = 0; p < block.patches; ++p) {
-      for (std::size_t lane = 0; lane < block.count; ++lane) {
-        patches[p].impulse[lane] = after[at++];
-        for (std::size_t t = 0; t < 2 && !friction.empty(); ++t) friction[p].impulse[t][lane] = after[at++];
-      }
-    }
-  }
+  for_impulses([&](bool rubs, const PairLanes<double>&, PatchLanes<double>& patch, std::size_t lane) {
+    patch.impulse[lane] = after[at++];
+    for (std::size_t k = 0; k < 3 && rubs; ++k) patch.rubbed[k][lane] = after[at++];
+  });
 }
 
-// Blocks of the pairs in `order`, those with most patches first.
-void RestSolver::Buffers::add_blocks(const RestSystem& system, std::size_t width, std::uint32_t& lanes) {
-  for (std::size_t begin = 0; begin < order.size(); begin += width) {
+// Blocks of the pairs at some places of the colouring, those with most places first.
+void RestSolver::Buffers::add_blocks(const RestSystem& system, std::size_t begin, std::size_t end, std::size_t width, std::uint32_t& lanes) {
+  const std::span<const std::uint32_t> order = system.coloring.order();
+  for (; begin < end; begin += width) {
     RestBlock block;
-    block.count = static_cast<std::uint32_t>(std::min(width, order.size() - begin));
+    block.begin = static_cast<std::uint32_t>(begin);
+    block.count = static_cast<std::uint8_t>(std::min(width, end - begin));
     block.first = lanes;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      // Lanes that are not in use read what nobody else writes, and write nothing.
-      const std::uint32_t place = order[begin + std::min<std::size_t>(lane, block.count - 1)];
-      const RestPair& pair = system.pairs[place];
-      block.a[lane] = pair.a;
-      block.b[lane] = pair.b;
-      block.pair[lane] = place;
-      if (lane >= block.count) continue;
-      block.patches = std::max(block.patches, pair.patch_count);
-      if (system.bodies[pair.a].inverse_mass > 0) block.yields_a = static_cast<std::uint8_t>(block.yields_a | 1U << lane);
-      if (system.bodies[pair.b].inverse_mass > 0) block.yields_b = static_cast<std::uint8_t>(block.yields_b | 1U << lane);
-    }
+    for (std::size_t k = begin; k < begin + block.count; ++k) block.patches = std::max(block.patches, system.pairs[order[k]].place_count);
     lanes += block.patches;
     blocks.push_back(block);
   }
@@ -167,26 +136,13 @@ std::uint32_t RestSolver::Buffers::make_blocks(const RestSystem& system) {
   blocks.clear();
   block_begin.clear();
   std::uint32_t lanes = 0;
-  const auto gather = [&](std::size_t begin, std::size_t end, bool by_count) {
-    order.clear();
-    for (std::uint32_t count = collision::kMaxPatches; by_count && count > 0; --count) {
-      for (std::size_t i = begin; i < end; ++i) {
-        if (system.pairs[i].patch_count == count) order.push_back(static_cast<std::uint32_t>(i));
-      }
-    }
-    for (std::size_t i = begin; i < end && !by_count; ++i) {
-      if (system.pairs[i].patch_count > 0) order.push_back(static_cast<std::uint32_t>(i));
-    }
-  };
   const Coloring& coloring = system.coloring;
   for (std::uint32_t color = 0; color < coloring.colors(); ++color) {
     block_begin.push_back(blocks.size());
-    gather(coloring.begin(color), coloring.begin(color + 1), true);
-    add_blocks(system, kLanes, lanes);
+    add_blocks(system, coloring.begin(color), coloring.begin(color + 1), kLanes, lanes);
   }
   block_begin.push_back(blocks.size());
-  gather(coloring.serial_begin(), system.pairs.size(), false);
-  add_blocks(system, 1, lanes);
+  add_blocks(system, coloring.serial_begin(), system.pairs.size(), 1, lanes);
   block_begin.push_back(blocks.size());
   return lanes;
 }
@@ -251,15 +207,15 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   const double h_s = settings.dt_s / settings.substeps;
   Lanes<T>& all = lanes<T>();
   const std::uint32_t needed = make_blocks(system);
-  const bool rubs = std::any_of(system.pairs.begin(), system.pairs.end(), [](const RestPair& pair) { return pair.friction > 0 && pair.patch_count > 0; });
   all.patches.resize(std::max<std::size_t>(all.patches.size(), needed));
-  all.friction.resize(rubs ? all.patches.size() : 0);
+  all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
+  all.gyrations.resize(system.bodies.size());
   const std::uint32_t most = most_sweeps(system, stopping);
   const bool mixed = sizeof(T) == sizeof(double) && !stopping.converges();
   if (mixed) {
-    before.resize(std::max<std::size_t>(before.size(), 3 * kLanes * needed));
+    before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
   }
   changes.resize(blocks.size());
@@ -268,9 +224,19 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       for (std::size_t i = begin; i < end; ++i) visit(i);
     });
   };
-  parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) fill_block(system, still_mps(settings), blocks[i], all);
+  const auto for_blocks = [&](auto&& visit) {
+    parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  };
+  const BodyLanes<T> bodies = all.bodies();
+  for_bodies([&](std::size_t i) {
+    all.motions[i] = Motion<T>{};
+    all.gyrations[i] = gyration<T>(system.bodies[i], system.inverse_inertia[i]);
+    begin_substep(system, i, h_s, true, all);
   });
+  for_blocks([&](std::size_t i) { fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all); });
+  sweep(executor, [&](std::size_t i) { warm_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), bodies); });
   SubstepTerms<T> terms;
   terms.h_s = static_cast<T>(h_s);
   terms.still_mps = static_cast<T>(still_mps(settings));
@@ -280,25 +246,20 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
-    for_bodies([&](std::size_t i) {
-      if (substep == 0) all.motions[i] = Motion<T>{};
-      begin_substep(system, i, h_s, substep == 0, all);
-    });
-    if (substep == 0) sweep(executor, [&](std::size_t i) { warm_block(blocks[i], all.patches_of(blocks[i]), all.friction_of(blocks[i]), all.motions.data()); });
+    if (substep > 0) {
+      for_bodies([&](std::size_t i) {
+        end_substep(i, h_s, all);
+        begin_substep(system, i, h_s, false, all);
+      });
+    }
     bool reached = !stopping.converges();
     if (mixed) mixing.begin(read_impulses(before));
     for (std::uint32_t round = 0; round < most; ++round) {
       ++ended.sweeps;
       if (mixed) read_impulses(before);
       sweep(executor, [&](std::size_t i) {
-        RestBlock& block = blocks[i];
-        const SweepChange<T> change = solve_block(block, all.patches_of(block), all.friction_of(block), terms, round == 0, all.motions.data());
-        if (!terms.watch) {
-          // The only sweep: while its lanes are at hand.
-          add_totals(block, all);
-          return;
-        }
-        changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
+        const SweepChange<T> change = solve_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), terms, round == 0, bodies);
+        if (terms.watch) changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
       });
       if (!terms.watch) break;
       SweepChange<double> sum;
@@ -316,15 +277,11 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       // A plain sweep comes last.
       if (mixed && round + 1 < most) mix(executor);
     }
-    if (terms.watch) {
-      parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) add_totals(blocks[i], all);
-      });
-    }
+    if (terms.watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], all); });
     ended.reached = ended.reached && reached;
-    for_bodies([&](std::size_t i) { end_substep(i, h_s, all); });
   }
   for_bodies([&](std::size_t i) {
+    end_substep(i, h_s, all);
     SolverBody& body = system.bodies[i];
     const Motion<T>& motion = all.motions[i];
     body.moved_m = settings.dt_s * body.velocity_mps + Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
@@ -332,9 +289,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     body.velocity_mps += settings.dt_s * system.accelerations[i].linear_mps2;
     body.spin_radps += settings.dt_s * system.accelerations[i].angular_radps2;
   });
-  sweep(executor, [&](std::size_t i) {
-    give_block(system, blocks[i], all);
-  });
+  sweep(executor, [&](std::size_t i) { give_block(system, blocks[i], all.pairs[i], all); });
   return ended;
 }
 

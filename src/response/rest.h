@@ -7,36 +7,33 @@
 
 #include "parallel/executor.h"
 #include "poise/types.h"
-#include "response/rest_patch.h"
+#include "response/rest_place.h"
 #include "response/solve.h"
 
 namespace poise::response {
 
-/// Two tangents of a unit normal (Duff et al. 2017).
-struct Tangents {
-  Vec3 first, second;
-};
-Tangents tangents(const Vec3& normal);
-
-/// A pair that may rest: its patches follow each other.
+/// A pair that may rest: its places follow each other.
 struct RestPair {
   std::uint32_t a = 0, b = 0;         ///< solver bodies
-  std::uint32_t patch_begin = 0;
-  std::uint32_t patch_count = 0;      ///< at most kMaxPatches of collision; 0: this step it does not rest
+  std::uint32_t place_begin = 0;
+  std::uint32_t pair = 0;             ///< the caller's name for it
+  std::uint8_t place_count = 0;       ///< at most kMaxPatches of collision; 0: this step it does not rest
+  bool fast = false;                  ///< the caller's: it may have an impact
   double friction = 0;                ///< Coulomb's coefficient, >= 0
-  double restitution = 0;             ///< a patch that closes fast enough to rebound is left to the impact phase of a later step
+  double restitution = 0;             ///< a place that closes fast enough to rebound is left to the impact phase of a later step
   double slop_m = 0;                  ///< overlap that is left alone
-  Vec3 a_to_b_m = Vec3::Zero();       ///< from the centre of mass of a to that of b
-  Vec3 impulse_ns = Vec3::Zero();     ///< comes out: what b received in the step
 };
 
-/// Bodies and pairs of one step. `pairs` are in the order of `coloring`.
+/// Bodies and pairs of one step. `coloring` is that of `pairs`, ranked by their places.
 struct RestSystem {
   std::span<SolverBody> bodies;
   std::span<const Acceleration> accelerations;  ///< one a body
   std::span<const Mat3> inverse_inertia;        ///< one a body, world frame
-  std::span<RestPair> pairs;
-  std::span<RestPatch> patches;
+  std::span<const collision::Pose> poses;       ///< one a body
+  std::span<const RestPair> pairs;
+  std::span<const RestPlace> places;
+  std::span<RestLoad> loads;                    ///< one a place: what the last step ended with goes in, what this one ends with comes out
+  std::span<Vec3> given_ns;                     ///< one a pair: comes out, what b received in the step
   const Coloring& coloring;
 };
 
@@ -48,8 +45,8 @@ class RestSolver {
   RestSolver(RestSolver&&) noexcept;
   RestSolver& operator=(RestSolver&&) noexcept;
 
-  /// Adds forces and keeps bodies from sinking into each other (docs/response.md). In `substeps` (Macklin et al. 2019) patch after
-  /// patch gets the impulse that keeps its gap from closing further than it is wide, warm started from the last step's, and Coulomb friction within
+  /// Adds forces and keeps bodies from sinking into each other (docs/response.md). In `substeps` (Macklin et al. 2019) place after
+  /// place gets the impulse that keeps its gap from closing further than it is wide, warm started from the last step's, and Coulomb friction within
   /// its cone; what overlaps beyond doubt is pushed apart in place alone. Impulses are sought in single precision from what changes in
   /// the step, and given in double precision at the end: momentum and angular momentum are kept to rounding. With
   /// settings.stopping.converges() everything is in double precision, and sweeps are repeated as it says. Fills moved_m and turned_rad. The same bits on any number of

@@ -12,35 +12,40 @@ namespace poise::response {
 // Lanes and motions in one precision.
 template <class T>
 struct Lanes {
+  std::vector<PairLanes<T>> pairs;       // one a block
   std::vector<PatchLanes<T>> patches;
-  std::vector<FrictionLanes<T>> friction;
-  std::vector<Motion<T>> motions;   // one a body
-  std::vector<Motion<T>> begun;     // velocities and spins when the substep began
+  std::vector<Motion<T>> motions;        // one a body
+  std::vector<Motion<T>> begun;          // velocities and spins when the substep began
+  std::vector<Gyration<T>> gyrations;    // one a body
 
   std::span<PatchLanes<T>> patches_of(const RestBlock& block) { return std::span(patches).subspan(block.first, block.patches); }
-  std::span<FrictionLanes<T>> friction_of(const RestBlock& block) {
-    return friction.empty() || !block.rubs ? std::span<FrictionLanes<T>>() : std::span(friction).subspan(block.first, block.patches);
-  }
+  BodyLanes<T> bodies() { return {motions.data(), gyrations.data()}; }
 };
 
-/// Makes the lanes of a block from its pairs.
+/// How a body turns, for lanes.
 template <class T>
-void fill_block(const RestSystem& system, double still_mps, RestBlock& block, Lanes<T>& lanes);
+Gyration<T> gyration(const SolverBody& body, const Mat3& inverse_inertia);
+
+/// Makes a block, of which `begin`, `count`, `patches` and `first` are known, and its lanes from its pairs.
+template <class T>
+void fill_block(const RestSystem& system, double still_mps, RestBlock& block, PairLanes<T>& shared, Lanes<T>& lanes);
 
 /// Adds what a substep came to, to what the step came to.
 template <class T>
 void add_totals(const RestBlock& block, Lanes<T>& lanes);
 
-/// Gives the bodies of a block what its patches came to in the step, in double precision and at one point for both bodies of each, and the patches what
+/// Gives the bodies of a block what its places came to in the step, in double precision and at one point for both bodies of each, and the places what
 /// the next step starts with.
 template <class T>
-void give_block(const RestSystem& system, const RestBlock& block, Lanes<T>& lanes);
+void give_block(const RestSystem& system, const RestBlock& block, const PairLanes<T>& shared, Lanes<T>& lanes);
 
-extern template void fill_block(const RestSystem&, double, RestBlock&, Lanes<float>&);
-extern template void fill_block(const RestSystem&, double, RestBlock&, Lanes<double>&);
+extern template Gyration<float> gyration(const SolverBody&, const Mat3&);
+extern template Gyration<double> gyration(const SolverBody&, const Mat3&);
+extern template void fill_block(const RestSystem&, double, RestBlock&, PairLanes<float>&, Lanes<float>&);
+extern template void fill_block(const RestSystem&, double, RestBlock&, PairLanes<double>&, Lanes<double>&);
 extern template void add_totals(const RestBlock&, Lanes<float>&);
 extern template void add_totals(const RestBlock&, Lanes<double>&);
-extern template void give_block(const RestSystem&, const RestBlock&, Lanes<float>&);
-extern template void give_block(const RestSystem&, const RestBlock&, Lanes<double>&);
+extern template void give_block(const RestSystem&, const RestBlock&, const PairLanes<float>&, Lanes<float>&);
+extern template void give_block(const RestSystem&, const RestBlock&, const PairLanes<double>&, Lanes<double>&);
 
 }  // namespace poise::response

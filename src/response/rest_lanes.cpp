@@ -15,29 +15,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
 
-// The motions of eight bodies, a figure an array: v, w, x, q.
-template <class T>
-struct Gathered {
-  alignas(64) T at[12][kLanes];
-};
-
-template <class T>
-HWY_INLINE void gather(const std::uint32_t (&bodies)[kLanes], const Motion<T>* motions, Gathered<T>& into) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const T* const from = motions[bodies[lane]].v;
-    for (std::size_t k = 0; k < 12; ++k) into.at[k][lane] = from[k];
-  }
-}
-
-template <class T>
-HWY_INLINE void scatter(const std::uint32_t (&bodies)[kLanes], std::uint8_t yields, std::size_t figures, const Gathered<T>& from, Motion<T>* motions) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if ((std::uint32_t{yields} >> lane & 1U) == 0) continue;
-    T* const to = motions[bodies[lane]].v;
-    for (std::size_t k = 0; k < figures; ++k) to[k] = from.at[k][lane];
-  }
-}
-
 // Three numbers in each lane.
 template <class V>
 struct Triple {
@@ -59,174 +36,293 @@ HWY_INLINE V dot(const Triple<V>& a, const Triple<V>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 template <class V>
-HWY_INLINE Triple<V> plus(const Triple<V>& a, const V& scale, const Triple<V>& b) {
-  return {hn::Add(a.x, hn::Mul(scale, b.x)), hn::Add(a.y, hn::Mul(scale, b.y)), hn::Add(a.z, hn::Mul(scale, b.z))};
+HWY_INLINE Triple<V> sum(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
 }
 template <class V>
-HWY_INLINE Triple<V> minus(const Triple<V>& a, const V& scale, const Triple<V>& b) {
-  return {hn::Sub(a.x, hn::Mul(scale, b.x)), hn::Sub(a.y, hn::Mul(scale, b.y)), hn::Sub(a.z, hn::Mul(scale, b.z))};
-}
-
-// Some lanes of a pair of bodies. Moving and turning are rates, or what these add up to.
-template <class V>
-struct Pairs {
-  Triple<V> moving_a, turning_a, moving_b, turning_b;
-};
-
-// By how much the bodies approach each other along a direction.
-template <class D, class T, class V>
-HWY_INLINE V approach(D d, const DirectionLanes<T>& of, std::size_t lane, const Pairs<V>& pairs) {
-  const auto l = load(d, of.l, lane);
-  const V a = hn::Add(dot(l, pairs.moving_a), dot(load(d, of.ta, lane), pairs.turning_a));
-  const V b = hn::Add(dot(l, pairs.moving_b), dot(load(d, of.tb, lane), pairs.turning_b));
-  return hn::Sub(a, b);
-}
-
-// Gives b so many units along a direction and a the opposite.
-template <class D, class T, class V>
-HWY_INLINE void give(D d, const DirectionLanes<T>& of, std::size_t lane, const V& units, Pairs<V>& pairs) {
-  const auto l = load(d, of.l, lane);
-  pairs.moving_a = minus(pairs.moving_a, hn::Mul(units, hn::Load(d, of.ma + lane)), l);
-  pairs.moving_b = plus(pairs.moving_b, hn::Mul(units, hn::Load(d, of.mb + lane)), l);
-  pairs.turning_a = minus(pairs.turning_a, units, load(d, of.ua, lane));
-  pairs.turning_b = plus(pairs.turning_b, units, load(d, of.ub, lane));
-}
-
-template <class D, class T>
-HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const Gathered<T>& a, const Gathered<T>& b, std::size_t first, std::size_t lane) {
-  return {load(d, a.at + first, lane), load(d, a.at + first + 3, lane), load(d, b.at + first, lane), load(d, b.at + first + 3, lane)};
-}
-template <class D, class T, class V>
-HWY_INLINE void keep(D d, const Pairs<V>& pairs, std::size_t first, std::size_t lane, Gathered<T>& a, Gathered<T>& b) {
-  store(d, pairs.moving_a, a.at + first, lane);
-  store(d, pairs.turning_a, a.at + first + 3, lane);
-  store(d, pairs.moving_b, b.at + first, lane);
-  store(d, pairs.turning_b, b.at + first + 3, lane);
-}
-
-template <class V>
-HWY_INLINE Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+HWY_INLINE Triple<V> difference(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 template <class V>
 HWY_INLINE Triple<V> scaled(const V& by, const Triple<V>& a) {
   return {hn::Mul(by, a.x), hn::Mul(by, a.y), hn::Mul(by, a.z)};
 }
-
-template <class D, class T>
-HWY_INLINE Triple<hn::Vec<D>> turned(D d, const SideLanes<T>& side, std::size_t lane, const Triple<hn::Vec<D>>& t) {
-  const auto at = [&](std::size_t k) HWY_ATTR { return hn::Load(d, side.inertia[k] + lane); };
-  return {dot(Triple<hn::Vec<D>>{at(0), at(3), at(4)}, t), dot(Triple<hn::Vec<D>>{at(3), at(1), at(5)}, t),
-          dot(Triple<hn::Vec<D>>{at(4), at(5), at(2)}, t)};
+template <class V>
+HWY_INLINE Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
-// A direction at the places of some lanes: moments, what it turns, and 1 / M.
+// Four figures of as many bodies as there are lanes.
 template <class V>
-struct Along {
-  Triple<V> l, ta, tb, ua, ub;
-  V k;
+struct Columns {
+  V at[4];
 };
 
-template <class D, class T, class V>
-HWY_INLINE Along<V> along(D d, const PairLanes<T>& pairs, std::size_t lane, const Triple<V>& l, const Triple<V>& arm_a, const Triple<V>& arm_b) {
-  Along<V> made;
-  made.l = l;
-  made.ta = cross(arm_a, l);
-  made.tb = cross(arm_b, l);
-  made.ua = turned(d, pairs.a, lane, made.ta);
-  made.ub = turned(d, pairs.b, lane, made.tb);
-  made.k = hn::Add(hn::Add(hn::Load(d, pairs.a.yield + lane), hn::Load(d, pairs.b.yield + lane)), hn::Add(dot(made.ta, made.ua), dot(made.tb, made.ub)));
+// The figures from `offset` on of the structures of `bodies`, which begin with numbers of type T, one after another.
+template <class D, class S>
+HWY_INLINE Columns<hn::Vec<D>> gather_singly(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  alignas(64) T at[4][kLanes];
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    const T* const row = reinterpret_cast<const T*>(of + bodies[lane]) + offset;
+    for (std::size_t k = 0; k < 4; ++k) at[k][lane] = row[k];
+  }
+  return {{hn::Load(d, at[0]), hn::Load(d, at[1]), hn::Load(d, at[2]), hn::Load(d, at[3])}};
+}
+
+// The way back, for the bodies that yield.
+template <class D, class S>
+HWY_INLINE void scatter_singly(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  alignas(64) T at[4][kLanes];
+  for (std::size_t k = 0; k < 4; ++k) hn::Store(from.at[k], d, at[k]);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    if ((yields >> lane & 1U) == 0) continue;
+    T* const row = reinterpret_cast<T*>(of + bodies[lane]) + offset;
+    for (std::size_t k = 0; k < 4; ++k) row[k] = at[k][lane];
+  }
+}
+
+#if HWY_TARGET == HWY_SCALAR
+template <class D, class S>
+HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+  return gather_singly(d, of, bodies, offset);
+}
+template <class D, class S>
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies, std::size_t offset) {
+  scatter_singly(d, from, yields, of, bodies, offset);
+}
+#else
+template <class D>
+HWY_INLINE Columns<hn::Vec<D>> transposed(D d, const Columns<hn::Vec<D>>& rows) {
+  const hn::RepartitionToWide<hn::RebindToUnsigned<D>> wide;
+  const auto low = [&](const auto& a, const auto& b) HWY_ATTR { return hn::BitCast(wide, hn::InterleaveLower(d, a, b)); };
+  const auto up = [&](const auto& a, const auto& b) HWY_ATTR { return hn::BitCast(wide, hn::InterleaveUpper(d, a, b)); };
+  const auto ab_low = low(rows.at[0], rows.at[1]);
+  const auto ab_up = up(rows.at[0], rows.at[1]);
+  const auto cd_low = low(rows.at[2], rows.at[3]);
+  const auto cd_up = up(rows.at[2], rows.at[3]);
+  return {{hn::BitCast(d, hn::InterleaveLower(wide, ab_low, cd_low)), hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, cd_low)),
+           hn::BitCast(d, hn::InterleaveLower(wide, ab_up, cd_up)), hn::BitCast(d, hn::InterleaveUpper(wide, ab_up, cd_up))}};
+}
+
+// Four bodies at a time: their figures are read whole and transposed in registers.
+template <class D, class S>
+HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  if constexpr (sizeof(T) == sizeof(float)) {
+    const hn::FixedTag<T, 4> four;
+    const auto row = [&](std::size_t lane) HWY_ATTR { return hn::Load(four, reinterpret_cast<const T*>(of + bodies[lane]) + offset); };
+    const auto first = transposed(four, {{row(0), row(1), row(2), row(3)}});
+    if constexpr (hn::MaxLanes(D()) == 8) {
+      const auto second = transposed(four, {{row(4), row(5), row(6), row(7)}});
+      return {{hn::Combine(d, second.at[0], first.at[0]), hn::Combine(d, second.at[1], first.at[1]), hn::Combine(d, second.at[2], first.at[2]),
+               hn::Combine(d, second.at[3], first.at[3])}};
+    } else {
+      return first;
+    }
+  } else {
+    return gather_singly(d, of, bodies, offset);
+  }
+}
+template <class D, class S>
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  if constexpr (sizeof(T) == sizeof(float)) {
+    const hn::FixedTag<T, 4> four;
+    using Four = Columns<hn::Vec<decltype(four)>>;
+    const auto quad = [&](const Four& columns, std::size_t lane) HWY_ATTR {
+      const Four rows = transposed(four, columns);
+      for (std::size_t k = 0; k < 4; ++k) {
+        if ((yields >> (lane + k) & 1U) != 0) hn::Store(rows.at[k], four, reinterpret_cast<T*>(of + bodies[lane + k]) + offset);
+      }
+    };
+    if constexpr (hn::MaxLanes(D()) == 8) {
+      quad(Four{{hn::LowerHalf(four, from.at[0]), hn::LowerHalf(four, from.at[1]), hn::LowerHalf(four, from.at[2]), hn::LowerHalf(four, from.at[3])}}, 0);
+      quad(Four{{hn::UpperHalf(four, from.at[0]), hn::UpperHalf(four, from.at[1]), hn::UpperHalf(four, from.at[2]), hn::UpperHalf(four, from.at[3])}}, 4);
+    } else {
+      quad(from, 0);
+    }
+  } else {
+    scatter_singly(d, from, yields, of, bodies, offset);
+  }
+}
+#endif
+
+// One side of some pairs: what the step changes, and how it turns per unit of an impulse's moment.
+template <class V>
+struct Side {
+  Triple<V> v, w, x, q;
+  V yield;
+  V xx, yy, zz, xy, xz, yz;
+};
+
+template <class D, class T>
+HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<D>& yield, const BodyLanes<T>& bodies, bool moves) {
+  using V = hn::Vec<D>;
+  const auto turn = [&](const V& figure) HWY_ATTR { return hn::Mul(yield, figure); };
+  const Columns<V> first = gather(d, bodies.gyrations, slots, 0);
+  const Columns<V> last = gather(d, bodies.gyrations, slots, 4);
+  const V zero = hn::Zero(d);
+  const Triple<V> none = {zero, zero, zero};
+  Side<V> made = {none, none, none, none, yield, turn(first.at[0]), turn(first.at[1]), turn(first.at[2]), turn(first.at[3]), turn(last.at[0]), turn(last.at[1])};
+  if (!moves) return made;
+  const Columns<V> one = gather(d, bodies.motions, slots, 0);
+  const Columns<V> two = gather(d, bodies.motions, slots, 4);
+  const Columns<V> three = gather(d, bodies.motions, slots, 8);
+  made.v = {one.at[0], one.at[1], one.at[2]};
+  made.w = {one.at[3], two.at[0], two.at[1]};
+  made.x = {two.at[2], two.at[3], three.at[0]};
+  made.q = {three.at[1], three.at[2], three.at[3]};
   return made;
 }
 
 template <class D, class T, class V>
-HWY_INLINE V rate_of(D d, const PairLanes<T>& pairs, std::size_t lane, const Along<V>& made) {
-  return hn::Sub(hn::Add(dot(made.l, load(d, pairs.velocity, lane)), dot(made.ta, load(d, pairs.a.spin, lane))), dot(made.tb, load(d, pairs.b.spin, lane)));
+HWY_INLINE void keep(D d, const Side<V>& side, std::uint32_t yields, const std::uint32_t* slots, bool pushed, const BodyLanes<T>& bodies) {
+  scatter(d, {{side.v.x, side.v.y, side.v.z, side.w.x}}, yields, bodies.motions, slots, 0);
+  scatter(d, {{side.w.y, side.w.z, side.x.x, side.x.y}}, yields, bodies.motions, slots, 4);
+  if (pushed) scatter(d, {{side.x.z, side.q.x, side.q.y, side.q.z}}, yields, bodies.motions, slots, 8);
 }
 
-template <class D, class T, class V>
-HWY_INLINE void keep_direction(D d, const PairLanes<T>& pairs, std::size_t lane, const Along<V>& made, const V& mass, const V& rate,
-                               DirectionLanes<T>& into) {
-  store(d, made.l, into.l, lane);
-  store(d, made.ta, into.ta, lane);
-  store(d, made.tb, into.tb, lane);
-  store(d, scaled(mass, made.ua), into.ua, lane);
-  store(d, scaled(mass, made.ub), into.ub, lane);
-  hn::Store(hn::Mul(mass, hn::Load(d, pairs.a.yield + lane)), d, into.ma + lane);
-  hn::Store(hn::Mul(mass, hn::Load(d, pairs.b.yield + lane)), d, into.mb + lane);
-  hn::Store(rate, d, into.rate + lane);
+template <class V>
+HWY_INLINE Triple<V> turned(const Side<V>& side, const Triple<V>& t) {
+  return {dot(Triple<V>{side.xx, side.xy, side.xz}, t), dot(Triple<V>{side.xy, side.yy, side.yz}, t), dot(Triple<V>{side.xz, side.yz, side.zz}, t)};
+}
+
+// Some lanes of a block, and one place of each.
+template <class V>
+struct Pairs {
+  Side<V> a, b;
+};
+template <class V>
+struct Arms {
+  Triple<V> a, b;
+};
+
+// Velocity of a against b at a place, on top of that at the start of the step.
+template <class V>
+HWY_INLINE Triple<V> slip(const Pairs<V>& pairs, const Arms<V>& arms) {
+  return difference(sum(pairs.a.v, cross(pairs.a.w, arms.a)), sum(pairs.b.v, cross(pairs.b.w, arms.b)));
+}
+template <class V>
+HWY_INLINE Triple<V> way(const Pairs<V>& pairs, const Arms<V>& arms) {
+  return difference(sum(pairs.a.x, cross(pairs.a.q, arms.a)), sum(pairs.b.x, cross(pairs.b.q, arms.b)));
+}
+
+// Gives b an impulse and a the opposite: to their velocities, or with `place` to where they are.
+template <bool kPlace, class V>
+HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pairs) {
+  const Triple<V> ma = scaled(pairs.a.yield, impulse);
+  const Triple<V> mb = scaled(pairs.b.yield, impulse);
+  const Triple<V> ta = turned(pairs.a, cross(arms.a, impulse));
+  const Triple<V> tb = turned(pairs.b, cross(arms.b, impulse));
+  Triple<V>& moving_a = kPlace ? pairs.a.x : pairs.a.v;
+  Triple<V>& moving_b = kPlace ? pairs.b.x : pairs.b.v;
+  Triple<V>& turning_a = kPlace ? pairs.a.q : pairs.a.w;
+  Triple<V>& turning_b = kPlace ? pairs.b.q : pairs.b.w;
+  moving_a = difference(moving_a, ma);
+  moving_b = sum(moving_b, mb);
+  turning_a = difference(turning_a, ta);
+  turning_b = sum(turning_b, tb);
+}
+
+template <class D, class T>
+HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PatchLanes<T>& patch, const Triple<hn::Vec<D>>& a_to_b, std::size_t lane) {
+  const auto arm = load(d, patch.arm, lane);
+  return {arm, difference(arm, a_to_b)};
+}
+
+// By how much one unit along l changes the speed along m: l . K m.
+template <class V>
+HWY_INLINE V yields(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<V>& tb_l, const Triple<V>& ta_m, const Triple<V>& tb_m) {
+  return hn::Add(dot(ta_l, turned(pairs.a, ta_m)), dot(tb_l, turned(pairs.b, tb_m)));
 }
 
 template <class T>
-void prepare(const PairLanes<T>& pairs, const PlaceLanes<T>& places, T still_mps, PatchLanes<T>& patch, FrictionLanes<T>* friction) {
+void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps, std::span<PatchLanes<T>> patches,
+             const Gyration<T>* gyrations) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V one = hn::Set(d, T(1));
+  const BodyLanes<T> bodies = {nullptr, gyrations};
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
-    const Triple<V> n = load(d, places.normal, lane);
-    const Triple<V> arm_a = load(d, places.arm, lane);
-    const Triple<V> arm_b = minus(arm_a, one, load(d, pairs.a_to_b, lane));
-    const V newton_s = hn::Load(d, pairs.newton_s + lane);
-    const Along<V> normal = along(d, pairs, lane, n, arm_a, arm_b);
-    const V rate = rate_of(d, pairs, lane, normal);
-    // The inverse masses make a sum of 1, so 1 / M is at least that.
-    auto counts = hn::And(hn::Gt(newton_s, zero), hn::Ge(normal.k, hn::Set(d, T(0.5))));
-    counts = hn::And(counts, hn::Le(hn::Mul(hn::Load(d, pairs.restitution + lane), rate), hn::Set(d, still_mps)));
-    const V mass = hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, normal.k, one)));
-    keep_direction(d, pairs, lane, normal, mass, rate, patch.normal);
-    hn::Store(hn::Mul(mass, newton_s), d, patch.newton_s + lane);
-    hn::Store(hn::IfThenElseZero(counts, hn::Mul(hn::Load(d, places.impulse + lane), normal.k)), d, patch.impulse + lane);
-    hn::Store(zero, d, patch.total + lane);
-    if (friction == nullptr) continue;
-    const V sign = hn::CopySign(one, n.z);
-    const V p = hn::Neg(hn::Div(one, hn::IfThenElse(counts, hn::Add(sign, n.z), one)));
-    const V q = hn::Mul(hn::Mul(n.x, n.y), p);
-    const Triple<V> tangents[2] = {
-        {hn::Add(one, hn::Mul(hn::Mul(sign, hn::Mul(n.x, n.x)), p)), hn::Mul(sign, q), hn::Neg(hn::Mul(sign, n.x))},
-        {q, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), p)), hn::Neg(n.y)}};
-    const Along<V> first = along(d, pairs, lane, tangents[0], arm_a, arm_b);
-    const Along<V> second = along(d, pairs, lane, tangents[1], arm_a, arm_b);
-    const V mixed = hn::Add(dot(first.ta, second.ua), dot(first.tb, second.ub));
-    const V half = hn::Set(d, T(0.5));
-    const V middle = hn::Mul(half, hn::Add(first.k, second.k));
-    const V apart = hn::Mul(half, hn::Sub(first.k, second.k));
-    // Both count with one mass, that of the direction which yields most: so friction points against the slip and never overshoots.
-    const V most = hn::Add(middle, hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
-    const V coefficient = hn::Load(d, pairs.friction + lane);
-    const auto rubs = hn::And(counts, hn::Gt(coefficient, zero));
-    const V across = hn::IfThenElseZero(rubs, hn::Div(one, hn::IfThenElse(rubs, most, one)));
-    const Triple<V> rubbed = load(d, places.rubbed, lane);
-    const Along<V>* const both[2] = {&first, &second};
-    for (std::size_t t = 0; t < 2; ++t) {
-      keep_direction(d, pairs, lane, *both[t], across, rate_of(d, pairs, lane, *both[t]), friction->along[t]);
-      hn::Store(hn::IfThenElseZero(rubs, hn::Mul(dot(rubbed, both[t]->l), most)), d, friction->impulse[t] + lane);
-      hn::Store(zero, d, friction->total[t] + lane);
+    const Pairs<V> pairs = {side(d, block.a + lane, hn::Load(d, shared.yield_a + lane), bodies, false),
+                            side(d, block.b + lane, hn::Load(d, shared.yield_b + lane), bodies, false)};
+    const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
+    const V newton_s = hn::Load(d, shared.newton_s + lane);
+    const V moving = hn::Add(pairs.a.yield, pairs.b.yield);
+    for (PatchLanes<T>& patch : patches) {
+      const Triple<V> n = load(d, patch.normal, lane);
+      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
+      const Triple<V> rate = sum(load(d, start.velocity, lane),
+                                 difference(cross(load(d, start.spin_a, lane), arms.a), cross(load(d, start.spin_b, lane), arms.b)));
+      const Triple<V> ta = cross(arms.a, n);
+      const Triple<V> tb = cross(arms.b, n);
+      const V k = hn::Add(moving, yields(pairs, ta, tb, ta, tb));
+      // The inverse masses make a sum of 1, so 1 / M is at least that.
+      auto counts = hn::And(hn::Gt(newton_s, zero), hn::Ge(k, hn::Set(d, T(0.5))));
+      counts = hn::And(counts, hn::Gt(hn::Load(d, patch.mass + lane), zero));
+      counts = hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
+      store(d, rate, patch.rate, lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, patch.mass + lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Load(d, patch.impulse + lane)), d, patch.impulse + lane);
+      store(d, Triple<V>{zero, zero, zero}, patch.total, lane);
+      const auto rubs = hn::And(counts, hn::Gt(hn::Load(d, shared.friction + lane), zero));
+      if (!block.rubs || hn::AllFalse(d, rubs)) {
+        hn::Store(zero, d, patch.across + lane);
+        store(d, Triple<V>{zero, zero, zero}, patch.rubbed, lane);
+        continue;
+      }
+      const V sign = hn::CopySign(one, n.z);
+      const V p = hn::Neg(hn::Div(one, hn::IfThenElse(counts, hn::Add(sign, n.z), one)));
+      const V q = hn::Mul(hn::Mul(n.x, n.y), p);
+      const Triple<V> first = {hn::Add(one, hn::Mul(hn::Mul(sign, hn::Mul(n.x, n.x)), p)), hn::Mul(sign, q), hn::Neg(hn::Mul(sign, n.x))};
+      const Triple<V> second = {q, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), p)), hn::Neg(n.y)};
+      const Triple<V> ta1 = cross(arms.a, first);
+      const Triple<V> tb1 = cross(arms.b, first);
+      const Triple<V> ta2 = cross(arms.a, second);
+      const Triple<V> tb2 = cross(arms.b, second);
+      const V k1 = hn::Add(moving, yields(pairs, ta1, tb1, ta1, tb1));
+      const V k2 = hn::Add(moving, yields(pairs, ta2, tb2, ta2, tb2));
+      const V mixed = yields(pairs, ta1, tb1, ta2, tb2);
+      const V half = hn::Set(d, T(0.5));
+      const V apart = hn::Mul(half, hn::Sub(k1, k2));
+      // Both count with one mass, that of the direction which yields most: so friction points against the slip and never overshoots.
+      const V most = hn::Add(hn::Mul(half, hn::Add(k1, k2)), hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
+      hn::Store(hn::IfThenElseZero(rubs, hn::Div(one, hn::IfThenElse(rubs, most, one))), d, patch.across + lane);
+      // What it bore is across the normal of now.
+      const Triple<V> rubbed = load(d, patch.rubbed, lane);
+      const Triple<V> across = difference(rubbed, scaled(dot(rubbed, n), n));
+      store(d, Triple<V>{hn::IfThenElseZero(rubs, across.x), hn::IfThenElseZero(rubs, across.y), hn::IfThenElseZero(rubs, across.z)}, patch.rubbed, lane);
     }
-    hn::Store(hn::Mul(across, hn::IfThenElseZero(counts, normal.k)), d, friction->share + lane);
-    hn::Store(hn::IfThenElseZero(rubs, coefficient), d, friction->coefficient + lane);
   }
 }
 
+template <class D, class T>
+HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const RestBlock& block, const PairLanes<T>& shared, std::size_t lane, const BodyLanes<T>& bodies) {
+  return {side(d, block.a + lane, hn::Load(d, shared.yield_a + lane), bodies, true), side(d, block.b + lane, hn::Load(d, shared.yield_b + lane), bodies, true)};
+}
+template <class D, class T, class V>
+HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const RestBlock& block, std::size_t lane, bool pushed, const BodyLanes<T>& bodies) {
+  keep(d, pairs.a, std::uint32_t{block.yields_a} >> lane, block.a + lane, pushed, bodies);
+  keep(d, pairs.b, std::uint32_t{block.yields_b} >> lane, block.b + lane, pushed, bodies);
+}
+
 template <class T>
-void warm(RestBlock& block, const PatchLanes<T>* patches, const FrictionLanes<T>* friction, Motion<T>* motions) {
+void warm(const RestBlock& block, const PairLanes<T>& shared, std::span<const PatchLanes<T>> patches, const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
-  Gathered<T> a;
-  Gathered<T> b;
-  gather(block.a, motions, a);
-  gather(block.b, motions, b);
+  using V = hn::Vec<decltype(d)>;
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
-    auto pairs = pairs_at(d, a, b, 0, lane);
-    for (std::size_t p = 0; p < block.patches; ++p) {
-      give(d, patches[p].normal, lane, hn::Load(d, patches[p].impulse + lane), pairs);
-      if (friction == nullptr) continue;
-      for (std::size_t t = 0; t < 2; ++t) give(d, friction[p].along[t], lane, hn::Load(d, friction[p].impulse[t] + lane), pairs);
+    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
+    const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
+    for (const PatchLanes<T>& patch : patches) {
+      const Triple<V> along = scaled(hn::Load(d, patch.impulse + lane), load(d, patch.normal, lane));
+      give<false>(arms_of(d, patch, a_to_b, lane), block.rubs ? sum(along, load(d, patch.rubbed, lane)) : along, pairs);
     }
-    keep(d, pairs, 0, lane, a, b);
+    keep_pairs(d, pairs, block, lane, false, bodies);
   }
-  scatter(block.a, block.yields_a, 6, a, motions);
-  scatter(block.b, block.yields_b, 6, b, motions);
 }
 
 // The larger of what was and the largest of the lanes.
@@ -237,112 +333,107 @@ HWY_INLINE void note(D d, const V& value, T& largest) {
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) largest = std::max(largest, lanes[k]);
 }
 
-// Friction at one patch, clamped to the cone of the impulse along the normal; the largest change, in units along the normal.
+// Friction at one place, clamped to the cone of the impulse along the normal; the size of what changed.
 template <class D, class T, class V>
-HWY_INLINE V rub(D d, const PatchLanes<T>& patch, FrictionLanes<T>& friction, std::size_t lane, Pairs<V>& moving) {
-  const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
-  V wanted[2];
-  V square = hn::Zero(d);
-  for (std::size_t t = 0; t < 2; ++t) {
-    const V slip = hn::Add(load_at(friction.along[t].rate), approach(d, friction.along[t], lane, moving));
-    wanted[t] = hn::Add(load_at(friction.impulse[t]), slip);
-    const V newtons = hn::Mul(wanted[t], load_at(friction.share));
-    square = hn::Add(square, hn::Mul(newtons, newtons));
-  }
-  const V most = hn::Mul(load_at(friction.coefficient), load_at(patch.impulse));
-  const V size = hn::Sqrt(square);
+HWY_INLINE V rub(D d, PatchLanes<T>& patch, const V& friction, const Triple<V>& n, const Triple<V>& rate, const Arms<V>& arms, const V& impulse,
+                 std::size_t lane, Pairs<V>& pairs) {
+  const V one = hn::Set(d, T(1));
+  const V across = hn::Load(d, patch.across + lane);
+  const Triple<V> before = load(d, patch.rubbed, lane);
+  const Triple<V> velocity = sum(rate, slip(pairs, arms));
+  const Triple<V> sliding = difference(velocity, scaled(dot(velocity, n), n));
+  const Triple<V> wanted = sum(before, scaled(across, sliding));
+  const V most = hn::IfThenElseZero(hn::Gt(across, hn::Zero(d)), hn::Mul(friction, impulse));
+  const V size = hn::Sqrt(dot(wanted, wanted));
   const auto beyond = hn::Gt(size, most);
-  const V scale = hn::IfThenElse(beyond, hn::Div(most, hn::IfThenElse(beyond, size, hn::Set(d, T(1)))), hn::Set(d, T(1)));
-  V change = hn::Zero(d);
-  for (std::size_t t = 0; t < 2; ++t) {
-    const V kept = hn::Mul(wanted[t], scale);
-    const V units = hn::Sub(kept, load_at(friction.impulse[t]));
-    hn::Store(kept, d, friction.impulse[t] + lane);
-    give(d, friction.along[t], lane, units, moving);
-    change = hn::Max(change, hn::Abs(hn::Mul(units, load_at(friction.share))));
-  }
-  return change;
+  const V scale = hn::IfThenElse(beyond, hn::Div(most, hn::IfThenElse(beyond, size, one)), one);
+  const Triple<V> after = scaled(scale, wanted);
+  const Triple<V> given = difference(after, before);
+  store(d, after, patch.rubbed, lane);
+  give<false>(arms, given, pairs);
+  return hn::Sqrt(dot(given, given));
 }
 
 template <class T>
-SweepChange<T> solve(RestBlock& block, PatchLanes<T>* patches, FrictionLanes<T>* friction, const SubstepTerms<T>& terms, bool push,
-                     Motion<T>* motions) {
+SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<PatchLanes<T>> patches, const SubstepTerms<T>& terms, bool push,
+                     const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
-  Gathered<T> a;
-  Gathered<T> b;
-  gather(block.a, motions, a);
-  gather(block.b, motions, b);
   const V zero = hn::Zero(d);
   const V per_h = hn::Set(d, T(1) / terms.h_s);
   SweepChange<T> changed;
-  bool any_pushed = false;
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
-    Pairs<V> moving = pairs_at(d, a, b, 0, lane);
-    Pairs<V> moved = pairs_at(d, a, b, 6, lane);
-    for (std::size_t p = 0; p < block.patches; ++p) {
-      PatchLanes<T>& patch = patches[p];
+    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
+    const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
+    const V friction = hn::Load(d, shared.friction + lane);
+    bool any_pushed = false;
+    for (PatchLanes<T>& patch : patches) {
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
-      const V rate = load_at(patch.normal.rate);
-      const V unit = load_at(patch.newton_s);
-      const V closed = hn::Add(hn::Mul(rate, hn::Set(d, terms.begun_s)), approach(d, patch.normal, lane, moved));
+      const Triple<V> n = load(d, patch.normal, lane);
+      const Triple<V> rate = load(d, patch.rate, lane);
+      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
+      const V mass = load_at(patch.mass);
+      const V closed = dot(n, sum(scaled(hn::Set(d, terms.begun_s), rate), way(pairs, arms)));
       const V gap = hn::Max(hn::Sub(load_at(patch.gap), closed), zero);
-      const V closing = hn::Add(rate, approach(d, patch.normal, lane, moving));
+      const V closing = dot(n, sum(rate, slip(pairs, arms)));
       const V before = load_at(patch.impulse);
-      V after = hn::Max(hn::Add(before, hn::Sub(closing, hn::Mul(gap, per_h))), zero);
-      after = hn::IfThenElseZero(hn::Gt(unit, zero), after);
+      V after = hn::Max(hn::Add(before, hn::Mul(mass, hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
+      after = hn::IfThenElseZero(hn::Gt(mass, zero), after);
       hn::Store(after, d, patch.impulse + lane);
       const V units = hn::Sub(after, before);
-      give(d, patch.normal, lane, units, moving);
-      V change = zero;
-      if (friction != nullptr) change = rub(d, patch, friction[p], lane, moving);
+      give<false>(arms, scaled(units, n), pairs);
+      V change = hn::Abs(units);
+      if (block.rubs) change = hn::Max(change, rub(d, patch, friction, n, rate, arms, after, lane, pairs));
       if (terms.watch) {
-        change = hn::Max(change, hn::Abs(units));
-        note(d, change, changed.change_mps);
-        note(d, hn::Mul(unit, change), changed.change_ns);
-        note(d, hn::Mul(unit, after), changed.largest_ns);
+        const V newton_s = load_at(shared.newton_s);
+        const auto counts = hn::Gt(mass, zero);
+        note(d, hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1))))), changed.change_mps);
+        note(d, hn::Mul(newton_s, change), changed.change_ns);
+        note(d, hn::Mul(newton_s, after), changed.largest_ns);
+      } else {
+        // The only sweep of the substep.
+        Triple<V> total = sum(load(d, patch.total, lane), scaled(after, n));
+        if (block.rubs) total = sum(total, load(d, patch.rubbed, lane));
+        store(d, total, patch.total, lane);
       }
       if (!push) continue;
       const V overlap = hn::Sub(closed, load_at(patch.surely));
       // A pair that parts by itself need not be pushed.
-      const auto may = hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(unit, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
+      const auto may = hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
       if (hn::AllFalse(d, may)) continue;
       const V length = hn::Min(hn::Mul(overlap, hn::Set(d, terms.push_share)), hn::Set(d, terms.most_push_m));
-      give(d, patch.normal, lane, hn::IfThenElseZero(may, length), moved);
+      give<true>(arms, scaled(hn::IfThenElseZero(may, hn::Mul(mass, length)), n), pairs);
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(d, may, bits);
       block.pushed = static_cast<std::uint8_t>(block.pushed | (bits[0] << lane));
       any_pushed = true;
     }
-    keep(d, moving, 0, lane, a, b);
-    keep(d, moved, 6, lane, a, b);
+    keep_pairs(d, pairs, block, lane, any_pushed, bodies);
   }
-  const std::size_t figures = any_pushed ? 12 : 6;
-  scatter(block.a, block.yields_a, figures, a, motions);
-  scatter(block.b, block.yields_b, figures, b, motions);
   return changed;
 }
 
-void prepare_float(const PairLanes<float>& pairs, const PlaceLanes<float>& places, float still_mps, PatchLanes<float>& patch, FrictionLanes<float>* friction) {
-  prepare(pairs, places, still_mps, patch, friction);
+void prepare_float(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start, float still_mps, std::span<PatchLanes<float>> patches,
+                   const Gyration<float>* gyrations) {
+  prepare(block, pairs, start, still_mps, patches, gyrations);
 }
-void prepare_double(const PairLanes<double>& pairs, const PlaceLanes<double>& places, double still_mps, PatchLanes<double>& patch,
-                    FrictionLanes<double>* friction) {
-  prepare(pairs, places, still_mps, patch, friction);
+void prepare_double(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start, double still_mps,
+                    std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations) {
+  prepare(block, pairs, start, still_mps, patches, gyrations);
 }
-void warm_float(RestBlock& block, const PatchLanes<float>* patches, const FrictionLanes<float>* friction, Motion<float>* motions) {
-  warm(block, patches, friction, motions);
+void warm_float(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches, const BodyLanes<float>& bodies) {
+  warm(block, pairs, patches, bodies);
 }
-void warm_double(RestBlock& block, const PatchLanes<double>* patches, const FrictionLanes<double>* friction, Motion<double>* motions) {
-  warm(block, patches, friction, motions);
+void warm_double(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches, const BodyLanes<double>& bodies) {
+  warm(block, pairs, patches, bodies);
 }
-SweepChange<float> solve_float(RestBlock& block, PatchLanes<float>* patches, FrictionLanes<float>* friction, const SubstepTerms<float>& terms,
-                               bool push, Motion<float>* motions) {
-  return solve(block, patches, friction, terms, push, motions);
+SweepChange<float> solve_float(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches, const SubstepTerms<float>& terms,
+                               bool push, const BodyLanes<float>& bodies) {
+  return solve(block, pairs, patches, terms, push, bodies);
 }
-SweepChange<double> solve_double(RestBlock& block, PatchLanes<double>* patches, FrictionLanes<double>* friction,
-                                 const SubstepTerms<double>& terms, bool push, Motion<double>* motions) {
-  return solve(block, patches, friction, terms, push, motions);
+SweepChange<double> solve_double(RestBlock& block, const PairLanes<double>& pairs, std::span<PatchLanes<double>> patches,
+                                 const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies) {
+  return solve(block, pairs, patches, terms, push, bodies);
 }
 
 }  // namespace poise::response::HWY_NAMESPACE
@@ -358,33 +449,27 @@ HWY_EXPORT(warm_double);
 HWY_EXPORT(solve_float);
 HWY_EXPORT(solve_double);
 
-namespace {
-template <class T>
-T* start(std::span<T> lanes) {
-  return lanes.empty() ? nullptr : lanes.data();
+void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start, float still_mps, std::span<PatchLanes<float>> patches,
+                   const Gyration<float>* gyrations) {
+  HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, still_mps, patches, gyrations);
 }
-}  // namespace
-
-void prepare_patch(const PairLanes<float>& pairs, const PlaceLanes<float>& places, float still_mps, PatchLanes<float>& patch, FrictionLanes<float>* friction) {
-  HWY_DYNAMIC_DISPATCH(prepare_float)(pairs, places, still_mps, patch, friction);
+void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start, double still_mps,
+                   std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations) {
+  HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, still_mps, patches, gyrations);
 }
-void prepare_patch(const PairLanes<double>& pairs, const PlaceLanes<double>& places, double still_mps, PatchLanes<double>& patch,
-                   FrictionLanes<double>* friction) {
-  HWY_DYNAMIC_DISPATCH(prepare_double)(pairs, places, still_mps, patch, friction);
+void warm_block(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches, const BodyLanes<float>& bodies) {
+  HWY_DYNAMIC_DISPATCH(warm_float)(block, pairs, patches, bodies);
 }
-void warm_block(RestBlock& block, std::span<const PatchLanes<float>> patches, std::span<const FrictionLanes<float>> friction, Motion<float>* motions) {
-  HWY_DYNAMIC_DISPATCH(warm_float)(block, patches.data(), start(friction), motions);
+void warm_block(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches, const BodyLanes<double>& bodies) {
+  HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, patches, bodies);
 }
-void warm_block(RestBlock& block, std::span<const PatchLanes<double>> patches, std::span<const FrictionLanes<double>> friction, Motion<double>* motions) {
-  HWY_DYNAMIC_DISPATCH(warm_double)(block, patches.data(), start(friction), motions);
+SweepChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches, const SubstepTerms<float>& terms,
+                               bool push, const BodyLanes<float>& bodies) {
+  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, patches, terms, push, bodies);
 }
-SweepChange<float> solve_block(RestBlock& block, std::span<PatchLanes<float>> patches, std::span<FrictionLanes<float>> friction,
-                               const SubstepTerms<float>& terms, bool push, Motion<float>* motions) {
-  return HWY_DYNAMIC_DISPATCH(solve_float)(block, patches.data(), start(friction), terms, push, motions);
-}
-SweepChange<double> solve_block(RestBlock& block, std::span<PatchLanes<double>> patches, std::span<FrictionLanes<double>> friction,
-                                const SubstepTerms<double>& terms, bool push, Motion<double>* motions) {
-  return HWY_DYNAMIC_DISPATCH(solve_double)(block, patches.data(), start(friction), terms, push, motions);
+SweepChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs, std::span<PatchLanes<double>> patches, const SubstepTerms<double>& terms,
+                                bool push, const BodyLanes<double>& bodies) {
+  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, patches, terms, push, bodies);
 }
 
 }  // namespace poise::response

@@ -18,75 +18,59 @@ struct alignas(16 * sizeof(T)) Motion {
   T unused[4] = {};
 };
 
-/// One direction at eight places: l with its moments, and what an impulse of one unit changes. A unit is the impulse that changes the approach by 1 m/s,
-/// so all numbers are of the size of velocities and lengths whatever the masses.
+/// How a body turns, world frame: inverse inertia times mass, 1/m^2, so that it is of the size of its measures whatever its mass.
 template <class T>
-struct alignas(64) DirectionLanes {
-  T l[3][kLanes] = {}, ta[3][kLanes] = {}, tb[3][kLanes] = {};
-  T ua[3][kLanes] = {}, ub[3][kLanes] = {};   ///< M I^-1 t
-  T ma[kLanes] = {}, mb[kLanes] = {};         ///< M / m; 0 for what does not yield
-  T rate[kLanes] = {};                        ///< approach at the start of the step
+struct alignas(8 * sizeof(T)) Gyration {
+  T inertia[6] = {};                          ///< xx, yy, zz, xy, xz, yz; 0 for what does not yield
+  T unused[2] = {};
 };
 
-/// The eight k-th patches of the pairs of a block.
+/// The eight k-th places of the pairs of a block. Impulses are in the units of the pair (PairLanes::newton_s): those that change the speed of the two against
+/// each other by 1 m/s if they do not turn.
 template <class T>
 struct alignas(64) PatchLanes {
-  DirectionLanes<T> normal;
+  T normal[3][kLanes] = {};
+  T arm[3][kLanes] = {};                      ///< from a
+  T rate[3][kLanes] = {};                     ///< velocity of a against b there at the start of the step
   T gap[kLanes] = {};
   T surely[kLanes] = {};                      ///< with the slop
-  T impulse[kLanes] = {}, total[kLanes] = {}; ///< in units
-  T newton_s[kLanes] = {};                    ///< a unit in N s; 0 for a lane that answers nothing
+  T mass[kLanes] = {};                        ///< units that change the approach by 1 m/s; 0 for a lane that answers nothing
+  T across[kLanes] = {};                      ///< the same along the tangent that yields most
+  T impulse[kLanes] = {};                     ///< along the normal
+  T rubbed[3][kLanes] = {};                   ///< across it
+  T total[3][kLanes] = {};                    ///< of both, over the substeps that are over
 };
 
-/// Friction at the same places.
+/// What all places of the pairs of a block share. Masses are in shares of the inverse masses of both bodies together, so that nothing leaves single
+/// precision whatever they are.
 template <class T>
-struct alignas(64) FrictionLanes {
-  DirectionLanes<T> along[2];
-  T share[kLanes] = {};                       ///< a unit along a tangent in units along the normal
-  T coefficient[kLanes] = {};
-  T impulse[2][kLanes] = {}, total[2][kLanes] = {};
+struct alignas(64) PairLanes {
+  T a_to_b[3][kLanes] = {};
+  T yield_a[kLanes] = {}, yield_b[kLanes] = {};  ///< inverse mass as a share of that of both
+  T friction[kLanes] = {};
+  T newton_s[kLanes] = {};                    ///< 1 / (sum of inverse masses); 0 for a lane that is not in use
+};
+
+/// What making lanes needs of the pairs beyond that.
+template <class T>
+struct alignas(64) StartLanes {
+  T velocity[3][kLanes] = {};                 ///< of a against b
+  T spin_a[3][kLanes] = {}, spin_b[3][kLanes] = {};
+  T restitution[kLanes] = {};
 };
 
 /// Up to eight pairs of one colour, which share no yielding body.
 struct RestBlock {
   std::uint32_t a[kLanes] = {}, b[kLanes] = {};
   std::uint32_t pair[kLanes] = {};            ///< places in RestSystem::pairs
-  std::uint32_t count = 0;                    ///< lanes in use
-  std::uint32_t patches = 0;                  ///< the most that a pair has
+  std::uint32_t begin = 0;                    ///< of its pairs in the order of the colouring
   std::uint32_t first = 0;                    ///< of the lanes
+  std::uint8_t count = 0;                     ///< lanes in use
+  std::uint8_t patches = 0;                   ///< the most that a pair has
   std::uint8_t yields_a = 0, yields_b = 0;    ///< bit by lane
   bool rubs = true;                           ///< a pair has friction
   std::uint8_t pushed = 0;                    ///< bit by lane: something overlaps beyond doubt and was pushed
 };
-
-/// One side of the pairs of a block.
-template <class T>
-struct alignas(64) SideLanes {
-  T yield[kLanes] = {};                       ///< inverse mass as a share of that of both
-  T inertia[6][kLanes] = {};                  ///< inverse inertia likewise: xx, yy, zz, xy, xz, yz
-  T spin[3][kLanes] = {};
-};
-
-/// The pairs of a block, and of each one place. Masses are in shares of the inverse masses of both bodies together, so that nothing leaves single
-/// precision whatever they are.
-template <class T>
-struct alignas(64) PairLanes {
-  SideLanes<T> a, b;
-  T a_to_b[3][kLanes] = {};
-  T velocity[3][kLanes] = {};                 ///< of a against b
-  T restitution[kLanes] = {}, friction[kLanes] = {};
-  T newton_s[kLanes] = {};                    ///< 1 / (sum of inverse masses); 0 for a lane that is not in use
-};
-template <class T>
-struct alignas(64) PlaceLanes {
-  T normal[3][kLanes] = {}, arm[3][kLanes] = {};
-  T impulse[kLanes] = {}, rubbed[3][kLanes] = {};  ///< to start with, in newton_s of the pair
-};
-
-/// Makes the lanes of the k-th patches from the pairs and their places; `friction` may be null. Places that close fast enough to rebound answer nothing.
-void prepare_patch(const PairLanes<float>& pairs, const PlaceLanes<float>& places, float still_mps, PatchLanes<float>& patch, FrictionLanes<float>* friction);
-void prepare_patch(const PairLanes<double>& pairs, const PlaceLanes<double>& places, double still_mps, PatchLanes<double>& patch,
-                   FrictionLanes<double>* friction);
 
 /// One substep.
 template <class T>
@@ -104,18 +88,31 @@ template <class T>
 struct SweepChange {
   T largest_ns = 0;                           ///< largest impulse
   T change_ns = 0;                            ///< largest change of one
-  T change_mps = 0;                           ///< the largest in units: by how much it changed an approach
+  T change_mps = 0;                           ///< the largest change of an approach, or of what friction would have changed of it
 };
 
-/// Gives the bodies of a block the impulses that its patches start with.
-void warm_block(RestBlock& block, std::span<const PatchLanes<float>> patches, std::span<const FrictionLanes<float>> friction, Motion<float>* motions);
-void warm_block(RestBlock& block, std::span<const PatchLanes<double>> patches, std::span<const FrictionLanes<double>> friction, Motion<double>* motions);
+/// The motions of a body and how it turns, one a body.
+template <class T>
+struct BodyLanes {
+  Motion<T>* motions = nullptr;
+  const Gyration<T>* gyrations = nullptr;
+};
 
-/// Solves the patches of a block one after another, friction before the normal: `friction` may be empty. With `push`, what overlaps
-/// beyond doubt is pushed apart.
-SweepChange<float> solve_block(RestBlock& block, std::span<PatchLanes<float>> patches, std::span<FrictionLanes<float>> friction,
-                               const SubstepTerms<float>& terms, bool push, Motion<float>* motions);
-SweepChange<double> solve_block(RestBlock& block, std::span<PatchLanes<double>> patches, std::span<FrictionLanes<double>> friction,
-                                const SubstepTerms<double>& terms, bool push, Motion<double>* motions);
+/// Completes the lanes of a block: normal, arm, gaps and loads of its places are there. Places that close fast enough to rebound answer nothing.
+void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start, float still_mps, std::span<PatchLanes<float>> patches,
+                   const Gyration<float>* gyrations);
+void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start, double still_mps,
+                   std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations);
+
+/// Gives the bodies of a block the impulses that its places start with.
+void warm_block(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches, const BodyLanes<float>& bodies);
+void warm_block(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches, const BodyLanes<double>& bodies);
+
+/// Solves the places of a block one after another, the normal before friction. With `push`, what overlaps beyond doubt is pushed apart. Without
+/// terms.watch it is the only sweep of the substep, and the totals are kept.
+SweepChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches, const SubstepTerms<float>& terms,
+                               bool push, const BodyLanes<float>& bodies);
+SweepChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs, std::span<PatchLanes<double>> patches, const SubstepTerms<double>& terms,
+                                bool push, const BodyLanes<double>& bodies);
 
 }  // namespace poise::response

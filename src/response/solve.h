@@ -8,7 +8,7 @@
 
 #include "parallel/executor.h"
 #include "response/contact_row.h"
-#include "response/rest_patch.h"
+#include "response/rest_place.h"
 
 namespace poise::response {
 
@@ -68,12 +68,13 @@ struct SolveScratch {
   std::vector<double> change_ns;      ///< one a row, where sweeps converge: by how much the last one changed its impulse
 };
 
-/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `patches` are those of the rows.
+/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `places` are those of the rows.
 struct System {
   std::span<SolverBody> bodies;
   std::span<ContactRow> rows;
   std::span<const PointContact> points;
-  std::span<const RestPatch> patches;
+  std::span<const RestPlace> places;
+  std::span<const collision::Pose> poses;       ///< one a body; read for places only
   std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts and friction only
   const Coloring& coloring;
   SolveScratch& scratch;

@@ -42,17 +42,19 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
 }
 
 // What an answered pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
-Contact contact_of(const WorldState& world, const ActivePair& pair, const response::ContactRow& row, const Vec3& rest_ns) {
+Contact contact_of(const WorldState& world, std::uint32_t index, const response::ContactRow* row, const Vec3& rest_ns) {
+  const ActivePair& pair = world.buffers.pairs[index];
   Contact contact;
   contact.a = world.bodies.id_of(pair.low);
   contact.b = world.bodies.id_of(pair.high);
   contact.level = pair.answered_level();
   const double sign = pair.a == pair.low ? 1.0 : -1.0;
-  const response::RestPatch& place = world.buffers.rest_patches[pair.place_begin];
+  const response::PlaceNow place = lone_place(world, pair);
   contact.normal = sign * place.normal;
   contact.point_m = world.buffers.poses[pair.a].position_m + place.arm_m;
-  contact.gap_m = row.gap_m;
-  contact.impulse_ns = sign * (row.impact_ns() + rest_ns);
+  contact.gap_m = answered_gap_m(world, index);
+  contact.impulse_ns = sign * rest_ns;
+  if (row != nullptr) contact.impulse_ns += sign * row->impact_ns();
   return contact;
 }
 
@@ -60,8 +62,8 @@ Contact contact_of(const WorldState& world, const ActivePair& pair, const respon
 PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
   PairMemory memory = pair.memory;
   memory.frames_waited = pair.answered_level() > 0 || !pair.refinable() ? 0 : memory.frames_waited + 1;
-  memory.touching = false;
-  memory.place_begin = pair.place_begin;
+  memory.touching = pair.touches && pair.answered;
+  memory.room = pair.room;
   memory.place_count = pair.place_count;
   if (pair.fresh()) {
     memory.level = pair.level.level;
@@ -111,29 +113,36 @@ void add_swept_contacts(WorldState& world) {
   world.contacts.resize(kept + 1);
 }
 
-// Merges the touching pairs of two frames, both sorted, into what began and what ended.
-void make_events(WorldState& world) {
-  const auto event = [&](ContactEvent::Kind kind, const PairMemory& pair) {
-    world.events.push_back({kind, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
-  };
-  const auto key = [](const PairMemory& pair) { return std::pair(pair.low, pair.high); };
-  auto before = world.memory.begin();
-  auto after = world.next_memory.begin();
-  while (before != world.memory.end() || after != world.next_memory.end()) {
-    if (after == world.next_memory.end() || (before != world.memory.end() && key(*before) < key(*after))) {
-      if (before->touching) event(ContactEvent::Kind::End, *before);
-      ++before;
-    } else if (before == world.memory.end() || key(*after) < key(*before)) {
-      if (after->touching) event(ContactEvent::Kind::Begin, *after);
-      ++after;
-    } else {
-      if (before->touching != after->touching) {
-        event(after->touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, *after);
-      }
-      ++before;
-      ++after;
-    }
+// What of the last frame's pairs is none of this frame's: a touch ends, and its room is free.
+void forget_parted(WorldState& world) {
+  const std::vector<std::uint8_t>& recalled = world.buffers.recalled;
+  for (auto at = recalled.begin(); (at = std::find(at, recalled.end(), std::uint8_t{0})) != recalled.end(); ++at) {
+    const PairMemory& pair = world.memory[static_cast<std::size_t>(at - recalled.begin())];
+    world.places.give_back(pair.room);
+    if (pair.touching) world.events.push_back({ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
   }
+}
+
+// Touches that began or ended since the last frame, in canonical order.
+void make_events(WorldState& world) {
+  const FrameBuffers& buffers = world.buffers;
+  forget_parted(world);
+  const std::size_t parted = world.events.size();
+  for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
+    const PairMemory& pair = world.next_memory[i];
+    if (buffers.pairs[i].memory.touching == pair.touching) continue;
+    world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+  }
+  const auto before = [](const ContactEvent& x, const ContactEvent& y) { return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot); };
+  const auto middle = world.events.begin() + static_cast<std::ptrdiff_t>(parted);
+  if (parted > 0) std::inplace_merge(world.events.begin(), middle, world.events.end(), before);
+}
+
+// Impulses make a touch of what is apart.
+bool was_given(const FrameBuffers& buffers, std::size_t k) {
+  if (!buffers.given_ns[buffers.coloring.order()[k]].isZero(0)) return true;
+  const response::ContactRow* row = row_of(buffers, k);
+  return row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0));
 }
 
 }  // namespace
@@ -155,23 +164,17 @@ void publish(WorldState& world) {
   // Both, since they change places: a later frame must find the room that this one needed.
   world.memory.reserve(buffers.pairs.capacity());
   world.next_memory.reserve(buffers.pairs.capacity());
-  world.places.reserve(buffers.places.capacity());
-  buffers.places.reserve(world.places.capacity());
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());
-  keep_impulses(world);
   parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
   });
-  parallel::parallel_for(*world.executor, buffers.rows.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
+  parallel::parallel_for(*world.executor, buffers.rest_pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
-      const response::ContactRow& row = buffers.rows[k];
-      world.next_memory[row.pair].touching =
-          row.gap_m <= 0 || row.total_ns > 0 || !row.point_impulse_ns.isZero(0) || !buffers.rest_pairs[k].impulse_ns.isZero(0);
+      if (was_given(buffers, k)) world.next_memory[buffers.rest_pairs[buffers.coloring.order()[k]].pair].touching = true;
     }
   });
   for (const SweptHit& hit : buffers.swept.hits) world.next_memory[hit.pair].touching = true;
-  std::swap(world.places, buffers.places);
   world.contacts_listed = false;
   world.events.clear();
   make_events(world);
@@ -180,10 +183,10 @@ void publish(WorldState& world) {
 
 void list_contacts(WorldState& world) {
   const FrameBuffers& buffers = world.buffers;
-  world.contacts.resize(buffers.rows.size());
-  for (std::size_t k = 0; k < buffers.rows.size(); ++k) {
-    const response::ContactRow& row = buffers.rows[k];
-    world.contacts[buffers.coloring.order()[k]] = contact_of(world, buffers.pairs[row.pair], row, buffers.rest_pairs[k].impulse_ns);
+  world.contacts.resize(buffers.rest_pairs.size());
+  for (std::size_t k = 0; k < buffers.rest_pairs.size(); ++k) {
+    const std::uint32_t place = buffers.coloring.order()[k];
+    world.contacts[place] = contact_of(world, buffers.rest_pairs[place].pair, row_of(buffers, k), buffers.given_ns[place]);
   }
   add_swept_contacts(world);
   world.contacts_listed = true;

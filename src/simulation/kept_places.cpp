@@ -3,37 +3,36 @@
 
 namespace poise::simulation {
 
-KeptPlace keep(const PlacedPair& pair, const collision::Patch& patch) {
-  KeptPlace kept;
+response::RestPlace keep(const PlacedPair& pair, const collision::Patch& patch) {
+  response::RestPlace kept;
   const Mat3 to_b = pair.b.rotation.transpose();
-  kept.normal = to_b * (pair.a.rotation * patch.normal);
+  const Vec3 normal = pair.a.rotation * patch.normal;
+  const Vec3 on_a = pair.a.position_m + pair.a.rotation * (patch.point_m - (0.5 * patch.gap_m) * patch.normal);
+  // The normal of the pair points into the plane.
+  const double gap_m = pair.plane ? -normal.dot(on_a) - pair.height_m : patch.gap_m;
+  kept.normal = to_b * normal;
   kept.on_a_m = patch.point_m - (0.5 * patch.gap_m) * patch.normal;
-  const Vec3 on_b = patch.point_m + (0.5 * patch.gap_m) * patch.normal;
-  if (!pair.plane) kept.on_b_m = to_b * (pair.a.position_m + pair.a.rotation * on_b - pair.b.position_m);
+  kept.on_b_m = to_b * (on_a + gap_m * normal - pair.b.position_m);
   kept.sureness_m = patch.surely_m - patch.gap_m;
   return kept;
 }
 
-response::RestPatch placed(const PlacedPair& pair, const KeptPlace& kept) {
-  response::RestPatch patch;
-  patch.normal = pair.b.rotation * kept.normal;
-  const Vec3 arm_a = pair.a.rotation * kept.on_a_m;
-  if (pair.plane) {
-    // The normal of the pair points into the plane.
-    patch.gap_m = -patch.normal.dot(pair.a.position_m + arm_a) - pair.height_m;
-  } else {
-    patch.gap_m = patch.normal.dot(pair.b.position_m - pair.a.position_m + pair.b.rotation * kept.on_b_m - arm_a);
-  }
-  patch.arm_m = arm_a + (0.5 * patch.gap_m) * patch.normal;
-  patch.surely_m = patch.gap_m + kept.sureness_m;
-  patch.impulse_ns = kept.impulse_ns;
-  patch.friction_ns = pair.b.rotation * kept.friction_ns;
-  return patch;
+void PlaceStore::reserve(std::size_t rooms) {
+  places.reserve(rooms * kPlacesOfPair);
+  loads.reserve(rooms * kPlacesOfPair);
+  free.reserve(rooms);
 }
 
-void keep_impulse(const PlacedPair& pair, const response::RestPatch& solved, KeptPlace& kept) {
-  kept.impulse_ns = solved.impulse_ns;
-  kept.friction_ns = pair.b.rotation.transpose() * solved.friction_ns;
+void PlaceStore::make_room(std::size_t rooms) {
+  if (rooms <= free.size()) return;
+  const std::size_t first = places.size() / kPlacesOfPair;
+  const std::size_t more = rooms - free.size();
+  places.resize((first + more) * kPlacesOfPair);
+  loads.resize(places.size());
+  free.reserve(first + more);
+  // The lowest of the new ones is taken first, after those that were given back.
+  free.insert(free.begin(), more, 0);
+  for (std::size_t k = 0; k < more; ++k) free[k] = static_cast<std::uint32_t>(first + more - 1 - k);
 }
 
 }  // namespace poise::simulation

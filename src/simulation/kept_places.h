@@ -2,25 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
-#include "collision/contact_sums.h"
-#include "collision/pair_frame.h"
 #include "collision/patch.h"
-#include "poise/types.h"
-#include "response/rest.h"
+#include "response/rest_place.h"
 
 namespace poise::simulation {
-
-/// A place of contact as a pair keeps it: a point of each surface and the direction between them, fixed to the bodies. While both move little,
-/// the gap there is n . (p_b - p_a) to second order in what they turn.
-struct KeptPlace {
-  Vec3 normal = Vec3::UnitZ();     ///< unit, from a to b, in the frame of b
-  Vec3 on_a_m = Vec3::Zero();      ///< in the frame of a
-  Vec3 on_b_m = Vec3::Zero();      ///< in the frame of b; not used where b is a plane
-  double sureness_m = 0;           ///< the gap that is certain is larger by this, >= 0
-  double impulse_ns = 0;           ///< of resting contact, a substep
-  Vec3 friction_ns = Vec3::Zero(); ///< likewise, in the frame of b
-};
 
 /// Two bodies where they are now. Where b is a plane, `height_m` is that of its surface along its normal.
 struct PlacedPair {
@@ -30,13 +18,34 @@ struct PlacedPair {
   double height_m = 0;
 };
 
-/// Fixes a place that is given in the frame of a to the bodies. No impulse.
-KeptPlace keep(const PlacedPair& pair, const collision::Patch& patch);
+/// Fixes a place that is given in the frame of a to the bodies. On a plane the gap becomes that of the plane itself.
+response::RestPlace keep(const PlacedPair& pair, const collision::Patch& patch);
 
-/// Where a kept place is now, ready to be solved: world frame.
-response::RestPatch placed(const PlacedPair& pair, const KeptPlace& kept);
+/// Places of one pair: that of its one contact, and where it rests.
+inline constexpr std::size_t kPlacesOfPair = collision::kMaxPatches + 1;
+inline constexpr std::uint32_t kNoRoom = 0xffffffffU;
 
-/// Puts what solving found back. World frame to the frame of b.
-void keep_impulse(const PlacedPair& pair, const response::RestPatch& solved, KeptPlace& kept);
+/// Places and what they bear, a room for kPlacesOfPair of each pair that has some. A pair keeps its room for as long as it is known, so that
+/// what is kept stays where it is. Invariant: a room is either free or one pair's.
+struct PlaceStore {
+  std::vector<response::RestPlace> places;
+  std::vector<response::RestLoad> loads;
+  std::vector<std::uint32_t> free;
+
+  /// The same for at least `rooms` rooms, without room for new ones being used yet.
+  void reserve(std::size_t rooms);
+  /// Makes sure that `rooms` more can be had from `take`.
+  void make_room(std::size_t rooms);
+  /// The n-th of the rooms that make_room made sure of; use_up(count) when all have been taken. Any thread.
+  [[nodiscard]] std::uint32_t room(std::size_t n) const { return free[free.size() - 1 - n]; }
+  void use_up(std::size_t count) { free.resize(free.size() - count); }
+  void give_back(std::uint32_t room) {
+    if (room != kNoRoom) free.push_back(room);
+  }
+
+  [[nodiscard]] static std::size_t begin(std::uint32_t room) { return room * kPlacesOfPair; }
+  [[nodiscard]] std::span<response::RestPlace> places_of(std::uint32_t room, std::size_t count) { return std::span(places).subspan(begin(room), count); }
+  [[nodiscard]] std::span<response::RestLoad> loads_of(std::uint32_t room, std::size_t count) { return std::span(loads).subspan(begin(room), count); }
+};
 
 }  // namespace poise::simulation

@@ -27,9 +27,9 @@ void find(WorldState& world, ProbeLevel level, double dt_s) {
 // One after another; fronts that nobody reads any more give their room back.
 bool refine_all(WorldState& world, bool keep_fronts) {
   bool room = true;
-  for (ActivePair& pair : world.buffers.pairs) {
+  for (std::size_t i = 0; i < world.buffers.pairs.size(); ++i) {
     if (!keep_fronts) world.buffers.pools[0].clear();
-    room = refine_pair(world, pair, 0) && room;
+    room = refine_pair(world, world.buffers.pairs[i], world.buffers.found[i], 0) && room;
   }
   return room;
 }
@@ -60,10 +60,10 @@ class OverlapTests {
 // Rows and impulses of all pairs; every wrench meets, whatever its gap.
 void answer_all(WorldState& world, double dt_s) {
   FrameReport report;
-  make_rows(world, 0, report);
+  list_contact_pairs(world, dt_s, 0, report);
   fill_rows(world);
   for (response::ContactRow& row : world.buffers.rows) row.gap_m = -std::numeric_limits<double>::max();
-  response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
+  response::solve_impacts(impact_system(world), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
 }
 
 template <class Work>

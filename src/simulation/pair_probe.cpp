@@ -70,18 +70,19 @@ bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s, Reac
   predict(world, input);
   find_pairs(world, input, report);
   world.buffers.pools[0].clear();
-  for (ActivePair& pair : world.buffers.pairs) {
-    refine_pair(world, pair, 0);
+  for (std::size_t i = 0; i < world.buffers.pairs.size(); ++i) {
+    ActivePair& pair = world.buffers.pairs[i];
+    refine_pair(world, pair, world.buffers.found[i], 0);
     if (reach == Reach::Found) pair.margin_m = std::numeric_limits<double>::max();
   }
-  make_rows(world, 0, report);
+  list_contact_pairs(world, dt_s, 0, report);
   fill_rows(world);
-  return !world.buffers.rows.empty();
+  return !world.buffers.rest_pairs.empty();
 }
 
 PairAnswer PairProbe::solve(const PairState& state, double dt_s) {
   WorldState& world = *world_.state_;
-  response::solve_impacts(system_of(world.buffers), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
+  response::solve_impacts(impact_system(world), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
   const response::SolverBody& a = world.buffers.solver_bodies[0];
   const response::SolverBody& b = world.buffers.solver_bodies[1];
   PairAnswer answer;

@@ -29,14 +29,17 @@ double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput
   return (speed + pull * input.dt_s) * input.dt_s;
 }
 
-// Goes through last frame's pairs beside this frame's, both in canonical order.
+// Goes through last frame's pairs beside this frame's, both in canonical order, and marks those that it meets.
 class Recollection {
  public:
-  Recollection(const std::vector<PairMemory>& memory, std::uint32_t low, std::uint32_t high)
-      : at_(std::lower_bound(memory.begin(), memory.end(), std::pair(low, high), before)), end_(memory.end()) {}
+  Recollection(const std::vector<PairMemory>& memory, std::vector<std::uint8_t>& recalled, std::uint32_t low, std::uint32_t high)
+      : begin_(memory.begin()), at_(std::lower_bound(memory.begin(), memory.end(), std::pair(low, high), before)), end_(memory.end()), recalled_(recalled) {}
   PairMemory of(std::uint32_t low, std::uint32_t high) {
     while (at_ != end_ && before(*at_, {low, high})) ++at_;
-    if (at_ != end_ && at_->low == low && at_->high == high) return *at_;
+    if (at_ != end_ && at_->low == low && at_->high == high) {
+      recalled_[static_cast<std::size_t>(at_ - begin_)] = 1;
+      return *at_;
+    }
     PairMemory none;
     none.low = low;
     none.high = high;
@@ -46,7 +49,8 @@ class Recollection {
  private:
   using Key = std::pair<std::uint32_t, std::uint32_t>;
   static bool before(const PairMemory& memory, const Key& key) { return Key(memory.low, memory.high) < key; }
-  std::vector<PairMemory>::const_iterator at_, end_;
+  std::vector<PairMemory>::const_iterator begin_, at_, end_;
+  std::vector<std::uint8_t>& recalled_;
 };
 
 // Slots, and how much the gap of the two bodies may close in the step by their own motion.
@@ -232,11 +236,14 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   });
   std::partial_sum(buffers.active_of_chunk.begin(), buffers.active_of_chunk.end(), buffers.active_of_chunk.begin());
   buffers.pairs.resize(buffers.active_of_chunk[chunks]);
+  buffers.found.resize(buffers.pairs.size());
+  buffers.cues.resize(buffers.pairs.size());
+  buffers.recalled.assign(world.memory.size(), 0);
   parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
     const std::uint32_t first = buffers.active_of_chunk[chunk];
     if (first == buffers.active_of_chunk[chunk + 1]) return;
     const collision::CandidatePair& lowest = found.pairs[buffers.active_candidate[chunk * kGrain]];
-    Recollection recollection(world.memory, lowest.low, lowest.high);
+    Recollection recollection(world.memory, buffers.recalled, lowest.low, lowest.high);
     for (std::uint32_t k = first; k < buffers.active_of_chunk[chunk + 1]; ++k) {
       const std::uint32_t candidate = buffers.active_candidate[chunk * kGrain + (k - first)];
       ActivePair& pair = buffers.pairs[k];
@@ -247,15 +254,16 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       pair.b = known.b;
       pair.margin_m = known.margin_m;
       pair.skin_m = known.skin_m;
-      pair.full = pair.exact = pair.answered = false;
-      pair.level.restart();
+      pair.full = pair.exact = pair.answered = pair.touches = false;
+      pair.level = {};
       pair.memory = recollection.of(pair.low, pair.high);
+      pair.room = pair.memory.room;
       const Shape& shape_a = *world.bodies.shape[pair.a];
       const Shape& shape_b = *world.bodies.shape[pair.b];
       pair.level.deepest = collision::deepest_level(shape_a, shape_b, input.max_level);
       if (input.polygons) collision::allow_polygons(shape_a, shape_b, input.max_level, pair.level);
       recall(world, pair);
-      if (pair.refinable()) pair.cues = cues_of(input.view, sighting_of(world, pair));
+      if (pair.refinable()) buffers.cues[k] = cues_of(input.view, sighting_of(world, pair));
     }
   });
   if (input.backtracking) send_swept(world, input, report);

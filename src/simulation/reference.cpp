@@ -29,13 +29,12 @@ class StartOfFrame {
  public:
   explicit StartOfFrame(WorldState& world) : world_(world), contact_(world.settings.contact) {
     exchange();
-    // The step has left the places that it started from in its buffers.
-    std::swap(world.places, world.reference->frame.places);
+    std::swap(world.places, world.reference->places);
     // Polygons answer alike in every model; where balls are the surface, this one finds the balls that meet.
     world.settings.contact = ContactModel::Fitted;
   }
   ~StartOfFrame() {
-    std::swap(world_.places, world_.reference->frame.places);
+    std::swap(world_.places, world_.reference->places);
     exchange();
     world_.settings.contact = contact_;
   }
@@ -59,8 +58,10 @@ class StartOfFrame {
   ContactModel contact_;
 };
 
-double size_of_impulse(const FrameBuffers& frame, std::size_t row) {
-  return (frame.rows[row].impact_ns() + frame.rest_pairs[row].impulse_ns).norm();
+double size_of_impulse(const FrameBuffers& frame, std::size_t k) {
+  const response::ContactRow* row = row_of(frame, k);
+  const Vec3& given_ns = frame.given_ns[frame.coloring.order()[k]];
+  return row != nullptr ? (row->impact_ns() + given_ns).norm() : given_ns.norm();
 }
 
 const collision::TrueSurface& surface_of(const WorldState& world, std::uint32_t slot) {
@@ -90,8 +91,9 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
     pairs[i].a = run.pairs[i].a;
     pairs[i].b = run.pairs[i].b;
   }
-  for (std::size_t k = 0; k < run.rows.size(); ++k) pairs[run.rows[k].pair].run_ns = size_of_impulse(run, k);
-  for (std::size_t k = 0; k < full.rows.size(); ++k) pairs[full.rows[k].pair].reference_ns = size_of_impulse(full, k);
+  const auto pair_of = [](const FrameBuffers& frame, std::size_t k) { return frame.rest_pairs[frame.coloring.order()[k]].pair; };
+  for (std::size_t k = 0; k < run.rest_pairs.size(); ++k) pairs[pair_of(run, k)].run_ns = size_of_impulse(run, k);
+  for (std::size_t k = 0; k < full.rest_pairs.size(); ++k) pairs[pair_of(full, k)].reference_ns = size_of_impulse(full, k);
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, pairs.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -100,7 +102,8 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
       pair.gap_m = collision::surface_distance_m(surface_of(world, pair.a), full.poses[pair.a],
                                                  surface_of(world, pair.b), full.poses[pair.b]);
       if (!view.present) continue;
-      const Vec3 point = full.poses[pair.a].position_m + run.rest_patches[run.pairs[i].place_begin].arm_m;
+      const response::RestPlace& place = world.reference->places.places[PlaceStore::begin(run.pairs[i].room)];
+      const Vec3 point = full.poses[pair.a].position_m + response::place_now(full.poses[pair.a], full.poses[pair.b], place).arm_m;
       pair.gap_px = length_px(view, point, pair.gap_m);
     }
   });
@@ -181,6 +184,7 @@ void remember(WorldState& world) {
   Reference& reference = *world.reference;
   for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.columns[i] = world.bodies.*kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
+  reference.places = world.places;
 }
 
 ReferenceFigures refer(WorldState& world, const StepInput& input) {

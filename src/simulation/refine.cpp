@@ -28,7 +28,7 @@ struct Refinement {
     if (pair.level.polygons) error_m[pair.level.deepest] = 0;
     const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
                                      pair.level.next_units};
-    return scheduler::score(world.settings.policy, facts, chain, pair.cues, index);
+    return scheduler::score(world.settings.policy, facts, chain, world.buffers.cues[index], index);
   }
 };
 
@@ -36,11 +36,11 @@ enum class Outcome : std::uint8_t { Completed, Cut, Full };
 
 // The polygons of a pair, in bounded pieces, as below.
 template <class GoOn>
-Outcome complete_polygons(WorldState& world, ActivePair& pair, GoOn&& go_on) {
+Outcome complete_polygons(WorldState& world, ActivePair& pair, collision::LevelContact& found, GoOn&& go_on) {
   FrameBuffers& buffers = world.buffers;
   const collision::PairFrame frame = frame_of(world, pair);
   collision::PolygonProgress progress;
-  collision::begin_polygons(frame, buffers.poses[pair.a].rotation, pair.level, progress);
+  collision::begin_polygons(frame, buffers.poses[pair.a].rotation, pair.level, found, progress);
   std::uint32_t left = pair.level.next_units;
   for (;;) {
     const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
@@ -48,20 +48,20 @@ Outcome complete_polygons(WorldState& world, ActivePair& pair, GoOn&& go_on) {
     left -= units;
     if (!go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) return Outcome::Cut;
   }
-  collision::publish_polygons(frame, buffers.poses[pair.a].rotation, progress, pair.level);
+  collision::publish_polygons(frame, buffers.poses[pair.a].rotation, progress, pair.level, found);
   return Outcome::Completed;
 }
 
 // One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first.
 template <class GoOn>
-Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& go_on) {
-  if (pair.level.next_is_polygons()) return complete_polygons(world, pair, go_on);
+Outcome complete_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker, GoOn&& go_on) {
+  if (pair.level.next_is_polygons()) return complete_polygons(world, pair, found, go_on);
   FrameBuffers& buffers = world.buffers;
   collision::PairFrame frame = frame_of(world, pair);
   if (frame.fitted) {
     const std::size_t next = pair.level.level + 1U;
     collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next], world.shapes[world.shape_of[pair.b]].deviation_m[next],
-                           pair.level.level > 0 ? pair.level.contact.likely_m : 0.0, frame);
+                           pair.level.level > 0 ? found.contact.likely_m : 0.0, frame);
   }
   collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
   collision::LevelProgress progress = collision::begin_level(pair.level, pool);
@@ -77,7 +77,7 @@ Outcome complete_level(WorldState& world, ActivePair& pair, int worker, GoOn&& g
       return pair.full ? Outcome::Full : Outcome::Cut;
     }
   }
-  collision::publish_level(frame, buffers.poses[pair.a].rotation, buffers.pools, progress, pair.level);
+  collision::publish_level(frame, buffers.poses[pair.a].rotation, buffers.pools, progress, pair.level, found);
   if (!pair.level.refinable() && world.settings.contact != ContactModel::Paper) {
     // Nobody reads the front of a pair that is done but the paper's model.
     pool.release(progress.mark);
@@ -130,7 +130,7 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
       tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
       piece_begun = now;
     };
-    const Outcome outcome = complete_level(world, pair, worker, [&](std::uint64_t next_units) {
+    const Outcome outcome = complete_level(world, pair, world.buffers.found[item], worker, [&](std::uint64_t next_units) {
       note_piece();
       piece_units = next_units;
       return admits(next_units);
@@ -236,7 +236,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
           ActivePair& pair = buffers.pairs[slice[i].pair];
           const std::uint64_t units = pair.level.next_units;
           const Outcome outcome =
-              pair.full ? Outcome::Full : complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+              pair.full ? Outcome::Full : complete_level(world, pair, buffers.found[slice[i].pair], worker, [](std::uint64_t) { return true; });
           note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
         }
       });
@@ -269,8 +269,8 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   return work;
 }
 
-bool refine_pair(WorldState& world, ActivePair& pair, int worker) {
-  while (pair.refinable() && !pair.full) complete_level(world, pair, worker, [](std::uint64_t) { return true; });
+bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
+  while (pair.refinable() && !pair.full) complete_level(world, pair, found, worker, [](std::uint64_t) { return true; });
   return !pair.full;
 }
 
@@ -282,7 +282,7 @@ std::size_t refine_to_the_end(WorldState& world) {
     collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
     for (std::size_t i = begin; i < end; ++i) {
       ActivePair& pair = buffers.pairs[i];
-      if (!refine_pair(world, pair, worker)) full.take();
+      if (!refine_pair(world, pair, buffers.found[i], worker)) full.take();
       pool.clear();
     }
   });

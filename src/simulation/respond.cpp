@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "parallel/shared.h"
 #include "simulation/stages.h"
@@ -36,57 +37,206 @@ collision::PairContact coarsest_contact_of(const WorldState& world, const Active
 }
 
 // How many places a pair has in this frame. The first answers impacts; it rests at the others, or at the first where that is alone.
-std::uint8_t count_places(const ActivePair& pair) {
+std::uint8_t count_places(const ActivePair& pair, const collision::LevelContact& found) {
   if (pair.apart()) return 0;
   if (pair.by_kept()) return pair.memory.place_count;
   if (pair.level.level == 0) return 1;
-  return static_cast<std::uint8_t>(1 + pair.level.patches.count);
+  return static_cast<std::uint8_t>(1 + found.patches.count);
 }
 
-std::span<KeptPlace> resting(std::span<KeptPlace> places) { return places.size() > 1 ? places.subspan(1) : places; }
+template <class T>
+std::span<T> resting(std::span<T> places) {
+  return places.size() > 1 ? places.subspan(1) : places;
+}
 
-// New places take over the impulses of the old ones that are nearest to them and look the same way.
-void hand_over(std::span<const KeptPlace> old, double size_m, std::span<KeptPlace> places) {
+// New places take over the loads of the old ones that are nearest to them and look the same way.
+void hand_over(std::span<const response::RestPlace> old, std::span<const response::RestLoad> borne, double size_m,
+               std::span<const response::RestPlace> places, std::span<response::RestLoad> loads) {
   constexpr double kLike = 0.7;
-  std::array<bool, collision::kMaxPatches + 1> taken{};
-  for (KeptPlace& place : places) {
+  std::array<bool, kPlacesOfPair> taken{};
+  for (std::size_t i = 0; i < places.size(); ++i) {
     double least = size_m * size_m;
     std::size_t nearest = old.size();
     for (std::size_t k = 0; k < old.size(); ++k) {
-      const double square = (old[k].on_a_m - place.on_a_m).squaredNorm();
-      if (taken[k] || square >= least || old[k].normal.dot(place.normal) < kLike) continue;
+      const double square = (old[k].on_a_m - places[i].on_a_m).squaredNorm();
+      if (taken[k] || square >= least || old[k].normal.dot(places[i].normal) < kLike) continue;
       least = square;
       nearest = k;
     }
     if (nearest == old.size()) continue;
     taken[nearest] = true;
-    place.impulse_ns = old[nearest].impulse_ns;
-    place.friction_ns = old[nearest].friction_ns;
+    loads[i] = borne[nearest];
   }
 }
 
-// The places of a pair, fixed to its bodies and where they are now.
-void set_places(WorldState& world, ActivePair& pair) {
+// Places that this frame has found out, fixed to the bodies of their pair.
+void find_places(WorldState& world, const ActivePair& pair, collision::LevelContact& found) {
   // New places within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
   constexpr double kSameOfSkin = 50;
-  FrameBuffers& buffers = world.buffers;
-  const std::span<KeptPlace> places = std::span(buffers.places).subspan(pair.place_begin, pair.place_count);
-  const std::span<response::RestPatch> patches = std::span(buffers.rest_patches).subspan(pair.place_begin, pair.place_count);
-  const std::span<KeptPlace> old = std::span(world.places).subspan(pair.memory.place_begin, pair.memory.place_count);
+  const std::span<response::RestPlace> places = world.places.places_of(pair.room, pair.place_count);
+  const std::span<response::RestLoad> loads = world.places.loads_of(pair.room, pair.place_count);
+  std::array<response::RestPlace, kPlacesOfPair> old;
+  std::array<response::RestLoad, kPlacesOfPair> borne;
+  const std::size_t olds = pair.memory.room == kNoRoom ? 0 : pair.memory.place_count;
+  std::copy_n(world.places.places.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.room)), olds, old.begin());
+  std::copy_n(world.places.loads.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.room)), olds, borne.begin());
   const PlacedPair where = placed_pair(world, pair);
-  if (pair.by_kept()) {
-    std::copy(old.begin(), old.end(), places.begin());
-  } else {
-    if (pair.level.level == 0 && !pair.exact) pair.level.contact = coarsest_contact_of(world, pair);
-    places[0] = keep(where, collision::lone_patch(pair.level.contact, where.a.rotation));
-    for (std::size_t k = 0; k < pair.level.patches.count && pair.level.level > 0; ++k) places[k + 1] = keep(where, pair.level.patches.patch[k]);
-    hand_over(resting(old), kSameOfSkin * pair.skin_m, resting(places));
-  }
-  pair.answered = false;
+  if (pair.level.level == 0 && !pair.exact) found.contact = coarsest_contact_of(world, pair);
+  places[0] = keep(where, collision::lone_patch(found.contact, where.a.rotation));
+  for (std::size_t k = 1; k < places.size(); ++k) places[k] = keep(where, found.patches.patch[k - 1]);
+  std::fill(loads.begin(), loads.end(), response::RestLoad{});
+  hand_over(resting(std::span<const response::RestPlace>(old).first(olds)), resting(std::span<const response::RestLoad>(borne).first(olds)),
+            kSameOfSkin * pair.skin_m, resting(std::span<const response::RestPlace>(places)), resting(loads));
+}
+
+// May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says so.
+bool may_be_fast(const WorldState& world, const ActivePair& pair, double dt_s, double still_mps) {
+  double closing_m = pair.margin_m - pair.skin_m;
+  if (pair.exact) return true;  // its margin is another
+  if (world.bodies.dynamic[pair.a] == 0 || world.bodies.dynamic[pair.b] == 0) closing_m -= world.settings.gravity_mps2.norm() * dt_s * dt_s;
+  return closing_m > still_mps * dt_s;
+}
+
+// Is one of its places nearer than the margin?
+void look_at_places(WorldState& world, ActivePair& pair) {
+  const collision::Pose& a = world.buffers.poses[pair.a];
+  const collision::Pose& b = world.buffers.poses[pair.b];
+  const std::span<const response::RestPlace> places = world.places.places_of(pair.room, pair.place_count);
+  const Mat3 a_in_b = b.rotation.transpose() * a.rotation;
+  const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    patches[k] = placed(where, places[k]);
-    pair.answered = pair.answered || patches[k].gap_m < pair.margin_m;
+    const double gap_m = places[k].normal.dot(places[k].on_b_m - from_b - a_in_b * places[k].on_a_m);
+    pair.answered = pair.answered || gap_m < pair.margin_m;
+    if (k == 0) pair.touches = gap_m <= 0;
   }
+  // Nothing holds it: what it bore is over.
+  if (pair.answered) return;
+  for (response::RestLoad& load : world.places.loads_of(pair.room, pair.place_count)) load = {};
+}
+
+// Places of all pairs, and how many are answered.
+void lay_out_places(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  const std::size_t chunks = (buffers.pairs.size() + kGrain - 1) / kGrain;
+  buffers.answered_of_chunk.assign(chunks + 1, AnsweredCount{});
+  const auto for_chunks = [&](auto&& visit) {
+    parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+      AnsweredCount& count = buffers.answered_of_chunk[begin / kGrain];
+      for (std::size_t i = begin; i < end; ++i) visit(i, count);
+    });
+  };
+  for_chunks([&](std::size_t i, AnsweredCount& count) {
+    ActivePair& pair = buffers.pairs[i];
+    pair.place_count = count_places(pair, buffers.found[i]);
+    if (pair.place_count > 0 && pair.room == kNoRoom) ++count.new_rooms;
+  });
+  std::uint32_t rooms = 0;
+  for (AnsweredCount& count : buffers.answered_of_chunk) count.new_rooms = std::exchange(rooms, rooms + count.new_rooms);
+  // A pair may gain places in any later frame; room for these costs no memory until it is used.
+  world.places.reserve(2 * buffers.pairs.capacity());
+  world.places.make_room(rooms);
+  for_chunks([&](std::size_t i, AnsweredCount& count) {
+    ActivePair& pair = buffers.pairs[i];
+    pair.answered = pair.touches = false;
+    if (pair.place_count > 0) {
+      if (pair.room == kNoRoom) pair.room = world.places.room(count.new_rooms++);
+      if (!pair.by_kept()) find_places(world, pair, buffers.found[i]);
+      look_at_places(world, pair);
+      if (world.settings.contact == ContactModel::Paper) pair.touches = answered_gap_m(world, static_cast<std::uint32_t>(i)) <= 0;
+    }
+    if (!pair.apart() && pair.refinable()) ++count.left;
+    if (pair.kept == Kept::Apart) ++count.kept_apart;
+    if (!pair.answered) return;
+    ++count.answered;
+    if (pair.by_kept()) ++count.kept_contacts;
+    ++count.levels[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
+  });
+  world.places.use_up(rooms);
+}
+
+Material mixed(const WorldState& world, const ActivePair& pair) {
+  const Material& a = world.materials[world.bodies.material[pair.a]];
+  const Material& b = world.materials[world.bodies.material[pair.b]];
+  Material both;
+  both.restitution = std::max(a.restitution, b.restitution);
+  both.friction = std::sqrt(a.friction * b.friction);
+  return both;
+}
+
+// Where a pair may rest, once impacts are over.
+response::RestPair rest_pair(const WorldState& world, std::size_t i, bool fast) {
+  const ActivePair& pair = world.buffers.pairs[i];
+  const Material material = mixed(world, pair);
+  const bool lone = pair.place_count == 1;
+  response::RestPair rest;
+  rest.a = pair.a;
+  rest.b = pair.b;
+  rest.place_begin = static_cast<std::uint32_t>(PlaceStore::begin(pair.room) + (lone ? 0U : 1U));
+  rest.pair = static_cast<std::uint32_t>(i);
+  rest.place_count = lone ? std::uint8_t{1} : static_cast<std::uint8_t>(pair.place_count - 1);
+  rest.fast = fast;
+  rest.friction = material.friction;
+  rest.restitution = material.restitution;
+  rest.slop_m = kSlopOfSkin * pair.skin_m;
+  return rest;
+}
+
+// The pairs that are answered, in canonical order, coloured by the bodies that yield.
+void list_answered(WorldState& world, double dt_s, double still_mps, FrameReport& report) {
+  FrameBuffers& buffers = world.buffers;
+  std::uint32_t answered = 0;
+  for (AnsweredCount& count : buffers.answered_of_chunk) {
+    count.before = answered;
+    answered += count.answered;
+    report.pairs_left += count.left;
+    report.kept_apart += count.kept_apart;
+    report.kept_contacts += count.kept_contacts;
+    for (std::size_t level = 0; level < count.levels.size(); ++level) report.level_histogram[level] += count.levels[level];
+  }
+  // All grow with the pairs, so that later frames whose share of answered pairs is larger need no room of their own.
+  const std::size_t room = buffers.pairs.capacity();
+  buffers.rest_pairs.reserve(room);
+  buffers.edges.reserve(room);
+  buffers.given_ns.reserve(room);
+  buffers.coloring.reserve(room);
+  buffers.rows.reserve(room);
+  buffers.scratch.gates.reserve(room);
+  buffers.rest_pairs.resize(answered);
+  buffers.edges.resize(answered);
+  buffers.given_ns.resize(answered);
+  parallel::Shared<int> fast(0);
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::uint32_t at = buffers.answered_of_chunk[begin / kGrain].before;
+    bool any = false;
+    for (std::size_t i = begin; i < end; ++i) {
+      const ActivePair& pair = buffers.pairs[i];
+      if (!pair.answered) continue;
+      const response::RestPair rest = rest_pair(world, i, may_be_fast(world, pair, dt_s, still_mps));
+      any = any || rest.fast;
+      buffers.rest_pairs[at] = rest;
+      buffers.edges[at++] = {pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0, rest.place_count};
+    }
+    if (any && fast.get() == 0) fast.set(1);
+  });
+  buffers.impacts = fast.get() != 0;
+  buffers.coloring.color(buffers.edges, world.bodies.slot_count());
+  report.contact_pairs = answered;
+  report.colors_full = answered - buffers.coloring.serial_begin();
+}
+
+// Room for the single contacts of each pair that the paper's model answers.
+void lay_out_points(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  if (world.settings.contact != ContactModel::Paper) return;
+  std::uint32_t points = 0;
+  buffers.points_begin.reserve(buffers.pairs.capacity());
+  buffers.points_begin.clear();
+  for (const response::RestPair& rest : buffers.rest_pairs) {
+    const ActivePair& pair = buffers.pairs[rest.pair];
+    buffers.points_begin.push_back(points);
+    if (!pair.by_polygons()) points += pair.level.front_entries;
+  }
+  buffers.points.resize(points);
 }
 
 void fill_bodies(WorldState& world) {
@@ -111,63 +261,6 @@ void fill_bodies(WorldState& world) {
   });
 }
 
-// Places of all pairs, one pair after another.
-void lay_out_places(WorldState& world) {
-  FrameBuffers& buffers = world.buffers;
-  std::uint32_t places = 0;
-  for (ActivePair& pair : buffers.pairs) {
-    pair.place_begin = places;
-    pair.place_count = count_places(pair);
-    places += pair.place_count;
-  }
-  // A pair may gain places in any later frame; room for the most that it can have costs no memory until it is used.
-  const std::size_t room = buffers.pairs.capacity() * (collision::kMaxPatches + 1);
-  buffers.places.reserve(room);
-  buffers.rest_patches.reserve(room);
-  buffers.places.resize(places);
-  buffers.rest_patches.resize(places);
-  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      buffers.pairs[i].answered = false;
-      if (buffers.pairs[i].place_count > 0) set_places(world, buffers.pairs[i]);
-    }
-  });
-}
-
-// The pairs that are answered, in canonical order, coloured by the bodies that yield.
-void list_rows(WorldState& world, FrameReport& report) {
-  FrameBuffers& buffers = world.buffers;
-  buffers.row_pair.clear();
-  buffers.edges.clear();
-  buffers.points_begin.clear();
-  // All grow with the pairs, so that later frames whose share of answered pairs is larger need no room of their own.
-  const std::size_t room = buffers.pairs.capacity();
-  buffers.row_pair.reserve(room);
-  buffers.edges.reserve(room);
-  buffers.points_begin.reserve(room + 1);
-  buffers.rows.reserve(room);
-  buffers.rest_pairs.reserve(room);
-  buffers.scratch.gates.reserve(room);
-  std::uint32_t points = 0;
-  const bool by_points = world.settings.contact == ContactModel::Paper;
-  for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
-    const ActivePair& pair = buffers.pairs[i];
-    if (!pair.apart() && pair.refinable()) ++report.pairs_left;
-    if (pair.kept == Kept::Apart) ++report.kept_apart;
-    if (!pair.answered) continue;
-    if (pair.by_kept()) ++report.kept_contacts;
-    ++report.level_histogram[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
-    buffers.row_pair.push_back(static_cast<std::uint32_t>(i));
-    buffers.edges.push_back({pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0});
-    buffers.points_begin.push_back(points);
-    if (by_points && !pair.by_polygons()) points += pair.level.front_entries;
-  }
-  buffers.points_begin.push_back(points);
-  buffers.points.resize(points);
-  buffers.coloring.reserve(room);
-  buffers.coloring.color(buffers.edges, world.bodies.slot_count());
-}
-
 void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place, response::ContactRow& row) {
   FrameBuffers& buffers = world.buffers;
   row.points_begin = row.points_end = buffers.points_begin[place];
@@ -183,67 +276,36 @@ void fill_points(WorldState& world, const ActivePair& pair, std::uint32_t place,
   });
 }
 
-Material mixed(const WorldState& world, const ActivePair& pair) {
-  const Material& a = world.materials[world.bodies.material[pair.a]];
-  const Material& b = world.materials[world.bodies.material[pair.b]];
-  Material both;
-  both.restitution = std::max(a.restitution, b.restitution);
-  both.friction = std::sqrt(a.friction * b.friction);
-  return both;
-}
-
-// What every row has.
-void outline_row(const WorldState& world, std::uint32_t place, response::ContactRow& row) {
-  const FrameBuffers& buffers = world.buffers;
-  row.pair = buffers.row_pair[place];
-  const ActivePair& pair = buffers.pairs[row.pair];
-  const Material material = mixed(world, pair);
-  row.a = pair.a;
-  row.b = pair.b;
-  row.bounces = false;
-  row.gap_m = buffers.rest_patches[pair.place_begin].gap_m;
-  // The paper answers the spheres themselves; the others answer the surfaces that are likely inside them.
-  if (world.settings.contact == ContactModel::Paper && !pair.by_kept()) row.gap_m = pair.level.contact.spheres_m;
-  row.restitution = material.restitution;
-  row.friction = material.friction;
-  row.total_ns = 0;
-  row.point_impulse_ns.setZero();
-}
-
-// May the bodies of a row close so fast that it is an impact, at any of their points?
-bool may_be_fast(const WorldState& world, const response::ContactRow& row, double still_mps) {
-  const response::SolverBody& a = world.buffers.solver_bodies[row.a];
-  const response::SolverBody& b = world.buffers.solver_bodies[row.b];
-  const auto reach_m = [&](std::uint32_t slot) {
-    const Shape& shape = *world.bodies.shape[slot];
-    return shape.kind == ShapeKind::Plane ? 0.0 : shape.bounding_radius_m;
-  };
-  const double closing = (a.velocity_mps - b.velocity_mps).norm() + a.spin_radps.norm() * reach_m(row.a) + b.spin_radps.norm() * reach_m(row.b);
-  return closing > still_mps;
-}
-
 // What an impact needs.
 class PairRows final : public response::RowSource {
  public:
   PairRows(WorldState& world, parallel::Tickets& degenerate) : world_(world), degenerate_(degenerate) {}
   void fill(std::size_t k) const override {
     FrameBuffers& buffers = world_.buffers;
+    const std::uint32_t place = buffers.coloring.order()[k];
+    const response::RestPair& rest = buffers.rest_pairs[place];
+    const ActivePair& pair = buffers.pairs[rest.pair];
+    const collision::PairContact& contact = buffers.found[rest.pair].contact;
+    const response::PlaceNow lone = lone_place(world_, pair);
     response::ContactRow& row = buffers.rows[k];
-    const ActivePair& pair = buffers.pairs[row.pair];
+    row = response::ContactRow{};
+    row.a = rest.a;
+    row.b = rest.b;
+    row.pair = rest.pair;
+    row.gap_m = answered_gap_m(world_, rest.pair);
+    row.restitution = rest.restitution;
+    row.friction = rest.friction;
     row.a_to_b_m = buffers.poses[pair.b].position_m - buffers.poses[pair.a].position_m;
-    row.points_begin = row.points_end = row.patches_begin = row.patches_end = 0;
     if (pair.place_count > 1) {
-      row.patches_begin = pair.place_begin + 1;
-      row.patches_end = pair.place_begin + pair.place_count;
+      row.places_begin = rest.place_begin;
+      row.places_end = rest.place_begin + rest.place_count;
     }
     if (pair.by_kept()) {
-      const response::RestPatch& kept = buffers.rest_patches[pair.place_begin];
-      row.direction = kept.normal;
-      row.arm_m = kept.arm_m;
+      row.direction = lone.normal;
+      row.arm_m = lone.arm_m;
       row.moment_a_m = row.arm_m.cross(row.direction);
       row.moment_b_m = (row.arm_m - row.a_to_b_m).cross(row.direction);
     } else {
-      const collision::PairContact& contact = pair.level.contact;
       row.direction = contact.direction;
       row.arm_m = contact.arm_m;
       row.moment_a_m = contact.moment_a_m;
@@ -253,7 +315,7 @@ class PairRows final : public response::RowSource {
     if (!response::prepare_row(row, inverse_mass[pair.a], buffers.inverse_inertia[pair.a], inverse_mass[pair.b], buffers.inverse_inertia[pair.b])) {
       degenerate_.take(1);
     }
-    if (world_.settings.contact == ContactModel::Paper) fill_points(world_, pair, buffers.coloring.order()[k], row);
+    if (world_.settings.contact == ContactModel::Paper) fill_points(world_, pair, place, row);
   }
 
  private:
@@ -261,95 +323,82 @@ class PairRows final : public response::RowSource {
   parallel::Tickets& degenerate_;
 };
 
-// What of a pair may rest, once impacts are over.
-response::RestPair rest_pair(const WorldState& world, const response::ContactRow& row) {
-  const ActivePair& pair = world.buffers.pairs[row.pair];
-  response::RestPair rest;
-  rest.a = row.a;
-  rest.b = row.b;
-  const bool lone = pair.place_count == 1;
-  rest.patch_begin = pair.place_begin + (lone ? 0 : 1);
-  // A pair that is about to rebound is the business of the impact phase.
-  rest.patch_count = row.bounces ? 0 : lone ? 1 : pair.place_count - 1U;
-  rest.friction = row.friction;
-  rest.restitution = row.restitution;
-  rest.slop_m = kSlopOfSkin * pair.skin_m;
-  rest.a_to_b_m = world.buffers.poses[pair.b].position_m - world.buffers.poses[pair.a].position_m;
-  return rest;
-}
-
-}  // namespace
-
-void make_rows(WorldState& world, double still_mps, FrameReport& report) {
+// A gate for each row, none of them filled.
+void close_gates(WorldState& world) {
   FrameBuffers& buffers = world.buffers;
-  lay_out_places(world);
-  list_rows(world, report);
-  report.contact_pairs = buffers.row_pair.size();
-  report.colors_full = buffers.row_pair.size() - buffers.coloring.serial_begin();
-  fill_bodies(world);
-  buffers.rows.resize(buffers.row_pair.size());
-  buffers.scratch.gates.resize(buffers.rows.size());
-  parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+  buffers.rows.resize(std::max(buffers.rows.size(), buffers.rest_pairs.size()));
+  buffers.scratch.gates.resize(buffers.rest_pairs.size());
+  const std::span<const std::uint32_t> order = buffers.coloring.order();
+  parallel::parallel_for(*world.executor, order.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
-      response::ContactRow& row = buffers.rows[k];
-      outline_row(world, buffers.coloring.order()[k], row);
-      buffers.scratch.gates[k] = {row.a, row.b, may_be_fast(world, row, still_mps), false};
+      const response::RestPair& rest = buffers.rest_pairs[order[k]];
+      buffers.scratch.gates[k] = {rest.a, rest.b, rest.fast, false};
     }
   });
 }
 
-response::System system_of(FrameBuffers& buffers) {
-  return {buffers.solver_bodies, buffers.rows, buffers.points, buffers.rest_patches, buffers.inverse_inertia, buffers.coloring, buffers.scratch};
+// What comes in fast enough to rebound is the business of the impact phase, not of rest.
+void leave_bouncing(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  for (std::size_t k = 0; k < buffers.rest_pairs.size(); ++k) {
+    if (buffers.scratch.gates[k].ready && buffers.rows[k].bounces) buffers.rest_pairs[buffers.coloring.order()[k]].place_count = 0;
+  }
+}
+
+}  // namespace
+
+response::PlaceNow lone_place(const WorldState& world, const ActivePair& pair) {
+  return response::place_now(world.buffers.poses[pair.a], world.buffers.poses[pair.b], world.places.places[PlaceStore::begin(pair.room)]);
+}
+
+double answered_gap_m(const WorldState& world, std::uint32_t pair) {
+  const ActivePair& active = world.buffers.pairs[pair];
+  // The paper answers the spheres themselves; the others answer the surfaces that are likely inside them.
+  if (world.settings.contact == ContactModel::Paper && !active.by_kept()) return world.buffers.found[pair].contact.spheres_m;
+  return lone_place(world, active).gap_m;
+}
+
+void list_contact_pairs(WorldState& world, double dt_s, double still_mps, FrameReport& report) {
+  lay_out_places(world);
+  list_answered(world, dt_s, still_mps, report);
+  lay_out_points(world);
+  fill_bodies(world);
+}
+
+response::System impact_system(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  return {buffers.solver_bodies, std::span(buffers.rows).first(buffers.rest_pairs.size()), buffers.points, world.places.places, buffers.poses,
+          buffers.inverse_inertia, buffers.coloring, buffers.scratch};
 }
 
 void fill_rows(WorldState& world) {
   parallel::Tickets degenerate;
   const PairRows source(world, degenerate);
-  for (std::size_t k = 0; k < world.buffers.rows.size(); ++k) source.fill(k);
+  close_gates(world);
+  for (std::size_t k = 0; k < world.buffers.rest_pairs.size(); ++k) source.fill(k);
 }
 
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping) {
   const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
-  make_rows(world, response::still_mps(settings), report);
+  list_contact_pairs(world, input.dt_s, response::still_mps(settings), report);
   FrameBuffers& buffers = world.buffers;
-  parallel::Tickets degenerate;
-  const PairRows source(world, degenerate);
-  response::System impact = system_of(buffers);
-  impact.source = &source;
-  const response::Convergence impacts = response::solve_impacts(impact, settings, *world.executor);
-  report.degenerate = degenerate.take(0);
-  buffers.rest_pairs.resize(buffers.rows.size());
-  parallel::parallel_for(*world.executor, buffers.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) buffers.rest_pairs[k] = rest_pair(world, buffers.rows[k]);
-  });
-  const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia,
-                                    buffers.rest_pairs,    buffers.rest_patches,  buffers.coloring};
+  response::Convergence ended;
+  if (buffers.impacts) {
+    parallel::Tickets degenerate;
+    const PairRows source(world, degenerate);
+    close_gates(world);
+    response::System impact = impact_system(world);
+    impact.source = &source;
+    ended = response::solve_impacts(impact, settings, *world.executor);
+    report.degenerate = degenerate.take(0);
+    leave_bouncing(world);
+  }
+  const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia, buffers.poses, buffers.rest_pairs,
+                                    world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring};
   const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);
   if (input.backtracking) answer_swept(world, input, report);
-  return {impacts.reached && rest.reached, impacts.sweeps + rest.sweeps};
-}
-
-// What resting contact came to goes into the memory of the pairs.
-void keep_impulses(WorldState& world) {
-  FrameBuffers& buffers = world.buffers;
-  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ActivePair& pair = buffers.pairs[i];
-      if (pair.place_count == 0) continue;
-      const std::span<KeptPlace> places = resting(std::span(buffers.places).subspan(pair.place_begin, pair.place_count));
-      const PlacedPair where = placed_pair(world, pair);
-      const std::size_t first = pair.place_begin + (pair.place_count == 1 ? 0U : 1U);
-      for (std::size_t k = 0; k < places.size(); ++k) {
-        if (pair.answered) {
-          keep_impulse(where, buffers.rest_patches[first + k], places[k]);
-        } else {
-          places[k].impulse_ns = 0;
-          places[k].friction_ns.setZero();
-        }
-      }
-    }
-  });
+  return {ended.reached && rest.reached, ended.sweeps + rest.sweeps};
 }
 
 }  // namespace poise::simulation

@@ -41,33 +41,21 @@ void wake_body(WorldState& world, std::uint32_t slot) {
   ++world.sleep.woken;
 }
 
-void append(const PairMemory& pair, const std::vector<KeptPlace>& places, KeptPairs& to) {
-  to.pairs.push_back(pair);
-  to.pairs.back().place_begin = static_cast<std::uint32_t>(to.places.size());
-  const auto first = places.begin() + pair.place_begin;
-  to.places.insert(to.places.end(), first, first + pair.place_count);
-}
-
 // Puts what pairs keep where it belongs: aside where a body of the pair sleeps, else to the pairs of the last step.
 void sort_memory(WorldState& world) {
   Sleep& sleep = world.sleep;
-  for (KeptPairs* next : {&sleep.next_awake, &sleep.next_aside}) {
-    next->pairs.clear();
-    next->places.clear();
-  }
-  const auto move = [&](const PairMemory& pair, const std::vector<KeptPlace>& places) {
-    append(pair, places, sleeps(world, pair) ? sleep.next_aside : sleep.next_awake);
-  };
+  sleep.next_awake.clear();
+  sleep.next_aside.clear();
+  const auto move = [&](const PairMemory& pair) { (sleeps(world, pair) ? sleep.next_aside : sleep.next_awake).push_back(pair); };
   const auto key = [](const PairMemory& pair) { return std::pair(pair.low, pair.high); };
-  auto aside = sleep.aside.pairs.begin();
+  auto aside = sleep.aside.begin();
   for (const PairMemory& pair : world.memory) {
-    for (; aside != sleep.aside.pairs.end() && key(*aside) < key(pair); ++aside) move(*aside, sleep.aside.places);
-    move(pair, world.places);
+    for (; aside != sleep.aside.end() && key(*aside) < key(pair); ++aside) move(*aside);
+    move(pair);
   }
-  for (; aside != sleep.aside.pairs.end(); ++aside) move(*aside, sleep.aside.places);
+  for (; aside != sleep.aside.end(); ++aside) move(*aside);
   std::swap(sleep.aside, sleep.next_aside);
-  std::swap(world.memory, sleep.next_awake.pairs);
-  std::swap(world.places, sleep.next_awake.places);
+  std::swap(world.memory, sleep.next_awake);
 }
 
 void wake_roused(WorldState& world) {
@@ -181,7 +169,7 @@ void wake_stirred(WorldState& world) {
   std::sort(sleep.stirred.begin(), sleep.stirred.end());
   sleep.stirred.erase(std::unique(sleep.stirred.begin(), sleep.stirred.end()), sleep.stirred.end());
   const auto stirred = [&](std::uint32_t slot) { return std::binary_search(sleep.stirred.begin(), sleep.stirred.end(), slot); };
-  for (const PairMemory& pair : sleep.aside.pairs) {
+  for (const PairMemory& pair : sleep.aside) {
     if (world.bodies.asleep[pair.low] != 0 && stirred(pair.high)) rouse(world, pair.low);
     if (world.bodies.asleep[pair.high] != 0 && stirred(pair.low)) rouse(world, pair.high);
   }
@@ -207,10 +195,7 @@ bool wake_touched(WorldState& world) {
 void fall_asleep(WorldState& world, double dt_s, FrameReport& report) {
   Sleep& sleep = world.sleep;
   // The room that an island will need, before it sleeps.
-  for (KeptPairs* kept : {&sleep.aside, &sleep.next_awake, &sleep.next_aside}) {
-    kept->pairs.reserve(world.memory.capacity());
-    kept->places.reserve(world.places.capacity());
-  }
+  for (std::vector<PairMemory>* kept : {&sleep.aside, &sleep.next_awake, &sleep.next_aside}) kept->reserve(world.memory.capacity());
   sleep.parent.reserve(world.bodies.slot_count());
   sleep.restless.reserve(world.bodies.slot_count());
   if (count_still(world, dt_s)) {

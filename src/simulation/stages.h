@@ -21,15 +21,19 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report);
 /// Refines until the budget says stop.
 void refine(WorldState& world, const StepInput& input, FrameReport& report);
 
-/// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room.
-bool refine_pair(WorldState& world, ActivePair& pair, int worker);
+/// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room. `found` is that of the pair.
+bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 
-/// Velocities and the pairs that are answered, as rows: the first half of respond. What is slower than `still_mps` is no impact.
-void make_rows(WorldState& world, double still_mps, FrameReport& report);
+/// Where the pairs are that are answered, and the velocities of the bodies: the first half of respond. What is slower than `still_mps` is no impact.
+void list_contact_pairs(WorldState& world, double dt_s, double still_mps, FrameReport& report);
 /// Fills all rows with what impacts need; respond does so as they are looked at.
 void fill_rows(WorldState& world);
-/// What the solvers work on.
-response::System system_of(FrameBuffers& buffers);
+/// What the solver of impacts works on, once there are rows.
+response::System impact_system(WorldState& world);
+/// The place of an answered pair that answers impacts, where it was at the start of the frame.
+response::PlaceNow lone_place(const WorldState& world, const ActivePair& pair);
+/// The likely gap of its surfaces there; in the paper's model that of its spheres. `pair` is its place among the active pairs.
+double answered_gap_m(const WorldState& world, std::uint32_t pair);
 /// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which answers no
 /// front. Counts pairs whose front had no room.
 std::size_t refine_to_the_end(WorldState& world);
@@ -37,9 +41,6 @@ std::size_t refine_to_the_end(WorldState& world);
 /// Impulses at the deepest completed level of each pair, and forces; velocities are those after the step.
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping = {});
-
-/// Puts what resting contact came to into the places of the frame.
-void keep_impulses(WorldState& world);
 
 /// Positions and orientations after the step.
 void integrate(WorldState& world, const StepInput& input);

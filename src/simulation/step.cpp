@@ -33,8 +33,11 @@ void forget_removed(simulation::WorldState& world) {
   const auto removed = [&](std::uint32_t slot) {
     return std::binary_search(world.removed_slots.begin(), world.removed_slots.end(), slot);
   };
-  std::erase_if(world.memory,
-                [&](const simulation::PairMemory& pair) { return removed(pair.low) || removed(pair.high); });
+  std::erase_if(world.memory, [&](const simulation::PairMemory& pair) {
+    const bool gone = removed(pair.low) || removed(pair.high);
+    if (gone) world.places.give_back(pair.room);
+    return gone;
+  });
   world.removed_slots.clear();
 }
 

@@ -38,12 +38,12 @@ collision::Mover standing_mover(const WorldState& world, std::uint32_t slot) {
 }
 
 // A row by the one contact that is there. What a hit leaves between the surfaces is no gap to close.
-void touch_exactly(const WorldState& world, const collision::ConvexGap& gap, double near_m, ActivePair& pair) {
+void touch_exactly(const WorldState& world, const collision::ConvexGap& gap, double near_m, ActivePair& pair, collision::LevelContact& found) {
   const collision::Pose& pose = world.buffers.poses[pair.a];
   collision::PairLevel& level = pair.level;
   level.level = level.deepest;
   level.polygons = false;
-  collision::PairContact& contact = level.contact;
+  collision::PairContact& contact = found.contact;
   contact = {};
   contact.present = true;
   contact.direction = gap.normal;
@@ -52,11 +52,12 @@ void touch_exactly(const WorldState& world, const collision::ConvexGap& gap, dou
   contact.moment_b_m = (gap.point_m - world.buffers.poses[pair.b].position_m).cross(gap.normal);
   contact.spheres_m = contact.likely_m = std::min(0.0, gap.gap_m - near_m);
   contact.surely_m = 0;
-  level.patches.count = 0;
+  found.patches.count = 0;
 }
 
 void send(WorldState& world, SweptPair& swept, int worker) {
   ActivePair& pair = world.buffers.pairs[swept.pair];
+  collision::LevelContact& found = world.buffers.found[swept.pair];
   const double extent = std::min(world.shapes[world.shape_of[pair.a]].least_extent_m, world.shapes[world.shape_of[pair.b]].least_extent_m);
   swept.tolerance_m = kToleranceOfExtent * extent;
   const double near_m = kTouching * swept.tolerance_m;
@@ -75,9 +76,9 @@ void send(WorldState& world, SweptPair& swept, int worker) {
     pair.level.apart = true;
   } else if (is_lone_ball(*world.bodies.shape[pair.a]) ||
              (world.bodies.shape[pair.b]->kind == ShapeKind::Tree && is_lone_ball(*world.bodies.shape[pair.b]))) {
-    touch_exactly(world, gap, near_m, pair);
+    touch_exactly(world, gap, near_m, pair, found);
   } else {
-    refine_whole(world, pair, worker);
+    refine_whole(world, pair, found, worker);
   }
   pair.level.deepest = pair.level.level;
   pair.reach_m = 0;  // another frame must look anew

@@ -47,10 +47,10 @@ class OtherPoses {
 
 double swept_slack_m(const WorldState& world, std::size_t slot) { return 0.5 * world.shapes[world.shape_of[slot]].least_extent_m; }
 
-void refine_whole(WorldState& world, ActivePair& pair, int worker) {
+void refine_whole(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
   collision::FrontPool& pool = world.buffers.pools[static_cast<std::size_t>(worker)];
   pool.clear();
-  refine_pair(world, pair, worker);
+  refine_pair(world, pair, found, worker);
   pool.clear();
   pair.level.front = {};
   pair.level.front_entries = 0;
@@ -74,8 +74,9 @@ collision::PairContact contact_where_met(WorldState& world, const ActivePair& pa
   there.margin_m = there.reach_m = kBandOfGap * meeting.contact.gap_m;
   there.level.deepest = collision::deepest_level(a, b, kMaxTreeDepth);
   collision::allow_polygons(a, b, kMaxTreeDepth, there.level);
-  refine_whole(world, there, 0);
-  const collision::PairContact& full = there.level.contact;
+  collision::LevelContact found;
+  refine_whole(world, there, found, 0);
+  const collision::PairContact& full = found.contact;
   const bool sound = !there.full && there.level.by_polygons() && full.present && full.direction.norm() > kSameSide &&
                      full.direction.normalized().dot(lone.direction) > kSameSide;
   return sound ? full : lone;

@@ -12,7 +12,7 @@ namespace poise::simulation {
 double swept_slack_m(const WorldState& world, std::size_t slot);
 
 /// Brings a pair to its deepest level on one worker, and forgets the front.
-void refine_whole(WorldState& world, ActivePair& pair, int worker);
+void refine_whole(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 
 /// The wrench of two bodies that have met: the one contact where a ball meets something, else that of the polygons where the two stand, if
 /// these agree with the contact about the side. Uses the poses of the frame and the pool of worker 0; puts the poses back.

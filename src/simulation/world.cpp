@@ -285,11 +285,14 @@ std::uint64_t World::state_hash() const {
                                       std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
                                       std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m)};
       hash = XXH64(words, sizeof(words), hash);
+      if (pair.place_count == 0) continue;
+      const std::size_t first = simulation::PlaceStore::begin(pair.room);
+      hash = XXH64(state_->places.places.data() + first, pair.place_count * sizeof(response::RestPlace), hash);
+      hash = XXH64(state_->places.loads.data() + first, pair.place_count * sizeof(response::RestLoad), hash);
     }
   };
-  static_assert(sizeof(simulation::KeptPlace) == 14 * sizeof(double), "no padding in what is hashed");
+  static_assert(sizeof(response::RestPlace) == 10 * sizeof(double) && sizeof(response::RestLoad) == 4 * sizeof(double), "no padding in what is hashed");
   mix_pairs(state_->memory);
-  mix(state_->places);
   if (!state_->settings.sleeping) return hash;
   const simulation::Sleep& sleep = state_->sleep;
   mix(bodies.asleep);
@@ -297,8 +300,7 @@ std::uint64_t World::state_hash() const {
   mix(sleep.island);
   mix(sleep.roused);
   mix(sleep.stirred);
-  mix_pairs(sleep.aside.pairs);
-  mix(sleep.aside.places);
+  mix_pairs(sleep.aside);
   return hash;
 }
 

@@ -36,12 +36,11 @@ struct ShapeFacts {
 /// What a pair takes from one frame to the next. Part of the state.
 ///
 /// What was once found out about a pair counts for as long as its bodies have not moved too far against each other: that it is apart, or the
-/// places where it may touch. Invariant: places follow each other in WorldState::places; the first answers impacts, the others (or
-/// the first, if it is alone) rest.
+/// places where it may touch. Invariant: the first of its places answers impacts, the others (or the first, if it is alone) rest.
 struct PairMemory {
   std::uint32_t low = 0, high = 0;     ///< slots
   std::uint32_t frames_waited = 0;     ///< since a level beyond the mandatory one was completed
-  std::uint32_t place_begin = 0;
+  std::uint32_t room = kNoRoom;        ///< of its places in WorldState::places; which one is not part of the state
   std::uint8_t place_count = 0;
   Level level = 0;                     ///< that found it out
   bool touching = false;
@@ -58,7 +57,8 @@ enum class Kept : std::uint8_t {
   Stale,   ///< its places are too old to be sure of, and better than nothing
 };
 
-/// A candidate pair whose coarsest spheres are nearer than its margin, during one frame.
+/// A candidate pair whose coarsest spheres are nearer than its margin, during one frame. Small: every stage goes through all of them. What refinement
+/// found of it and what a viewer sees of it are in FrameBuffers::found and cues.
 struct ActivePair {
   std::uint32_t low = 0, high = 0;     ///< slots in order
   std::uint32_t a = 0, b = 0;          ///< the same, a plane always second
@@ -68,11 +68,11 @@ struct ActivePair {
   bool full = false;                   ///< a front had no room: left at its level
   std::uint8_t place_count = 0;        ///< of this frame
   bool answered = false;               ///< a place is nearer than the margin
+  bool touches = false;                ///< its likely gap is none
   bool exact = false;                  ///< its contact is there whatever its level: a pair of backtracking
-  std::uint32_t place_begin = 0;
+  std::uint32_t room = kNoRoom;        ///< of its places, as in its memory
   PairMemory memory;
   collision::PairLevel level;          ///< what refinement knows; the contact of level 0 is made only if the pair stays there
-  scheduler::PairCues cues;
 
   [[nodiscard]] std::uint64_t id() const { return (std::uint64_t{low} << 32U) | high; }
   /// Refinement found out more than what is kept.
@@ -114,6 +114,14 @@ struct Glance {
   bool plane = false, dynamic = false;
 };
 
+/// What there is to answer among some pairs.
+struct AnsweredCount {
+  std::uint32_t before = 0;            ///< answered pairs of all chunks before
+  std::uint32_t answered = 0, left = 0, kept_apart = 0, kept_contacts = 0;
+  std::uint32_t new_rooms = 0;
+  std::array<std::uint32_t, kPolygonPlace + 1> levels{};
+};
+
 /// Everything that one step works on. Invariant: buffers only grow.
 struct FrameBuffers {
   std::vector<collision::Pose> poses;                  // one a slot
@@ -125,23 +133,31 @@ struct FrameBuffers {
   std::vector<std::uint32_t> active_of_chunk;          // per chunk of candidates
   std::vector<std::uint32_t> active_candidate;         // candidates that are active, chunk after chunk
   std::vector<ActivePair> pairs;                       // in canonical order
+  std::vector<collision::LevelContact> found;          // one a pair: of those that were refined in this frame
+  std::vector<scheduler::PairCues> cues;               // one a pair: of those that can be refined
+  std::vector<std::uint8_t> recalled;                  // one a pair of the last frame: it is one of this frame's too
   std::vector<collision::FrontPool> pools;             // one a worker
   std::vector<WorkerTally> tallies;                    // one a worker
-  std::vector<std::uint32_t> row_pair;                 // pairs that are answered, in canonical order
-  std::vector<response::Coloring::Edge> edges;
+  std::vector<AnsweredCount> answered_of_chunk;        // per chunk of pairs
+  std::vector<response::RestPair> rest_pairs;          // those that are answered, in canonical order
+  std::vector<response::Coloring::Edge> edges;         // of these
+  std::vector<Vec3> given_ns;                          // to these: what b received from rest
   response::Coloring coloring;
   response::SolveScratch scratch;
-  std::vector<KeptPlace> places;                       // of this frame's pairs, in canonical order
-  std::vector<response::ContactRow> rows;              // in the order of the colouring
-  std::vector<response::RestPair> rest_pairs;          // one a row
-  std::vector<response::RestPatch> rest_patches;       // one a place
+  bool impacts = false;                                // some pair may have one: scratch.gates and rows are of this frame
+  std::vector<response::ContactRow> rows;              // in the order of the colouring; those whose gate is ready hold something
   std::vector<StepMotion> motions;                     // one a slot, of the step that ends
   std::vector<response::PointContact> points;
-  std::vector<std::uint32_t> points_begin;             // per answered pair
+  std::vector<std::uint32_t> points_begin;             // per answered pair; only the paper's model has any
   std::vector<response::SolverBody> solver_bodies;     // one a slot
   std::vector<response::Acceleration> accelerations;   // one a slot
   SweptFrame swept;
 };
+
+/// What impacts did to the k-th row in the order of the colouring; null where there was none to look for.
+inline const response::ContactRow* row_of(const FrameBuffers& buffers, std::size_t k) {
+  return buffers.impacts && buffers.scratch.gates[k].ready ? &buffers.rows[k] : nullptr;
+}
 
 /// What the reference of a frame works on (simulation/reference.h). A World that never asks for one has none.
 struct Reference {
@@ -149,13 +165,8 @@ struct Reference {
   std::array<std::vector<double>, kColumns> columns;   ///< of the bodies at the start of the frame
   std::vector<std::uint8_t> pushed;
   FrameBuffers frame;                                  ///< the reference's own; the run's while the reference is made
+  PlaceStore places;                                   ///< of the start of the frame; the run's while the reference is made
   std::vector<std::unique_ptr<collision::TrueSurface>> surfaces;  ///< one a shape, made when it is first asked for
-};
-
-/// Pairs and what they keep: `pairs` sorted by slots, their places anywhere in `places`.
-struct KeptPairs {
-  std::vector<PairMemory> pairs;
-  std::vector<KeptPlace> places;
 };
 
 /// What sleeping needs (simulation/sleep.h). Empty in a World that does without. Part of the state but for what is only scratch.
@@ -165,10 +176,10 @@ struct Sleep {
   std::vector<std::uint8_t> roused;        ///< one a slot: the island of this name is to wake
   bool any_roused = false;
   std::vector<std::uint32_t> stirred;      ///< static bodies that the caller put somewhere, changed or removed since the last step
-  KeptPairs aside;                         ///< of the pairs of which a body sleeps
+  std::vector<PairMemory> aside;           ///< of the pairs of which a body sleeps, sorted by slots
   std::size_t woken = 0;                   ///< since the last report
 
-  KeptPairs next_awake, next_aside;        // scratch
+  std::vector<PairMemory> next_awake, next_aside;  // scratch
   std::vector<std::uint32_t> parent;       // scratch: the union-find forest
   std::vector<std::uint8_t> restless;      // scratch: islands of which a body moves
 };
@@ -185,7 +196,7 @@ struct WorldState {
 
   std::vector<PairMemory> memory;          // of the last step's active pairs, sorted
   std::vector<PairMemory> next_memory;
-  std::vector<KeptPlace> places;                       // of memory
+  PlaceStore places;                                   // of memory and of what sleeps
   std::vector<std::uint32_t> removed_slots;            // since the last step
   std::vector<std::uint32_t> displaced_slots;          // likewise: put somewhere else by the caller
   Sleep sleep;

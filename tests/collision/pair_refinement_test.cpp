@@ -16,21 +16,21 @@ std::vector<FrontPool> make_pools(int workers, std::uint32_t room = kRoom) {
   return pools;
 }
 
-PairLevel start(const PairFrame& frame) {
-  PairLevel pair;
+LonePair start(const PairFrame& frame) {
+  LonePair pair;
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   return pair;
 }
 
 // Refines one level, `units` expansions at a time, on the given worker.
-bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units, PairLevel& pair) {
+bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units, LonePair& pair) {
   LevelProgress progress = begin_level(pair, pools[static_cast<std::size_t>(worker)]);
   for (;;) {
     const Quantum quantum = run_quantum(frame, pools, worker, units, progress);
     if (quantum == Quantum::Full) return false;
     if (quantum == Quantum::Complete) break;
   }
-  publish_level(frame, Mat3::Identity(), pools, progress, pair);
+  publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
   return true;
 }
 
@@ -55,7 +55,7 @@ TEST(PairRefinement, NeverLosesATouchAndKnowsItsDepthAtTheLeaves) {
     const PairFrame frame = make_pair_frame(a, random_pose(random, 0.8), b, random_pose(random, 0.8), 0.02, 0.001);
     const double exact = least_leaf_gap(frame);
     auto pools = make_pools(1);
-    PairLevel pair = start(frame);
+    LonePair pair = start(frame);
     while (pair.refinable()) {
       ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
       if (exact < frame.margin_m) {
@@ -82,8 +82,8 @@ TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
     const PairFrame frame = make_pair_frame(*worm, random_pose(random, 0.3), *worm, random_pose(random, 0.3), 0.05, 0.001);
     auto whole_pools = make_pools(1);
     auto split_pools = make_pools(3);
-    PairLevel whole = start(frame);
-    PairLevel split = start(frame);
+    LonePair whole = start(frame);
+    LonePair split = start(frame);
     while (whole.refinable()) {
       ASSERT_TRUE(refine_once(frame, whole_pools, 0, 1U << 30U, whole));
       ASSERT_TRUE(refine_once(frame, split_pools, static_cast<int>(random() % 3), 3, split));
@@ -106,9 +106,9 @@ TEST(PairRefinement, AFullPoolRefusesTheLevelWhole) {
   const ShapePtr jack = make_jack();
   const PairFrame frame = make_pair_frame(*jack, Pose{}, *jack, Pose{Vec3(0.1, 0, 0), Mat3::Identity()}, 0.01, 0.001);
   auto pools = make_pools(1, 64);
-  PairLevel pair = start(frame);
+  LonePair pair = start(frame);
   ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
-  const PairLevel before = pair;
+  const LonePair before = pair;
   const FrontPool::Mark mark = pools[0].mark();
   EXPECT_FALSE(refine_once(frame, pools, 0, 512, pair));
   EXPECT_EQ(pair.level, before.level);

@@ -16,7 +16,7 @@ inline ShapePtr mesh_shape(const TriangleMesh& mesh, Level depth = 2) {
 
 /// What the polygons of one pair found.
 struct PolygonAnswer {
-  PairLevel level;
+  LonePair level;
   PolygonSums sums;
   std::uint32_t units = 0, quanta = 0;
   PairContact contact;
@@ -26,7 +26,7 @@ struct PolygonAnswer {
 inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools, std::uint32_t units = 1U << 30U,
                                         bool rests = true) {
   PolygonAnswer answer;
-  PairLevel& pair = answer.level;
+  LonePair& pair = answer.level;
   pools[0].clear();
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   allow_polygons(*frame.a, *frame.b, kMaxTreeDepth, pair);
@@ -34,16 +34,16 @@ inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontP
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, units, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair);
+    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
   }
   if (pair.apart) return answer;
   answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);
   PolygonProgress progress;
-  begin_polygons(frame, Mat3::Identity(), pair, progress, rests);
+  begin_polygons(frame, Mat3::Identity(), pair, pair, progress, rests);
   do {
     ++answer.quanta;
   } while (run_polygons(frame, pools, units, progress) == Quantum::More);
-  publish_polygons(frame, Mat3::Identity(), progress, pair);
+  publish_polygons(frame, Mat3::Identity(), progress, pair, pair);
   answer.sums = progress.sums;
   answer.contact = pair.contact;
   return answer;

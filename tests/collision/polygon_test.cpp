@@ -26,14 +26,14 @@ JudgedShape judged_shape(const char* file) {
 // Levels that have a front, from 1: kDepth when the pair is never found apart.
 int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
   pools[0].clear();
-  PairLevel pair;
+  LonePair pair;
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   int levels = 0;
   while (pair.refinable()) {
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 64, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair);
+    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
     if (!pair.apart) ++levels;
   }
   return levels;

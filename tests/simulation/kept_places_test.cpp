@@ -18,8 +18,8 @@ TEST(KeptPlace, FollowsBothBodies) {
   const Pose a{Vec3(1, 2, 3), dynamics::rotation_by(Vec3(0.3, -0.2, 0.5)).toRotationMatrix()};
   const Pose b{Vec3(1.5, 2.2, 4), dynamics::rotation_by(Vec3(-0.1, 0.4, 0.2)).toRotationMatrix()};
   const Patch patch{a.rotation.transpose() * Vec3::UnitZ(), Vec3(0.1, 0.2, 0.3), 0.01, 0.03};
-  const simulation::KeptPlace kept = simulation::keep({a, b}, patch);
-  const response::RestPatch here = simulation::placed({a, b}, kept);
+  const response::RestPlace kept = simulation::keep({a, b}, patch);
+  const response::PlaceNow here = response::place_now(a, b, kept);
   EXPECT_NEAR(here.gap_m, 0.01, 1e-14);
   EXPECT_NEAR(here.surely_m, 0.03, 1e-14);
   EXPECT_LT((here.arm_m - a.rotation * patch.point_m).norm(), 1e-14);
@@ -27,10 +27,10 @@ TEST(KeptPlace, FollowsBothBodies) {
   const Mat3 turn = dynamics::rotation_by(Vec3(0.7, 0.1, -0.4)).toRotationMatrix();
   const Pose turned_a{turn * a.position_m, turn * a.rotation};
   const Pose turned_b{turn * b.position_m, turn * b.rotation};
-  EXPECT_NEAR(simulation::placed({turned_a, turned_b}, kept).gap_m, 0.01, 1e-14);
-  EXPECT_LT((simulation::placed({turned_a, turned_b}, kept).normal - turn * Vec3::UnitZ()).norm(), 1e-14);
+  EXPECT_NEAR(response::place_now(turned_a, turned_b, kept).gap_m, 0.01, 1e-14);
+  EXPECT_LT((response::place_now(turned_a, turned_b, kept).normal - turn * Vec3::UnitZ()).norm(), 1e-14);
   const Pose lifted{b.position_m + Vec3(0.02, 0, 0.05), b.rotation};
-  EXPECT_NEAR(simulation::placed({a, lifted}, kept).gap_m, 0.06, 1e-14);
+  EXPECT_NEAR(response::place_now(a, lifted, kept).gap_m, 0.06, 1e-14);
 }
 
 // What a pile knows lasts through frames that may find out nothing, or little.
