@@ -27,17 +27,17 @@ struct Spheres {
       : x(tree.x_m.data()), y(tree.y_m.data()), z(tree.z_m.data()), radius(tree.radius_m.data()) {}
 };
 
-// Bit 8 i + j is set when sphere first_a + i of a comes as near to sphere first_b + j of b as either limit says.
-struct Nearness {
-  std::uint64_t bits = 0, close = 0;
+// Bit 8 i + j is set when sphere first_a + i of a comes as near to sphere first_b + j of b as each limit says.
+struct Near {
+  std::uint64_t bits = 0, close = 0, wide = 0;
 };
 
 template <bool kTwice>
-HWY_INLINE Nearness overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b, const FloatFrame& frame,
-                             float inflation, float closeness) {
+HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b, const FloatFrame& frame,
+                         const Nearness& nearness, float closeness) {
   const hn::CappedTag<float, kTreeBranching> d;
   const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
-  Nearness found;
+  Near found;
   for (std::size_t j = 0; j < kTreeBranching; j += hn::Lanes(d)) {
     const auto x = hn::LoadU(d, b.x + first_b + j);
     const auto y = hn::LoadU(d, b.y + first_b + j);
@@ -50,7 +50,8 @@ HWY_INLINE Nearness overlaps(const Spheres& a, NodeIndex first_a, const Spheres&
     const auto moved_y = row(3);
     const auto moved_z = row(6);
     const auto radius = hn::LoadU(d, b.radius + first_b + j);
-    const auto inflated = hn::Add(radius, hn::Set(d, inflation));
+    const auto inflated = hn::Add(radius, hn::Set(d, nearness.inflation_m));
+    const auto wide = hn::Set(d, nearness.wide_m);
     const auto closer = hn::Add(radius, hn::Set(d, closeness));
     for (std::size_t i = 0; i < kTreeBranching; ++i) {
       const auto dx = hn::Sub(moved_x, hn::Set(d, a.x[first_a + i]));
@@ -64,6 +65,7 @@ HWY_INLINE Nearness overlaps(const Spheres& a, NodeIndex first_a, const Spheres&
         return std::uint64_t{stored[0]} << (kTreeBranching * i + j);
       };
       found.bits |= bits_of(reach);
+      found.wide |= bits_of(hn::Add(reach, wide));
       if constexpr (kTwice) {
         const auto near = hn::Add(closer, hn::Set(d, a.radius[first_a + i]));
         found.close |= bits_of(hn::Max(near, hn::Zero(d)));
@@ -81,7 +83,7 @@ HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
 
 // The pairs of an entry's children that overlap, as bits.
 struct Block {
-  Nearness found;
+  Near found;
   FrontEntry first;
 };
 
@@ -101,7 +103,7 @@ HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEn
 }
 
 template <bool kTwice>
-HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation, float closeness,
+HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness, float closeness,
                                    std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
   // Tests of many entries first, then their lists: tests without a branch run into each other, while a list's length,
   // which no processor foresees, holds up what comes after it.
@@ -124,11 +126,12 @@ HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, con
       const std::uint32_t rows = std::max<std::uint32_t>(counts_a[entry.a], 1);
       const std::uint32_t columns = std::max<std::uint32_t>(counts_b[entry.b], 1);
       const std::uint64_t used = used_bits(rows, columns);
-      const Nearness found = overlaps<kTwice>(spheres_a, first.a, spheres_b, first.b, moved, inflation, closeness);
-      blocks[k] = {{used & found.bits, used & found.close}, first};
+      const Near found = overlaps<kTwice>(spheres_a, first.a, spheres_b, first.b, moved, nearness, closeness);
+      blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first};
     }
     for (std::size_t k = 0; k < count; ++k) {
       if (out.size() - result.hits < kPairs) return result;
+      result.nearly = result.nearly || blocks[k].found.wide != blocks[k].found.bits;
       result.hits += list_hits(blocks[k].found.bits, blocks[k].first, out.data() + result.hits);
       if constexpr (kTwice) {
         if (close.size() - result.close < kPairs) return result;
@@ -140,14 +143,14 @@ HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, con
   return result;
 }
 
-Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation,
+Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
                  std::span<const FrontEntry> front, std::span<FrontEntry> out) {
-  return expand_blocks<false>(a, b, frame, inflation, 0, front, out, {});
+  return expand_blocks<false>(a, b, frame, nearness, 0, front, out, {});
 }
 
-Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation, float closeness,
+Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness, float closeness,
                        std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
-  return expand_blocks<true>(a, b, frame, inflation, closeness, front, out, close);
+  return expand_blocks<true>(a, b, frame, nearness, closeness, front, out, close);
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE
@@ -159,17 +162,17 @@ namespace poise::collision {
 HWY_EXPORT(expand);
 HWY_EXPORT(expand_twice);
 
-Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
+Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
                        std::span<const FrontEntry> front, std::span<FrontEntry> out) {
-  return HWY_DYNAMIC_DISPATCH(expand)(a, b, frame, inflation_m, front, out);
+  return HWY_DYNAMIC_DISPATCH(expand)(a, b, frame, nearness, front, out);
 }
 
-Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m, float closeness_m,
+Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness, float closeness_m,
                              std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
-  return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, inflation_m, closeness_m, front, out, close);
+  return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, nearness, closeness_m, front, out, close);
 }
 
-Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, float inflation_m,
+Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, const Nearness& nearness,
                              std::span<const FrontEntry> front, std::span<FrontEntry> out) {
   Expansion result;
   for (const FrontEntry entry : front) {
@@ -178,7 +181,12 @@ Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], floa
     const std::uint32_t count = a.child_count[entry.a] == 0 ? 1U : a.child_count[entry.a];
     for (NodeIndex node = first; node < first + count; ++node) {
       const float height = normal[0] * a.x_m[node] + normal[1] * a.y_m[node] + normal[2] * a.z_m[node] - offset_m;
-      if (height < a.radius_m[node] + inflation_m) out[result.hits++] = {node, 0};
+      const float reach = a.radius_m[node] + nearness.inflation_m;
+      if (height < reach) {
+        out[result.hits++] = {node, 0};
+      } else if (height < reach + nearness.wide_m) {
+        result.nearly = true;
+      }
     }
     ++result.consumed;
   }

@@ -44,8 +44,8 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
   }
   const double size = a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() +
                       std::abs(frame.plane_height_m) + margin_m;
-  frame.inflation_m = static_cast<float>(margin_m + kRoundings * size * kEpsilon);
-  frame.closeness_m = frame.inflation_m - static_cast<float>(margin_m);
+  frame.nearness.inflation_m = static_cast<float>(margin_m + kRoundings * size * kEpsilon);
+  frame.closeness_m = frame.nearness.inflation_m - static_cast<float>(margin_m);
   return frame;
 }
 
@@ -53,20 +53,20 @@ void expect_fits(double deviation_a_m, double deviation_b_m, double gap_m, PairF
   const double finest_m = kFinestOfSkin * frame.skin_m;
   frame.breadth_m = kBreadth * std::sqrt(deviation_a_m * deviation_a_m + deviation_b_m * deviation_b_m + finest_m * finest_m);
   frame.expected_gap_m = gap_m;
-  frame.closeness_m = frame.inflation_m - static_cast<float>(frame.margin_m - std::clamp(gap_m, 0.0, frame.margin_m));
+  frame.closeness_m = frame.nearness.inflation_m - static_cast<float>(frame.margin_m - std::clamp(gap_m, 0.0, frame.margin_m));
 }
 
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
-  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, frame.inflation_m, frame.closeness_m, front, out, close);
+  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness, frame.closeness_m, front, out, close);
 }
 
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out) {
   if (!frame.with_plane()) {
-    return expand_front(frame.a->tree, frame.b->tree, frame.rounded, frame.inflation_m, front, out);
+    return expand_front(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness, front, out);
   }
   const float normal[3] = {static_cast<float>(frame.plane_normal.x()), static_cast<float>(frame.plane_normal.y()),
                            static_cast<float>(frame.plane_normal.z())};
-  return expand_plane_front(frame.a->tree, normal, static_cast<float>(frame.plane_height_m), frame.inflation_m, front,
+  return expand_plane_front(frame.a->tree, normal, static_cast<float>(frame.plane_height_m), frame.nearness, front,
                             out);
 }
 

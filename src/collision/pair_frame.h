@@ -30,7 +30,7 @@ struct PairFrame {
   double expected_gap_m = 0;         ///< see expect_fits
   float closeness_m = 0;             ///< nodes whose spheres are nearer than this answer for the pair, if there are any
   FloatFrame rounded{};
-  float inflation_m = 0;             ///< margin and a bound of the rounding of single precision
+  Nearness nearness{};               ///< margin and a bound of the rounding of single precision; wide_m is the caller's
 
   [[nodiscard]] bool with_plane() const { return b->kind == ShapeKind::Plane; }
 };

@@ -47,6 +47,7 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
     add_close(frame, left.first(made.hits), close.first(made.close), sums);
     all.consumed += made.consumed;
     all.hits += made.hits;
+    all.nearly = all.nearly || made.nearly;
     if (made.consumed < part.size()) break;
   }
   return all;
@@ -57,6 +58,7 @@ std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run
                          std::span<FrontPool> pools, LevelProgress& progress) {
   const std::span<FrontEntry> room = pool.room();
   const Expansion made = frame.fitted && !frame.with_plane() ? expand_close(frame, run, room, progress.sums) : expand(frame, run, room);
+  progress.nearly = progress.nearly || made.nearly;
   if (made.hits == 0) return made.consumed;
   if (!frame.fitted || frame.with_plane()) add_to_sums(frame, room.first(made.hits), progress.sums);
   const SegmentRef ref = segment_ref(worker, pool.keep(made.hits));
@@ -111,6 +113,7 @@ LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool) {
   LevelProgress progress;
   progress.reading = pair.front;
   progress.mark = pool.mark();
+  progress.nearly = pair.nearly;
   return progress;
 }
 
@@ -150,6 +153,7 @@ Patch lone_patch(const PairContact& contact, const Mat3& rotation_a) {
 void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
                    PairLevel& pair, LevelContact& found) {
   ++pair.level;
+  pair.nearly = progress.nearly;
   pair.front = progress.first;
   pair.front_entries = progress.entries;
   pair.next_units = progress.entries;

@@ -18,6 +18,7 @@ struct PairLevel {
   Level deepest = 0;              ///< no level below brings anything
   bool polygons = false;          ///< the deepest level is that of the polygons, after all levels of the trees
   bool apart = false;             ///< no two nodes of this level are nearer than the margin
+  bool nearly = false;            ///< some that were passed over would be with PairFrame::nearness.wide_m more
   SegmentRef front;               ///< none at level 0: the two roots
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
   std::uint32_t next_units = 1;   ///< what the next level costs, in node-pair expansions
@@ -41,6 +42,7 @@ struct LevelProgress {
   std::uint32_t offset = 0;       ///< entries of it that are done
   SegmentRef first, last;         ///< of the front that is made
   std::uint32_t entries = 0;
+  bool nearly = false;            ///< likewise of PairLevel
   ContactSums sums;
   FrontPool::Mark mark{};         ///< of the worker's pool when the level was begun
 };

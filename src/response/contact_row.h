@@ -17,6 +17,7 @@ struct SolverBody {
   Vec3 turned_rad = Vec3::Zero();     ///< in the step so far
   double inverse_mass = 0;            ///< 0 for bodies that do not yield; these are never written
   bool answered = false;              ///< resting contact held or pushed it in this step
+  bool pulled = false;                ///< something accelerates it
 };
 
 /// One sphere contact of a pair, world frame, for the model that answers each on its own.

@@ -29,7 +29,7 @@ constexpr std::uint32_t kMixedSweeps = 20;
 }  // namespace
 
 struct RestSolver::Buffers {
-  std::vector<RestBlock> blocks;
+  parallel::LargeVector<RestBlock> blocks;
   std::vector<std::size_t> block_begin;   // per colour, then the serial ones, then the end
   std::vector<SweepChange<double>> changes;  // one a block, where sweeps converge
   AndersonMixing mixing;
@@ -233,9 +233,16 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   for_bodies([&](std::size_t i) {
     all.motions[i] = Motion<T>{};
     all.gyrations[i] = gyration<T>(system.bodies[i], system.inverse_inertia[i]);
+    system.bodies[i].pulled = !system.accelerations[i].none();
     begin_substep(system, i, h_s, true, all);
   });
-  for_blocks([&](std::size_t i) { fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all); });
+  constexpr std::size_t kPairsAhead = 6;
+  constexpr std::size_t kAhead = 3;
+  for_blocks([&](std::size_t i) {
+    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) fetch_places(system, blocks[i + kAhead]);
+    fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
+  });
   sweep(executor, [&](std::size_t i) { warm_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), bodies); });
   SubstepTerms<T> terms;
   terms.h_s = static_cast<T>(h_s);
@@ -289,7 +296,11 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     body.velocity_mps += settings.dt_s * system.accelerations[i].linear_mps2;
     body.spin_radps += settings.dt_s * system.accelerations[i].angular_radps2;
   });
-  sweep(executor, [&](std::size_t i) { give_block(system, blocks[i], all.pairs[i], all); });
+  sweep(executor, [&](std::size_t i) {
+    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
+    give_block(system, blocks[i], all.pairs[i], all);
+  });
   return ended;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "response/rest_blocks.h"
 
+#include <hwy/cache_control.h>
+
+#include <algorithm>
 #include <cstddef>
 
 namespace poise::response {
@@ -36,22 +39,50 @@ void fill_pair(const RestSystem& system, const RestPair& pair, std::size_t lane,
 }
 
 template <class T>
-void fill_place(const RestSystem& system, const RestPair& pair, std::size_t place, std::size_t lane, PatchLanes<T>& into) {
+void fill_place(const RestSystem& system, const RestPair& pair, double per_unit, std::size_t place, std::size_t lane, PatchLanes<T>& into) {
   const PlaceNow now = place_now(system.poses[pair.a], system.poses[pair.b], system.places[place]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
   into.gap[lane] = static_cast<T>(now.gap_m);
   into.surely[lane] = static_cast<T>(now.surely_m + pair.slop_m);
   into.mass[lane] = 1;
-  // Without a load, what held the pair last time would add energy.
-  if (system.accelerations[pair.a].none() && system.accelerations[pair.b].none()) return;
   const RestLoad& load = system.loads[place];
-  const double per_unit = system.bodies[pair.a].inverse_mass + system.bodies[pair.b].inverse_mass;
   into.impulse[lane] = static_cast<T>(per_unit * load.impulse_ns);
   set(Vec3(per_unit * load.friction_ns), lane, into.rubbed);
 }
 
 }  // namespace
+
+void fetch_pairs(const RestSystem& system, const RestBlock& block) {
+  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) hwy::Prefetch(&system.pairs[name]);
+}
+
+void fetch_places(const RestSystem& system, const RestBlock& block) {
+  constexpr std::size_t kLine = 64;
+  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
+    const RestPair& pair = system.pairs[name];
+    if (pair.place_count == 0) continue;
+    const auto* place = reinterpret_cast<const std::byte*>(&system.places[pair.place_begin]);
+    for (std::size_t at = 0; at < pair.place_count * sizeof(RestPlace); at += kLine) hwy::Prefetch(place + at);
+    hwy::Prefetch(&system.loads[pair.place_begin]);
+    hwy::Prefetch(&system.loads[pair.place_begin + pair.place_count - 1U]);
+    for (const std::uint32_t body : {pair.a, pair.b}) {
+      hwy::Prefetch(&system.bodies[body]);
+      hwy::Prefetch(&system.poses[body]);
+      hwy::Prefetch(&system.poses[body].rotation(2, 2));
+    }
+  }
+}
+
+void fetch_loads(const RestSystem& system, const RestBlock& block) {
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    const RestPair& pair = system.pairs[block.pair[lane]];
+    if (pair.place_count == 0) continue;
+    hwy::Prefetch(&system.loads[pair.place_begin]);
+    hwy::Prefetch(&system.loads[pair.place_begin + pair.place_count - 1U]);
+    hwy::Prefetch(&system.given_ns[block.pair[lane]]);
+  }
+}
 
 template <class T>
 Gyration<T> gyration(const SolverBody& body, const Mat3& inverse_inertia) {
@@ -81,7 +112,11 @@ void fill_block(const RestSystem& system, double still_mps, RestBlock& block, Pa
     block.b[lane] = pair.b;
     if (lane >= block.count) continue;
     fill_pair(system, pair, lane, block, shared, start);
-    for (std::size_t p = 0; p < pair.place_count; ++p) fill_place(system, pair, pair.place_begin + p, lane, patches[p]);
+    const SolverBody& a = system.bodies[pair.a];
+    const SolverBody& b = system.bodies[pair.b];
+    // Without a pull, what held the pair last time would add energy.
+    const double per_unit = a.pulled || b.pulled ? a.inverse_mass + b.inverse_mass : 0.0;
+    for (std::size_t p = 0; p < pair.place_count; ++p) fill_place(system, pair, per_unit, pair.place_begin + p, lane, patches[p]);
   }
   prepare_block(block, shared, start, static_cast<T>(still_mps), patches, lanes.gyrations.data());
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "parallel/large_pages.h"
 #include "response/rest.h"
 #include "response/rest_lanes.h"
 
@@ -12,11 +13,11 @@ namespace poise::response {
 // Lanes and motions in one precision.
 template <class T>
 struct Lanes {
-  std::vector<PairLanes<T>> pairs;       // one a block
-  std::vector<PatchLanes<T>> patches;
-  std::vector<Motion<T>> motions;        // one a body
-  std::vector<Motion<T>> begun;          // velocities and spins when the substep began
-  std::vector<Gyration<T>> gyrations;    // one a body
+  parallel::LargeVector<PairLanes<T>> pairs;       // one a block
+  parallel::LargeVector<PatchLanes<T>> patches;
+  parallel::LargeVector<Motion<T>> motions;        // one a body
+  parallel::LargeVector<Motion<T>> begun;          // velocities and spins when the substep began
+  parallel::LargeVector<Gyration<T>> gyrations;    // one a body
 
   std::span<PatchLanes<T>> patches_of(const RestBlock& block) { return std::span(patches).subspan(block.first, block.patches); }
   BodyLanes<T> bodies() { return {motions.data(), gyrations.data()}; }
@@ -29,6 +30,11 @@ Gyration<T> gyration(const SolverBody& body, const Mat3& inverse_inertia);
 /// Makes a block, of which `begin`, `count`, `patches` and `first` are known, and its lanes from its pairs.
 template <class T>
 void fill_block(const RestSystem& system, double still_mps, RestBlock& block, PairLanes<T>& shared, Lanes<T>& lanes);
+
+/// Asks for what fill_block and give_block will read of a block's pairs, some blocks before it is their turn: pairs of a colour lie far apart.
+void fetch_pairs(const RestSystem& system, const RestBlock& block);
+void fetch_places(const RestSystem& system, const RestBlock& block);
+void fetch_loads(const RestSystem& system, const RestBlock& block);
 
 /// Adds what a substep came to, to what the step came to.
 template <class T>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 
 #include "dynamics/rotation.h"
 #include "simulation/stages.h"
@@ -62,13 +63,15 @@ Contact contact_of(const WorldState& world, std::uint32_t index, const response:
 PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
   PairMemory memory = pair.memory;
   memory.frames_waited = pair.answered_level() > 0 || !pair.refinable() ? 0 : memory.frames_waited + 1;
-  memory.touching = pair.touches && pair.answered;
+  memory.touching = false;
   memory.room = pair.room;
+  memory.answered = pair.answered;
   memory.place_count = pair.place_count;
   if (pair.fresh()) {
     memory.level = pair.level.level;
     memory.apart = pair.level.apart;
     memory.reach_m = pair.reach_m;
+    if (pair.level.apart && pair.level.front_entries == 0 && !pair.level.nearly && !pair.exact) memory.reach_m += wide_m(pair);
     memory.moved_m = 0;
   } else if (pair.kept == Kept::Nothing) {
     memory.level = 0;
@@ -138,11 +141,17 @@ void make_events(WorldState& world) {
   if (parted > 0) std::inplace_merge(world.events.begin(), middle, world.events.end(), before);
 }
 
-// Impulses make a touch of what is apart.
-bool was_given(const FrameBuffers& buffers, std::size_t k) {
-  if (!buffers.given_ns[buffers.coloring.order()[k]].isZero(0)) return true;
+// Does the pair of the k-th row touch? Impulses make a touch of what is apart.
+bool touches(const WorldState& world, std::size_t k) {
+  const FrameBuffers& buffers = world.buffers;
+  const std::uint32_t place = buffers.coloring.order()[k];
+  if (!buffers.given_ns[place].isZero(0)) return true;
   const response::ContactRow* row = row_of(buffers, k);
-  return row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0));
+  if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
+  const std::uint32_t index = buffers.rest_pairs[place].pair;
+  const ActivePair& pair = buffers.pairs[index];
+  if (pair.by_kept() && std::abs(pair.memory.lone_m) > pair.memory.changed_m()) return pair.memory.lone_m <= 0;
+  return answered_gap_m(world, index) <= 0;
 }
 
 }  // namespace
@@ -171,7 +180,7 @@ void publish(WorldState& world) {
   });
   parallel::parallel_for(*world.executor, buffers.rest_pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
-      if (was_given(buffers, k)) world.next_memory[buffers.rest_pairs[buffers.coloring.order()[k]].pair].touching = true;
+      if (touches(world, k)) world.next_memory[buffers.rest_pairs[buffers.coloring.order()[k]].pair].touching = true;
     }
   });
   for (const SweptHit& hit : buffers.swept.hits) world.next_memory[hit.pair].touching = true;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collision/patch.h"
+#include "parallel/large_pages.h"
 #include "response/rest_place.h"
 
 namespace poise::simulation {
@@ -28,8 +29,8 @@ inline constexpr std::uint32_t kNoRoom = 0xffffffffU;
 /// Places and what they bear, a room for kPlacesOfPair of each pair that has some. A pair keeps its room for as long as it is known, so that
 /// what is kept stays where it is. Invariant: a room is either free or one pair's.
 struct PlaceStore {
-  std::vector<response::RestPlace> places;
-  std::vector<response::RestLoad> loads;
+  parallel::LargeVector<response::RestPlace> places;
+  parallel::LargeVector<response::RestLoad> loads;
   std::vector<std::uint32_t> free;
 
   /// The same for at least `rooms` rooms, without room for new ones being used yet.

@@ -254,6 +254,25 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
   }
 }
 
+// No limit, and nobody reads fronts afterwards: each pair to its end, in any order, its front forgotten as soon as it is done.
+void refine_everything(Refinement& refinement) {
+  constexpr std::size_t kGrain = 64;
+  WorldState& world = refinement.world;
+  FrameBuffers& buffers = world.buffers;
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
+    WorkerTally& tally = refinement.tallies[static_cast<std::size_t>(worker)];
+    for (std::size_t i = begin; i < end; ++i) {
+      ActivePair& pair = buffers.pairs[i];
+      while (pair.refinable() && !pair.full) {
+        const std::uint64_t units = pair.level.next_units;
+        note_outcome(pair, units, complete_level(world, pair, buffers.found[i], worker, [](std::uint64_t) { return true; }), tally);
+      }
+      buffers.pools[static_cast<std::size_t>(worker)].clear();
+      pair.level.front = {};
+    }
+  });
+}
+
 }  // namespace
 
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
@@ -304,6 +323,8 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   refinement.facts.pairs = static_cast<std::uint32_t>(buffers.pairs.size());
   if (input.budget.kind == Budget::Kind::Deadline) {
     refine_until_cut(refinement, begun, report);
+  } else if (input.budget.kind == Budget::Kind::Unlimited && world.settings.contact != ContactModel::Paper) {
+    refine_everything(refinement);
   } else {
     refine_by_rounds(refinement, input.budget.kind == Budget::Kind::Work ? input.budget.work_units
                                                                          : std::numeric_limits<std::uint64_t>::max());

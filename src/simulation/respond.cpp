@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "parallel/shared.h"
@@ -97,20 +98,27 @@ bool may_be_fast(const WorldState& world, const ActivePair& pair, double dt_s, d
   return closing_m > still_mps * dt_s;
 }
 
-// Is one of its places nearer than the margin?
+// Is one of its places nearer than the margin? Where the last look still says so for sure, no other is needed.
 void look_at_places(WorldState& world, ActivePair& pair) {
-  const collision::Pose& a = world.buffers.poses[pair.a];
-  const collision::Pose& b = world.buffers.poses[pair.b];
-  const std::span<const response::RestPlace> places = world.places.places_of(pair.room, pair.place_count);
-  const Mat3 a_in_b = b.rotation.transpose() * a.rotation;
-  const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const double gap_m = places[k].normal.dot(places[k].on_b_m - from_b - a_in_b * places[k].on_a_m);
-    pair.answered = pair.answered || gap_m < pair.margin_m;
-    if (k == 0) pair.touches = gap_m <= 0;
+  PairMemory& memory = pair.memory;
+  const bool known = pair.by_kept() && std::abs(memory.nearest_m - pair.margin_m) > memory.changed_m();
+  if (!known) {
+    const collision::Pose& a = world.buffers.poses[pair.a];
+    const collision::Pose& b = world.buffers.poses[pair.b];
+    const std::span<const response::RestPlace> places = world.places.places_of(pair.room, pair.place_count);
+    const Mat3 a_in_b = b.rotation.transpose() * a.rotation;
+    const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
+    memory.nearest_m = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const double gap_m = places[k].normal.dot(places[k].on_b_m - from_b - a_in_b * places[k].on_a_m);
+      memory.nearest_m = std::min(memory.nearest_m, gap_m);
+      if (k == 0) memory.lone_m = gap_m;
+    }
+    memory.looked_m = pair.by_kept() ? memory.moved_m : 0.0;
   }
+  pair.answered = memory.nearest_m < pair.margin_m;
+  if (pair.answered || (pair.by_kept() && !memory.answered)) return;
   // Nothing holds it: what it bore is over.
-  if (pair.answered) return;
   for (response::RestLoad& load : world.places.loads_of(pair.room, pair.place_count)) load = {};
 }
 
@@ -137,12 +145,11 @@ void lay_out_places(WorldState& world) {
   world.places.make_room(rooms);
   for_chunks([&](std::size_t i, AnsweredCount& count) {
     ActivePair& pair = buffers.pairs[i];
-    pair.answered = pair.touches = false;
+    pair.answered = false;
     if (pair.place_count > 0) {
       if (pair.room == kNoRoom) pair.room = world.places.room(count.new_rooms++);
       if (!pair.by_kept()) find_places(world, pair, buffers.found[i]);
       look_at_places(world, pair);
-      if (world.settings.contact == ContactModel::Paper) pair.touches = answered_gap_m(world, static_cast<std::uint32_t>(i)) <= 0;
     }
     if (!pair.apart() && pair.refinable()) ++count.left;
     if (pair.kept == Kept::Apart) ++count.kept_apart;

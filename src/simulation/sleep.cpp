@@ -195,7 +195,7 @@ bool wake_touched(WorldState& world) {
 void fall_asleep(WorldState& world, double dt_s, FrameReport& report) {
   Sleep& sleep = world.sleep;
   // The room that an island will need, before it sleeps.
-  for (std::vector<PairMemory>* kept : {&sleep.aside, &sleep.next_awake, &sleep.next_aside}) kept->reserve(world.memory.capacity());
+  for (parallel::LargeVector<PairMemory>* kept : {&sleep.aside, &sleep.next_awake, &sleep.next_aside}) kept->reserve(world.memory.capacity());
   sleep.parent.reserve(world.bodies.slot_count());
   sleep.restless.reserve(world.bodies.slot_count());
   if (count_still(world, dt_s)) {

@@ -278,12 +278,13 @@ std::uint64_t World::state_hash() const {
   mix(bodies.alive);
   mix(bodies.group);
   mix(bodies.collides_with);
-  const auto mix_pairs = [&](const std::vector<simulation::PairMemory>& memory) {
+  const auto mix_pairs = [&](const parallel::LargeVector<simulation::PairMemory>& memory) {
     for (const simulation::PairMemory& pair : memory) {
       // Field by field: padding has no defined bits.
-      const std::uint64_t words[5] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
-                                      std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
-                                      std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m)};
+      const std::uint64_t words[8] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
+                                      std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.answered ? 4U : 0U) | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
+                                      std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m),
+                                      std::bit_cast<std::uint64_t>(pair.nearest_m), std::bit_cast<std::uint64_t>(pair.lone_m), std::bit_cast<std::uint64_t>(pair.looked_m)};
       hash = XXH64(words, sizeof(words), hash);
       if (pair.place_count == 0) continue;
       const std::size_t first = simulation::PlaceStore::begin(pair.room);

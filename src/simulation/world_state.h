@@ -10,6 +10,7 @@
 #include "collision/true_surface.h"
 #include "dynamics/body_store.h"
 #include "parallel/executor.h"
+#include "parallel/large_pages.h"
 #include "parallel/priority_bands.h"
 #include "poise/scheduler/forecast.h"
 #include "poise/scheduler/frame_budget.h"
@@ -45,8 +46,13 @@ struct PairMemory {
   Level level = 0;                     ///< that found it out
   bool touching = false;
   bool apart = false;                  ///< nothing was nearer than reach_m
+  bool answered = false;               ///< in the last step: its places may bear something
   double reach_m = 0;                  ///< all that was nearer than this is in the places; 0: nothing is kept but impulses
   double moved_m = 0;                  ///< at most by so much has any gap changed since
+  double nearest_m = 0, lone_m = 0;    ///< least gap of its places, and that of the first, when these were last looked at
+  double looked_m = 0;                 ///< moved_m at that time
+  /// By how much a gap may have changed since the last look: normals turn with the bodies, so by a little more than the surfaces have moved.
+  [[nodiscard]] double changed_m() const { return 2.0 * (moved_m - looked_m); }
 };
 
 /// What of a pair's memory counts in a frame.
@@ -68,7 +74,6 @@ struct ActivePair {
   bool full = false;                   ///< a front had no room: left at its level
   std::uint8_t place_count = 0;        ///< of this frame
   bool answered = false;               ///< a place is nearer than the margin
-  bool touches = false;                ///< its likely gap is none
   bool exact = false;                  ///< its contact is there whatever its level: a pair of backtracking
   std::uint32_t room = kNoRoom;        ///< of its places, as in its memory
   PairMemory memory;
@@ -124,32 +129,32 @@ struct AnsweredCount {
 
 /// Everything that one step works on. Invariant: buffers only grow.
 struct FrameBuffers {
-  std::vector<collision::Pose> poses;                  // one a slot
-  std::vector<Glance> glances;                         // one a slot
-  std::vector<Mat3> inverse_inertia;                   // one a slot, world frame
+  parallel::LargeVector<collision::Pose> poses;                  // one a slot
+  parallel::LargeVector<Glance> glances;                         // one a slot
+  parallel::LargeVector<Mat3> inverse_inertia;                   // one a slot, world frame
   std::vector<Vec3> root_center_m;                     // one a slot, of the root sphere, world frame
   std::vector<collision::MotionBound> bounds;
   std::vector<collision::PlaneBound> planes;
   std::vector<std::uint32_t> active_of_chunk;          // per chunk of candidates
   std::vector<std::uint32_t> active_candidate;         // candidates that are active, chunk after chunk
-  std::vector<ActivePair> pairs;                       // in canonical order
-  std::vector<collision::LevelContact> found;          // one a pair: of those that were refined in this frame
-  std::vector<scheduler::PairCues> cues;               // one a pair: of those that can be refined
+  parallel::LargeVector<ActivePair> pairs;                       // in canonical order
+  parallel::LargeVector<collision::LevelContact> found;          // one a pair: of those that were refined in this frame
+  parallel::LargeVector<scheduler::PairCues> cues;               // one a pair: of those that can be refined
   std::vector<std::uint8_t> recalled;                  // one a pair of the last frame: it is one of this frame's too
   std::vector<collision::FrontPool> pools;             // one a worker
   std::vector<WorkerTally> tallies;                    // one a worker
   std::vector<AnsweredCount> answered_of_chunk;        // per chunk of pairs
-  std::vector<response::RestPair> rest_pairs;          // those that are answered, in canonical order
+  parallel::LargeVector<response::RestPair> rest_pairs;          // those that are answered, in canonical order
   std::vector<response::Coloring::Edge> edges;         // of these
-  std::vector<Vec3> given_ns;                          // to these: what b received from rest
+  parallel::LargeVector<Vec3> given_ns;                          // to these: what b received from rest
   response::Coloring coloring;
   response::SolveScratch scratch;
   bool impacts = false;                                // some pair may have one: scratch.gates and rows are of this frame
-  std::vector<response::ContactRow> rows;              // in the order of the colouring; those whose gate is ready hold something
+  parallel::LargeVector<response::ContactRow> rows;              // in the order of the colouring; those whose gate is ready hold something
   std::vector<StepMotion> motions;                     // one a slot, of the step that ends
   std::vector<response::PointContact> points;
   std::vector<std::uint32_t> points_begin;             // per answered pair; only the paper's model has any
-  std::vector<response::SolverBody> solver_bodies;     // one a slot
+  parallel::LargeVector<response::SolverBody> solver_bodies;     // one a slot
   std::vector<response::Acceleration> accelerations;   // one a slot
   SweptFrame swept;
 };
@@ -176,10 +181,10 @@ struct Sleep {
   std::vector<std::uint8_t> roused;        ///< one a slot: the island of this name is to wake
   bool any_roused = false;
   std::vector<std::uint32_t> stirred;      ///< static bodies that the caller put somewhere, changed or removed since the last step
-  std::vector<PairMemory> aside;           ///< of the pairs of which a body sleeps, sorted by slots
+  parallel::LargeVector<PairMemory> aside;           ///< of the pairs of which a body sleeps, sorted by slots
   std::size_t woken = 0;                   ///< since the last report
 
-  std::vector<PairMemory> next_awake, next_aside;  // scratch
+  parallel::LargeVector<PairMemory> next_awake, next_aside;  // scratch
   std::vector<std::uint32_t> parent;       // scratch: the union-find forest
   std::vector<std::uint8_t> restless;      // scratch: islands of which a body moves
 };
@@ -194,8 +199,8 @@ struct WorldState {
   std::vector<Material> materials;
   std::uint64_t frame = 0;
 
-  std::vector<PairMemory> memory;          // of the last step's active pairs, sorted
-  std::vector<PairMemory> next_memory;
+  parallel::LargeVector<PairMemory> memory;          // of the last step's active pairs, sorted
+  parallel::LargeVector<PairMemory> next_memory;
   PlaceStore places;                                   // of memory and of what sleeps
   std::vector<std::uint32_t> removed_slots;            // since the last step
   std::vector<std::uint32_t> displaced_slots;          // likewise: put somewhere else by the caller
