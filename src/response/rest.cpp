@@ -197,6 +197,15 @@ void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
   for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
 }
 
+// What a body does without contacts: impulses come on top of that.
+void fly(const RestSystem& system, std::size_t i, double dt_s) {
+  SolverBody& body = system.bodies[i];
+  body.moved_m = dt_s * body.velocity_mps;
+  body.turned_rad = dt_s * body.spin_radps;
+  body.velocity_mps += dt_s * system.accelerations[i].linear_mps2;
+  body.spin_radps += dt_s * system.accelerations[i].angular_radps2;
+}
+
 }  // namespace
 
 template <class T>
@@ -236,14 +245,19 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     system.bodies[i].pulled = !system.accelerations[i].none();
     begin_substep(system, i, h_s, true, all);
   });
-  constexpr std::size_t kPairsAhead = 6;
-  constexpr std::size_t kAhead = 3;
-  for_blocks([&](std::size_t i) {
+  constexpr std::size_t kPairsAhead = 3;
+  constexpr std::size_t kAhead = 1;
+  sweep(executor, [&](std::size_t i) {
     if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
     if (i + kAhead < blocks.size()) fetch_places(system, blocks[i + kAhead]);
     fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
+    warm_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), bodies);
   });
-  sweep(executor, [&](std::size_t i) { warm_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), bodies); });
+  const auto give = [&](std::size_t i) {
+    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
+    give_block(system, blocks[i], all.pairs[i], all);
+  };
   SubstepTerms<T> terms;
   terms.h_s = static_cast<T>(h_s);
   terms.still_mps = static_cast<T>(still_mps(settings));
@@ -253,12 +267,14 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
-    if (substep > 0) {
-      for_bodies([&](std::size_t i) {
+    const bool last = substep + 1 == settings.substeps;
+    for_bodies([&](std::size_t i) {
+      if (substep > 0) {
         end_substep(i, h_s, all);
         begin_substep(system, i, h_s, false, all);
-      });
-    }
+      }
+      if (last) fly(system, i, settings.dt_s);
+    });
     bool reached = !stopping.converges();
     if (mixed) mixing.begin(read_impulses(before));
     for (std::uint32_t round = 0; round < most; ++round) {
@@ -267,6 +283,8 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       sweep(executor, [&](std::size_t i) {
         const SweepChange<T> change = solve_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), terms, round == 0, bodies);
         if (terms.watch) changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
+        // While its lanes are at hand.
+        if (last && !terms.watch) give(i);
       });
       if (!terms.watch) break;
       SweepChange<double> sum;
@@ -291,16 +309,10 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     end_substep(i, h_s, all);
     SolverBody& body = system.bodies[i];
     const Motion<T>& motion = all.motions[i];
-    body.moved_m = settings.dt_s * body.velocity_mps + Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
-    body.turned_rad = settings.dt_s * body.spin_radps + Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
-    body.velocity_mps += settings.dt_s * system.accelerations[i].linear_mps2;
-    body.spin_radps += settings.dt_s * system.accelerations[i].angular_radps2;
+    body.moved_m += Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
+    body.turned_rad += Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
   });
-  sweep(executor, [&](std::size_t i) {
-    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
-    give_block(system, blocks[i], all.pairs[i], all);
-  });
+  if (terms.watch) sweep(executor, give);
   return ended;
 }
 

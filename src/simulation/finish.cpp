@@ -131,9 +131,9 @@ void make_events(WorldState& world) {
   const FrameBuffers& buffers = world.buffers;
   forget_parted(world);
   const std::size_t parted = world.events.size();
-  for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
-    const PairMemory& pair = world.next_memory[i];
-    if (buffers.pairs[i].memory.touching == pair.touching) continue;
+  const std::vector<std::uint8_t>& turned = buffers.turned;
+  for (auto at = turned.begin(); (at = std::find(at, turned.end(), std::uint8_t{1})) != turned.end(); ++at) {
+    const PairMemory& pair = world.next_memory[static_cast<std::size_t>(at - turned.begin())];
     world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
   }
   const auto before = [](const ContactEvent& x, const ContactEvent& y) { return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot); };
@@ -175,15 +175,26 @@ void publish(WorldState& world) {
   world.next_memory.reserve(buffers.pairs.capacity());
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());
+  buffers.turned.resize(buffers.pairs.size());
   parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
+      buffers.turned[i] = buffers.pairs[i].memory.touching ? 1 : 0;
+    }
   });
   parallel::parallel_for(*world.executor, buffers.rest_pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
-      if (touches(world, k)) world.next_memory[buffers.rest_pairs[buffers.coloring.order()[k]].pair].touching = true;
+      if (!touches(world, k)) continue;
+      const std::uint32_t i = buffers.rest_pairs[buffers.coloring.order()[k]].pair;
+      world.next_memory[i].touching = true;
+      buffers.turned[i] ^= 1U;
     }
   });
-  for (const SweptHit& hit : buffers.swept.hits) world.next_memory[hit.pair].touching = true;
+  for (const SweptHit& hit : buffers.swept.hits) {
+    bool& touching = world.next_memory[hit.pair].touching;
+    if (!touching) buffers.turned[hit.pair] ^= 1U;
+    touching = true;
+  }
   world.contacts_listed = false;
   world.events.clear();
   make_events(world);

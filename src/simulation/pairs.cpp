@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -54,6 +56,13 @@ class Recollection {
   parallel::LargeVector<PairMemory>::const_iterator begin_, at_, end_;
   std::vector<std::uint8_t>& recalled_;
 };
+
+// Bodies of pairs lie anywhere: asked for some pairs ahead.
+constexpr std::size_t kAhead = 8;
+void fetch(const Glance& glance) {
+  hwy::Prefetch(&glance);
+  hwy::Prefetch(&glance.velocity_mps);
+}
 
 // Slots, and how much the gap of the two bodies may close in the step by their own motion.
 struct Outline {
@@ -230,6 +239,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
+      if (i + kAhead < end) fetch(buffers.glances[found.pairs[i + kAhead].high]);
       const bool swept = input.backtracking && (buffers.swept.fast(found.pairs[i].low) || buffers.swept.fast(found.pairs[i].high));
       const Outline pair = outline(world, found.pairs[i], input);
       const Glance& a = buffers.glances[pair.a];

@@ -141,6 +141,7 @@ struct FrameBuffers {
   parallel::LargeVector<collision::LevelContact> found;          // one a pair: of those that were refined in this frame
   parallel::LargeVector<scheduler::PairCues> cues;               // one a pair: of those that can be refined
   std::vector<std::uint8_t> recalled;                  // one a pair of the last frame: it is one of this frame's too
+  std::vector<std::uint8_t> turned;                    // one a pair: its touch began or ended
   std::vector<collision::FrontPool> pools;             // one a worker
   std::vector<WorkerTally> tallies;                    // one a worker
   std::vector<AnsweredCount> answered_of_chunk;        // per chunk of pairs

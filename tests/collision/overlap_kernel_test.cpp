@@ -42,7 +42,7 @@ TEST(OverlapKernel, FindsEveryOverlapOfTheChildrenAndLittleElse) {
     for (const FrontEntry entry : std::span(out, made.hits)) found.insert({entry.a, entry.b});
     ASSERT_EQ(found.size(), made.hits) << "a pair was listed twice";
     const Pairs needed = brute_force(frame, 1, frame.margin_m);
-    const Pairs allowed = brute_force(frame, 1, 2.0 * static_cast<double>(frame.inflation_m) - frame.margin_m);
+    const Pairs allowed = brute_force(frame, 1, 2.0 * static_cast<double>(frame.nearness.inflation_m) - frame.margin_m);
     EXPECT_TRUE(std::includes(found.begin(), found.end(), needed.begin(), needed.end()));
     EXPECT_TRUE(std::includes(allowed.begin(), allowed.end(), found.begin(), found.end()));
     overlaps += static_cast<int>(made.hits);
@@ -142,13 +142,39 @@ TEST(OverlapKernel, PlaneFrontsHoldExactlyTheNodesThatReachBelow) {
         if (gap < frame.margin_m && level == worm->tree.depth()) {
           EXPECT_TRUE(found.contains(node));
         }
-        if (gap > 2 * static_cast<double>(frame.inflation_m)) {
+        if (gap > 2 * static_cast<double>(frame.nearness.inflation_m)) {
           EXPECT_FALSE(found.contains(node));
         }
       }
       front = next;
     }
   }
+}
+
+// What was passed over and would be near with a little more is told, for trees and planes.
+TEST(OverlapKernel, SaysWhetherItPassedOverWhatIsNearlyNear) {
+  std::mt19937_64 random(3);
+  const ShapePtr jack = make_jack();
+  const ShapePtr floor = make_plane_shape(Vec3::UnitZ(), 0).value();
+  constexpr float kWideM = 0.05F;
+  int nearly = 0;
+  int clear = 0;
+  for (int round = 0; round < 400; ++round) {
+    Pose high = random_pose(random, 0.3);
+    high.position_m.z() += 1.0;
+    PairFrame frame = round % 2 == 0 ? make_pair_frame(*jack, random_pose(random, 0.7), *jack, random_pose(random, 0.7), 0.01, 0.001)
+                                     : make_pair_frame(*jack, high, *floor, Pose{}, 0.01, 0.001);
+    frame.nearness.wide_m = kWideM;
+    const FrontEntry roots[] = {{0, 0}};
+    FrontEntry out[64];
+    const Expansion made = expand(frame, roots, out);
+    PairFrame wider = frame;
+    wider.nearness = {frame.nearness.inflation_m + kWideM, 0};
+    EXPECT_EQ(made.nearly, expand(wider, roots, out).hits > made.hits);
+    ++(made.nearly ? nearly : clear);
+  }
+  EXPECT_GT(nearly, 40);
+  EXPECT_GT(clear, 40);
 }
 
 }  // namespace

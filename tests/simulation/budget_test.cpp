@@ -145,7 +145,11 @@ TEST(Capacity, AFullFrontLeavesThePairAtItsLevelAndIsCounted) {
     Stage stage(settings, 0.2);
     stage.jacks(120, 5);
     std::size_t full = 0;
-    for (int i = 0; i < 90; ++i) full += stage.world.step(step_of(1.0 / 60)).fronts_full;
+    for (int i = 0; i < 90; ++i) {
+      StepInput input = step_of(1.0 / 60);
+      input.budget = Budget::work(1'000'000'000);
+      full += stage.world.step(input).fronts_full;
+    }
     EXPECT_GT(full, 0U);
     for (const BodyId body : stage.bodies) EXPECT_GT(stage.at(body).position_m.z(), 0);
     if (expected == 0) expected = stage.world.state_hash();

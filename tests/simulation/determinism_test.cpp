@@ -97,5 +97,27 @@ TEST(Determinism, EveryPartOfTheStateIsInTheHash) {
   for (std::size_t i = 1; i < hashes.size(); ++i) EXPECT_NE(hashes[i], hashes[i - 1]);
 }
 
+// Without a limit each pair goes to its end by itself; a budget that suffices comes to the same by rounds.
+TEST(Determinism, NoLimitIsWhatAnyBudgetThatSufficesComesTo) {
+  for (const ContactModel model : {ContactModel::Wrench, ContactModel::Fitted}) {
+    std::array<std::uint64_t, 2> hashes{};
+    for (const bool limited : {false, true}) {
+      WorldSettings settings;
+      settings.gravity_mps2 = Vec3(0, 0, -9.81);
+      settings.contact = model;
+      settings.threads = limited ? 1 : 2;
+      Stage stage(settings, 0.2);
+      stage.jacks(40, 4);
+      for (int i = 0; i < 90; ++i) {
+        StepInput input = step_of(1.0 / 60);
+        if (limited) input.budget = Budget::work(1'000'000'000);
+        EXPECT_EQ(stage.world.step(input).pairs_left, 0U);
+      }
+      hashes[limited ? 1 : 0] = stage.world.state_hash();
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+  }
+}
+
 }  // namespace
 }  // namespace poise

@@ -63,5 +63,50 @@ TEST(KeptPlace, APileStaysAsItIsWhateverLevelsAndBudgetsItGets) {
   EXPECT_NEAR(height_m(), settled_m, 0.01 * settled_m);
 }
 
+// How far two of Stage's jacks overlap, sphere by sphere.
+double overlap_m(const BodyState& a, const BodyState& b) {
+  std::vector<Sphere> spheres = {{Vec3::Zero(), 0.28}};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      spheres.push_back({side * 0.35 * Vec3::Unit(axis), 0.22});
+      spheres.push_back({side * 0.68 * Vec3::Unit(axis), 0.18});
+    }
+  }
+  double most = 0;
+  for (const Sphere& x : spheres) {
+    for (const Sphere& y : spheres) {
+      const double distance = (a.position_m + a.orientation * x.center_m - b.position_m - b.orientation * y.center_m).norm();
+      most = std::max(most, x.radius_m + y.radius_m - distance);
+    }
+  }
+  return most;
+}
+
+// Pairs that are apart by much are not asked for many frames; whatever they do meanwhile, they meet in time.
+TEST(KeptClearance, IsGivenUpBeforeThePairMeets) {
+  std::mt19937_64 random(11);
+  const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
+  std::size_t kept = 0;
+  int met = 0;
+  for (int round = 0; round < 60; ++round) {
+    Stage stage({}, 0);
+    const ShapeId jack = stage.jack();
+    std::array<double, 14> drawn{};
+    for (double& number : drawn) number = unit();
+    const BodyId a = stage.add(jack, Vec3::Zero(), Vec3::Zero(), Vec3(drawn[0], drawn[1], drawn[2]), Quat(drawn[3], drawn[4], drawn[5], drawn[6]));
+    const BodyId b = stage.add(jack, Vec3(1.8, 0.6 * drawn[7], 0.6 * drawn[8]), Vec3(-0.3, 0.1 * drawn[9], 0.1 * drawn[10]),
+                               Vec3(drawn[11], drawn[12], drawn[13]), Quat(1, drawn[9], drawn[7], drawn[8]));
+    for (int i = 0; i < 240; ++i) {
+      const FrameReport report = stage.world.step(step_of(1.0 / 60));
+      kept += report.kept_apart;
+      met += report.contact_pairs > 0 ? 1 : 0;
+      // What a step closes at 0.3 m/s and half a radian a second is 1 cm.
+      ASSERT_LT(overlap_m(stage.at(a), stage.at(b)), 5e-3) << round << " after " << i;
+    }
+  }
+  EXPECT_GT(kept, 500U) << "clearances are used";
+  EXPECT_GT(met, 100) << "and pairs meet";
+}
+
 }  // namespace
 }  // namespace poise
