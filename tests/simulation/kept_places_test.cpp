@@ -108,5 +108,66 @@ TEST(KeptClearance, IsGivenUpBeforeThePairMeets) {
   EXPECT_GT(met, 100) << "and pairs meet";
 }
 
+// A stirred pile whose pairs keep what they know, beside one that is put where the first is before every step and so has to find out everything anew.
+TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage kept(settings, 0.2);
+  Stage anew(settings, 0.2);
+  for (Stage* stage : {&kept, &anew}) {
+    stage->material = stage->world.add_material({0.2, 0.5, 1000}).value();
+    stage->jacks(14, 2.5);
+  }
+  std::mt19937_64 random(5);
+  const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
+  std::size_t compared = 0;
+  std::size_t from_memory = 0;
+  double difference_m = 0;
+  for (int i = 0; i < 1000; ++i) {
+    if (i % 50 == 0) {
+      std::array<double, 3> push{};
+      for (double& number : push) number = unit();
+      const BodyId body = kept.bodies[static_cast<std::size_t>(i / 50) % kept.bodies.size()];
+      BodyState state = kept.at(body);
+      state.velocity_mps += 2.0 * Vec3(push[0], push[1], 1 + push[2]);
+      ASSERT_TRUE(kept.world.set_state(body, state));
+    }
+    for (std::size_t k = 0; k < kept.bodies.size(); ++k) {
+      const BodyState here = kept.at(kept.bodies[k]);
+      BodyState elsewhere = here;
+      elsewhere.position_m.x() += 1;
+      ASSERT_TRUE(anew.world.set_state(anew.bodies[k], elsewhere));
+      ASSERT_TRUE(anew.world.set_state(anew.bodies[k], here));
+    }
+    const FrameReport report = kept.world.step(step_of(1.0 / 60));
+    from_memory += report.kept_apart + report.kept_contacts;
+    const FrameReport fresh = anew.world.step(step_of(1.0 / 60));
+    ASSERT_EQ(fresh.kept_apart + fresh.kept_contacts, 0U);
+    const auto contact_of = [](const Stage& stage, const Contact& wanted) -> const Contact* {
+      for (const Contact& contact : stage.world.contacts()) {
+        if (contact.a == wanted.a && contact.b == wanted.b) return &contact;
+      }
+      return nullptr;
+    };
+    for (const Contact& contact : anew.world.contacts()) {
+      const Contact* const same = contact_of(kept, contact);
+      if (same == nullptr) {
+        ASSERT_GT(contact.gap_m, -1e-3) << "overlooked in frame " << i;
+        continue;
+      }
+      ++compared;
+      difference_m += std::abs(same->gap_m - contact.gap_m);
+    }
+    for (const Contact& contact : kept.world.contacts()) {
+      if (contact_of(anew, contact) == nullptr) {
+        ASSERT_GT(contact.gap_m, -1e-3) << "made up in frame " << i;
+      }
+    }
+  }
+  EXPECT_GT(compared, 20000U);
+  EXPECT_LT(difference_m / static_cast<double>(compared), 5e-4);
+  EXPECT_GT(from_memory, compared / 2);
+}
+
 }  // namespace
 }  // namespace poise
