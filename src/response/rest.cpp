@@ -18,13 +18,15 @@ namespace {
 constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
 
-// Sweeps of a substep: as many as visit so many patches in all, at least one, and none more once a sweep changes no approach by more than a
-// share of what counts as still. So small scenes converge, and the cost of large ones is linear in their patches.
-constexpr std::uint32_t kVisits = 20000;
+// Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no approach by more than a
+// share of what counts as still. So small scenes converge, and the cost of large ones is linear in their places.
+constexpr std::uint32_t kVisits = 60000;
 constexpr std::uint32_t kMostSweeps = 60;
 constexpr double kSettledOfStill = 3e-5;
-// From so many sweeps on they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones.
+// Where a third of the visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones. Such a
+// visit costs three times as much as one in single precision, of which there are fewer than that.
 constexpr std::uint32_t kMixedSweeps = 20;
+constexpr std::uint32_t kMixedVisits = kVisits / 3;
 
 }  // namespace
 
@@ -63,7 +65,9 @@ std::uint32_t RestSolver::Buffers::most_sweeps(const RestSystem& system, const S
   if (stopping.converges()) return stopping.max_sweeps;
   std::size_t places = 0;
   for (const RestPair& pair : system.pairs) places += pair.place_count;
-  return std::clamp(kVisits / std::max(static_cast<std::uint32_t>(places), 1U), 1U, kMostSweeps);
+  const std::uint32_t count = std::max(static_cast<std::uint32_t>(places), 1U);
+  const std::uint32_t mixed = std::min(kMixedVisits / count, kMostSweeps);
+  return mixed >= kMixedSweeps ? mixed : std::clamp(kVisits / count, 1U, kMixedSweeps - 1);
 }
 
 // Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
