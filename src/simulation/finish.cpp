@@ -136,9 +136,10 @@ void make_events(WorldState& world) {
     const PairMemory& pair = world.next_memory[static_cast<std::size_t>(at - turned.begin())];
     world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
   }
-  const auto before = [](const ContactEvent& x, const ContactEvent& y) { return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot); };
-  const auto middle = world.events.begin() + static_cast<std::ptrdiff_t>(parted);
-  if (parted > 0) std::inplace_merge(world.events.begin(), middle, world.events.end(), before);
+  if (parted == 0) return;
+  // A pair has one event at most.
+  std::sort(world.events.begin(), world.events.end(),
+            [](const ContactEvent& x, const ContactEvent& y) { return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot); });
 }
 
 // Does the pair of the k-th row touch? Impulses make a touch of what is apart.

@@ -253,6 +253,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   buffers.pairs.resize(buffers.active_of_chunk[chunks]);
   buffers.found.resize(buffers.pairs.size());
   buffers.cues.resize(buffers.pairs.size());
+  buffers.recalled.reserve(world.memory.capacity());
   buffers.recalled.assign(world.memory.size(), 0);
   parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
     const std::uint32_t first = buffers.active_of_chunk[chunk];
