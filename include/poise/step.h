@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "poise/reference.h"
+#include "poise/trace.h"
 #include "poise/types.h"
 
 namespace poise {
@@ -59,11 +60,15 @@ struct StepInput {
   /// principal axes) where and when they meet something within it. What was hit stands there until the end of the step, with
   /// its new velocity. Off, none of it is done.
   bool backtracking = false;
+  /// Fill FrameReport::levels; not part of the frame's times. Lists the contacts of the step and allocates.
+  bool measure_levels = false;
   bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
   /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit as without.
   /// What this takes is in none of the frame's times: a deadline moves by the little that is kept before the frame (a copy of
   /// the bodies' state), and the rest happens after it, before step returns.
   bool reference = false;
+  /// Where to leave what the threads did when, or null: then nothing is done for it. Filled after the frame, in none of its times.
+  Trace* trace = nullptr;
 };
 
 enum class StepStatus : std::uint8_t {
@@ -87,10 +92,23 @@ struct StageTimes {
 
 enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Forecast };
 
+/// How deep a step got, beside FrameReport::level_histogram; places are levels, the last one is polygons.
+struct LevelsReached {
+  std::array<std::uint32_t, kPolygonPlace + 1> bodies{};  ///< moving bodies with a contact, by the least level of their contacts
+  /// Of contacts, by level: sums of what a viewer can notice of a metre of error there, rad/m: visible angle, frustum,
+  /// eccentricity, importance (scheduler/policy.h); without a view all contacts of alike importance weigh the same.
+  std::array<double, kPolygonPlace + 1> weight{};
+  std::size_t left_for_time = 0;         ///< pairs that could be refined further and were not because the budget ended
+  std::size_t left_for_room = 0;         ///< likewise because their front had no room
+  std::uint32_t longest_wait = 0;        ///< frames since one of these was answered beyond level 0
+};
+
 /// What one step did. Plain numbers; no part points into the World.
 struct FrameReport {
   StepStatus status = StepStatus::Done;
   std::uint64_t frame = 0;               ///< number of steps done before this one
+  SteadyClock::time_point started{};     ///< when the frame's times begin
+  SteadyClock::time_point refine_started{};  ///< likewise those of refinement
   StageTimes times;
 
   // Budget (wall clock only; 0 otherwise)
@@ -117,6 +135,7 @@ struct FrameReport {
   std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
   std::size_t jobs_done = 0;             ///< levels completed
   std::size_t jobs_dropped = 0;          ///< started and not completed, or completed too late
+  std::size_t jobs_given_up = 0;         ///< of them in the hands of threads that the system held up: not waited for
   std::size_t pairs_separated = 0;       ///< found apart by refinement
   std::size_t kept_apart = 0;            ///< known to be apart from an earlier frame: cost no refinement
   std::size_t kept_contacts = 0;         ///< answered by what an earlier frame found out
@@ -143,6 +162,7 @@ struct FrameReport {
   double kinetic_j = 0;
   double potential_j = 0;
 
+  std::optional<LevelsReached> levels;        ///< if StepInput::measure_levels
   std::optional<ReferenceFigures> reference;  ///< if StepInput::reference
 };
 

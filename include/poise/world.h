@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "poise/result.h"
 #include "poise/scheduler/policy.h"
@@ -16,6 +17,7 @@ namespace poise {
 namespace simulation {
 struct WorldState;
 class PairProbe;
+struct WorldAccess;
 }
 
 /// How the contacts of one pair become an impulse (docs/method.md).
@@ -31,6 +33,13 @@ struct WorldSettings {
   scheduler::Policy policy;                      ///< what is refined next
   ExecutorKind executor = ExecutorKind::Tbb;
   int threads = 0;                               ///< calling thread included; 0 = as many as the machine has; at most 256
+  /// A thread without work looks for it for this long before it sleeps: longer costs processor time, shorter costs tens of microseconds
+  /// each time it has to be woken. In [0, 10 ms].
+  Nanoseconds spin{50'000};
+  /// Thread w (from 1; the calling thread is its owner's matter) runs on processors[w mod size] alone; empty: where the system puts it.
+  /// Not with ExecutorKind::Tbb, whose threads belong to the whole process.
+  std::vector<int> processors;
+  int realtime_priority = 0;                     ///< of those threads under SCHED_FIFO, 1 to 99; 0: as all threads. Likewise not with Tbb
   std::uint64_t seed = 1;
   /// Islands of bodies that have been still for half a second fall asleep: they stay where they are and cost next to nothing until
   /// something that moves comes near them or the caller touches one of them or what they lie on. Off, none of it is done.
@@ -99,7 +108,8 @@ struct Conserved {
 /// leave the World as it was. step() does not allocate once its buffers have grown to the scene.
 class World {
  public:
-  /// Refused: gravity not finite; settings out of the ranges given above.
+  /// Refused: gravity not finite; settings out of the ranges given above; processors that this process may not use; a priority that the system
+  /// does not grant.
   static Result<World> create(const WorldSettings& settings);
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -152,6 +162,7 @@ class World {
 
  private:
   friend class simulation::PairProbe;
+  friend struct simulation::WorldAccess;
   explicit World(std::unique_ptr<simulation::WorldState> state);
   std::unique_ptr<simulation::WorldState> state_;
 };

@@ -4,9 +4,11 @@
 
 #include "dynamics/conserved.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/levels_reached.h"
 #include "simulation/reference.h"
 #include "simulation/sleep.h"
 #include "simulation/stages.h"
+#include "simulation/trace.h"
 
 namespace poise {
 namespace {
@@ -80,6 +82,8 @@ class Laps {
     last_ = now;
     return passed;
   }
+  /// When the last stage ended.
+  [[nodiscard]] SteadyClock::time_point at() const { return last_; }
 
  private:
   SteadyClock::time_point last_;
@@ -119,6 +123,7 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   const Nanoseconds cpu_before = simulation::thread_cpu_time();
   world.executor->wake();
   report.frame = world.frame;
+  report.started = start;
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
 
   Laps laps(start);
@@ -129,6 +134,7 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   report.times.predict = laps.lap();
   find_awake_pairs(world, input, report);
   laps.lap();
+  report.refine_started = laps.at();
   simulation::refine(world, input, report);
   report.times.refine = laps.lap();
   simulation::respond(world, input, report);
@@ -152,6 +158,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   const Nanoseconds kept = SteadyClock::now() - begun;
   if (moved.budget.deadline < SteadyClock::time_point::max() - kept) moved.budget.deadline += kept;
   FrameReport report = run_frame(world, moved);
+  world.settle();
   report.reference = simulation::refer(world, input);
   report.reference->time += kept;
   if (world.settings.sleeping) simulation::fall_asleep(world, input.dt_s, report);
@@ -167,7 +174,10 @@ FrameReport World::step(const StepInput& input) {
     refused.status = status;
     return refused;
   }
+  state_->settle();
   FrameReport report = input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
+  if (input.trace != nullptr) simulation::trace_frame(*state_, report, *input.trace);
+  if (input.measure_levels) report.levels = simulation::levels_reached(*state_, input.view);
   if (input.measure_energy) {
     const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
     report.kinetic_j = sums.kinetic_j;

@@ -58,6 +58,16 @@ Quat unit(const Quat& turn) {
   return std::abs(turn.squaredNorm() - 1.0) <= kRounding ? turn : Quat(turn.normalized());
 }
 
+parallel::ExecutorSettings executor_settings(const WorldSettings& settings) {
+  parallel::ExecutorSettings executor;
+  executor.kind = settings.executor;
+  executor.threads = settings.threads;
+  executor.spin = settings.spin;
+  executor.processors = settings.processors;
+  executor.realtime_priority = settings.realtime_priority;
+  return executor;
+}
+
 Result<Done> check_settings(const WorldSettings& settings) {
   if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
   if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
@@ -77,9 +87,11 @@ World::~World() = default;
 
 Result<World> World::create(const WorldSettings& settings) {
   if (auto checked = check_settings(settings); !checked) return checked.error();
+  auto executor = parallel::make_executor(executor_settings(settings));
+  if (!executor) return executor.error();
   auto state = std::make_unique<simulation::WorldState>();
   state->settings = settings;
-  state->executor = parallel::make_executor(settings.executor, settings.threads);
+  state->executor = std::move(executor).value();
   const auto workers = static_cast<std::size_t>(state->executor->concurrency());
   for (std::size_t w = 0; w < workers; ++w) state->buffers.pools.emplace_back(settings.max_front_entries);
   state->buffers.tallies.resize(workers);
@@ -88,6 +100,7 @@ Result<World> World::create(const WorldSettings& settings) {
 
 ShapeId World::add_shape(ShapePtr shape) {
   if (!shape) return {};
+  state_->settle();
   state_->shapes.push_back(facts_of(std::move(shape)));
   return {static_cast<std::uint32_t>(state_->shapes.size() - 1)};
 }
@@ -114,6 +127,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
       simulation::mass_of(definition, *shape, state_->materials[definition.material.index].density_kgpm3);
   if (!mass) return mass.error();
 
+  state_->settle();
   dynamics::BodyStore& bodies = state_->bodies;
   const BodyId id = bodies.add();
   const std::size_t i = id.slot;
@@ -140,6 +154,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
 
 Status World::remove_body(BodyId body) {
   if (!contains(body)) return stale(body);
+  state_->settle();
   simulation::stir(*state_, body.slot);
   state_->bodies.remove(body.slot);
   state_->removed_slots.push_back(body.slot);

@@ -22,6 +22,7 @@
 #include "response/solve.h"
 #include "simulation/kept_candidates.h"
 #include "simulation/kept_places.h"
+#include "simulation/open_refinement.h"
 #include "simulation/swept_state.h"
 
 namespace poise::simulation {
@@ -103,8 +104,8 @@ struct StepMotion {
 struct WorkerTally {
   std::uint64_t units = 0;
   std::uint64_t jobs = 0, dropped = 0, separated = 0, full = 0;
-  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0};
-  SteadyClock::time_point ended{};
+  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0}, cpu_before{0};
+  SteadyClock::time_point begun{}, ended{};
 };
 
 /// What finding pairs looks at of a body, side by side.
@@ -192,6 +193,15 @@ struct Sleep {
 
 /// Everything that a World holds.
 struct WorldState {
+  WorldState() = default;
+  WorldState(const WorldState&) = delete;
+  WorldState& operator=(const WorldState&) = delete;
+  ~WorldState() { settle(); }
+  /// Waits for workers that the last refinement gave up: before anything changes that they read.
+  void settle() const {
+    if (executor) executor->settle();
+  }
+
   WorldSettings settings;
   std::unique_ptr<parallel::Executor> executor;
   dynamics::BodyStore bodies;
@@ -220,6 +230,7 @@ struct WorldState {
   double answered_share = 1;                           // of the pairs that are not apart; learned
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
   FrameBuffers buffers;
+  OpenRefinement open;
   response::RestSolver rest_solver;
   std::unique_ptr<Reference> reference;
 };
