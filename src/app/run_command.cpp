@@ -15,6 +15,7 @@
 #include "app/run_loop.h"
 #include "app/run_options.h"
 #include "app/run_table.h"
+#include "app/run_trace.h"
 #include "app/scene_files.h"
 #include "build_info.h"
 #include "io/atomic_file.h"
@@ -22,6 +23,7 @@
 #include "io/requirement.h"
 #include "io/run_document.h"
 #include "io/run_tables.h"
+#include "parallel/executor.h"
 #include "poise/scene.h"
 
 namespace poise::app {
@@ -36,7 +38,7 @@ int refuse(const Error& error) { return refuse(exit_code_of(error), error.messag
 /// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
 /// unless it is written to its end.
 struct Outputs {
-  std::optional<io::AtomicFile> json, states, frames_csv, picture;
+  std::optional<io::AtomicFile> json, states, frames_csv, picture, trace;
 
   static Result<Outputs> open(const RunOptions& options) {
     Outputs outputs;
@@ -44,7 +46,8 @@ struct Outputs {
         {&options.json, &outputs.json},
         {&options.states, &outputs.states},
         {&options.frames_csv, &outputs.frames_csv},
-        {&options.picture, &outputs.picture}};
+        {&options.picture, &outputs.picture},
+        {&options.trace, &outputs.trace}};
     for (const auto& [path, file] : wanted) {
       if (path->empty() || *path == "-") continue;
       Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
@@ -126,6 +129,9 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.policy_weights = world.policy;
   d.contact = options.contact;
   d.clock = options.clock;
+  d.affinity = world.processors;
+  d.realtime_priority = world.realtime_priority;
+  d.spin_us = static_cast<double>(world.spin.count()) / 1e3;
   d.paced = loop.paced;
   if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) / 1e6;
   d.host_work_ms = options.host_work_ms.value_or(0);
@@ -200,10 +206,18 @@ Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& fi
   return written ? file.commit() : written;
 }
 
+/// What the system does not permit, with the option that asked for it.
+std::string placing_refused(const RunOptions& options, const Error& error) {
+  const bool both = !options.affinity.empty() && options.realtime;
+  return fmt::format("{}: {}", both ? "--affinity, --realtime" : options.realtime ? "--realtime" : "--affinity", error.message);
+}
+
 /// From a scene that stands to the exit code.
 int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, SceneRun& run,
                  Outputs& outputs, Progress& progress) {
-  const LoopSettings loop = loop_settings(options, scene);
+  LoopSettings loop = loop_settings(options, scene);
+  std::optional<Trace> trace;
+  if (outputs.trace) loop.trace = &trace.emplace(kTraceRoom);
   io::RunDocument document = document_of(options, scene, run, loop);
   for (const std::string& warning : document.warnings) {
     progress.end();
@@ -229,6 +243,11 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (!written) return refuse(written.error());
   if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
   if (!written) return refuse(written.error());
+  if (trace) {
+    written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
+    if (!written) return refuse(written.error());
+    if (trace->dropped() > 0) fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(), kTraceRoom);
+  }
   if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
   if (!written) return refuse(written.error());
   written = write_json(options, document, outputs);
@@ -268,7 +287,18 @@ int run_scene(const RunOptions& options) {
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return refuse(kExitBadUsage, cache.error().message);
   start.tree_cache = cache.value();
+  // Told before the shapes are loaded. The main thread is placed last, because threads inherit its place.
+  parallel::ExecutorSettings threads;
+  threads.kind = start.world.executor;
+  threads.processors = start.world.processors;
+  threads.realtime_priority = start.world.realtime_priority;
+  const Status permitted = parallel::check_executor(threads);
+  if (!permitted) return refuse(kExitBadInput, placing_refused(options, permitted.error()));
   Result<SceneRun> run = SceneRun::create(scene.value(), start);
+  if (run) {
+    const Status placed = parallel::place_this_thread(threads.processors.empty() ? -1 : threads.processors.front(), threads.realtime_priority);
+    if (!placed) return refuse(kExitBadInput, placing_refused(options, placed.error()));
+  }
   if (!run) {
     progress.end();
     return refuse(run.error());

@@ -10,6 +10,9 @@
 namespace poise::app {
 namespace {
 
+/// One frame in so many tells how deep bodies got: listing contacts takes time between frames. Chosen.
+constexpr std::uint64_t kLookAtLevels = 16;
+
 /// Set by Ctrl-C. A signal handler has no argument to carry this in.
 volatile std::sig_atomic_t stop_asked = 0;
 
@@ -93,6 +96,7 @@ StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
   input.polygons = settings.polygons;
   input.backtracking = settings.backtracking;
   input.measure_energy = true;
+  input.trace = settings.trace;
   if (!settings.wall_clock && settings.budget_work) input.budget = Budget::work(*settings.budget_work);
   return input;
 }
@@ -124,13 +128,18 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     simulation::RunFrame frame;
     frame.warm_up = i < settings.warm_up;
     input.reference = settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
+    input.measure_levels = i % kLookAtLevels == kLookAtLevels - 1;
     frame.report = run.world().step(input);
     if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
     status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
     if (settings.paced) {
       frame.release_delay = begin - grid.release();
-      if (frame.report.reference) grid.postpone(frame.report.reference->time);
+      if (input.measure_levels) {
+        grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total));
+      } else if (frame.report.reference) {
+        grid.postpone(frame.report.reference->time);
+      }
       frame.releases_skipped = grid.advance(SteadyClock::now());
       // Releases that pass after the last frame were never to be served.
       if (i + 1 == total) frame.releases_skipped = 0;

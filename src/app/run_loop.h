@@ -25,6 +25,7 @@ struct LoopSettings {
   Level max_level = kMaxTreeDepth;
   bool polygons = false;
   bool backtracking = false;
+  Trace* trace = nullptr;  ///< where the steps leave what the threads did when
   std::optional<std::uint64_t> reference_every;  ///< >= 1: a reference of each measured frame whose number from 1 it divides
 };
 

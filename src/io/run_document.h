@@ -34,6 +34,9 @@ struct RunDocument {
   int threads = 0;
   std::string executor, policy, contact, clock;
   scheduler::Policy policy_weights;
+  std::vector<int> affinity;  ///< processors that the threads were bound to, in turn; empty: none
+  int realtime_priority = 0;  ///< 0: none
+  double spin_us = 0;
   bool paced = false;
   std::optional<double> deadline_ms;
   double host_work_ms = 0;

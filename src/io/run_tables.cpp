@@ -89,7 +89,10 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("work_refine", r.work_refine);
   row.column("jobs_done", r.jobs_done);
   row.column("jobs_dropped", r.jobs_dropped);
+  row.column("jobs_given_up", r.jobs_given_up);
   row.column("pairs_separated", r.pairs_separated);
+  row.column("kept_apart", r.kept_apart);
+  row.column("kept_contacts", r.kept_contacts);
   row.column("pairs_left", r.pairs_left);
   for (std::size_t level = 0; level <= kMaxTreeDepth; ++level) {
     row.column(fmt::format("level_{}", level), r.level_histogram[level]);
