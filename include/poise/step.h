@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "poise/reference.h"
+#include "poise/scheduler/forecast.h"
 #include "poise/types.h"
 
 namespace poise {
@@ -87,6 +88,13 @@ struct StageTimes {
 
 enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Forecast };
 
+/// What a frame left out because what every frame must do was forecast not to fit before the deadline; docs/scheduling.md.
+struct Degraded {
+  int substeps = 0;                      ///< of resting contact, fewer than WorldSettings::substeps; 0: as many
+  std::size_t pairs_reused = 0;          ///< pairs that answered as they did last, though that was too old to be sure of
+  [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0; }
+};
+
 /// What one step did. Plain numbers; no part points into the World.
 struct FrameReport {
   StepStatus status = StepStatus::Done;
@@ -98,14 +106,21 @@ struct FrameReport {
   Nanoseconds reserve_at_cut{0};         ///< kept for the tail when refinement ended
   Nanoseconds tail_forecast{0};          ///< point forecast of the tail, without margin
   Nanoseconds tail_actual{0};            ///< from the end of refinement to the end of the step
+  bool tail_beyond_clip = false;         ///< tail_actual / tail_forecast is outside what the bound on misses speaks of
+  scheduler::TailWork tail_work;         ///< that tail_forecast was made for
   Nanoseconds refine_available{0};       ///< from the start of refinement to t_cut, 0 if there was none
   Nanoseconds host_reserved{0};
+  Nanoseconds host_actual{0};            ///< what the host's work took, where the driver of the frame measures it; World does not
+  Nanoseconds mandatory{0};              ///< all but refinement, host work included, without what the machine took away
+  Nanoseconds mandatory_forecast{0};     ///< point forecast of that, made when the frame began
+  bool infeasible_forecast = false;      ///< it was forecast not to fit, the tail's margin included
+  Degraded degraded;                     ///< what was left out so that it fits
   Nanoseconds lateness{0};               ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
   Nanoseconds off_cpu{0};                ///< wall time less thread CPU time less own waits, of the calling thread
   Nanoseconds waited{0};                 ///< by the calling thread, for refinement that others had begun
   Nanoseconds longest_job{0};            ///< of a bounded piece of refinement
-  Nanoseconds longest_overrun{0};        ///< of a piece beyond its forecast
+  Nanoseconds longest_overrun{0};        ///< of a piece beyond its forecast, or of refinement beyond its cut
   double cut_margin = 1;                 ///< reserve / point forecast
 
   // Counted work

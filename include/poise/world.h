@@ -6,6 +6,7 @@
 #include <span>
 
 #include "poise/result.h"
+#include "poise/scheduler/forecast.h"
 #include "poise/scheduler/policy.h"
 #include "poise/shape.h"
 #include "poise/step.h"
@@ -16,6 +17,7 @@ namespace poise {
 namespace simulation {
 struct WorldState;
 class PairProbe;
+struct WorldAccess;
 }
 
 /// How the contacts of one pair become an impulse (docs/method.md).
@@ -36,6 +38,8 @@ struct WorldSettings {
   /// something that moves comes near them or the caller touches one of them or what they lie on. Off, none of it is done.
   bool sleeping = false;
   int substeps = 2;                              ///< of the resting-contact solver, 1 to 16
+  /// Share of frames under a deadline whose end may take longer than was kept for it, in [1e-5, 0.5]. A smaller one is paid for in reserve.
+  double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
   std::uint32_t max_partners = 256;              ///< candidate partners that a body keeps, 1 to 65536
   std::uint32_t max_front_entries = 1U << 22;    ///< room for fronts, entries a worker thread, >= 64
 };
@@ -136,6 +140,11 @@ class World {
   /// Tells how long the host's own work took in the frame that has just ended, for HostWork::learn.
   void report_host_work(Nanoseconds actual);
 
+  /// What the time forecasts have come to, for a later run on the same machine; and a start from what an earlier one came to, which
+  /// forgets what this World has learned. Numbers that make no sense count as not known. Neither is part of the state.
+  [[nodiscard]] scheduler::TimePriors time_priors() const;
+  void set_time_priors(const scheduler::TimePriors& priors);
+
   /// Steps once. The calling thread works too. Bad input is refused in FrameReport::status.
   FrameReport step(const StepInput& input);
 
@@ -152,6 +161,7 @@ class World {
 
  private:
   friend class simulation::PairProbe;
+  friend struct simulation::WorldAccess;
   explicit World(std::unique_ptr<simulation::WorldState> state);
   std::unique_ptr<simulation::WorldState> state_;
 };

@@ -7,6 +7,7 @@
 #include "collision/polygon_contact.h"
 #include "parallel/shared.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/frame_time.h"
 #include "simulation/stages.h"
 
 namespace poise::simulation {
@@ -100,10 +101,6 @@ void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, 
   }
 }
 
-std::uint64_t answered_of(const WorldState& world, std::int64_t present) {
-  return static_cast<std::uint64_t>(std::ceil(world.answered_share * static_cast<double>(std::max<std::int64_t>(present, 0))));
-}
-
 // The loop of one worker under a deadline: the best job there is, as long as the forecast lets it begin.
 void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget, parallel::Shared<std::int64_t>& contacts,
                     int worker) {
@@ -113,7 +110,7 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
   const TimePoint begun = SteadyClock::now();
   TimePoint now = begun;
   const auto admits = [&](std::uint64_t units) {
-    return budget.admits(now, units, answered_of(world, contacts.get()));
+    return budget.admits(now, units, likely_answered(world, contacts.get()));
   };
   for (;;) {
     const std::uint32_t item = world.bands.take();
@@ -167,27 +164,21 @@ void put_into_bands(Refinement& refinement) {
 
 void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& report) {
   WorldState& world = refinement.world;
-  const StepInput& input = refinement.input;
-  const Nanoseconds host = input.host_work.learn ? world.host_work.reserve() : input.host_work.expected;
-  scheduler::FrameBudget budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin,
-                                                               tail_work(world, 0), world.unit_cost_ns);
-  // Of the active pairs that refinement does not find apart, the share that was answered in the frames before will be.
-  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const ActivePair& pair) { return !pair.apart(); });
-  parallel::Shared<std::int64_t> contacts(present);
-  const std::uint64_t expected = answered_of(world, present);
-  const TimePoint first_cut = budget.cut(expected);
-  report.host_reserved = host;
-  report.reserve_at_cut = budget.reserve(expected);
-  report.tail_forecast = budget.tail_forecast(expected);
-  report.cut_margin = budget.margin;
+  const FramePlan plan = plan_frame(world, refinement.input, start, report);
+  const scheduler::FrameBudget& budget = plan.budget;
+  parallel::Shared<std::int64_t> contacts(plan.present);
+  const TimePoint first_cut = budget.cut(plan.expected);
   if (first_cut <= start) return;
   put_into_bands(refinement);
   world.executor->run([&](int worker) { work_until_cut(refinement, budget, contacts, worker); });
   const TimePoint end = SteadyClock::now();
-  const std::uint64_t left = answered_of(world, contacts.get());
+  const std::uint64_t left = likely_answered(world, contacts.get());
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = budget.tail_forecast(left);
-  report.refine_available = std::max(first_cut, budget.cut(left)) - start;
+  report.tail_work.contacts = left;
+  const TimePoint last_cut = std::max(first_cut, budget.cut(left));
+  report.refine_available = last_cut - start;
+  report.longest_overrun = std::max(Nanoseconds(0), end - last_cut);
   // While this thread waited for another one's job, the machine may have held that one up.
   const WorkerTally& own = refinement.tallies[0];
   report.waited = own.ended == TimePoint{} ? Nanoseconds(0) : end - own.ended;
@@ -276,7 +267,8 @@ void refine_everything(Refinement& refinement) {
 }  // namespace
 
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
-  scheduler::TailWork work;
+  scheduler::TailWork work = world.times.tail_work;
+  work.sphere_contacts = 0;
   work.bodies = world.bodies.dynamic_count();
   work.contacts = contacts;
   work.candidate_pairs = world.buffers.pairs.size();

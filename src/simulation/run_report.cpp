@@ -110,6 +110,7 @@ TailFigures tail_figures(std::span<const RunFrame> frames) {
     reserved_ms += ms(report.reserve_at_cut);
     against_forecast.push_back(ms(report.tail_actual) / ms(report.tail_forecast));
     tail.margin_last = report.cut_margin;
+    if (report.tail_beyond_clip) ++tail.beyond_clip;
   }
   if (tail.frames > 0) {
     tail.coverage = covered / static_cast<double>(tail.frames);
@@ -152,6 +153,10 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.sleep.fell_asleep += report.fell_asleep;
     figures.sleep.woken += report.woken;
     asleep += report.asleep;
+    if (report.degraded.any()) ++figures.degraded.frames;
+    if (report.degraded.substeps > 0) ++figures.degraded.fewer_substeps;
+    figures.degraded.pairs_reused += report.degraded.pairs_reused;
+    if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     figures.longest_job_ms_max = std::max(figures.longest_job_ms_max, ms(report.longest_job));
   }

@@ -60,6 +60,15 @@ struct TailFigures {
   double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
   Percentiles actual_over_forecast;  ///< of the point forecast, without margin
   double margin_last = 1;
+  std::uint64_t beyond_clip = 0;     ///< frames whose actual / forecast the bound on misses does not speak of
+};
+
+/// Frames whose mandatory part was forecast not to fit, and what they left out.
+struct DegradedFigures {
+  std::uint64_t frames = 0;               ///< that left something out
+  std::uint64_t fewer_substeps = 0;       ///< of them with fewer substeps
+  std::uint64_t pairs_reused = 0;         ///< sum over the frames
+  std::uint64_t infeasible_forecast = 0;  ///< frames that were forecast not to fit
 };
 
 struct StageFigures {
@@ -105,6 +114,7 @@ struct RunFigures {
   std::optional<double> refinement_used;
   std::optional<double> refinement_used_all;  ///< the same over all frames with time for refinement
   TailFigures tail;
+  DegradedFigures degraded;
   std::array<StageFigures, 8> stages;
   double off_cpu_ms_max = 0;
   double longest_job_ms_max = 0;

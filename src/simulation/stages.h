@@ -54,7 +54,7 @@ void publish(WorldState& world);
 /// The contacts of the last step, made when somebody asks for them.
 void list_contacts(WorldState& world);
 
-/// Counted work of the tail with this many answered pairs.
+/// Counted work of the tail with this many answered pairs; visits and coarse contacts are those of WorldState::times.
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts);
 
 }  // namespace poise::simulation

@@ -4,6 +4,8 @@
 
 #include "dynamics/conserved.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/degrade.h"
+#include "simulation/frame_time.h"
 #include "simulation/reference.h"
 #include "simulation/sleep.h"
 #include "simulation/stages.h"
@@ -85,33 +87,6 @@ class Laps {
   SteadyClock::time_point last_;
 };
 
-// Why the frame was late, and what the forecasts learn from how long its tail took.
-void judge_time(simulation::WorldState& world, const StepInput& input, SteadyClock::time_point start, Nanoseconds cpu_before,
-                FrameReport& report) {
-  report.times.total = SteadyClock::now() - start;
-  if (input.budget.kind != Budget::Kind::Deadline) return;
-  const StageTimes& times = report.times;
-  report.budget = input.budget.deadline - start;
-  report.tail_actual = times.response + times.integrate + times.publish;
-  const Nanoseconds cpu = simulation::thread_cpu_time() - cpu_before;
-  report.off_cpu += std::max(Nanoseconds(0), times.total - cpu - report.waited);
-  scheduler::LatenessFacts facts;
-  facts.lateness = times.total + report.host_reserved - report.budget;
-  facts.mandatory = times.total - times.refine + report.host_reserved;
-  facts.budget = report.budget;
-  facts.off_cpu = report.off_cpu;
-  facts.longest_overrun = report.longest_overrun;
-  report.lateness = std::max(Nanoseconds(0), facts.lateness);
-  report.cause = static_cast<MissCause>(scheduler::classify(facts));
-  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
-  world.margin.observe(report.tail_actual, report.tail_forecast);
-  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const simulation::ActivePair& pair) { return !pair.apart(); });
-  if (present > 0) {
-    world.answered_share += 0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
-  }
-  world.tail.learn(simulation::tail_work(world, report.contact_pairs), report.tail_actual);
-}
-
 // One checked step, timed.
 FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   const SteadyClock::time_point start = SteadyClock::now();
@@ -121,6 +96,7 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   report.frame = world.frame;
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
 
+  simulation::begin_frame_time(world, input, start, report);
   Laps laps(start);
   if (world.settings.sleeping) simulation::wake_stirred(world);
   forget_removed(world);
@@ -136,11 +112,12 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   simulation::integrate(world, input);
   report.times.integrate = laps.lap();
   simulation::publish(world);
+  simulation::restore(world);
   ++world.frame;
   // A reference must find the bodies that the frame had.
   if (world.settings.sleeping && !input.reference) simulation::fall_asleep(world, input.dt_s, report);
   report.times.publish = laps.lap();
-  judge_time(world, input, start, cpu_before, report);
+  simulation::judge_time(world, input, start, cpu_before, report);
   return report;
 }
 

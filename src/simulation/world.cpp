@@ -10,6 +10,7 @@
 #include "collision/least_extent.h"
 #include "dynamics/conserved.h"
 #include "simulation/checks.h"
+#include "simulation/frame_time.h"
 #include "simulation/sleep.h"
 #include "simulation/stages.h"
 #include "simulation/world_state.h"
@@ -58,11 +59,16 @@ Quat unit(const Quat& turn) {
   return std::abs(turn.squaredNorm() - 1.0) <= kRounding ? turn : Quat(turn.normalized());
 }
 
+// Beyond these a quantile of frames says nothing.
+constexpr double kLeastAlpha = 1e-5;
+constexpr double kMostAlpha = 0.5;
+
 Result<Done> check_settings(const WorldSettings& settings) {
   if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
   if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
   if (auto bad = check_range("threads", settings.threads, 0, 256)) return *bad;
   if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return *bad;
+  if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return *bad;
   if (auto bad = check_range("max_partners", settings.max_partners, 1, 65536)) return *bad;
   if (auto bad = check_range("max_front_entries", settings.max_front_entries, 64, 1U << 26U)) return *bad;
   return Done{};
@@ -79,6 +85,8 @@ Result<World> World::create(const WorldSettings& settings) {
   if (auto checked = check_settings(settings); !checked) return checked.error();
   auto state = std::make_unique<simulation::WorldState>();
   state->settings = settings;
+  state->substeps = settings.substeps;
+  simulation::forget_times(*state, {});
   state->executor = parallel::make_executor(settings.executor, settings.threads);
   const auto workers = static_cast<std::size_t>(state->executor->concurrency());
   for (std::size_t w = 0; w < workers; ++w) state->buffers.pools.emplace_back(settings.max_front_entries);
@@ -252,6 +260,8 @@ Status World::set_importance(BodyId body, double importance) {
 }
 
 void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(actual); }
+scheduler::TimePriors World::time_priors() const { return simulation::times_of(*state_); }
+void World::set_time_priors(const scheduler::TimePriors& priors) { simulation::forget_times(*state_, priors); }
 std::span<const Contact> World::contacts() const {
   if (!state_->contacts_listed) simulation::list_contacts(*state_);
   return state_->contacts;
