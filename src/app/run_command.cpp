@@ -101,7 +101,10 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   const auto of_ms = [](double ms) { return Nanoseconds(static_cast<std::int64_t>(ms * 1e6)); };
   loop.deadline = of_ms(options.deadline_ms.value_or(scene.deadline_ms.value_or(1000 * scene.dt_s)));
   loop.paced = options.paced;
-  loop.host_work = of_ms(options.host_work_ms.value_or(0));
+  const std::optional<double> reserve_ms = scene.host_work ? scene.host_work->reserve_ms : std::nullopt;
+  loop.host_work = of_ms(options.host_work_ms.value_or(reserve_ms.value_or(0)));
+  if (loop.wall_clock) loop.render_load = render_load_of(options.time, scene, options.seed.value_or(scene.seed));
+  loop.learn_host_work = loop.render_load.any() && !options.host_work_ms && !reserve_ms;
   loop.budget_work = options.budget_work;
   loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
   loop.polygons = options.max_level ? options.polygons : scene.polygons;
@@ -128,7 +131,11 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.clock = options.clock;
   d.paced = loop.paced;
   if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) / 1e6;
-  d.host_work_ms = options.host_work_ms.value_or(0);
+  d.host_work_ms = static_cast<double>(loop.host_work.count()) / 1e6;
+  d.host_work_learned = loop.learn_host_work;
+  d.render_load_ms = static_cast<double>(loop.render_load.mean.count()) / 1e6;
+  d.render_load_jitter_ms = static_cast<double>(loop.render_load.jitter.count()) / 1e6;
+  d.alpha = world.alpha;
   d.budget_work = loop.budget_work;
   d.max_level = loop.max_level;
   d.polygons = loop.polygons;
@@ -151,6 +158,10 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.requirement = options.require;
   d.figures = simulation::run_figures({}, {loop.wall_clock});
   return d;
+}
+
+io::TimePriorsKey priors_key_of(const io::RunDocument& d) {
+  return {d.machine.processor + ", " + d.machine.system, d.machine.cores, d.threads, d.executor, d.contact, d.alpha};
 }
 
 void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
@@ -212,6 +223,12 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   const Status known = io::check_names(requirement, io::named_figures(document));
   if (!known) return refuse(kExitBadUsage, "--require: " + known.error().message);
 
+  const std::filesystem::path priors_folder = loop.wall_clock ? time_priors_folder(options.time) : std::filesystem::path();
+  const io::TimePriorsKey priors_key = priors_key_of(document);
+  if (const auto priors = io::read_time_priors(priors_folder, priors_key)) {
+    run.world().set_time_priors(*priors);
+    document.time_priors_frames = priors->frames;
+  }
   StatesWriter states(outputs.states, loop.paced, loop.dt_s);
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
@@ -223,6 +240,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   progress.end();
   if (!result) return refuse(result.error());
 
+  const scheduler::TimePriors learned = run.world().time_priors();
+  if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
   add_results(run, loop, result.value(), document);
   document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
   Status written = states.finish();

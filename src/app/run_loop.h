@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "poise/scene.h"
+#include "simulation/render_load.h"
 #include "simulation/run_report.h"
 
 namespace poise::app {
@@ -21,6 +22,8 @@ struct LoopSettings {
   Nanoseconds deadline{0};  ///< wall clock: of a frame, from its start or release
   bool paced = false;       ///< wall clock: releases on a grid of dt_s
   Nanoseconds host_work{0};
+  bool learn_host_work = false;  ///< reserve what the render load lets expect, instead of host_work
+  simulation::RenderLoad render_load;  ///< wall clock: after each step
   std::optional<std::uint64_t> budget_work;  ///< work clock
   Level max_level = kMaxTreeDepth;
   bool polygons = false;

@@ -92,6 +92,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->type_name("EXPR");
   add_every(command, "--reference", options.reference_every, kMaxSceneFrames,
             "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence");
+  add_time_options(command, options.time);
   add_tree_cache_options(command, options.tree_cache);
   command.add_flag("--quiet", options.quiet, "No progress and no table");
 }
@@ -102,6 +103,8 @@ Status check_run_options(const RunOptions& options) {
   if (work && options.deadline_ms) return bad_input("--deadline has no meaning with --clock work");
   if (work && options.paced) return bad_input("--paced has no meaning with --clock work");
   if (work && options.host_work_ms) return bad_input("--host-work has no meaning with --clock work");
+  const Status time = check_time_options(options.time, work);
+  if (!time) return time;
 #ifndef POISE_APP_HAVE_TBB
   if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
 #endif
@@ -139,6 +142,7 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
   if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;
   if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
+  settings.alpha = options.time.alpha.value_or(scene.alpha.value_or(settings.alpha));
   settings.sleeping = options.sleeping || scene.sleeping;
   settings.executor = executor_kind(options);
   settings.threads = static_cast<int>(options.threads.value_or(0));

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/time_options.h"
 #include "app/tree_cache_options.h"
 #include "poise/result.h"
 #include "poise/scene.h"
@@ -27,6 +28,7 @@ struct RunOptions {
   std::string json, states, frames_csv, picture;
   std::optional<std::string> require;
   TreeCacheOptions tree_cache;
+  TimeOptions time;
 };
 
 /// Declares the options on a subcommand.

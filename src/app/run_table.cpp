@@ -17,6 +17,7 @@ void head(const io::RunDocument& d, Out out) {
   if (d.deadline_ms) {
     fmt::format_to(out, "deadline {:.4g} ms{}", *d.deadline_ms,
                    d.paced ? " from each release of a fixed grid" : " from each start");
+    if (d.render_load_ms > 0) fmt::format_to(out, ", {:.4g} ms of simulated drawing in it", d.render_load_ms);
     if (d.host_work_ms > 0) fmt::format_to(out, ", {:.4g} ms of it kept for the host", d.host_work_ms);
     fmt::format_to(out, "\n");
   } else if (d.budget_work) {
@@ -98,6 +99,12 @@ void refinement(const simulation::RunFigures& f, Out out) {
   }
 }
 
+void degraded(const simulation::RunFigures& f, Out out) {
+  if (f.degraded.infeasible_forecast == 0) return;
+  fmt::format_to(out, "degraded       {} frames were forecast not to fit: {} with fewer substeps, {} pairs answered as they did before\n",
+                 f.degraded.infeasible_forecast, f.degraded.fewer_substeps, f.degraded.pairs_reused);
+}
+
 void swept(const simulation::RunFigures& f, Out out) {
   if (f.swept.pairs == 0) return;
   fmt::format_to(out, "backtracking   {} pairs with a fast body, {} met within a step, {} stopped short\n", f.swept.pairs, f.swept.hits,
@@ -158,6 +165,7 @@ std::string run_table(const io::RunDocument& document) {
   times(document.figures, out);
   misses(document.figures, out);
   refinement(document.figures, out);
+  degraded(document.figures, out);
   swept(document.figures, out);
   reference(document, out);
   state(document, out);

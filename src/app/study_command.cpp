@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "app/study_accuracy.h"
+#include "app/study_compliance.h"
+#include "app/study_forecast.h"
 #include "app/study_levels.h"
 #include "app/study_trees.h"
 
@@ -26,6 +28,18 @@ void add_study_command(CLI::App& app, int& exit_code) {
   CLI::App* accuracy_study = command->add_subcommand("accuracy", "Run cases whose outcome is known, and compare");
   add_study_accuracy_options(*accuracy_study, *accuracy);
   accuracy_study->callback([accuracy, &exit_code] { exit_code = study_accuracy(*accuracy); });
+  auto compliance = std::make_shared<StudyComplianceOptions>();
+  CLI::App* compliance_study = command->add_subcommand("compliance", "Are deadlines kept as often as asked, whatever the population?");
+  add_study_compliance_options(*compliance_study, *compliance);
+  compliance_study->callback([compliance, &exit_code] { exit_code = study_compliance(*compliance); });
+  auto forecast = std::make_shared<StudyForecastOptions>();
+  CLI::App* forecast_study = command->add_subcommand("forecast", "Compare ways to reserve time for the end of a frame, on recorded frames");
+  add_study_forecast_options(*forecast_study, *forecast);
+  forecast_study->callback([forecast, &exit_code] { exit_code = study_forecast(*forecast); });
+  auto constant = std::make_shared<StudyConstantTimeOptions>();
+  CLI::App* constant_study = command->add_subcommand("constant-time", "Time of a frame against the number of bodies, with and without a deadline");
+  add_study_constant_time_options(*constant_study, *constant);
+  constant_study->callback([constant, &exit_code] { exit_code = study_constant_time(*constant); });
 }
 
 }  // namespace poise::app

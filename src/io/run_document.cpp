@@ -56,6 +56,7 @@ Json tail_json(const simulation::TailFigures& tail) {
           {"actual_over_forecast_p50", number(tail.actual_over_forecast.p50)},
           {"actual_over_forecast_p99", number(tail.actual_over_forecast.p99)},
           {"actual_over_forecast_max", number(tail.actual_over_forecast.max)},
+          {"beyond_clip", tail.beyond_clip},
           {"margin_last", number(tail.margin_last)}};
 }
 
@@ -115,6 +116,11 @@ Json settings_json(const RunDocument& d) {
                    {"paced", d.paced},
                    {"period_ms", 1000 * d.dt_s},
                    {"host_work_ms", d.host_work_ms},
+                   {"host_work_learned", d.host_work_learned},
+                   {"render_load_ms", d.render_load_ms},
+                   {"render_load_jitter_ms", d.render_load_jitter_ms},
+                   {"alpha", d.alpha},
+                   {"time_priors_frames", d.time_priors_frames},
                    {"budget_work", d.budget_work ? Json(*d.budget_work) : Json(nullptr)},
                    {"max_level", d.max_level},
                    {"polygons", d.polygons},
@@ -148,6 +154,10 @@ void add_figures(const RunDocument& d, Json& json) {
   json["state_hash"] = fmt::format("{:016x}", d.state_hash);
   for (const simulation::StageFigures& stage : f.stages) json["stage_ms"][stage.name] = of(stage.ms);
   json["tail"] = tail_json(f.tail);
+  json["degraded"] = {{"frames", f.degraded.frames},
+                      {"fewer_substeps", f.degraded.fewer_substeps},
+                      {"pairs_reused", f.degraded.pairs_reused},
+                      {"infeasible_forecast", f.degraded.infeasible_forecast}};
   json["work"] = work_json(f.work);
   json["capacity"] = {{"pairs_dropped", f.capacity.pairs_dropped},
                       {"fronts_full", f.capacity.fronts_full},
