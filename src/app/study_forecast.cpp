@@ -25,10 +25,14 @@ int refuse(int code, const std::string& message) {
 }
 int refuse(const Error& error) { return refuse(exit_code_of(error), error.message); }
 
-std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::RunFrame>& frames) {
+// Of a frame that nobody disturbed at most so much of the tail's time may be missing: what reading the clocks makes of it. Chosen.
+constexpr double kDisturbed = 0.03;
+
+std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::RunFrame>& frames, bool undisturbed) {
   std::vector<simulation::RecordedTail> tails;
   for (const simulation::RunFrame& frame : frames) {
     const FrameReport& r = frame.report;
+    if (undisturbed && static_cast<double>(r.off_cpu.count()) > kDisturbed * static_cast<double>(r.tail_actual.count())) continue;
     if (r.tail_actual.count() > 0) tails.push_back({r.tail_work, r.contact_pairs, r.tail_actual});
   }
   return tails;
@@ -63,6 +67,7 @@ void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
       ->delimiter(',')
       ->check(CLI::Range(1e-5, 0.5))
       ->type_name("LIST");
+  command.add_flag("--undisturbed", o.undisturbed, "Leave out frames of which the machine took time away, to see the program's own variation alone");
   command.footer(
       "Examples:\n"
       "  poise study forecast --markdown forecast.md --picture forecast.png      what docs/scheduling.md shows; 2 minutes\n"
@@ -83,7 +88,7 @@ int study_forecast(const StudyForecastOptions& o) {
   table.columns = {{"bodies", "bodies", 0},   {"alpha", "alpha", 3},         {"method", "method", 0},      {"exceeded", "longer than the reserve %", 2},
                    {"reserve_over_actual", "reserve / needed", 2}, {"pinball", "pinball loss %", 3}, {"beyond_clip", "beyond clip", 0}};
   table.facts = {{"scene", scene.value().name()}, {"frames", o.common.frames.value_or(kFrames)}, {"deadline_ms", scene.value().deadline_ms()},
-                 {"threads", static_cast<std::uint64_t>(scene.value().threads())}};
+                 {"undisturbed", o.undisturbed}, {"threads", static_cast<std::uint64_t>(scene.value().threads())}};
   for (const std::uint64_t bodies : populations) {
     StudyRun run;
     run.bodies = bodies;
@@ -94,7 +99,7 @@ int study_forecast(const StudyForecastOptions& o) {
       progress.end();
       return refuse(frames.error());
     }
-    const std::vector<simulation::RecordedTail> tails = tails_of(frames.value());
+    const std::vector<simulation::RecordedTail> tails = tails_of(frames.value(), o.undisturbed);
     for (const double alpha : alphas) {
       for (const simulation::ForecastScore& score : simulation::try_forecasts(tails, alpha, std::min(kSkip, tails.size() / 2))) {
         table.rows.push_back({bodies, alpha, score.method, 100 * score.exceeded, score.reserve_over_actual, 100 * score.pinball, score.beyond_clip});

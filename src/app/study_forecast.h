@@ -10,6 +10,7 @@ struct StudyForecastOptions {
   StudyTimesOptions common;
   std::vector<std::uint64_t> bodies;  ///< empty: 100 and 2000
   std::vector<double> alphas;         ///< empty: 0.01 and 0.001
+  bool undisturbed = false;           ///< leave out frames of which the machine took time away
 };
 void add_study_forecast_options(CLI::App& command, StudyForecastOptions& options);
 
