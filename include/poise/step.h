@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "poise/decisions.h"
 #include "poise/reference.h"
 #include "poise/scheduler/forecast.h"
 #include "poise/types.h"
@@ -65,6 +66,13 @@ struct StepInput {
   /// What this takes is in none of the frame's times: a deadline moves by the little that is kept before the frame (a copy of
   /// the bodies' state), and the rest happens after it, before step returns.
   bool reference = false;
+  /// Keep what the budget decides, for World::decisions; not with `replay`. Off, nothing of it is done.
+  bool record = false;
+  /// Refine exactly these levels, whatever `budget` says. Valid until step returns. With it the state after the step is that of the step
+  /// which made these decisions, to the bit, on any number of threads, if the state before it was.
+  const FrameDecisions* replay = nullptr;
+  /// With `replay`: filled with what each pair was worth. Takes memory and time of its own.
+  FrameExplanation* explain = nullptr;
 };
 
 enum class StepStatus : std::uint8_t {
@@ -72,6 +80,8 @@ enum class StepStatus : std::uint8_t {
   RefusedTimeStep,  ///< dt_s is not in (0, kMaxTimeStepS]; the World is unchanged
   RefusedView,      ///< the view has a part that is not finite or out of range; the World is unchanged
   RefusedHostWork,  ///< negative host work; the World is unchanged
+  RefusedReplay,    ///< the decisions are those of a step with another number; the World is unchanged
+  ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step has not, or fronts had no room: another state
 };
 
 /// Wall time of the stages of one step.

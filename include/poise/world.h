@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "poise/decisions.h"
 #include "poise/result.h"
 #include "poise/scheduler/forecast.h"
 #include "poise/scheduler/policy.h"
@@ -153,6 +154,10 @@ class World {
   [[nodiscard]] std::span<const Contact> contacts() const;
   /// Pairs that began and ceased to touch in the last step, in order of (a, b).
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
+
+  /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all threads
+  /// in the order in which they ended. Without StepInput::record in that step there are none. Costs about 10 ns a completed level.
+  void decisions(FrameDecisions& decisions) const;
 
   [[nodiscard]] Conserved conserved() const;
   /// Every bit of state that the next step depends on, time forecasts aside (xxHash64).

@@ -53,6 +53,10 @@ const char* status_name(StepStatus status) {
       return "refused_view";
     case StepStatus::RefusedHostWork:
       return "refused_host_work";
+    case StepStatus::RefusedReplay:
+      return "refused_replay";
+    case StepStatus::ReplayDiffers:
+      return "replay_differs";
   }
   return "done";
 }

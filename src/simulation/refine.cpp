@@ -7,6 +7,7 @@
 #include "collision/polygon_contact.h"
 #include "parallel/shared.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/decided.h"
 #include "simulation/frame_time.h"
 #include "simulation/stages.h"
 
@@ -18,19 +19,9 @@ struct Refinement {
   const StepInput& input;
   scheduler::FrameFacts facts;
   std::span<WorkerTally> tallies;
+  DecisionLog* log = nullptr;  // of a step that is recorded
 
-  double score(const ActivePair& pair, std::uint32_t index) const {
-    std::array<float, kPolygonPlace + 1> error_m{};
-    const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
-    const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
-    for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
-    // Levels up to the one that is kept bring nothing that is not known.
-    for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level) error_m[level] = error_m[pair.memory.level];
-    if (pair.level.polygons) error_m[pair.level.deepest] = 0;
-    const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
-                                     pair.level.next_units};
-    return scheduler::score(world.settings.policy, facts, chain, world.buffers.cues[index], index);
-  }
+  double score(const ActivePair& pair, std::uint32_t index) const { return score_of(world, facts, pair, index); }
 };
 
 enum class Outcome : std::uint8_t { Completed, Cut, Full };
@@ -90,6 +81,11 @@ Outcome complete_level(WorldState& world, ActivePair& pair, collision::LevelCont
   return Outcome::Completed;
 }
 
+RefinementStep::Kind kind_of(Outcome outcome) {
+  if (outcome == Outcome::Completed) return RefinementStep::Kind::Completed;
+  return outcome == Outcome::Cut ? RefinementStep::Kind::Cut : RefinementStep::Kind::Full;
+}
+
 void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
   if (outcome == Outcome::Completed) {
     ++tally.jobs;
@@ -134,6 +130,7 @@ void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget
     });
     note_piece();
     note_outcome(pair, units, outcome, tally);
+    if (refinement.log != nullptr) refinement.log->note(worker, item, kind_of(outcome), now);
     if (outcome == Outcome::Cut) break;
     if (outcome == Outcome::Full) continue;
     if (pair.level.apart) contacts.add(-1);
@@ -240,6 +237,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
     }
     for (const scheduler::Candidate& chosen : round) {
       const ActivePair& pair = buffers.pairs[chosen.pair];
+      if (refinement.log != nullptr) refinement.log->note_round(chosen.pair, kind_of(pair.full ? Outcome::Full : Outcome::Completed));
       if (!pair.full && pair.refinable()) world.rounds.add(candidate(chosen.pair));
     }
   }
@@ -256,7 +254,9 @@ void refine_everything(Refinement& refinement) {
       ActivePair& pair = buffers.pairs[i];
       while (pair.refinable() && !pair.full) {
         const std::uint64_t units = pair.level.next_units;
-        note_outcome(pair, units, complete_level(world, pair, buffers.found[i], worker, [](std::uint64_t) { return true; }), tally);
+        const Outcome outcome = complete_level(world, pair, buffers.found[i], worker, [](std::uint64_t) { return true; });
+        note_outcome(pair, units, outcome, tally);
+        if (refinement.log != nullptr) refinement.log->note(worker, static_cast<std::uint32_t>(i), kind_of(outcome), SteadyClock::now());
       }
       buffers.pools[static_cast<std::size_t>(worker)].clear();
       pair.level.front = {};
@@ -280,8 +280,35 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   return work;
 }
 
+scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input) {
+  scheduler::FrameFacts facts;
+  for (const ShapeFacts& shape : world.shapes) facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  if (input.polygons) ++facts.deepest_level;
+  facts.frame = world.frame;
+  facts.seed = world.settings.seed;
+  facts.pairs = static_cast<std::uint32_t>(world.buffers.pairs.size());
+  return facts;
+}
+
+double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair, std::uint32_t index) {
+  std::array<float, kPolygonPlace + 1> error_m{};
+  const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
+  const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
+  for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
+  // Levels up to the one that is kept bring nothing that is not known.
+  for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level) error_m[level] = error_m[pair.memory.level];
+  if (pair.level.polygons) error_m[pair.level.deepest] = 0;
+  const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
+                                   pair.level.next_units};
+  return scheduler::score(world.settings.policy, facts, chain, world.buffers.cues[index], index);
+}
+
+bool refine_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
+  return complete_level(world, pair, found, worker, [](std::uint64_t) { return true; }) == Outcome::Completed;
+}
+
 bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
-  while (pair.refinable() && !pair.full) complete_level(world, pair, found, worker, [](std::uint64_t) { return true; });
+  while (pair.refinable() && !pair.full) refine_level(world, pair, found, worker);
   return !pair.full;
 }
 
@@ -304,16 +331,12 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   const TimePoint begun = SteadyClock::now();
   std::fill(buffers.tallies.begin(), buffers.tallies.end(), WorkerTally{});
-  Refinement refinement{world, input, {}, buffers.tallies};
+  Refinement refinement{world, input, frame_facts(world, input), buffers.tallies, nullptr};
   for (collision::FrontPool& pool : buffers.pools) pool.clear();
-  for (const ShapeFacts& facts : world.shapes) {
-    refinement.facts.deepest_level = std::max<std::uint32_t>(refinement.facts.deepest_level, facts.shape->tree.depth());
-  }
-  if (input.polygons) ++refinement.facts.deepest_level;
-  refinement.facts.frame = world.frame;
-  refinement.facts.seed = world.settings.seed;
-  refinement.facts.pairs = static_cast<std::uint32_t>(buffers.pairs.size());
-  if (input.budget.kind == Budget::Kind::Deadline) {
+  if (input.record && input.replay == nullptr) refinement.log = &begin_log(world, refinement.facts);
+  if (input.replay != nullptr) {
+    if (!refine_as_decided(world, input, refinement.facts)) report.status = StepStatus::ReplayDiffers;
+  } else if (input.budget.kind == Budget::Kind::Deadline) {
     refine_until_cut(refinement, begun, report);
   } else if (input.budget.kind == Budget::Kind::Unlimited && world.settings.contact != ContactModel::Paper) {
     refine_everything(refinement);

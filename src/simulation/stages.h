@@ -24,6 +24,13 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report);
 /// Refines until the budget says stop.
 void refine(WorldState& world, const StepInput& input, FrameReport& report);
 
+/// What a policy may know of the frame.
+scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input);
+/// What decides when the next level of an active pair has its turn; `index` is its place among them.
+double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair, std::uint32_t index);
+/// The next level of an active pair on one worker, whatever that costs; false when its front had no room.
+bool refine_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
+
 /// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room. `found` is that of the pair.
 bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 

@@ -21,10 +21,11 @@ bool sound(const View& view) {
          view.vertical_fov_rad < 3.14159 && std::isfinite(view.aspect) && view.aspect > 0;
 }
 
-StepStatus check(const StepInput& input) {
+StepStatus check(const StepInput& input, std::uint64_t frame) {
   if (!(input.dt_s > 0 && input.dt_s <= kMaxTimeStepS)) return StepStatus::RefusedTimeStep;
   if (!sound(input.view)) return StepStatus::RefusedView;
   if (input.host_work.expected.count() < 0) return StepStatus::RefusedHostWork;
+  if (input.replay != nullptr && input.replay->frame != frame) return StepStatus::RefusedReplay;
   return StepStatus::Done;
 }
 
@@ -137,13 +138,17 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
 
 }  // namespace
 
-FrameReport World::step(const StepInput& input) {
-  const StepStatus status = check(input);
+FrameReport World::step(const StepInput& given) {
+  StepInput input = given;
+  // Nothing of a step that is done again is up to a clock.
+  if (input.replay != nullptr) input.budget = Budget::unlimited();
+  const StepStatus status = check(input, state_->frame);
   if (status != StepStatus::Done) {
     FrameReport refused;
     refused.status = status;
     return refused;
   }
+  if (state_->decisions && (!input.record || input.replay != nullptr)) state_->decisions->forget();
   FrameReport report = input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
   if (input.measure_energy) {
     const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);

@@ -267,6 +267,13 @@ std::span<const Contact> World::contacts() const {
   return state_->contacts;
 }
 std::span<const ContactEvent> World::contact_events() const { return state_->events; }
+void World::decisions(FrameDecisions& decisions) const {
+  if (state_->decisions) {
+    state_->decisions->merge(decisions);
+  } else {
+    simulation::DecisionLog().merge(decisions);
+  }
+}
 Conserved World::conserved() const {
   return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
 }

@@ -20,6 +20,7 @@
 #include "response/contact_row.h"
 #include "response/rest.h"
 #include "response/solve.h"
+#include "simulation/decision_log.h"
 #include "simulation/kept_candidates.h"
 #include "simulation/kept_places.h"
 #include "simulation/swept_state.h"
@@ -241,6 +242,7 @@ struct WorldState {
   FrameBuffers buffers;
   response::RestSolver rest_solver;
   std::unique_ptr<Reference> reference;
+  std::unique_ptr<DecisionLog> decisions;              // once a step was recorded
 };
 
 }  // namespace poise::simulation

@@ -58,7 +58,7 @@ void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) no
 namespace poise {
 namespace {
 
-std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model) {
+std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model, bool record = false) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   settings.executor = executor;
@@ -70,6 +70,7 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
   for (const BodyId body : stage.bodies) start.push_back(stage.at(body));
   StepInput input = step_of(1.0 / 60);
   input.budget = budget;
+  input.record = record;
   const auto fall = [&] {
     for (int i = 0; i < 100; ++i) stage.world.step(input);
   };
@@ -188,6 +189,12 @@ TEST(Allocation, AStableSortIsSeenToTakeItsBuffer) {
   const std::size_t before = allocations.load();
   std::stable_sort(numbers.begin(), numbers.end());
   EXPECT_EQ(allocations.load() - before, 1U);
+}
+
+TEST(Allocation, RecordingWhatAStepDecidesAllocatesNothingOnceWarm) {
+  for (const Budget& budget : {Budget::unlimited(), Budget::work(500), Budget::within(std::chrono::hours(1))}) {
+    EXPECT_EQ(allocations_once_warm(ExecutorKind::Threads, budget, ContactModel::Fitted, true), 0U);
+  }
 }
 
 TEST(Allocation, AStepAllocatesNothingOnceItsBuffersHaveGrown) {

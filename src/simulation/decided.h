@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "simulation/world_state.h"
+
+/// Recording what a step decides, and doing it again (poise/decisions.h).
+namespace poise::simulation {
+
+/// The log of the step that is about to refine, with room for all that it can do.
+DecisionLog& begin_log(WorldState& world, const scheduler::FrameFacts& facts);
+
+/// Completes the levels that were decided and no other, on all threads, and tallies them; says what pairs were worth if the input
+/// asks. False when a pair or level that was decided is not there or has no room: what there is has been done.
+bool refine_as_decided(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts);
+
+}  // namespace poise::simulation
