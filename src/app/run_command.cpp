@@ -14,6 +14,7 @@
 #include "app/progress.h"
 #include "app/run_loop.h"
 #include "app/run_options.h"
+#include "app/run_record.h"
 #include "app/run_table.h"
 #include "app/scene_files.h"
 #include "build_info.h"
@@ -22,6 +23,7 @@
 #include "io/requirement.h"
 #include "io/run_document.h"
 #include "io/run_tables.h"
+#include "io/scene_parse.h"
 #include "poise/scene.h"
 
 namespace poise::app {
@@ -212,8 +214,8 @@ Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& fi
 }
 
 /// From a scene that stands to the exit code.
-int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, SceneRun& run,
-                 Outputs& outputs, Progress& progress) {
+int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, const std::string& scene_text, SceneRun& run,
+                 Outputs& outputs, RunRecord& record, Progress& progress) {
   const LoopSettings loop = loop_settings(options, scene);
   io::RunDocument document = document_of(options, scene, run, loop);
   for (const std::string& warning : document.warnings) {
@@ -229,6 +231,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     run.world().set_time_priors(*priors);
     document.time_priors_frames = priors->frames;
   }
+  const Status begun = record.begin(options, scene, scene_text, run, loop);
+  if (!begun) return refuse(begun.error());
   StatesWriter states(outputs.states, loop.paced, loop.dt_s);
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
@@ -236,7 +240,7 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
     progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
   };
-  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told);
+  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told, record.sink(run));
   progress.end();
   if (!result) return refuse(result.error());
 
@@ -244,7 +248,9 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
   add_results(run, loop, result.value(), document);
   document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
-  Status written = states.finish();
+  Status written = record.finish(result.value().stopped);
+  if (!written) return refuse(written.error());
+  written = states.finish();
   if (!written) return refuse(written.error());
   if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
   if (!written) return refuse(written.error());
@@ -271,13 +277,17 @@ int run_scene(const RunOptions& options) {
   }
   const Result<std::filesystem::path> file = find_scene(options.scene);
   if (!file) return refuse(file.error());
-  const Result<Scene> scene = read_scene(file.value());
+  const Result<std::string> text = io::read_scene_text(file.value());
+  if (!text) return refuse(text.error());
+  const Result<Scene> scene = parse_scene(text.value(), file.value().string(), file.value().parent_path());
   if (!scene) return refuse(scene.error());
   if (options.bodies && scene.value().generators.empty()) {
     return refuse(kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
   }
   Result<Outputs> outputs = Outputs::open(options);
   if (!outputs) return refuse(outputs.error());
+  Result<RunRecord> record = RunRecord::open(options.record);
+  if (!record) return refuse(record.error());
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
   SceneRunOptions start;
@@ -296,7 +306,7 @@ int run_scene(const RunOptions& options) {
     progress.end();
     fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
-  return run_prepared(options, requirement, scene.value(), run.value(), outputs.value(), progress);
+  return run_prepared(options, requirement, scene.value(), text.value(), run.value(), outputs.value(), record.value(), progress);
 }
 
 }  // namespace
@@ -310,6 +320,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  poise run pile --deadline 16 --paced --json report.json\n"
       "  poise run jacks --bodies 5000 --frames 300 --require 'miss_rate < 0.01'\n"
       "  poise run gas --clock work --budget-work 2000 --states states.csv\n"
+      "  poise run pile --deadline 4 --record pile.poise   and then   poise replay pile.poise --explain 200\n"
       "  poise run pile --deadline 4 --reference every=60 --require 'reference.e_rel_p50 < 0.2'\n\n"
       "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
       "Ctrl-C.");

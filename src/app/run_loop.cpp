@@ -72,7 +72,7 @@ StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
 }  // namespace
 
 Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& told) {
+                            const FrameSink& told, const RecordSink& record) {
   const CtrlC ctrl_c;
   LoopResult result;
   std::vector<BodyState> buffer;
@@ -81,6 +81,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
   Status status = tell_states(run, 0, buffer, states);
   if (!status) return status.error();
   StepInput input = step_input(run, settings);
+  input.record = static_cast<bool>(record);
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
   simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
@@ -103,10 +104,15 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
       run.world().report_host_work(load.wall);
       simulation::add_host_work(load.wall, load.off_cpu, frame.report);
     }
+    const SteadyClock::time_point recorded_from = SteadyClock::now();
+    status = record ? record(frame.report) : Status(Done{});
+    if (!status) return status.error();
+    const Nanoseconds recorded = record ? SteadyClock::now() - recorded_from : Nanoseconds(0);
     status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
     if (settings.paced) {
       frame.release_delay = begin - grid.release();
+      grid.postpone(recorded);
       if (frame.report.reference) grid.postpone(frame.report.reference->time);
       frame.releases_skipped = grid.advance(SteadyClock::now());
       // Releases that pass after the last frame were never to be served.

@@ -40,11 +40,13 @@ struct LoopResult {
 
 /// Told the states after each frame (and of the start, as frame 0), outside of the frame's time.
 using StatesSink = std::function<Status(std::uint64_t frame, std::span<const BodyState> states)>;
+/// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame: releases are put off by it.
+using RecordSink = std::function<Status(const FrameReport&)>;
 /// Told after each frame.
 using FrameSink = std::function<void(const simulation::RunFrame&)>;
 
-/// Runs a scene to its end or to Ctrl-C. `states` may be empty. Refused: what the World or the sink refuses.
+/// Runs a scene to its end or to Ctrl-C. `states` and `record` may be empty. Refused: what the World or a sink refuses.
 Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& frame);
+                            const FrameSink& frame, const RecordSink& record = {});
 
 }  // namespace poise::app

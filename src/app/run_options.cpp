@@ -85,6 +85,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
   add_path(command, "--states", options.states, "Write every body after every frame as CSV");
   add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
+  add_path(command, "--record", options.record, "Write what each frame decided, for poise replay");
   add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
   command
       .add_option("--require", options.require,
@@ -111,7 +112,7 @@ Status check_run_options(const RunOptions& options) {
   if (options.require && options.require->empty()) return bad_input("--require must not be empty");
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
-  for (const std::string* path : {&options.states, &options.frames_csv, &options.picture}) {
+  for (const std::string* path : {&options.states, &options.frames_csv, &options.picture, &options.record}) {
     if (*path == "-") return bad_input("only --json can go to the standard output");
   }
   const Status picture = check_picture(options.picture);
@@ -119,7 +120,8 @@ Status check_run_options(const RunOptions& options) {
   return check_outputs({{"--json", options.json},
                         {"--states", options.states},
                         {"--frames-csv", options.frames_csv},
-                        {"--picture", options.picture}},
+                        {"--picture", options.picture},
+                        {"--record", options.record}},
                        {{"SCENE", options.scene}});
 }
 

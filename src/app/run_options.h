@@ -25,7 +25,7 @@ struct RunOptions {
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "fitted", clock = "wall", executor;
-  std::string json, states, frames_csv, picture;
+  std::string json, states, frames_csv, picture, record;
   std::optional<std::string> require;
   TreeCacheOptions tree_cache;
   TimeOptions time;

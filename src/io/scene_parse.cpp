@@ -168,7 +168,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name, const 
   return scene;
 }
 
-Result<Scene> read_scene(const std::filesystem::path& file) {
+Result<std::string> io::read_scene_text(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(file, failure);
@@ -185,7 +185,13 @@ Result<Scene> read_scene(const std::filesystem::path& file) {
   }
   if (stream.bad()) return bad_input(name + ": cannot be read");
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) return bad_input(name + ": the file is empty");
-  return parse_scene(text, name, file.parent_path());
+  return text;
+}
+
+Result<Scene> read_scene(const std::filesystem::path& file) {
+  const Result<std::string> text = io::read_scene_text(file);
+  if (!text) return text.error();
+  return parse_scene(text.value(), file.string(), file.parent_path());
 }
 
 }  // namespace poise
