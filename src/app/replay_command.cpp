@@ -115,7 +115,7 @@ std::string json_of(const ReplayOptions& options, const io::RecordHeader& h, con
   using Json = nlohmann::ordered_json;
   Json damage = nullptr;
   if (r.damage) damage = {{"after_frames", r.frames}, {"byte", r.damage->byte}, {"what", r.damage->what}};
-  Json json = {{"format", "poise.replay/1"},
+  Json json = {{"schema", "poise.replay/1"},
                {"record", options.record},
                {"scene", h.scene_name},
                {"recorded", {{"frames_asked", h.frames}, {"threads", h.world.threads}, {"executor", executor_name(h.world.executor)}, {"clock", h.clock},

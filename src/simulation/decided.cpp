@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "parallel/shared.h"
+#include "simulation/degrade.h"
 #include "simulation/stages.h"
 
 namespace poise::simulation {
@@ -162,8 +163,14 @@ DecisionLog& begin_log(WorldState& world, const scheduler::FrameFacts& facts) {
   return *world.decisions;
 }
 
-bool refine_as_decided(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts) {
-  return Again(world, input, facts).run();
+void log_degraded(const WorldState& world, const Degraded& degraded, DecisionLog& log) {
+  log.substeps(static_cast<std::uint32_t>(degraded.substeps));
+  for (std::size_t k = 0; k < degraded.pairs_reused; ++k) log.reused(world.buffers.least_seen[k].pair);
+}
+
+bool refine_as_decided(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts, FrameReport& report) {
+  const bool left_out = degrade_as_decided(world, *input.replay, report.degraded);
+  return Again(world, input, facts).run() && left_out;
 }
 
 }  // namespace poise::simulation

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/decision_log.h"
 
+#include <algorithm>
 #include <array>
 
 namespace poise::simulation {
@@ -9,6 +10,9 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   frame_ = frame;
   active_pairs_ = active_pairs;
   known_ = true;
+  substeps_ = 0;
+  reused_.clear();
+  reused_.reserve(most_steps);
   if (lanes_.size() < workers) lanes_.resize(workers);
   for (Lane& lane : lanes_) {
     lane.steps.clear();
@@ -23,6 +27,9 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.frame = known_ ? frame_ : 0;
   decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
   if (!known_) return;
+  decisions.substeps = substeps_;
+  decisions.reused = reused_;
+  std::sort(decisions.reused.begin(), decisions.reused.end());
   constexpr std::size_t kMostWorkers = 256;
   std::array<std::size_t, kMostWorkers> next{};
   for (;;) {

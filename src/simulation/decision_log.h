@@ -28,6 +28,11 @@ class DecisionLog {
   /// For work that goes in rounds: from the thread that chooses them, in their order.
   void note_round(std::uint32_t pair, RefinementStep::Kind kind) { note(0, pair, kind, SteadyClock::time_point{}); }
 
+  /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that answered by what it
+  /// kept though that was too old. From the thread of the step, after begin.
+  void substeps(std::uint32_t count) { substeps_ = count; }
+  void reused(std::uint32_t pair) { reused_.push_back(pair); }
+
   /// All lists as one, by time; of one time the lower worker first. Uses the room of `decisions` again.
   void merge(FrameDecisions& decisions) const;
 
@@ -44,6 +49,8 @@ class DecisionLog {
   std::vector<Lane> lanes_;
   std::uint64_t frame_ = 0;
   std::size_t active_pairs_ = 0;
+  std::uint32_t substeps_ = 0;
+  std::vector<std::uint32_t> reused_;
   bool known_ = false;
 };
 

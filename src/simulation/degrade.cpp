@@ -58,6 +58,14 @@ void scale_impulses(PlaceStore& places, double factor) {
   }
 }
 
+void use_substeps(WorldState& world, int substeps) {
+  if (substeps <= 0 || substeps >= world.settings.substeps) return;
+  world.substeps = substeps;
+  scale_impulses(world.places, static_cast<double>(world.settings.substeps) / substeps);
+}
+
+void reuse(ActivePair& pair) { pair.kept = pair.memory.apart ? Kept::Apart : Kept::Stale; }
+
 }  // namespace
 
 std::size_t pairs_to_reuse(WorldState& world, Nanoseconds late, double apart_ns, double places_ns) {
@@ -70,18 +78,30 @@ std::size_t pairs_to_reuse(WorldState& world, Nanoseconds late, double apart_ns,
 }
 
 void degrade(WorldState& world, const Degraded& degraded) {
-  if (degraded.substeps > 0 && degraded.substeps < world.settings.substeps) {
-    world.substeps = degraded.substeps;
-    scale_impulses(world.places, static_cast<double>(world.settings.substeps) / degraded.substeps);
-  }
+  use_substeps(world, degraded.substeps);
   if (degraded.pairs_reused == 0) return;
   list_reusable(world, 0, 0);
   const std::size_t count = std::min(degraded.pairs_reused, world.buffers.least_seen.size());
   if (count < world.buffers.least_seen.size()) sort_least_seen(world);
   for (std::size_t k = 0; k < count; ++k) {
-    ActivePair& pair = world.buffers.pairs[world.buffers.least_seen[k].pair];
-    pair.kept = pair.memory.apart ? Kept::Apart : Kept::Stale;
+    reuse(world.buffers.pairs[world.buffers.least_seen[k].pair]);
   }
+}
+
+bool degrade_as_decided(WorldState& world, const FrameDecisions& decisions, Degraded& degraded) {
+  degraded = {};
+  bool there = decisions.substeps < static_cast<std::uint32_t>(world.settings.substeps);
+  if (there) degraded.substeps = static_cast<int>(decisions.substeps);
+  use_substeps(world, degraded.substeps);
+  for (const std::uint32_t index : decisions.reused) {
+    if (index >= world.buffers.pairs.size() || !reusable(world, world.buffers.pairs[index])) {
+      there = false;
+      continue;
+    }
+    reuse(world.buffers.pairs[index]);
+    ++degraded.pairs_reused;
+  }
+  return there;
 }
 
 void restore(WorldState& world) {

@@ -17,6 +17,10 @@ std::size_t pairs_to_reuse(WorldState& world, Nanoseconds late, double apart_ns,
 /// Called after the pairs are found and before refinement; restore() must follow.
 void degrade(WorldState& world, const Degraded& degraded);
 
+/// The same as it was decided in another run of this step, the pairs by name, and what that was. False where a pair cannot be reused or there
+/// are not so many substeps: another step than that one.
+bool degrade_as_decided(WorldState& world, const FrameDecisions& decisions, Degraded& degraded);
+
 /// After the frame is published: what is kept means again what it does with all substeps.
 void restore(WorldState& world);
 

@@ -335,9 +335,10 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   for (collision::FrontPool& pool : buffers.pools) pool.clear();
   if (input.record && input.replay == nullptr) refinement.log = &begin_log(world, refinement.facts);
   if (input.replay != nullptr) {
-    if (!refine_as_decided(world, input, refinement.facts)) report.status = StepStatus::ReplayDiffers;
+    if (!refine_as_decided(world, input, refinement.facts, report)) report.status = StepStatus::ReplayDiffers;
   } else if (input.budget.kind == Budget::Kind::Deadline) {
     refine_until_cut(refinement, begun, report);
+    if (refinement.log != nullptr) log_degraded(world, report.degraded, *refinement.log);
   } else if (input.budget.kind == Budget::Kind::Unlimited && world.settings.contact != ContactModel::Paper) {
     refine_everything(refinement);
   } else {
