@@ -13,15 +13,31 @@ constexpr double kDrift = 0.02;
 constexpr double kNoise = 0.1;
 // Standard deviation of a coefficient of which nothing is known, as a share of its prior and of 1 us.
 constexpr double kIgnorance = 3.0;
+// Prior: 30 us, and per thousand: bodies 100 us, contacts 300 us, candidates 20 us, sphere contacts 100 us, patch visits 30 us, coarse
+// contacts 100 us. On the slow side of the machines that we tried; the first tens of frames replace it.
+constexpr TailForecast::Features kPriorUs = {30.0, 100.0, 300.0, 20.0, 100.0, 30.0, 100.0};
+// The same of a coefficient that another run has learned. Chosen: scenes differ by about as much.
+constexpr double kDoubt = 0.5;
 
 }  // namespace
 
-TailForecast::TailForecast() {
-  // Prior: 30 us, and per thousand: bodies 100 us, contacts 400 us, candidates 20 us, sphere contacts 100 us. On the slow
-  // side of the machines that we tried; the first tens of frames replace it.
-  coefficient_us_ = {30.0, 100.0, 400.0, 20.0, 100.0};
+TailForecast::TailForecast() : coefficient_us_(kPriorUs) { set_ignorance(kIgnorance); }
+
+TailForecast::TailForecast(const Features& coefficients_us) : coefficient_us_(kPriorUs) {
+  const bool known = std::all_of(coefficients_us.begin(), coefficients_us.end(), [](double us) { return std::isfinite(us) && us >= 0; });
+  if (known) coefficient_us_ = coefficients_us;
+  set_ignorance(kIgnorance);
+  if (!known) return;
   for (std::size_t i = 0; i < kFeatures; ++i) {
-    const double deviation_us = kIgnorance * (coefficient_us_[i] + 1.0);
+    const double deviation_us = kDoubt * (coefficient_us_[i] + 1.0);
+    covariance_[i][i] = std::min(covariance_[i][i], deviation_us * deviation_us);
+  }
+}
+
+void TailForecast::set_ignorance(double share) {
+  for (std::size_t i = 0; i < kFeatures; ++i) {
+    // A cost that another run found to be nothing may still be one here.
+    const double deviation_us = share * (std::max(coefficient_us_[i], 0.1 * kPriorUs[i]) + 1.0);
     widest_[i] = covariance_[i][i] = deviation_us * deviation_us;
   }
 }
@@ -29,7 +45,7 @@ TailForecast::TailForecast() {
 TailForecast::Features TailForecast::features(const TailWork& work) {
   const auto thousands = [](std::uint64_t count) { return static_cast<double>(count) * 1e-3; };
   return {1.0, thousands(work.bodies), thousands(work.contacts), thousands(work.candidate_pairs),
-          thousands(work.sphere_contacts)};
+          thousands(work.sphere_contacts), thousands(work.patch_visits), thousands(work.coarse_contacts)};
 }
 
 Nanoseconds TailForecast::forecast(const TailWork& work) const {
@@ -80,6 +96,11 @@ void TailForecast::widen() {
 TrackedQuantile::TrackedQuantile(double alpha, double eta, double start)
     : alpha_(std::clamp(alpha, 1e-6, 0.5)), eta_(std::clamp(eta, 1e-6, 1.0)), q_(std::clamp(start, kLow, kHigh)) {}
 
+double TrackedQuantile::eta_for(double spread) {
+  if (!(spread > 0)) return kDefaultEta;
+  return std::clamp(0.5 * spread, 0.01, 0.2);
+}
+
 double TrackedQuantile::factor() const { return std::exp(q_); }
 
 void TrackedQuantile::observe(Nanoseconds actual, Nanoseconds forecast) {
@@ -87,10 +108,21 @@ void TrackedQuantile::observe(Nanoseconds actual, Nanoseconds forecast) {
   const double raw = std::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
   const double z = std::clamp(raw, kLow, kHigh);
   if (z != raw) ++beyond_clip_;
+  constexpr double kMemory = 0.005;
+  if (observed_ == 0) mean_ = z;
+  const double share = std::max(kMemory, 1.0 / (1.0 + static_cast<double>(observed_)));
+  mean_ += share * (z - mean_);
+  spread_ += share * (std::abs(z - mean_) - spread_);
   ++observed_;
   const bool above = z > q_;
   if (above) ++exceeded_;
   q_ += eta_ * ((above ? 1.0 : 0.0) - alpha_);
+}
+
+bool beyond_clip(Nanoseconds actual, Nanoseconds forecast) {
+  if (actual.count() <= 0 || forecast.count() <= 0) return true;
+  const double z = std::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
+  return z < TrackedQuantile::kLow || z > TrackedQuantile::kHigh;
 }
 
 Nanoseconds DurationForecast::reserve() const {

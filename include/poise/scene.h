@@ -124,6 +124,13 @@ struct SceneCamera {
   std::array<double, 2> resolution_px{1280, 720};
 };
 
+/// What a host does in each frame after the step and before its deadline, simulated by keeping the processor busy.
+struct SceneHostWork {
+  double load_ms = 0;                ///< time on the CPU, >= 0
+  double jitter_ms = 0;              ///< each frame's differs by up to this, at most load_ms
+  std::optional<double> reserve_ms;  ///< kept free for it; without it, what the frames before let expect
+};
+
 /// What a scene file says, checked, as plain data (docs/scene-format.md).
 struct Scene {
   std::string name;
@@ -135,6 +142,8 @@ struct Scene {
   std::uint64_t frames = 600;
   std::uint64_t seed = 1;
   std::optional<double> deadline_ms;
+  std::optional<double> alpha;      ///< WorldSettings::alpha
+  std::optional<SceneHostWork> host_work;
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;            ///< and then by the triangles of meshes
   bool backtracking = false;        ///< StepInput::backtracking

@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "poise/decisions.h"
 #include "poise/reference.h"
+#include "poise/scheduler/forecast.h"
+#include "poise/trace.h"
 #include "poise/types.h"
 
 namespace poise {
@@ -59,11 +62,22 @@ struct StepInput {
   /// principal axes) where and when they meet something within it. What was hit stands there until the end of the step, with
   /// its new velocity. Off, none of it is done.
   bool backtracking = false;
+  /// Fill FrameReport::levels; not part of the frame's times. Lists the contacts of the step and allocates.
+  bool measure_levels = false;
   bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
   /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit as without.
   /// What this takes is in none of the frame's times: a deadline moves by the little that is kept before the frame (a copy of
   /// the bodies' state), and the rest happens after it, before step returns.
   bool reference = false;
+  /// Where to leave what the threads did when, or null: then nothing is done for it. Filled after the frame, in none of its times.
+  Trace* trace = nullptr;
+  /// Keep what the budget decides, for World::decisions; not with `replay`. Off, nothing of it is done.
+  bool record = false;
+  /// Refine exactly these levels, whatever `budget` says. Valid until step returns. With it the state after the step is that of the step
+  /// which made these decisions, to the bit, on any number of threads, if the state before it was.
+  const FrameDecisions* replay = nullptr;
+  /// With `replay`: filled with what each pair was worth. Takes memory and time of its own.
+  FrameExplanation* explain = nullptr;
 };
 
 enum class StepStatus : std::uint8_t {
@@ -71,6 +85,8 @@ enum class StepStatus : std::uint8_t {
   RefusedTimeStep,  ///< dt_s is not in (0, kMaxTimeStepS]; the World is unchanged
   RefusedView,      ///< the view has a part that is not finite or out of range; the World is unchanged
   RefusedHostWork,  ///< negative host work; the World is unchanged
+  RefusedReplay,    ///< the decisions are those of a step with another number; the World is unchanged
+  ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step has not, or fronts had no room: another state
 };
 
 /// Wall time of the stages of one step.
@@ -87,10 +103,30 @@ struct StageTimes {
 
 enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Forecast };
 
+/// How deep a step got, beside FrameReport::level_histogram; places are levels, the last one is polygons.
+struct LevelsReached {
+  std::array<std::uint32_t, kPolygonPlace + 1> bodies{};  ///< moving bodies with a contact, by the least level of their contacts
+  /// Of contacts, by level: sums of what a viewer can notice of a metre of error there, rad/m: visible angle, frustum,
+  /// eccentricity, importance (scheduler/policy.h); without a view all contacts of alike importance weigh the same.
+  std::array<double, kPolygonPlace + 1> weight{};
+  std::size_t left_for_time = 0;         ///< pairs that could be refined further and were not because the budget ended
+  std::size_t left_for_room = 0;         ///< likewise because their front had no room
+  std::uint32_t longest_wait = 0;        ///< frames since one of these was answered beyond level 0
+};
+
+/// What a frame left out because what every frame must do was forecast not to fit before the deadline; docs/scheduling.md.
+struct Degraded {
+  int substeps = 0;                      ///< of resting contact, fewer than WorldSettings::substeps; 0: as many
+  std::size_t pairs_reused = 0;          ///< pairs that answered as they did last, though that was too old to be sure of
+  [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0; }
+};
+
 /// What one step did. Plain numbers; no part points into the World.
 struct FrameReport {
   StepStatus status = StepStatus::Done;
   std::uint64_t frame = 0;               ///< number of steps done before this one
+  SteadyClock::time_point started{};     ///< when the frame's times begin
+  SteadyClock::time_point refine_started{};  ///< likewise those of refinement
   StageTimes times;
 
   // Budget (wall clock only; 0 otherwise)
@@ -98,14 +134,21 @@ struct FrameReport {
   Nanoseconds reserve_at_cut{0};         ///< kept for the tail when refinement ended
   Nanoseconds tail_forecast{0};          ///< point forecast of the tail, without margin
   Nanoseconds tail_actual{0};            ///< from the end of refinement to the end of the step
+  bool tail_beyond_clip = false;         ///< tail_actual / tail_forecast is outside what the bound on misses speaks of
+  scheduler::TailWork tail_work;         ///< that tail_forecast was made for
   Nanoseconds refine_available{0};       ///< from the start of refinement to t_cut, 0 if there was none
   Nanoseconds host_reserved{0};
+  Nanoseconds host_actual{0};            ///< what the host's work took, where the driver of the frame measures it; World does not
+  Nanoseconds mandatory{0};              ///< all but refinement, host work included, without what the machine took away
+  Nanoseconds mandatory_forecast{0};     ///< point forecast of that, made when the frame began
+  bool infeasible_forecast = false;      ///< it was forecast not to fit, the tail's margin included
+  Degraded degraded;                     ///< what was left out so that it fits
   Nanoseconds lateness{0};               ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
   Nanoseconds off_cpu{0};                ///< wall time less thread CPU time less own waits, of the calling thread
   Nanoseconds waited{0};                 ///< by the calling thread, for refinement that others had begun
   Nanoseconds longest_job{0};            ///< of a bounded piece of refinement
-  Nanoseconds longest_overrun{0};        ///< of a piece beyond its forecast
+  Nanoseconds longest_overrun{0};        ///< of a piece beyond its forecast, or of refinement beyond its cut
   double cut_margin = 1;                 ///< reserve / point forecast
 
   // Counted work
@@ -117,6 +160,7 @@ struct FrameReport {
   std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
   std::size_t jobs_done = 0;             ///< levels completed
   std::size_t jobs_dropped = 0;          ///< started and not completed, or completed too late
+  std::size_t jobs_given_up = 0;         ///< of them in the hands of threads that the system held up: not waited for
   std::size_t pairs_separated = 0;       ///< found apart by refinement
   std::size_t kept_apart = 0;            ///< known to be apart from an earlier frame: cost no refinement
   std::size_t kept_contacts = 0;         ///< answered by what an earlier frame found out
@@ -143,6 +187,7 @@ struct FrameReport {
   double kinetic_j = 0;
   double potential_j = 0;
 
+  std::optional<LevelsReached> levels;        ///< if StepInput::measure_levels
   std::optional<ReferenceFigures> reference;  ///< if StepInput::reference
 };
 

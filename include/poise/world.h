@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
+#include "poise/decisions.h"
 #include "poise/result.h"
+#include "poise/scheduler/forecast.h"
 #include "poise/scheduler/policy.h"
 #include "poise/shape.h"
 #include "poise/step.h"
@@ -16,6 +19,7 @@ namespace poise {
 namespace simulation {
 struct WorldState;
 class PairProbe;
+struct WorldAccess;
 }
 
 /// How the contacts of one pair become an impulse (docs/method.md).
@@ -31,11 +35,20 @@ struct WorldSettings {
   scheduler::Policy policy;                      ///< what is refined next
   ExecutorKind executor = ExecutorKind::Tbb;
   int threads = 0;                               ///< calling thread included; 0 = as many as the machine has; at most 256
+  /// A thread without work looks for it for this long before it sleeps: longer costs processor time, shorter costs tens of microseconds
+  /// each time it has to be woken. In [0, 10 ms].
+  Nanoseconds spin{50'000};
+  /// Thread w (from 1; the calling thread is its owner's matter) runs on processors[w mod size] alone; empty: where the system puts it.
+  /// Not with ExecutorKind::Tbb, whose threads belong to the whole process.
+  std::vector<int> processors;
+  int realtime_priority = 0;                     ///< of those threads under SCHED_FIFO, 1 to 99; 0: as all threads. Likewise not with Tbb
   std::uint64_t seed = 1;
   /// Islands of bodies that have been still for half a second fall asleep: they stay where they are and cost next to nothing until
   /// something that moves comes near them or the caller touches one of them or what they lie on. Off, none of it is done.
   bool sleeping = false;
   int substeps = 2;                              ///< of the resting-contact solver, 1 to 16
+  /// Share of frames under a deadline whose end may take longer than was kept for it, in [1e-5, 0.5]. A smaller one is paid for in reserve.
+  double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
   std::uint32_t max_partners = 256;              ///< candidate partners that a body keeps, 1 to 65536
   std::uint32_t max_front_entries = 1U << 22;    ///< room for fronts, entries a worker thread, >= 64
 };
@@ -99,7 +112,8 @@ struct Conserved {
 /// leave the World as it was. step() does not allocate once its buffers have grown to the scene.
 class World {
  public:
-  /// Refused: gravity not finite; settings out of the ranges given above.
+  /// Refused: gravity not finite; settings out of the ranges given above; processors that this process may not use; a priority that the system
+  /// does not grant.
   static Result<World> create(const WorldSettings& settings);
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -136,6 +150,11 @@ class World {
   /// Tells how long the host's own work took in the frame that has just ended, for HostWork::learn.
   void report_host_work(Nanoseconds actual);
 
+  /// What the time forecasts have come to, for a later run on the same machine; and a start from what an earlier one came to, which
+  /// forgets what this World has learned. Numbers that make no sense count as not known. Neither is part of the state.
+  [[nodiscard]] scheduler::TimePriors time_priors() const;
+  void set_time_priors(const scheduler::TimePriors& priors);
+
   /// Steps once. The calling thread works too. Bad input is refused in FrameReport::status.
   FrameReport step(const StepInput& input);
 
@@ -145,6 +164,10 @@ class World {
   /// Pairs that began and ceased to touch in the last step, in order of (a, b).
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
 
+  /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all threads
+  /// in the order in which they ended. Without StepInput::record in that step there are none.
+  void decisions(FrameDecisions& decisions) const;
+
   [[nodiscard]] Conserved conserved() const;
   /// Every bit of state that the next step depends on, time forecasts aside (xxHash64).
   [[nodiscard]] std::uint64_t state_hash() const;
@@ -152,6 +175,7 @@ class World {
 
  private:
   friend class simulation::PairProbe;
+  friend struct simulation::WorldAccess;
   explicit World(std::unique_ptr<simulation::WorldState> state);
   std::unique_ptr<simulation::WorldState> state_;
 };

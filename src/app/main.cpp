@@ -7,6 +7,7 @@
 #include <exception>
 
 #include "app/exit_codes.h"
+#include "app/replay_command.h"
 #include "app/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
@@ -24,6 +25,7 @@ int run(int argc, char** argv) {
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
   poise::app::add_run_command(app, exit_code);
+  poise::app::add_replay_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
   poise::app::add_study_command(app, exit_code);

@@ -14,7 +14,9 @@
 #include "app/progress.h"
 #include "app/run_loop.h"
 #include "app/run_options.h"
+#include "app/run_record.h"
 #include "app/run_table.h"
+#include "app/run_trace.h"
 #include "app/scene_files.h"
 #include "build_info.h"
 #include "io/atomic_file.h"
@@ -22,6 +24,8 @@
 #include "io/requirement.h"
 #include "io/run_document.h"
 #include "io/run_tables.h"
+#include "io/scene_parse.h"
+#include "parallel/executor.h"
 #include "poise/scene.h"
 
 namespace poise::app {
@@ -36,7 +40,7 @@ int refuse(const Error& error) { return refuse(exit_code_of(error), error.messag
 /// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
 /// unless it is written to its end.
 struct Outputs {
-  std::optional<io::AtomicFile> json, states, frames_csv, picture;
+  std::optional<io::AtomicFile> json, states, frames_csv, picture, trace;
 
   static Result<Outputs> open(const RunOptions& options) {
     Outputs outputs;
@@ -44,7 +48,8 @@ struct Outputs {
         {&options.json, &outputs.json},
         {&options.states, &outputs.states},
         {&options.frames_csv, &outputs.frames_csv},
-        {&options.picture, &outputs.picture}};
+        {&options.picture, &outputs.picture},
+        {&options.trace, &outputs.trace}};
     for (const auto& [path, file] : wanted) {
       if (path->empty() || *path == "-") continue;
       Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
@@ -101,7 +106,10 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   const auto of_ms = [](double ms) { return Nanoseconds(static_cast<std::int64_t>(ms * 1e6)); };
   loop.deadline = of_ms(options.deadline_ms.value_or(scene.deadline_ms.value_or(1000 * scene.dt_s)));
   loop.paced = options.paced;
-  loop.host_work = of_ms(options.host_work_ms.value_or(0));
+  const std::optional<double> reserve_ms = scene.host_work ? scene.host_work->reserve_ms : std::nullopt;
+  loop.host_work = of_ms(options.host_work_ms.value_or(reserve_ms.value_or(0)));
+  if (loop.wall_clock) loop.render_load = render_load_of(options.time, scene, options.seed.value_or(scene.seed));
+  loop.learn_host_work = loop.render_load.any() && !options.host_work_ms && !reserve_ms;
   loop.budget_work = options.budget_work;
   loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
   loop.polygons = options.max_level ? options.polygons : scene.polygons;
@@ -126,9 +134,16 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.policy_weights = world.policy;
   d.contact = options.contact;
   d.clock = options.clock;
+  d.affinity = world.processors;
+  d.realtime_priority = world.realtime_priority;
+  d.spin_us = static_cast<double>(world.spin.count()) / 1e3;
   d.paced = loop.paced;
   if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) / 1e6;
-  d.host_work_ms = options.host_work_ms.value_or(0);
+  d.host_work_ms = static_cast<double>(loop.host_work.count()) / 1e6;
+  d.host_work_learned = loop.learn_host_work;
+  d.render_load_ms = static_cast<double>(loop.render_load.mean.count()) / 1e6;
+  d.render_load_jitter_ms = static_cast<double>(loop.render_load.jitter.count()) / 1e6;
+  d.alpha = world.alpha;
   d.budget_work = loop.budget_work;
   d.max_level = loop.max_level;
   d.polygons = loop.polygons;
@@ -149,15 +164,19 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.warnings = run.warnings();
   d.tree_cache_use = run.tree_cache_use();
   d.requirement = options.require;
-  d.figures = simulation::run_figures({}, {loop.wall_clock});
+  d.figures = simulation::run_figures({}, {loop.wall_clock, world.alpha});
   return d;
+}
+
+io::TimePriorsKey priors_key_of(const io::RunDocument& d) {
+  return {d.machine.processor + ", " + d.machine.system, d.machine.cores, d.threads, d.executor, d.contact, d.alpha};
 }
 
 void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
   d.bodies = run.bodies().size();
   for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.is_static ? 0 : 1;
   d.stopped = result.stopped;
-  d.figures = simulation::run_figures(result.frames, {loop.wall_clock});
+  d.figures = simulation::run_figures(result.frames, {loop.wall_clock, d.alpha});
   d.start = result.start;
   d.end = result.end;
   d.energy_max_j = result.energy_max_j;
@@ -200,10 +219,18 @@ Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& fi
   return written ? file.commit() : written;
 }
 
+/// What the system does not permit, with the option that asked for it.
+std::string placing_refused(const RunOptions& options, const Error& error) {
+  const bool both = !options.affinity.empty() && options.realtime;
+  return fmt::format("{}: {}", both ? "--affinity, --realtime" : options.realtime ? "--realtime" : "--affinity", error.message);
+}
+
 /// From a scene that stands to the exit code.
-int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, SceneRun& run,
-                 Outputs& outputs, Progress& progress) {
-  const LoopSettings loop = loop_settings(options, scene);
+int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, const std::string& scene_text, SceneRun& run,
+                 Outputs& outputs, RunRecord& record, Progress& progress) {
+  LoopSettings loop = loop_settings(options, scene);
+  std::optional<Trace> trace;
+  if (outputs.trace) loop.trace = &trace.emplace(kTraceRoom);
   io::RunDocument document = document_of(options, scene, run, loop);
   for (const std::string& warning : document.warnings) {
     progress.end();
@@ -212,6 +239,14 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   const Status known = io::check_names(requirement, io::named_figures(document));
   if (!known) return refuse(kExitBadUsage, "--require: " + known.error().message);
 
+  const std::filesystem::path priors_folder = loop.wall_clock ? time_priors_folder(options.time) : std::filesystem::path();
+  const io::TimePriorsKey priors_key = priors_key_of(document);
+  if (const auto priors = io::read_time_priors(priors_folder, priors_key)) {
+    run.world().set_time_priors(*priors);
+    document.time_priors_frames = priors->frames;
+  }
+  const Status begun = record.begin(options, scene, scene_text, run, loop);
+  if (!begun) return refuse(begun.error());
   StatesWriter states(outputs.states, loop.paced, loop.dt_s);
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
@@ -219,16 +254,25 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
     progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
   };
-  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told);
+  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told, record.sink(run));
   progress.end();
   if (!result) return refuse(result.error());
 
+  const scheduler::TimePriors learned = run.world().time_priors();
+  if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
   add_results(run, loop, result.value(), document);
   document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
-  Status written = states.finish();
+  Status written = record.finish(result.value().stopped);
+  if (!written) return refuse(written.error());
+  written = states.finish();
   if (!written) return refuse(written.error());
   if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
   if (!written) return refuse(written.error());
+  if (trace) {
+    written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
+    if (!written) return refuse(written.error());
+    if (trace->dropped() > 0) fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(), kTraceRoom);
+  }
   if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
   if (!written) return refuse(written.error());
   written = write_json(options, document, outputs);
@@ -252,13 +296,17 @@ int run_scene(const RunOptions& options) {
   }
   const Result<std::filesystem::path> file = find_scene(options.scene);
   if (!file) return refuse(file.error());
-  const Result<Scene> scene = read_scene(file.value());
+  const Result<std::string> text = io::read_scene_text(file.value());
+  if (!text) return refuse(text.error());
+  const Result<Scene> scene = parse_scene(text.value(), file.value().string(), file.value().parent_path());
   if (!scene) return refuse(scene.error());
   if (options.bodies && scene.value().generators.empty()) {
     return refuse(kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
   }
   Result<Outputs> outputs = Outputs::open(options);
   if (!outputs) return refuse(outputs.error());
+  Result<RunRecord> record = RunRecord::open(options.record);
+  if (!record) return refuse(record.error());
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
   SceneRunOptions start;
@@ -268,7 +316,18 @@ int run_scene(const RunOptions& options) {
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return refuse(kExitBadUsage, cache.error().message);
   start.tree_cache = cache.value();
+  // Told before the shapes are loaded. The main thread is placed last, because threads inherit its place.
+  parallel::ExecutorSettings threads;
+  threads.kind = start.world.executor;
+  threads.processors = start.world.processors;
+  threads.realtime_priority = start.world.realtime_priority;
+  const Status permitted = parallel::check_executor(threads);
+  if (!permitted) return refuse(kExitBadInput, placing_refused(options, permitted.error()));
   Result<SceneRun> run = SceneRun::create(scene.value(), start);
+  if (run) {
+    const Status placed = parallel::place_this_thread(threads.processors.empty() ? -1 : threads.processors.front(), threads.realtime_priority);
+    if (!placed) return refuse(kExitBadInput, placing_refused(options, placed.error()));
+  }
   if (!run) {
     progress.end();
     return refuse(run.error());
@@ -277,7 +336,7 @@ int run_scene(const RunOptions& options) {
     progress.end();
     fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
-  return run_prepared(options, requirement, scene.value(), run.value(), outputs.value(), progress);
+  return run_prepared(options, requirement, scene.value(), text.value(), run.value(), outputs.value(), record.value(), progress);
 }
 
 }  // namespace
@@ -291,6 +350,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  poise run pile --deadline 16 --paced --json report.json\n"
       "  poise run jacks --bodies 5000 --frames 300 --require 'miss_rate < 0.01'\n"
       "  poise run gas --clock work --budget-work 2000 --states states.csv\n"
+      "  poise run pile --deadline 4 --record pile.poise   and then   poise replay pile.poise --explain 200\n"
       "  poise run pile --deadline 4 --reference every=60 --require 'reference.e_rel_p50 < 0.2'\n\n"
       "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
       "Ctrl-C.");

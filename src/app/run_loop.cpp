@@ -7,8 +7,14 @@
 #include <csignal>
 #include <string>
 
+#include "simulation/frame_time.h"
+#include "simulation/release_grid.h"
+
 namespace poise::app {
 namespace {
+
+/// One frame in so many tells how deep bodies got: listing contacts takes time between frames. Chosen.
+constexpr std::uint64_t kLookAtLevels = 16;
 
 /// Set by Ctrl-C. A signal handler has no argument to carry this in.
 volatile std::sig_atomic_t stop_asked = 0;
@@ -41,38 +47,6 @@ void sleep_until(SteadyClock::time_point when) {
   }
 }
 
-Nanoseconds seconds(double s) { return Nanoseconds(static_cast<std::int64_t>(s * 1e9)); }
-
-/// The releases of a paced run: number n at begin + n * period. The grid never moves for a late frame.
-class ReleaseGrid {
- public:
-  ReleaseGrid(SteadyClock::time_point begin, double dt_s, Nanoseconds deadline)
-      : begin_(begin), dt_s_(dt_s), deadline_(deadline) {}
-  [[nodiscard]] SteadyClock::time_point release() const { return at(number_); }
-  [[nodiscard]] SteadyClock::time_point deadline() const { return release() + deadline_; }
-  /// Moves all releases to come by a time that belongs to no frame.
-  void postpone(Nanoseconds time) { begin_ += time; }
-  /// Goes on to the next release that can still be served at `now`; returns how many passed.
-  std::uint64_t advance(SteadyClock::time_point now) {
-    ++number_;
-    std::uint64_t passed = 0;
-    while (now >= std::min(at(number_ + 1), deadline())) {
-      ++number_;
-      ++passed;
-    }
-    return passed;
-  }
-
- private:
-  [[nodiscard]] SteadyClock::time_point at(std::uint64_t number) const {
-    return begin_ + seconds(static_cast<double>(number) * dt_s_);
-  }
-  SteadyClock::time_point begin_;
-  double dt_s_;
-  Nanoseconds deadline_;
-  std::uint64_t number_ = 0;
-};
-
 Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer, const StatesSink& sink) {
   if (!sink) return Done{};
   buffer.clear();
@@ -89,10 +63,12 @@ StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
   input.dt_s = settings.dt_s;
   input.view = run.view();
   input.host_work.expected = settings.host_work;
+  input.host_work.learn = settings.learn_host_work;
   input.max_level = settings.max_level;
   input.polygons = settings.polygons;
   input.backtracking = settings.backtracking;
   input.measure_energy = true;
+  input.trace = settings.trace;
   if (!settings.wall_clock && settings.budget_work) input.budget = Budget::work(*settings.budget_work);
   return input;
 }
@@ -100,7 +76,7 @@ StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
 }  // namespace
 
 Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& told) {
+                            const FrameSink& told, const RecordSink& record) {
   const CtrlC ctrl_c;
   LoopResult result;
   std::vector<BodyState> buffer;
@@ -109,9 +85,10 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
   Status status = tell_states(run, 0, buffer, states);
   if (!status) return status.error();
   StepInput input = step_input(run, settings);
+  input.record = static_cast<bool>(record);
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
-  ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
+  simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
   for (std::uint64_t i = 0; i < total && !CtrlC::asked(); ++i) {
     status = run.before_frame(i);
     if (!status) return status.error();
@@ -124,13 +101,28 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     simulation::RunFrame frame;
     frame.warm_up = i < settings.warm_up;
     input.reference = settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
+    input.measure_levels = i % kLookAtLevels == kLookAtLevels - 1;
     frame.report = run.world().step(input);
     if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
+    if (settings.render_load.any()) {
+      const simulation::LoadTime load = simulation::burn(simulation::load_of(settings.render_load, i));
+      run.world().report_host_work(load.wall);
+      simulation::add_host_work(load.wall, load.off_cpu, frame.report);
+    }
+    const SteadyClock::time_point recorded_from = SteadyClock::now();
+    status = record ? record(frame.report) : Status(Done{});
+    if (!status) return status.error();
+    const Nanoseconds recorded = record ? SteadyClock::now() - recorded_from : Nanoseconds(0);
     status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
     if (settings.paced) {
       frame.release_delay = begin - grid.release();
-      if (frame.report.reference) grid.postpone(frame.report.reference->time);
+      if (input.measure_levels) {
+        grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total));
+      } else {
+        grid.postpone(recorded);
+        if (frame.report.reference) grid.postpone(frame.report.reference->time);
+      }
       frame.releases_skipped = grid.advance(SteadyClock::now());
       // Releases that pass after the last frame were never to be served.
       if (i + 1 == total) frame.releases_skipped = 0;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -82,9 +83,20 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))
       ->type_name("E");
+  add_number(command, "--spin", options.spin_us, 0, false, 1e4,
+             "Microseconds that a thread without work looks for it before it sleeps, at most 10000 (default 50)");
+  command
+      .add_option("--affinity", options.affinity,
+                  "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs --executor threads or serial, and "
+                  "chooses threads); as many threads as processors unless --threads says otherwise")
+      ->type_name("LIST");
+  add_whole(command, "--realtime", options.realtime, 1, 99,
+            "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with --executor tbb)");
   add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
   add_path(command, "--states", options.states, "Write every body after every frame as CSV");
   add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
+  add_path(command, "--trace", options.trace, "Write what the threads did when as Chrome trace events (opens in ui.perfetto.dev)");
+  add_path(command, "--record", options.record, "Write what each frame decided, for poise replay");
   add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
   command
       .add_option("--require", options.require,
@@ -92,6 +104,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->type_name("EXPR");
   add_every(command, "--reference", options.reference_every, kMaxSceneFrames,
             "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence");
+  add_time_options(command, options.time);
   add_tree_cache_options(command, options.tree_cache);
   command.add_flag("--quiet", options.quiet, "No progress and no table");
 }
@@ -102,13 +115,17 @@ Status check_run_options(const RunOptions& options) {
   if (work && options.deadline_ms) return bad_input("--deadline has no meaning with --clock work");
   if (work && options.paced) return bad_input("--paced has no meaning with --clock work");
   if (work && options.host_work_ms) return bad_input("--host-work has no meaning with --clock work");
+  const Status time = check_time_options(options.time, work);
+  if (!time) return time;
 #ifndef POISE_APP_HAVE_TBB
   if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
 #endif
   if (options.require && options.require->empty()) return bad_input("--require must not be empty");
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
-  for (const std::string* path : {&options.states, &options.frames_csv, &options.picture}) {
+  const Result<std::vector<int>> processors = processor_list(options.affinity);
+  if (!processors) return processors.error();
+  for (const std::string* path : {&options.states, &options.frames_csv, &options.picture, &options.trace, &options.record}) {
     if (*path == "-") return bad_input("only --json can go to the standard output");
   }
   const Status picture = check_picture(options.picture);
@@ -116,13 +133,45 @@ Status check_run_options(const RunOptions& options) {
   return check_outputs({{"--json", options.json},
                         {"--states", options.states},
                         {"--frames-csv", options.frames_csv},
-                        {"--picture", options.picture}},
+                         {"--trace", options.trace},
+                         {"--picture", options.picture},
+                         {"--record", options.record}},
                        {{"SCENE", options.scene}});
+}
+
+Result<std::vector<int>> processor_list(const std::string& text) {
+  constexpr std::size_t kMost = 256;
+  std::vector<int> processors;
+  const auto wrong = [&] { return bad_input(fmt::format("--affinity = {}, must be processors such as 0,2 or 0-3, at most {}", text, kMost)); };
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto number = [&](int& value) {
+    const auto [stop, failure] = std::from_chars(at, end, value);
+    const bool good = failure == std::errc{} && value >= 0;
+    at = stop;
+    return good;
+  };
+  while (at != end) {
+    int first = 0;
+    if (!number(first)) return wrong();
+    int last = first;
+    if (at != end && *at == '-') {
+      ++at;
+      if (!number(last)) return wrong();
+    }
+    if (last < first || static_cast<std::size_t>(last - first) >= kMost - std::min(kMost, processors.size())) return wrong();
+    for (int processor = first; processor <= last; ++processor) processors.push_back(processor);
+    if (at == end) break;
+    if (*at != ',' || ++at == end) return wrong();
+  }
+  return processors;
 }
 
 ExecutorKind executor_kind(const RunOptions& options) {
   if (options.executor == "serial") return ExecutorKind::Serial;
   if (options.executor == "threads") return ExecutorKind::Threads;
+  // oneTBB's threads belong to the whole process and take no place or priority; who asks for it by name is told so.
+  if (options.executor.empty() && (!options.affinity.empty() || options.realtime)) return ExecutorKind::Threads;
 #ifdef POISE_APP_HAVE_TBB
   return ExecutorKind::Tbb;
 #else
@@ -139,9 +188,13 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
   if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;
   if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
+  settings.alpha = options.time.alpha.value_or(scene.alpha.value_or(settings.alpha));
   settings.sleeping = options.sleeping || scene.sleeping;
   settings.executor = executor_kind(options);
-  settings.threads = static_cast<int>(options.threads.value_or(0));
+  settings.processors = processor_list(options.affinity).value();
+  settings.threads = static_cast<int>(options.threads.value_or(settings.processors.size()));
+  settings.realtime_priority = static_cast<int>(options.realtime.value_or(0));
+  if (options.spin_us) settings.spin = Nanoseconds(static_cast<std::int64_t>(*options.spin_us * 1e3));
   return settings;
 }
 

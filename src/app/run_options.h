@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "app/time_options.h"
 #include "app/tree_cache_options.h"
 #include "poise/result.h"
 #include "poise/scene.h"
@@ -19,14 +21,17 @@ struct RunOptions {
   std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every;
   bool polygons = false;  ///< --max-level polygons
   bool backtracking = false;
-  std::optional<double> deadline_ms, host_work_ms;
+  std::optional<double> deadline_ms, host_work_ms, spin_us;
   bool sleeping = false;
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "fitted", clock = "wall", executor;
-  std::string json, states, frames_csv, picture;
+  std::string json, states, frames_csv, picture, trace, record;
+  std::string affinity;
+  std::optional<std::uint64_t> realtime;
   std::optional<std::string> require;
   TreeCacheOptions tree_cache;
+  TimeOptions time;
 };
 
 /// Declares the options on a subcommand.
@@ -38,6 +43,8 @@ Status check_run_options(const RunOptions& options);
 /// What the World is made with; gravity and seed come from the scene.
 WorldSettings world_settings(const RunOptions& options, const Scene& scene);
 ExecutorKind executor_kind(const RunOptions& options);
+/// `0,2-3` as 0, 2, 3; empty for no text. Refused: anything else, and more than 256.
+Result<std::vector<int>> processor_list(const std::string& text);
 /// `tbb`, `threads` or `serial`; `perceptual`, `fifo` or `random`.
 const char* executor_name(ExecutorKind kind);
 const char* policy_name(scheduler::PolicyKind kind);

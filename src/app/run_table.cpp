@@ -13,10 +13,13 @@ using Out = std::back_insert_iterator<std::string>;
 void head(const io::RunDocument& d, Out out) {
   fmt::format_to(out, "{}: {} bodies, {} of them moving; {} frames of {:.4g} ms{}\n", d.scene, d.bodies,
                  d.dynamic_bodies, d.figures.frames, 1000 * d.dt_s, d.stopped ? ", stopped by Ctrl-C" : "");
+  if (!d.affinity.empty()) fmt::format_to(out, "bound to the processors {}\n", fmt::join(d.affinity, ", "));
+  if (d.realtime_priority > 0) fmt::format_to(out, "real-time priority {}\n", d.realtime_priority);
   fmt::format_to(out, "{} threads ({}), policy {}, contact model {}, ", d.threads, d.executor, d.policy, d.contact);
   if (d.deadline_ms) {
     fmt::format_to(out, "deadline {:.4g} ms{}", *d.deadline_ms,
                    d.paced ? " from each release of a fixed grid" : " from each start");
+    if (d.render_load_ms > 0) fmt::format_to(out, ", {:.4g} ms of simulated drawing in it", d.render_load_ms);
     if (d.host_work_ms > 0) fmt::format_to(out, ", {:.4g} ms of it kept for the host", d.host_work_ms);
     fmt::format_to(out, "\n");
   } else if (d.budget_work) {
@@ -83,12 +86,34 @@ void refinement(const simulation::RunFigures& f, Out out) {
   } else {
     fmt::format_to(out, "no contact\n");
   }
+  if (f.levels.frames > 0 && sum > 0) {
+    const auto list = [&](const char* name, const auto& places, double whole) {
+      if (whole <= 0) return;
+      fmt::format_to(out, "{:<15}", name);
+      const char* separator = "";
+      for (std::size_t place = 0; place < places.size(); ++place) {
+        const double share = static_cast<double>(places[place]) / whole;
+        if (share <= 0) continue;
+        fmt::format_to(out, "{}{:.1f} % {}", separator, 100 * share, place == kPolygonPlace ? std::string("by polygons") : fmt::format("at {}", place));
+        separator = ", ";
+      }
+      fmt::format_to(out, "\n");
+    };
+    double bodies = 0;
+    for (const std::uint64_t count : f.levels.bodies) bodies += static_cast<double>(count);
+    list("  by body", f.levels.bodies, bodies);
+    double weight = 0;
+    for (const double share : f.levels.weight) weight += share;
+    list("  by weight", f.levels.weight, weight);
+  }
   fmt::format_to(out,
                  "refinement     {:.0f} work units a frame, {} levels completed, {} dropped, {} pairs found apart\n",
                  w.refine_mean, w.jobs_done, w.jobs_dropped, w.pairs_separated);
   if (f.refinement_used) {
     fmt::format_to(out, "               {:.1f} % of its time used in the {} frames that left pairs coarse\n",
                    100 * *f.refinement_used, w.frames_with_pairs_left);
+    fmt::format_to(out, "               {:.4g} pairs a frame left for want of time, {:.4g} of room; at most {} frames at level 0\n", f.levels.left_for_time_mean,
+                   f.levels.left_for_room_mean, f.levels.longest_wait);
   } else if (w.frames_with_pairs_left == 0) {
     fmt::format_to(out, "               every pair was refined to its end in every frame\n");
   }
@@ -96,6 +121,12 @@ void refinement(const simulation::RunFigures& f, Out out) {
     fmt::format_to(out, "reserve        held in {:.2f} % of frames, {:.2f} times what was needed\n",
                    100 * f.tail.coverage, f.tail.reserve_over_actual);
   }
+}
+
+void degraded(const simulation::RunFigures& f, Out out) {
+  if (f.degraded.infeasible_forecast == 0) return;
+  fmt::format_to(out, "degraded       {} frames were forecast not to fit: {} with fewer substeps, {} pairs answered as they did before\n",
+                 f.degraded.infeasible_forecast, f.degraded.fewer_substeps, f.degraded.pairs_reused);
 }
 
 void swept(const simulation::RunFigures& f, Out out) {
@@ -158,6 +189,7 @@ std::string run_table(const io::RunDocument& document) {
   times(document.figures, out);
   misses(document.figures, out);
   refinement(document.figures, out);
+  degraded(document.figures, out);
   swept(document.figures, out);
   reference(document, out);
   state(document, out);

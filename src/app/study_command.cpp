@@ -4,7 +4,10 @@
 #include <memory>
 
 #include "app/study_accuracy.h"
+#include "app/study_compliance.h"
+#include "app/study_forecast.h"
 #include "app/study_levels.h"
+#include "app/study_timing.h"
 #include "app/study_trees.h"
 
 namespace poise::app {
@@ -25,7 +28,31 @@ void add_study_command(CLI::App& app, int& exit_code) {
   auto accuracy = std::make_shared<StudyAccuracyOptions>();
   CLI::App* accuracy_study = command->add_subcommand("accuracy", "Run cases whose outcome is known, and compare");
   add_study_accuracy_options(*accuracy_study, *accuracy);
+  auto cost = std::make_shared<StudyTimingOptions>();
+  CLI::App* cost_study = command->add_subcommand("cost", "Time each mandatory stage: nanoseconds a candidate pair and a body, falling and settled");
+  add_study_cost_options(*cost_study, *cost);
+  cost_study->callback([cost, &exit_code] { exit_code = study_cost(*cost); });
+  auto scaling = std::make_shared<StudyTimingOptions>();
+  CLI::App* scaling_study = command->add_subcommand("scaling", "Time refinement on several numbers of threads");
+  add_study_scaling_options(*scaling_study, *scaling);
+  scaling_study->callback([scaling, &exit_code] { exit_code = study_scaling(*scaling); });
+  auto free = std::make_shared<StudyTimingOptions>();
+  CLI::App* free_study = command->add_subcommand("free", "Count the instructions of a step with each feature off and on (needs valgrind)");
+  add_study_free_options(*free_study, *free);
+  free_study->callback([free, &exit_code] { exit_code = study_free(*free); });
   accuracy_study->callback([accuracy, &exit_code] { exit_code = study_accuracy(*accuracy); });
+  auto compliance = std::make_shared<StudyComplianceOptions>();
+  CLI::App* compliance_study = command->add_subcommand("compliance", "Are deadlines kept as often as asked, whatever the population?");
+  add_study_compliance_options(*compliance_study, *compliance);
+  compliance_study->callback([compliance, &exit_code] { exit_code = study_compliance(*compliance); });
+  auto forecast = std::make_shared<StudyForecastOptions>();
+  CLI::App* forecast_study = command->add_subcommand("forecast", "Compare ways to reserve time for the end of a frame, on recorded frames");
+  add_study_forecast_options(*forecast_study, *forecast);
+  forecast_study->callback([forecast, &exit_code] { exit_code = study_forecast(*forecast); });
+  auto constant = std::make_shared<StudyConstantTimeOptions>();
+  CLI::App* constant_study = command->add_subcommand("constant-time", "Time of a frame against the number of bodies, with and without a deadline");
+  add_study_constant_time_options(*constant_study, *constant);
+  constant_study->callback([constant, &exit_code] { exit_code = study_constant_time(*constant); });
 }
 
 }  // namespace poise::app

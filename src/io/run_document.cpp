@@ -56,6 +56,8 @@ Json tail_json(const simulation::TailFigures& tail) {
           {"actual_over_forecast_p50", number(tail.actual_over_forecast.p50)},
           {"actual_over_forecast_p99", number(tail.actual_over_forecast.p99)},
           {"actual_over_forecast_max", number(tail.actual_over_forecast.max)},
+          {"pinball_loss_ms", number(tail.pinball_loss_ms)},
+          {"beyond_clip", tail.beyond_clip},
           {"margin_last", number(tail.margin_last)}};
 }
 
@@ -66,11 +68,23 @@ Json work_json(const simulation::WorkFigures& work) {
           {"refine_mean", work.refine_mean},
           {"jobs_done", work.jobs_done},
           {"jobs_dropped", work.jobs_dropped},
+          {"jobs_given_up", work.jobs_given_up},
           {"pairs_separated", work.pairs_separated},
+          {"kept_apart", work.kept_apart},
+          {"kept_contacts", work.kept_contacts},
           {"candidate_pairs_mean", work.candidate_pairs_mean},
           {"coarse_pairs_mean", work.coarse_pairs_mean},
           {"pairs_left_mean", work.pairs_left_mean},
           {"frames_with_pairs_left", work.frames_with_pairs_left}};
+}
+
+Json reached_json(const simulation::LevelFigures& levels) {
+  return {{"looked_at", levels.frames},
+          {"by_body", levels.bodies},
+          {"by_weight", levels.weight},
+          {"left_for_time_mean", levels.left_for_time_mean},
+          {"left_for_room_mean", levels.left_for_room_mean},
+          {"longest_wait", levels.longest_wait}};
 }
 
 Json reference_json(const RunDocument& d) {
@@ -112,9 +126,17 @@ Json settings_json(const RunDocument& d) {
                    {"seed", d.seed},
                    {"frames_asked", d.frames_asked},
                    {"executor", d.executor},
+                   {"affinity", d.affinity},
+                   {"realtime_priority", d.realtime_priority},
+                   {"spin_us", d.spin_us},
                    {"paced", d.paced},
                    {"period_ms", 1000 * d.dt_s},
                    {"host_work_ms", d.host_work_ms},
+                   {"host_work_learned", d.host_work_learned},
+                   {"render_load_ms", d.render_load_ms},
+                   {"render_load_jitter_ms", d.render_load_jitter_ms},
+                   {"alpha", d.alpha},
+                   {"time_priors_frames", d.time_priors_frames},
                    {"budget_work", d.budget_work ? Json(*d.budget_work) : Json(nullptr)},
                    {"max_level", d.max_level},
                    {"polygons", d.polygons},
@@ -137,10 +159,12 @@ void add_figures(const RunDocument& d, Json& json) {
   const simulation::RunFigures& f = d.figures;
   json["frame_ms"] = of(f.frame_ms);
   json["low_1_percent_fps"] = f.low_1_percent_fps;
+  json["low_0_1_percent_fps"] = f.low_0_1_percent_fps;
   json["misses"] = misses_json(f);
   json["refinement_used"] = optional_number(f.refinement_used);
   json["refinement_used_all"] = optional_number(f.refinement_used_all);
   json["levels"] = {{"mean", optional_number(f.level_mean)}, {"histogram", f.level_histogram}, {"polygons", f.polygon_contacts}};
+  json["levels"].update(reached_json(f.levels));
   json["contacts_mean"] = f.contacts_mean;
   json["energy_j"] = energy_json(d);
   json["momentum"] = {{"start", list(d.start.momentum_ns)}, {"end", list(d.end.momentum_ns)}};
@@ -148,6 +172,10 @@ void add_figures(const RunDocument& d, Json& json) {
   json["state_hash"] = fmt::format("{:016x}", d.state_hash);
   for (const simulation::StageFigures& stage : f.stages) json["stage_ms"][stage.name] = of(stage.ms);
   json["tail"] = tail_json(f.tail);
+  json["degraded"] = {{"frames", f.degraded.frames},
+                      {"fewer_substeps", f.degraded.fewer_substeps},
+                      {"pairs_reused", f.degraded.pairs_reused},
+                      {"infeasible_forecast", f.degraded.infeasible_forecast}};
   json["work"] = work_json(f.work);
   json["capacity"] = {{"pairs_dropped", f.capacity.pairs_dropped},
                       {"fronts_full", f.capacity.fronts_full},

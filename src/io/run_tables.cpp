@@ -53,6 +53,10 @@ const char* status_name(StepStatus status) {
       return "refused_view";
     case StepStatus::RefusedHostWork:
       return "refused_host_work";
+    case StepStatus::RefusedReplay:
+      return "refused_replay";
+    case StepStatus::ReplayDiffers:
+      return "replay_differs";
   }
   return "done";
 }
@@ -78,6 +82,19 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("longest_job_ms", ms(r.longest_job));
   row.column("longest_overrun_ms", ms(r.longest_overrun));
   row.column("cut_margin", r.cut_margin);
+  row.column("mandatory_ms", ms(r.mandatory));
+  row.column("mandatory_forecast_ms", ms(r.mandatory_forecast));
+  row.column("infeasible_forecast", r.infeasible_forecast ? 1 : 0);
+  row.column("degraded_substeps", r.degraded.substeps);
+  row.column("pairs_reused", r.degraded.pairs_reused);
+  row.column("host_actual_ms", ms(r.host_actual));
+  row.column("tail_beyond_clip", r.tail_beyond_clip ? 1 : 0);
+  row.column("tail_bodies", r.tail_work.bodies);
+  row.column("tail_contacts", r.tail_work.contacts);
+  row.column("tail_pairs", r.tail_work.candidate_pairs);
+  row.column("tail_sphere_contacts", r.tail_work.sphere_contacts);
+  row.column("tail_patch_visits", r.tail_work.patch_visits);
+  row.column("tail_coarse_contacts", r.tail_work.coarse_contacts);
 }
 
 void work_columns(const FrameReport& r, FrameRow& row) {
@@ -89,7 +106,10 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("work_refine", r.work_refine);
   row.column("jobs_done", r.jobs_done);
   row.column("jobs_dropped", r.jobs_dropped);
+  row.column("jobs_given_up", r.jobs_given_up);
   row.column("pairs_separated", r.pairs_separated);
+  row.column("kept_apart", r.kept_apart);
+  row.column("kept_contacts", r.kept_contacts);
   row.column("pairs_left", r.pairs_left);
   for (std::size_t level = 0; level <= kMaxTreeDepth; ++level) {
     row.column(fmt::format("level_{}", level), r.level_histogram[level]);

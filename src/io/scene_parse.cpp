@@ -15,6 +15,8 @@ namespace {
 constexpr std::uintmax_t kMaxSceneBytes = 256U << 20U;
 constexpr Range kTimeStep{0, 1, true};
 constexpr Range kDeadline{0, 1e6, true};
+constexpr Range kHostWork{0, 1e6, false};
+constexpr Range kAlpha{1e-5, 0.5, false};
 
 void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
                const std::vector<std::string_view>& names, std::size_t& target) {
@@ -48,6 +50,25 @@ void parse_frame(const ObjectReader& top, Scene& scene) {
     top.number("deadline_ms", kDeadline, deadline_ms);
     scene.deadline_ms = deadline_ms;
   }
+  if (top.has("alpha")) {
+    double alpha = 0.01;
+    top.number("alpha", kAlpha, alpha);
+    scene.alpha = alpha;
+  }
+}
+
+void parse_host_work(const JsonValue& value, Problems& problems, Scene& scene) {
+  const ObjectReader reader(value, "host_work", problems, {"load_ms", "jitter_ms", "reserve_ms"});
+  SceneHostWork work;
+  reader.number("load_ms", kHostWork, work.load_ms);
+  reader.number("jitter_ms", kHostWork, work.jitter_ms);
+  if (work.jitter_ms > work.load_ms) problems.refuse("host_work.jitter_ms", *reader.find("jitter_ms"), "must be at most load_ms");
+  if (reader.has("reserve_ms")) {
+    double reserve_ms = 0;
+    reader.number("reserve_ms", kHostWork, reserve_ms);
+    work.reserve_ms = reserve_ms;
+  }
+  scene.host_work = work;
 }
 
 void parse_max_level(const ObjectReader& top, Scene& scene) {
@@ -84,13 +105,14 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(root, "", problems,
-                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "max_level", "backtracking", "sleeping", "policy",
+                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "alpha", "host_work", "max_level", "backtracking", "sleeping", "policy",
                           "camera", "gaze_px", "materials", "shapes", "bodies", "tray", "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
   top.flag("backtracking", scene.backtracking);
   top.flag("sleeping", scene.sleeping);
+  if (const JsonValue* value = top.find("host_work")) parse_host_work(*value, problems, scene);
   if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);
   parse_gaze(top, scene);
@@ -146,7 +168,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name, const 
   return scene;
 }
 
-Result<Scene> read_scene(const std::filesystem::path& file) {
+Result<std::string> io::read_scene_text(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(file, failure);
@@ -163,7 +185,13 @@ Result<Scene> read_scene(const std::filesystem::path& file) {
   }
   if (stream.bad()) return bad_input(name + ": cannot be read");
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) return bad_input(name + ": the file is empty");
-  return parse_scene(text, name, file.parent_path());
+  return text;
+}
+
+Result<Scene> read_scene(const std::filesystem::path& file) {
+  const Result<std::string> text = io::read_scene_text(file);
+  if (!text) return text.error();
+  return parse_scene(text.value(), file.string(), file.parent_path());
 }
 
 }  // namespace poise

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "poise/scene.h"
 
 namespace poise::io {
+
+/// The text of a scene file, as read_scene reads it. Refused with the file: one that is not there, empty or too large.
+Result<std::string> read_scene_text(const std::filesystem::path& file);
 
 /// The parts of a scene file, each from its own JSON value. Problems are noted, never thrown.
 void parse_materials(const JsonValue& value, Problems& problems, Scene& scene);

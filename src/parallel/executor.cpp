@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "parallel/thread_pool.h"
 #ifdef POISE_HAVE_TBB
@@ -19,7 +20,16 @@ constexpr int kMaxThreads = 256;
 class SerialExecutor final : public Executor {
  public:
   [[nodiscard]] int concurrency() const override { return 1; }
-  void run(WorkerFunction loop) override { loop(0); }
+  void run(WorkerFunction step) override {
+    while (step(0)) {
+    }
+  }
+  std::size_t run_with(const Patience& /*patience*/, WorkerFunction step) override {
+    run(step);
+    return 0;
+  }
+  [[nodiscard]] bool commit(int /*worker*/) override { return true; }
+  void settle() override {}
 };
 
 }  // namespace
@@ -33,15 +43,27 @@ int available_threads() {
   return std::max(count, 1);
 }
 
-std::unique_ptr<Executor> make_executor(ExecutorKind kind, int threads) {
-  const int count = std::clamp(threads > 0 ? threads : available_threads(), 1, kMaxThreads);
-  if (kind == ExecutorKind::Serial || count == 1) return std::make_unique<SerialExecutor>();
+Result<std::unique_ptr<Executor>> make_executor(const ExecutorSettings& asked) {
+  const Status sound = check_executor(asked);
+  if (!sound) return sound.error();
+  ExecutorSettings settings = asked;
+  settings.threads = std::clamp(asked.threads > 0 ? asked.threads : available_threads(), 1, kMaxThreads);
+  if (settings.kind == ExecutorKind::Serial || settings.threads == 1) return std::unique_ptr<Executor>(std::make_unique<SerialExecutor>());
 #ifdef POISE_HAVE_TBB
-  if (kind == ExecutorKind::Tbb) {
-    if (auto executor = make_tbb_executor(count)) return executor;
+  if (settings.kind == ExecutorKind::Tbb) {
+    if (auto executor = make_tbb_executor(settings.threads, settings.spin)) return executor;
   }
 #endif
-  return std::make_unique<ThreadPool>(count);
+  auto pool = std::make_unique<ThreadPool>(settings);
+  if (!pool->placed()) return pool->placed().error();
+  return std::unique_ptr<Executor>(std::move(pool));
+}
+
+std::unique_ptr<Executor> make_executor(ExecutorKind kind, int threads) {
+  ExecutorSettings settings;
+  settings.kind = kind;
+  settings.threads = threads;
+  return make_executor(settings).value();
 }
 
 }  // namespace poise::parallel

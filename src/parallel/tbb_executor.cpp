@@ -1,23 +1,59 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/tbb_executor.h"
 
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <atomic>
 #include <exception>
 #include <optional>
+#include <vector>
+
+#include "parallel/worker_gate.h"
 
 namespace poise::parallel {
 namespace {
 
-/// Invariant: one run at a time is inside the arena, so that its caller always has a slot there.
+/// What the visits of oneTBB's threads share with the executor that asked for them. A visit may begin when the executor is gone.
+struct Visits {
+  struct alignas(64) Slot {
+    std::uint64_t last_run = 0;
+  };
+
+  Visits(int threads, std::chrono::nanoseconds spin_time)
+      : gate(threads, spin_time), spin(spin_time), slots(static_cast<std::size_t>(threads)) {}
+
+  // One thread of the arena works at the gate until it has found nothing for a while.
+  void visit() {
+    const int worker = tbb::this_task_arena::current_thread_index();
+    if (worker < 1 || worker >= static_cast<int>(slots.size())) {
+      asked.fetch_sub(1, std::memory_order_seq_cst);
+      return;
+    }
+    std::uint64_t& last_run = slots[static_cast<std::size_t>(worker)].last_run;
+    const auto over = [&] { return stopping.load(std::memory_order_acquire); };
+    bool worked = true;
+    while (worked && !over()) {
+      worked = false;
+      spin_until(spin, [&] { return (worked = gate.take_part(worker, last_run)) || over(); });
+    }
+    asked.fetch_sub(1, std::memory_order_seq_cst);
+    // A run that opened before this one was known to leave counted on it.
+    if (!over()) gate.take_part(worker, last_run);
+  }
+
+  WorkerGate gate;
+  std::chrono::nanoseconds spin;
+  std::vector<Slot> slots;                           ///< one a slot of the arena, used by the thread that is in it
+  alignas(64) std::atomic<int> asked{0};             ///< visits that were asked for and are not over
+  std::atomic<bool> stopping{false};
+};
+
 class TbbExecutor final : public Executor {
  public:
-  explicit TbbExecutor(int threads) : threads_(threads), arena_(threads, 1) {
+  TbbExecutor(int threads, std::chrono::nanoseconds spin)
+      : threads_(threads), visits_(std::make_shared<Visits>(threads, spin)), arena_(threads, 1) {
     // oneTBB starts as many threads as there are processors; more are only had by asking. Nobody is ever given fewer by
     // us: the limit is the whole process's, and oneTBB takes the smallest that is asked for.
     if (threads > tbb::info::default_concurrency()) {
@@ -25,46 +61,60 @@ class TbbExecutor final : public Executor {
     }
     arena_.initialize();
   }
+  TbbExecutor(const TbbExecutor&) = delete;
+  TbbExecutor& operator=(const TbbExecutor&) = delete;
+  ~TbbExecutor() override {
+    visits_->stopping.store(true, std::memory_order_release);
+    visits_->gate.settle();
+  }
 
   [[nodiscard]] int concurrency() const override { return threads_; }
 
-  void run(WorkerFunction loop) override {
-    if (busy_.exchange(true, std::memory_order_acquire)) {
-      loop(0);
-      return;
+  void run(WorkerFunction step) override {
+    const bool alone = busy_.exchange(true, std::memory_order_acquire);
+    if (!alone) {
+      visits_->gate.open(step, false);
+      wake();
     }
-    try {
-      arena_.execute([&] { run_in_arena(loop); });
-    } catch (const std::exception&) {
-      // oneTBB found no memory for a task. All calls that began have ended; the rest is worked off here.
-      loop(0);
+    while (step(0)) {
     }
+    if (alone) return;
+    visits_->gate.close();
     busy_.store(false, std::memory_order_release);
   }
 
+  std::size_t run_with(const Patience& patience, WorkerFunction step) override {
+    const bool alone = busy_.exchange(true, std::memory_order_acquire);
+    if (!alone) {
+      visits_->gate.open(step, true);
+      wake();
+    }
+    while (step(0)) {
+    }
+    if (alone) return 0;
+    const std::size_t given_up = visits_->gate.close(patience);
+    busy_.store(false, std::memory_order_release);
+    return given_up;
+  }
+
+  [[nodiscard]] bool commit(int worker) override { return visits_->gate.commit(worker); }
+  void settle() override { visits_->gate.settle(); }
+
   void wake() override {
     try {
-      arena_.enqueue([] {});
+      while (visits_->asked.load(std::memory_order_seq_cst) < threads_ - 1) {
+        visits_->asked.fetch_add(1, std::memory_order_seq_cst);
+        arena_.enqueue([visits = visits_] { visits->visit(); });
+      }
     } catch (const std::exception&) {
-      // Nobody gets up early, and the run will call again.
+      // oneTBB found no memory for a task: one visit less, and the caller does the work.
+      visits_->asked.fetch_sub(1, std::memory_order_seq_cst);
     }
   }
 
  private:
-  void run_in_arena(const WorkerFunction& loop) const {
-    const int caller = tbb::this_task_arena::current_thread_index();
-    tbb::parallel_for(
-        tbb::blocked_range<int>(0, threads_, 1),
-        [&](const tbb::blocked_range<int>& workers) {
-          // The first call of the calling thread is number 0 (the leftmost range is never handed on). Those that nobody
-          // else took come back to it when its loop has ended: the work is done, and they are dropped.
-          const int worker = workers.begin();
-          if (worker == 0 || tbb::this_task_arena::current_thread_index() != caller) loop(worker);
-        },
-        tbb::simple_partitioner{});
-  }
-
   int threads_;
+  std::shared_ptr<Visits> visits_;
   std::optional<tbb::global_control> limit_;
   tbb::task_arena arena_;
   std::atomic<bool> busy_{false};
@@ -72,9 +122,9 @@ class TbbExecutor final : public Executor {
 
 }  // namespace
 
-std::unique_ptr<Executor> make_tbb_executor(int threads) {
+std::unique_ptr<Executor> make_tbb_executor(int threads, std::chrono::nanoseconds spin) {
   try {
-    return std::make_unique<TbbExecutor>(threads);
+    return std::make_unique<TbbExecutor>(threads, spin);
   } catch (const std::exception&) {
     return nullptr;
   }

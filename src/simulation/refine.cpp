@@ -7,6 +7,8 @@
 #include "collision/polygon_contact.h"
 #include "parallel/shared.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/decided.h"
+#include "simulation/frame_time.h"
 #include "simulation/stages.h"
 
 namespace poise::simulation {
@@ -17,76 +19,79 @@ struct Refinement {
   const StepInput& input;
   scheduler::FrameFacts facts;
   std::span<WorkerTally> tallies;
-
-  double score(const ActivePair& pair, std::uint32_t index) const {
-    std::array<float, kPolygonPlace + 1> error_m{};
-    const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
-    const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
-    for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
-    // Levels up to the one that is kept bring nothing that is not known.
-    for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level) error_m[level] = error_m[pair.memory.level];
-    if (pair.level.polygons) error_m[pair.level.deepest] = 0;
-    const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
-                                     pair.level.next_units};
-    return scheduler::score(world.settings.policy, facts, chain, world.buffers.cues[index], index);
-  }
+  DecisionLog* log = nullptr;  // of a step that is recorded
 };
 
 enum class Outcome : std::uint8_t { Completed, Cut, Full };
 
 // The polygons of a pair, in bounded pieces, as below.
 template <class GoOn>
-Outcome complete_polygons(WorldState& world, ActivePair& pair, collision::LevelContact& found, GoOn&& go_on) {
-  FrameBuffers& buffers = world.buffers;
+Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair, collision::PairLevel& level,
+                          collision::LevelContact& found, GoOn&& go_on) {
   const collision::PairFrame frame = frame_of(world, pair);
+  const Mat3 rotation = world.buffers.poses[pair.a].rotation;
   collision::PolygonProgress progress;
-  collision::begin_polygons(frame, buffers.poses[pair.a].rotation, pair.level, found, progress);
-  std::uint32_t left = pair.level.next_units;
+  collision::begin_polygons(frame, rotation, level, found, progress);
+  std::uint32_t left = level.next_units;
   for (;;) {
     const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
-    if (collision::run_polygons(frame, buffers.pools, units, progress) == collision::Quantum::Complete) break;
+    if (collision::run_polygons(frame, pools, units, progress) == collision::Quantum::Complete) break;
     left -= units;
     if (!go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) return Outcome::Cut;
   }
-  collision::publish_polygons(frame, buffers.poses[pair.a].rotation, progress, pair.level, found);
+  collision::publish_polygons(frame, rotation, progress, level, found);
   return Outcome::Completed;
 }
 
-// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first.
+// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the pair is known by goes on
+// in `level` and `found`, which are its own or copies of them; of the pair itself nothing changes.
 template <class GoOn>
-Outcome complete_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker, GoOn&& go_on) {
-  if (pair.level.next_is_polygons()) return complete_polygons(world, pair, found, go_on);
-  FrameBuffers& buffers = world.buffers;
+Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair, collision::PairLevel& level,
+                       collision::LevelContact& found, int worker, GoOn&& go_on) {
+  if (level.next_is_polygons()) return complete_polygons(world, pools, pair, level, found, go_on);
   collision::PairFrame frame = frame_of(world, pair);
+  const Mat3 rotation = world.buffers.poses[pair.a].rotation;
   if (frame.fitted) {
-    const std::size_t next = pair.level.level + 1U;
+    const std::size_t next = level.level + 1U;
     collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next], world.shapes[world.shape_of[pair.b]].deviation_m[next],
-                           pair.level.level > 0 ? found.contact.likely_m : 0.0, frame);
+                           level.level > 0 ? found.contact.likely_m : 0.0, frame);
   }
-  collision::FrontPool& pool = buffers.pools[static_cast<std::size_t>(worker)];
-  collision::LevelProgress progress = collision::begin_level(pair.level, pool);
-  std::uint32_t left = pair.level.front_entries;
+  collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
+  collision::LevelProgress progress = collision::begin_level(level, pool);
+  std::uint32_t left = level.front_entries;
   for (;;) {
     const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
-    const collision::Quantum quantum = collision::run_quantum(frame, buffers.pools, worker, units, progress);
+    const collision::Quantum quantum = collision::run_quantum(frame, pools, worker, units, progress);
     if (quantum == collision::Quantum::Complete) break;
     left -= units;
-    if (quantum == collision::Quantum::Full) pair.full = true;
-    if (pair.full || !go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) {
+    const bool full = quantum == collision::Quantum::Full;
+    if (full || !go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) {
       pool.release(progress.mark);
-      return pair.full ? Outcome::Full : Outcome::Cut;
+      return full ? Outcome::Full : Outcome::Cut;
     }
   }
-  collision::publish_level(frame, buffers.poses[pair.a].rotation, buffers.pools, progress, pair.level, found);
-  if (!pair.level.refinable() && world.settings.contact != ContactModel::Paper) {
+  collision::publish_level(frame, rotation, pools, progress, level, found);
+  if (!level.refinable() && world.settings.contact != ContactModel::Paper) {
     // Nobody reads the front of a pair that is done but the paper's model.
     pool.release(progress.mark);
-    pair.level.front = {};
+    level.front = {};
   }
-  if (pair.level.next_is_polygons() && pair.level.refinable()) {
-    pair.level.next_units = collision::polygon_units(*frame.a, *frame.b, buffers.pools, pair.level.front);
+  if (level.next_is_polygons() && level.refinable()) {
+    level.next_units = collision::polygon_units(*frame.a, *frame.b, pools, level.front);
   }
   return Outcome::Completed;
+}
+
+// The same for a pair that nobody else looks at.
+Outcome complete_own_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
+  const Outcome outcome = complete_level(world, world.buffers.pools, pair, pair.level, found, worker, [](std::uint64_t) { return true; });
+  if (outcome == Outcome::Full) pair.full = true;
+  return outcome;
+}
+
+RefinementStep::Kind kind_of(Outcome outcome) {
+  if (outcome == Outcome::Completed) return RefinementStep::Kind::Completed;
+  return outcome == Outcome::Cut ? RefinementStep::Kind::Cut : RefinementStep::Kind::Full;
 }
 
 void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
@@ -100,53 +105,8 @@ void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, 
   }
 }
 
-std::uint64_t answered_of(const WorldState& world, std::int64_t present) {
-  return static_cast<std::uint64_t>(std::ceil(world.answered_share * static_cast<double>(std::max<std::int64_t>(present, 0))));
-}
-
-// The loop of one worker under a deadline: the best job there is, as long as the forecast lets it begin.
-void work_until_cut(Refinement& refinement, const scheduler::FrameBudget& budget, parallel::Shared<std::int64_t>& contacts,
-                    int worker) {
-  WorldState& world = refinement.world;
-  WorkerTally tally;
-  const Nanoseconds cpu_before = thread_cpu_time();
-  const TimePoint begun = SteadyClock::now();
-  TimePoint now = begun;
-  const auto admits = [&](std::uint64_t units) {
-    return budget.admits(now, units, answered_of(world, contacts.get()));
-  };
-  for (;;) {
-    const std::uint32_t item = world.bands.take();
-    if (item == parallel::PriorityBands::kNone) break;
-    ActivePair& pair = world.buffers.pairs[item];
-    const std::uint64_t units = pair.level.next_units;
-    if (!admits(std::min(units, scheduler::kQuantumUnits))) break;
-    TimePoint piece_begun = now;
-    std::uint64_t piece_units = std::min(units, scheduler::kQuantumUnits);
-    const auto note_piece = [&] {
-      now = SteadyClock::now();
-      tally.busy += now - piece_begun;
-      tally.longest = std::max(tally.longest, now - piece_begun);
-      tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
-      piece_begun = now;
-    };
-    const Outcome outcome = complete_level(world, pair, world.buffers.found[item], worker, [&](std::uint64_t next_units) {
-      note_piece();
-      piece_units = next_units;
-      return admits(next_units);
-    });
-    note_piece();
-    note_outcome(pair, units, outcome, tally);
-    if (outcome == Outcome::Cut) break;
-    if (outcome == Outcome::Full) continue;
-    if (pair.level.apart) contacts.add(-1);
-    if (pair.refinable()) {
-      world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
-    }
-  }
-  tally.ended = SteadyClock::now();
-  tally.off_cpu = std::max(Nanoseconds(0), tally.ended - begun - (thread_cpu_time() - cpu_before));
-  refinement.tallies[static_cast<std::size_t>(worker)] = tally;
+std::uint64_t answered_of(double share, std::int64_t present) {
+  return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
 void put_into_bands(Refinement& refinement) {
@@ -160,34 +120,39 @@ void put_into_bands(Refinement& refinement) {
       const ActivePair& pair = world.buffers.pairs[i];
       if (!pair.refinable()) continue;
       const auto item = static_cast<std::uint32_t>(i);
-      world.bands.put(item, scheduler::band_of(world.settings.policy, refinement.score(pair, item)));
+      world.bands.put(item, scheduler::band_of(world.settings.policy, score_of(world, refinement.facts, pair, item)));
     }
   });
 }
 
 void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& report) {
+  // A job that is under way at the cut may take twice its forecast before it is given up. Chosen.
+  constexpr Nanoseconds kLeastPatience{100'000};
   WorldState& world = refinement.world;
-  const StepInput& input = refinement.input;
-  const Nanoseconds host = input.host_work.learn ? world.host_work.reserve() : input.host_work.expected;
-  scheduler::FrameBudget budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin,
-                                                               tail_work(world, 0), world.unit_cost_ns);
-  // Of the active pairs that refinement does not find apart, the share that was answered in the frames before will be.
-  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const ActivePair& pair) { return !pair.apart(); });
-  parallel::Shared<std::int64_t> contacts(present);
-  const std::uint64_t expected = answered_of(world, present);
-  const TimePoint first_cut = budget.cut(expected);
-  report.host_reserved = host;
-  report.reserve_at_cut = budget.reserve(expected);
-  report.tail_forecast = budget.tail_forecast(expected);
-  report.cut_margin = budget.margin;
+  const FramePlan plan = plan_frame(world, refinement.input, start, report);
+  OpenRefinement& open = world.open;
+  open.world = &world;
+  open.facts = refinement.facts;
+  open.answered_share = world.answered_share;
+  open.hands.resize(refinement.tallies.size());
+  open.budget = plan.budget;
+  open.log = refinement.log;
+  open.contacts.set(plan.present);
+  const scheduler::FrameBudget& budget = open.budget;
+  const TimePoint first_cut = budget.cut(plan.expected);
   if (first_cut <= start) return;
   put_into_bands(refinement);
-  world.executor->run([&](int worker) { work_until_cut(refinement, budget, contacts, worker); });
+  const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(scheduler::kQuantumUnits));
+  report.jobs_given_up = world.executor->run_with({first_cut, patience}, open);
+  report.jobs_dropped += report.jobs_given_up;
   const TimePoint end = SteadyClock::now();
-  const std::uint64_t left = answered_of(world, contacts.get());
+  const std::uint64_t left = likely_answered(world, open.contacts.get());
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = budget.tail_forecast(left);
-  report.refine_available = std::max(first_cut, budget.cut(left)) - start;
+  report.tail_work.contacts = left;
+  const TimePoint last_cut = std::max(first_cut, budget.cut(left));
+  report.refine_available = last_cut - start;
+  report.longest_overrun = std::max(Nanoseconds(0), end - last_cut);
   // While this thread waited for another one's job, the machine may have held that one up.
   const WorkerTally& own = refinement.tallies[0];
   report.waited = own.ended == TimePoint{} ? Nanoseconds(0) : end - own.ended;
@@ -195,6 +160,7 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   for (std::size_t w = 1; w < refinement.tallies.size(); ++w) {
     held_up = std::max(held_up, refinement.tallies[w].off_cpu);
   }
+  if (report.jobs_given_up > 0) held_up = report.waited;
   report.off_cpu = std::min(report.waited, held_up);
 }
 
@@ -205,7 +171,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
   FrameBuffers& buffers = world.buffers;
   const auto candidate = [&](std::uint32_t index) {
     const ActivePair& pair = buffers.pairs[index];
-    return scheduler::Candidate{refinement.score(pair, index), index, pair.level.next_units};
+    return scheduler::Candidate{score_of(world, refinement.facts, pair, index), index, pair.level.next_units};
   };
   world.rounds.begin_frame(budget_units, buffers.pairs.size());
   for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
@@ -236,7 +202,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
           ActivePair& pair = buffers.pairs[slice[i].pair];
           const std::uint64_t units = pair.level.next_units;
           const Outcome outcome =
-              pair.full ? Outcome::Full : complete_level(world, pair, buffers.found[slice[i].pair], worker, [](std::uint64_t) { return true; });
+              pair.full ? Outcome::Full : complete_own_level(world, pair, buffers.found[slice[i].pair], worker);
           note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
         }
       });
@@ -249,6 +215,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
     }
     for (const scheduler::Candidate& chosen : round) {
       const ActivePair& pair = buffers.pairs[chosen.pair];
+      if (refinement.log != nullptr) refinement.log->note_round(chosen.pair, kind_of(pair.full ? Outcome::Full : Outcome::Completed));
       if (!pair.full && pair.refinable()) world.rounds.add(candidate(chosen.pair));
     }
   }
@@ -265,7 +232,9 @@ void refine_everything(Refinement& refinement) {
       ActivePair& pair = buffers.pairs[i];
       while (pair.refinable() && !pair.full) {
         const std::uint64_t units = pair.level.next_units;
-        note_outcome(pair, units, complete_level(world, pair, buffers.found[i], worker, [](std::uint64_t) { return true; }), tally);
+        const Outcome outcome = complete_own_level(world, pair, buffers.found[i], worker);
+        note_outcome(pair, units, outcome, tally);
+        if (refinement.log != nullptr) refinement.log->note(worker, static_cast<std::uint32_t>(i), kind_of(outcome), SteadyClock::now());
       }
       buffers.pools[static_cast<std::size_t>(worker)].clear();
       pair.level.front = {};
@@ -275,8 +244,67 @@ void refine_everything(Refinement& refinement) {
 
 }  // namespace
 
+bool OpenRefinement::operator()(int worker) {
+  // Until commit() this writes what is this worker's own and nothing else.
+  const auto w = static_cast<std::size_t>(worker);
+  FrameBuffers& buffers = world->buffers;
+  WorkerTally tally = buffers.tallies[w];
+  TimePoint now = SteadyClock::now();
+  if (tally.begun == TimePoint{}) {
+    tally.begun = now;
+    tally.cpu_before = thread_cpu_time();
+  }
+  const auto admits = [&](std::uint64_t units) { return budget.admits(now, units, answered_of(answered_share, contacts.get())); };
+  const auto end = [&](bool more) {
+    tally.ended = now;
+    if (!more) tally.off_cpu = std::max(Nanoseconds(0), now - tally.begun - (thread_cpu_time() - tally.cpu_before));
+    buffers.tallies[w] = tally;
+    return more;
+  };
+  const std::uint32_t item = world->bands.take();
+  std::uint64_t piece_units = 0;
+  const bool begins = item != parallel::PriorityBands::kNone &&
+                      admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units, scheduler::kQuantumUnits));
+  if (!begins) return world->executor->commit(worker) && end(false);
+  const ActivePair& pair = buffers.pairs[item];
+  collision::PairLevel& level = hands[w].level;
+  collision::LevelContact& found = hands[w].found;
+  level = pair.level;
+  if (level.level > 0) found = buffers.found[item];
+  const std::uint64_t units = level.next_units;
+  TimePoint piece_begun = now;
+  const auto note_piece = [&] {
+    now = SteadyClock::now();
+    tally.busy += now - piece_begun;
+    tally.longest = std::max(tally.longest, now - piece_begun);
+    tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
+    piece_begun = now;
+  };
+  const Outcome outcome = complete_level(*world, buffers.pools, pair, level, found, worker, [&](std::uint64_t next_units) {
+    note_piece();
+    piece_units = next_units;
+    return admits(next_units);
+  });
+  note_piece();
+  if (!world->executor->commit(worker)) return false;
+  ActivePair& mine = buffers.pairs[item];
+  if (outcome == Outcome::Completed) {
+    mine.level = level;
+    buffers.found[item] = found;
+  }
+  if (outcome == Outcome::Full) mine.full = true;
+  note_outcome(mine, units, outcome, tally);
+  if (log != nullptr) log->note(worker, item, kind_of(outcome), now);
+  if (outcome == Outcome::Completed && mine.level.apart) contacts.add(-1);
+  if (outcome == Outcome::Completed && mine.refinable()) {
+    world->bands.put(item, scheduler::band_of(world->settings.policy, score_of(*world, facts, mine, item)));
+  }
+  return end(outcome != Outcome::Cut);
+}
+
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
-  scheduler::TailWork work;
+  scheduler::TailWork work = world.times.tail_work;
+  work.sphere_contacts = 0;
   work.bodies = world.bodies.dynamic_count();
   work.contacts = contacts;
   work.candidate_pairs = world.buffers.pairs.size();
@@ -288,8 +316,35 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   return work;
 }
 
+scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input) {
+  scheduler::FrameFacts facts;
+  for (const ShapeFacts& shape : world.shapes) facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  if (input.polygons) ++facts.deepest_level;
+  facts.frame = world.frame;
+  facts.seed = world.settings.seed;
+  facts.pairs = static_cast<std::uint32_t>(world.buffers.pairs.size());
+  return facts;
+}
+
+double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair, std::uint32_t index) {
+  std::array<float, kPolygonPlace + 1> error_m{};
+  const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
+  const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
+  for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
+  // Levels up to the one that is kept bring nothing that is not known.
+  for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level) error_m[level] = error_m[pair.memory.level];
+  if (pair.level.polygons) error_m[pair.level.deepest] = 0;
+  const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
+                                   pair.level.next_units};
+  return scheduler::score(world.settings.policy, facts, chain, world.buffers.cues[index], index);
+}
+
+bool refine_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
+  return complete_own_level(world, pair, found, worker) == Outcome::Completed;
+}
+
 bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
-  while (pair.refinable() && !pair.full) complete_level(world, pair, found, worker, [](std::uint64_t) { return true; });
+  while (pair.refinable() && !pair.full) complete_own_level(world, pair, found, worker);
   return !pair.full;
 }
 
@@ -312,17 +367,14 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   const TimePoint begun = SteadyClock::now();
   std::fill(buffers.tallies.begin(), buffers.tallies.end(), WorkerTally{});
-  Refinement refinement{world, input, {}, buffers.tallies};
+  Refinement refinement{world, input, frame_facts(world, input), buffers.tallies, nullptr};
   for (collision::FrontPool& pool : buffers.pools) pool.clear();
-  for (const ShapeFacts& facts : world.shapes) {
-    refinement.facts.deepest_level = std::max<std::uint32_t>(refinement.facts.deepest_level, facts.shape->tree.depth());
-  }
-  if (input.polygons) ++refinement.facts.deepest_level;
-  refinement.facts.frame = world.frame;
-  refinement.facts.seed = world.settings.seed;
-  refinement.facts.pairs = static_cast<std::uint32_t>(buffers.pairs.size());
-  if (input.budget.kind == Budget::Kind::Deadline) {
+  if (input.record && input.replay == nullptr) refinement.log = &begin_log(world, refinement.facts);
+  if (input.replay != nullptr) {
+    if (!refine_as_decided(world, input, refinement.facts, report)) report.status = StepStatus::ReplayDiffers;
+  } else if (input.budget.kind == Budget::Kind::Deadline) {
     refine_until_cut(refinement, begun, report);
+    if (refinement.log != nullptr) log_degraded(world, report.degraded, *refinement.log);
   } else if (input.budget.kind == Budget::Kind::Unlimited && world.settings.contact != ContactModel::Paper) {
     refine_everything(refinement);
   } else {

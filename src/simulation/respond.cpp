@@ -387,7 +387,7 @@ void fill_rows(WorldState& world) {
 
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping) {
-  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.settings.substeps, stopping};
+  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.substeps, stopping};
   list_contact_pairs(world, input.dt_s, response::still_mps(settings), report);
   FrameBuffers& buffers = world.buffers;
   response::Convergence ended;
@@ -404,6 +404,7 @@ response::Convergence respond(WorldState& world, const StepInput& input, FrameRe
   const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia, buffers.poses, buffers.rest_pairs,
                                     world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring};
   const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);
+  world.rest_sweeps = rest.sweeps;
   if (input.backtracking) answer_swept(world, input, report);
   return {ended.reached && rest.reached, ended.sweeps + rest.sweeps};
 }

@@ -93,12 +93,13 @@ MissFigures miss_figures(std::span<const RunFrame> frames) {
   return misses;
 }
 
-TailFigures tail_figures(std::span<const RunFrame> frames) {
+TailFigures tail_figures(std::span<const RunFrame> frames, double alpha) {
   TailFigures tail;
   double covered = 0;
   double ratio = 0;
   double used_ms = 0;
   double reserved_ms = 0;
+  double loss_ms = 0;
   std::vector<double> against_forecast;
   for (const RunFrame& frame : frames) {
     const FrameReport& report = frame.report;
@@ -108,11 +109,15 @@ TailFigures tail_figures(std::span<const RunFrame> frames) {
     ratio += ms(report.reserve_at_cut) / ms(report.tail_actual);
     used_ms += ms(std::min(report.tail_actual, report.reserve_at_cut));
     reserved_ms += ms(report.reserve_at_cut);
+    const double short_by_ms = ms(report.tail_actual - report.reserve_at_cut);
+    loss_ms += std::max((1 - alpha) * short_by_ms, -alpha * short_by_ms);
     against_forecast.push_back(ms(report.tail_actual) / ms(report.tail_forecast));
     tail.margin_last = report.cut_margin;
+    if (report.tail_beyond_clip) ++tail.beyond_clip;
   }
   if (tail.frames > 0) {
     tail.coverage = covered / static_cast<double>(tail.frames);
+    tail.pinball_loss_ms = loss_ms / static_cast<double>(tail.frames);
     tail.reserve_over_actual = ratio / static_cast<double>(tail.frames);
   }
   if (reserved_ms > 0) tail.reserve_used = used_ms / reserved_ms;
@@ -133,6 +138,9 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     work.refine += report.work_refine;
     work.jobs_done += report.jobs_done;
     work.jobs_dropped += report.jobs_dropped;
+    work.jobs_given_up += report.jobs_given_up;
+    work.kept_apart += report.kept_apart;
+    work.kept_contacts += report.kept_contacts;
     work.pairs_separated += report.pairs_separated;
     candidates += report.candidate_pairs;
     coarse += report.coarse_pairs;
@@ -152,6 +160,10 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.sleep.fell_asleep += report.fell_asleep;
     figures.sleep.woken += report.woken;
     asleep += report.asleep;
+    if (report.degraded.any()) ++figures.degraded.frames;
+    if (report.degraded.substeps > 0) ++figures.degraded.fewer_substeps;
+    figures.degraded.pairs_reused += report.degraded.pairs_reused;
+    if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     figures.longest_job_ms_max = std::max(figures.longest_job_ms_max, ms(report.longest_job));
   }
@@ -192,10 +204,37 @@ std::optional<double> refinement_used(std::span<const RunFrame> frames, bool all
   return used_ms / available_ms;
 }
 
-double low_fps(std::vector<double> frame_ms) {
+LevelFigures level_figures(std::span<const RunFrame> frames) {
+  LevelFigures figures;
+  double weight = 0;
+  std::uint64_t for_time = 0;
+  std::uint64_t for_room = 0;
+  for (const RunFrame& frame : frames) {
+    if (!frame.report.levels) continue;
+    const LevelsReached& reached = *frame.report.levels;
+    ++figures.frames;
+    for (std::size_t place = 0; place < reached.bodies.size(); ++place) {
+      figures.bodies[place] += reached.bodies[place];
+      figures.weight[place] += reached.weight[place];
+      weight += reached.weight[place];
+    }
+    for_time += reached.left_for_time;
+    for_room += reached.left_for_room;
+    figures.longest_wait = std::max(figures.longest_wait, reached.longest_wait);
+  }
+  for (double& share : figures.weight) share = weight > 0 ? share / weight : 0;
+  if (figures.frames > 0) {
+    figures.left_for_time_mean = static_cast<double>(for_time) / static_cast<double>(figures.frames);
+    figures.left_for_room_mean = static_cast<double>(for_room) / static_cast<double>(figures.frames);
+  }
+  return figures;
+}
+
+/// Over the slowest `one_in`-th part of the frames, at least one.
+double low_fps(std::vector<double> frame_ms, std::size_t one_in) {
   if (frame_ms.empty()) return 0;
   std::sort(frame_ms.begin(), frame_ms.end(), std::greater<>());
-  const std::size_t count = std::max<std::size_t>(1, frame_ms.size() / 100);
+  const std::size_t count = std::max<std::size_t>(1, frame_ms.size() / one_in);
   double sum_ms = 0;
   for (std::size_t i = 0; i < count; ++i) sum_ms += frame_ms[i];
   return sum_ms > 0 ? 1000 * static_cast<double>(count) / sum_ms : 0;
@@ -218,14 +257,16 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   const std::span<const RunFrame> frames(kept);
   figures.frames = frames.size();
   std::vector<double> frame_ms = collect(frames, [](const RunFrame& frame) { return ms(frame.report.times.total); });
-  figures.low_1_percent_fps = low_fps(frame_ms);
+  figures.low_1_percent_fps = low_fps(frame_ms, 100);
+  figures.low_0_1_percent_fps = low_fps(frame_ms, 1000);
   figures.frame_ms = percentiles(std::move(frame_ms));
   figures.release_delay_ms =
       percentiles(collect(frames, [](const RunFrame& frame) { return ms(frame.release_delay); }));
   if (terms.deadlines) figures.misses = miss_figures(frames);
   figures.refinement_used = refinement_used(frames, false);
   figures.refinement_used_all = refinement_used(frames, true);
-  figures.tail = tail_figures(frames);
+  figures.tail = tail_figures(frames, terms.alpha);
+  figures.levels = level_figures(frames);
   for (std::size_t i = 0; i < kStages.size(); ++i) {
     const auto time = kStages[i].time;
     figures.stages[i].name = kStages[i].name;

@@ -25,6 +25,7 @@ struct RunFrame {
 /// What the figures of a run depend on besides its frames.
 struct RunTerms {
   bool deadlines = true;  ///< wall clock: a late frame is a miss; otherwise misses are not defined
+  double alpha = 0.01;    ///< share of frames whose tail may take longer than its reserve
 };
 
 struct Interval {
@@ -59,7 +60,28 @@ struct TailFigures {
   double reserve_over_actual = 0;    ///< mean
   double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
   Percentiles actual_over_forecast;  ///< of the point forecast, without margin
+  /// Mean pinball loss of the reserve as a forecast of the (1 - alpha) quantile of the tail (Koenker and Bassett, "Regression quantiles",
+  /// Econometrica 1978): (1 - alpha) of what it was too short by, alpha of what it was too long by.
+  double pinball_loss_ms = 0;
   double margin_last = 1;
+  std::uint64_t beyond_clip = 0;     ///< frames whose actual / forecast the bound on misses does not speak of
+};
+
+/// Frames whose mandatory part was forecast not to fit, and what they left out.
+struct DegradedFigures {
+  std::uint64_t frames = 0;               ///< that left something out
+  std::uint64_t fewer_substeps = 0;       ///< of them with fewer substeps
+  std::uint64_t pairs_reused = 0;         ///< sum over the frames
+  std::uint64_t infeasible_forecast = 0;  ///< frames that were forecast not to fit
+};
+
+/// How deep frames got, over those that were looked at (StepInput::measure_levels); places are levels, the last one is polygons.
+struct LevelFigures {
+  std::uint64_t frames = 0;
+  std::array<std::uint64_t, kPolygonPlace + 1> bodies{};  ///< by the least level of their contacts
+  std::array<double, kPolygonPlace + 1> weight{};         ///< share of what a viewer can notice, by the level of the contact; sums to 1 unless there is none
+  double left_for_time_mean = 0, left_for_room_mean = 0;  ///< pairs
+  std::uint32_t longest_wait = 0;                         ///< starvation: frames since a pair that was left coarse was answered beyond level 0
 };
 
 struct StageFigures {
@@ -70,7 +92,8 @@ struct StageFigures {
 struct WorkFigures {
   double mandatory_mean = 0, refine_mean = 0;
   std::uint64_t mandatory = 0, refine = 0;
-  std::uint64_t jobs_done = 0, jobs_dropped = 0, pairs_separated = 0;
+  std::uint64_t jobs_done = 0, jobs_dropped = 0, jobs_given_up = 0, pairs_separated = 0;
+  std::uint64_t kept_apart = 0, kept_contacts = 0;
   double candidate_pairs_mean = 0, coarse_pairs_mean = 0, pairs_left_mean = 0;
   std::uint64_t frames_with_pairs_left = 0;
 };
@@ -98,6 +121,7 @@ struct RunFigures {
   std::uint64_t warm_up_misses = 0;
   Percentiles frame_ms;          ///< StageTimes::total
   double low_1_percent_fps = 0;  ///< frames a second over the slowest hundredth (at least one frame)
+  double low_0_1_percent_fps = 0;  ///< likewise the slowest thousandth
   Percentiles release_delay_ms;
   std::optional<MissFigures> misses;  ///< not defined on the work clock
   /// Time used for refinement / time that there was for it, over the frames that ended with refinable pairs left; not
@@ -105,6 +129,7 @@ struct RunFigures {
   std::optional<double> refinement_used;
   std::optional<double> refinement_used_all;  ///< the same over all frames with time for refinement
   TailFigures tail;
+  DegradedFigures degraded;
   std::array<StageFigures, 8> stages;
   double off_cpu_ms_max = 0;
   double longest_job_ms_max = 0;
@@ -112,6 +137,7 @@ struct RunFigures {
   std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by the level of their trees
   std::uint64_t polygon_contacts = 0;  ///< contact pairs by polygons; not in the histogram and the mean
   double contacts_mean = 0;
+  LevelFigures levels;
   WorkFigures work;
   CapacityFigures capacity;
   SweptFigures swept;

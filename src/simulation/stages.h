@@ -24,6 +24,13 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report);
 /// Refines until the budget says stop.
 void refine(WorldState& world, const StepInput& input, FrameReport& report);
 
+/// What a policy may know of the frame.
+scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input);
+/// What decides when the next level of an active pair has its turn; `index` is its place among them.
+double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair, std::uint32_t index);
+/// The next level of an active pair on one worker, whatever that costs; false when its front had no room.
+bool refine_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
+
 /// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room. `found` is that of the pair.
 bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 
@@ -54,7 +61,7 @@ void publish(WorldState& world);
 /// The contacts of the last step, made when somebody asks for them.
 void list_contacts(WorldState& world);
 
-/// Counted work of the tail with this many answered pairs.
+/// Counted work of the tail with this many answered pairs; visits and coarse contacts are those of WorldState::times.
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts);
 
 }  // namespace poise::simulation

@@ -4,9 +4,13 @@
 
 #include "dynamics/conserved.h"
 #include "simulation/cpu_clock.h"
+#include "simulation/degrade.h"
+#include "simulation/frame_time.h"
+#include "simulation/levels_reached.h"
 #include "simulation/reference.h"
 #include "simulation/sleep.h"
 #include "simulation/stages.h"
+#include "simulation/trace.h"
 
 namespace poise {
 namespace {
@@ -19,10 +23,11 @@ bool sound(const View& view) {
          view.vertical_fov_rad < 3.14159 && std::isfinite(view.aspect) && view.aspect > 0;
 }
 
-StepStatus check(const StepInput& input) {
+StepStatus check(const StepInput& input, std::uint64_t frame) {
   if (!(input.dt_s > 0 && input.dt_s <= kMaxTimeStepS)) return StepStatus::RefusedTimeStep;
   if (!sound(input.view)) return StepStatus::RefusedView;
   if (input.host_work.expected.count() < 0) return StepStatus::RefusedHostWork;
+  if (input.replay != nullptr && input.replay->frame != frame) return StepStatus::RefusedReplay;
   return StepStatus::Done;
 }
 
@@ -80,37 +85,12 @@ class Laps {
     last_ = now;
     return passed;
   }
+  /// When the last stage ended.
+  [[nodiscard]] SteadyClock::time_point at() const { return last_; }
 
  private:
   SteadyClock::time_point last_;
 };
-
-// Why the frame was late, and what the forecasts learn from how long its tail took.
-void judge_time(simulation::WorldState& world, const StepInput& input, SteadyClock::time_point start, Nanoseconds cpu_before,
-                FrameReport& report) {
-  report.times.total = SteadyClock::now() - start;
-  if (input.budget.kind != Budget::Kind::Deadline) return;
-  const StageTimes& times = report.times;
-  report.budget = input.budget.deadline - start;
-  report.tail_actual = times.response + times.integrate + times.publish;
-  const Nanoseconds cpu = simulation::thread_cpu_time() - cpu_before;
-  report.off_cpu += std::max(Nanoseconds(0), times.total - cpu - report.waited);
-  scheduler::LatenessFacts facts;
-  facts.lateness = times.total + report.host_reserved - report.budget;
-  facts.mandatory = times.total - times.refine + report.host_reserved;
-  facts.budget = report.budget;
-  facts.off_cpu = report.off_cpu;
-  facts.longest_overrun = report.longest_overrun;
-  report.lateness = std::max(Nanoseconds(0), facts.lateness);
-  report.cause = static_cast<MissCause>(scheduler::classify(facts));
-  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
-  world.margin.observe(report.tail_actual, report.tail_forecast);
-  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const simulation::ActivePair& pair) { return !pair.apart(); });
-  if (present > 0) {
-    world.answered_share += 0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
-  }
-  world.tail.learn(simulation::tail_work(world, report.contact_pairs), report.tail_actual);
-}
 
 // One checked step, timed.
 FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
@@ -119,8 +99,10 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   const Nanoseconds cpu_before = simulation::thread_cpu_time();
   world.executor->wake();
   report.frame = world.frame;
+  report.started = start;
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
 
+  simulation::begin_frame_time(world, input, start, report);
   Laps laps(start);
   if (world.settings.sleeping) simulation::wake_stirred(world);
   forget_removed(world);
@@ -129,6 +111,7 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   report.times.predict = laps.lap();
   find_awake_pairs(world, input, report);
   laps.lap();
+  report.refine_started = laps.at();
   simulation::refine(world, input, report);
   report.times.refine = laps.lap();
   simulation::respond(world, input, report);
@@ -136,11 +119,12 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   simulation::integrate(world, input);
   report.times.integrate = laps.lap();
   simulation::publish(world);
+  simulation::restore(world);
   ++world.frame;
   // A reference must find the bodies that the frame had.
   if (world.settings.sleeping && !input.reference) simulation::fall_asleep(world, input.dt_s, report);
   report.times.publish = laps.lap();
-  judge_time(world, input, start, cpu_before, report);
+  simulation::judge_time(world, input, start, cpu_before, report);
   return report;
 }
 
@@ -152,6 +136,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   const Nanoseconds kept = SteadyClock::now() - begun;
   if (moved.budget.deadline < SteadyClock::time_point::max() - kept) moved.budget.deadline += kept;
   FrameReport report = run_frame(world, moved);
+  world.settle();
   report.reference = simulation::refer(world, input);
   report.reference->time += kept;
   if (world.settings.sleeping) simulation::fall_asleep(world, input.dt_s, report);
@@ -160,14 +145,21 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
 
 }  // namespace
 
-FrameReport World::step(const StepInput& input) {
-  const StepStatus status = check(input);
+FrameReport World::step(const StepInput& given) {
+  StepInput input = given;
+  // Nothing of a step that is done again is up to a clock.
+  if (input.replay != nullptr) input.budget = Budget::unlimited();
+  const StepStatus status = check(input, state_->frame);
   if (status != StepStatus::Done) {
     FrameReport refused;
     refused.status = status;
     return refused;
   }
+  state_->settle();
+  if (state_->decisions && (!input.record || input.replay != nullptr)) state_->decisions->forget();
   FrameReport report = input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
+  if (input.trace != nullptr) simulation::trace_frame(*state_, report, *input.trace);
+  if (input.measure_levels) report.levels = simulation::levels_reached(*state_, input.view);
   if (input.measure_energy) {
     const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
     report.kinetic_j = sums.kinetic_j;

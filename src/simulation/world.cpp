@@ -10,6 +10,7 @@
 #include "collision/least_extent.h"
 #include "dynamics/conserved.h"
 #include "simulation/checks.h"
+#include "simulation/frame_time.h"
 #include "simulation/sleep.h"
 #include "simulation/stages.h"
 #include "simulation/world_state.h"
@@ -58,11 +59,26 @@ Quat unit(const Quat& turn) {
   return std::abs(turn.squaredNorm() - 1.0) <= kRounding ? turn : Quat(turn.normalized());
 }
 
+parallel::ExecutorSettings executor_settings(const WorldSettings& settings) {
+  parallel::ExecutorSettings executor;
+  executor.kind = settings.executor;
+  executor.threads = settings.threads;
+  executor.spin = settings.spin;
+  executor.processors = settings.processors;
+  executor.realtime_priority = settings.realtime_priority;
+  return executor;
+}
+
+// Beyond these a quantile of frames says nothing.
+constexpr double kLeastAlpha = 1e-5;
+constexpr double kMostAlpha = 0.5;
+
 Result<Done> check_settings(const WorldSettings& settings) {
   if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
   if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
   if (auto bad = check_range("threads", settings.threads, 0, 256)) return *bad;
   if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return *bad;
+  if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return *bad;
   if (auto bad = check_range("max_partners", settings.max_partners, 1, 65536)) return *bad;
   if (auto bad = check_range("max_front_entries", settings.max_front_entries, 64, 1U << 26U)) return *bad;
   return Done{};
@@ -77,9 +93,13 @@ World::~World() = default;
 
 Result<World> World::create(const WorldSettings& settings) {
   if (auto checked = check_settings(settings); !checked) return checked.error();
+  auto executor = parallel::make_executor(executor_settings(settings));
+  if (!executor) return executor.error();
   auto state = std::make_unique<simulation::WorldState>();
   state->settings = settings;
-  state->executor = parallel::make_executor(settings.executor, settings.threads);
+  state->executor = std::move(executor).value();
+  state->substeps = settings.substeps;
+  simulation::forget_times(*state, {});
   const auto workers = static_cast<std::size_t>(state->executor->concurrency());
   for (std::size_t w = 0; w < workers; ++w) state->buffers.pools.emplace_back(settings.max_front_entries);
   state->buffers.tallies.resize(workers);
@@ -88,6 +108,7 @@ Result<World> World::create(const WorldSettings& settings) {
 
 ShapeId World::add_shape(ShapePtr shape) {
   if (!shape) return {};
+  state_->settle();
   state_->shapes.push_back(facts_of(std::move(shape)));
   return {static_cast<std::uint32_t>(state_->shapes.size() - 1)};
 }
@@ -114,6 +135,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
       simulation::mass_of(definition, *shape, state_->materials[definition.material.index].density_kgpm3);
   if (!mass) return mass.error();
 
+  state_->settle();
   dynamics::BodyStore& bodies = state_->bodies;
   const BodyId id = bodies.add();
   const std::size_t i = id.slot;
@@ -140,6 +162,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
 
 Status World::remove_body(BodyId body) {
   if (!contains(body)) return stale(body);
+  state_->settle();
   simulation::stir(*state_, body.slot);
   state_->bodies.remove(body.slot);
   state_->removed_slots.push_back(body.slot);
@@ -252,11 +275,20 @@ Status World::set_importance(BodyId body, double importance) {
 }
 
 void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(actual); }
+scheduler::TimePriors World::time_priors() const { return simulation::times_of(*state_); }
+void World::set_time_priors(const scheduler::TimePriors& priors) { simulation::forget_times(*state_, priors); }
 std::span<const Contact> World::contacts() const {
   if (!state_->contacts_listed) simulation::list_contacts(*state_);
   return state_->contacts;
 }
 std::span<const ContactEvent> World::contact_events() const { return state_->events; }
+void World::decisions(FrameDecisions& decisions) const {
+  if (state_->decisions) {
+    state_->decisions->merge(decisions);
+  } else {
+    simulation::DecisionLog().merge(decisions);
+  }
+}
 Conserved World::conserved() const {
   return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
 }

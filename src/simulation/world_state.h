@@ -20,8 +20,10 @@
 #include "response/contact_row.h"
 #include "response/rest.h"
 #include "response/solve.h"
+#include "simulation/decision_log.h"
 #include "simulation/kept_candidates.h"
 #include "simulation/kept_places.h"
+#include "simulation/open_refinement.h"
 #include "simulation/swept_state.h"
 
 namespace poise::simulation {
@@ -103,8 +105,8 @@ struct StepMotion {
 struct WorkerTally {
   std::uint64_t units = 0;
   std::uint64_t jobs = 0, dropped = 0, separated = 0, full = 0;
-  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0};
-  SteadyClock::time_point ended{};
+  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0}, cpu_before{0};
+  SteadyClock::time_point begun{}, ended{};
 };
 
 /// What finding pairs looks at of a body, side by side.
@@ -158,6 +160,12 @@ struct FrameBuffers {
   parallel::LargeVector<response::SolverBody> solver_bodies;     // one a slot
   std::vector<response::Acceleration> accelerations;   // one a slot
   SweptFrame swept;
+  struct LeastSeen {
+    double weight = 0;
+    std::uint32_t pair = 0;
+    double saves_ns = 0;
+  };
+  std::vector<LeastSeen> least_seen;                   // pairs that may answer as they did last
 };
 
 /// What impacts did to the k-th row in the order of the colouring; null where there was none to look for.
@@ -190,8 +198,26 @@ struct Sleep {
   std::vector<std::uint8_t> restless;      // scratch: islands of which a body moves
 };
 
+/// What the time forecasts take from one frame to the next beside their coefficients. Not part of the state.
+struct TimeFacts {
+  std::uint64_t frames = 0;                ///< learned from
+  std::uint64_t candidate_pairs = 0, active_pairs = 0;  ///< of the last frame under a deadline
+  double visits_a_substep = 0;             ///< patches visited by resting contact in a substep of the last frame
+  scheduler::TailWork tail_work;           ///< of this frame; its contacts are those that were expected
+  scheduler::TailWork head_work;
+};
+
 /// Everything that a World holds.
 struct WorldState {
+  WorldState() = default;
+  WorldState(const WorldState&) = delete;
+  WorldState& operator=(const WorldState&) = delete;
+  ~WorldState() { settle(); }
+  /// Waits for workers that the last refinement gave up: before anything changes that they read.
+  void settle() const {
+    if (executor) executor->settle();
+  }
+
   WorldSettings settings;
   std::unique_ptr<parallel::Executor> executor;
   dynamics::BodyStore bodies;
@@ -217,11 +243,17 @@ struct WorldState {
   scheduler::TailForecast tail;
   scheduler::TrackedQuantile margin;
   scheduler::DurationForecast host_work;
+  scheduler::TailForecast head;                        // of what comes before refinement; its contacts are the active pairs
+  TimeFacts times;
+  int substeps = 2;                                    // of this frame; fewer than the settings say where it was degraded
+  std::uint32_t rest_sweeps = 0;                       // of resting contact in the last response
   double answered_share = 1;                           // of the pairs that are not apart; learned
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
   FrameBuffers buffers;
+  OpenRefinement open;
   response::RestSolver rest_solver;
   std::unique_ptr<Reference> reference;
+  std::unique_ptr<DecisionLog> decisions;              // once a step was recorded
 };
 
 }  // namespace poise::simulation

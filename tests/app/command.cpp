@@ -23,8 +23,9 @@ namespace {
 
 /// -1 if the program cannot be started.
 pid_t start(const std::string& out_file, const std::string& error_file, const std::vector<std::string>& arguments) {
-  // Unless a test says otherwise, the trees that the user keeps are neither read nor written.
+  // Unless a test says otherwise, the trees and times that the user keeps are neither read nor written.
   ::setenv("POISE_TREE_CACHE", "off", 0);
+  ::setenv("POISE_TIME_PRIORS", "off", 0);
   std::vector<std::string> words{POISE_COMMAND};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;

@@ -33,6 +33,8 @@ constexpr std::array kRooms{
     Room{"include/poise/tree_formats.h", 2, "geometry"},
     Room{"src/geometry/", 2, "geometry"},
     Room{"include/poise/reference.h", 0, "values"},
+    Room{"include/poise/trace.h", 0, "values"},
+    Room{"include/poise/decisions.h", 3, "interface"},
     Room{"include/poise/step.h", 3, "interface"},
     Room{"include/poise/world.h", 3, "interface"},
     Room{"src/dynamics/", 3, "dynamics"},

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <vector>
 
 namespace poise::scheduler {
 namespace {
@@ -98,7 +101,70 @@ TEST(Forecast, TheMissRateKeepsItsBoundAgainstAnAdversary) {
   }
 }
 
+RC_GTEST_PROP(Forecast, TheMissRateKeepsItsBoundAgainstAnyMixOfAdversaries, ()) {
+  // Blocks in each of which the ratios are chosen with the tracker in view: just above it, just below, as far off as the clip allows, or by chance.
+  const double alpha = *rc::gen::element(0.001, 0.01, 0.05, 0.3);
+  const double eta = *rc::gen::element(0.01, 0.05, 0.2, 1.0);
+  const double start = TrackedQuantile::kLow + (TrackedQuantile::kHigh - TrackedQuantile::kLow) * *rc::gen::inRange(0, 1001) * 1e-3;
+  const auto blocks = *rc::gen::container<std::vector<int>>(20, rc::gen::inRange(0, 5));
+  const auto block_frames = *rc::gen::inRange(1, 200);
+  TrackedQuantile margin(alpha, eta, start);
+  constexpr double kEdge = 1e-3;
+  const Nanoseconds forecast(1'000'000'000);
+  std::uint64_t noise = 1;
+  for (const int kind : blocks) {
+    for (int frame = 0; frame < block_frames; ++frame) {
+      noise = noise * 6364136223846793005ULL + 1442695040888963407ULL;
+      const double q = margin.log_quantile();
+      double z = TrackedQuantile::kLow + (TrackedQuantile::kHigh - TrackedQuantile::kLow) * static_cast<double>(noise >> 40U) * 0x1p-24;
+      if (kind == 0) z = q + 1e-4;
+      if (kind == 1) z = q - 1e-4;
+      if (kind == 2) z = TrackedQuantile::kHigh;
+      if (kind == 3) z = TrackedQuantile::kLow;
+      z = std::clamp(z, TrackedQuantile::kLow + kEdge, TrackedQuantile::kHigh - kEdge);
+      margin.observe(Nanoseconds(static_cast<std::int64_t>(1e9 * std::exp(z))), forecast);
+      const double seen = static_cast<double>(margin.observed());
+      const double bound = (TrackedQuantile::kHigh - TrackedQuantile::kLow + eta) / (eta * seen);
+      RC_ASSERT(std::abs(static_cast<double>(margin.exceeded()) / seen - alpha) <= bound + 1e-9);
+    }
+  }
+  RC_ASSERT(margin.beyond_clip() == 0U);
+}
+
+TEST(Forecast, TheStepFollowsTheSpreadOfTheRatios) {
+  EXPECT_EQ(TrackedQuantile::eta_for(0), TrackedQuantile::kDefaultEta) << "nothing is known";
+  EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(0.1), 0.05);
+  EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(1e-6), 0.01);
+  EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(5), 0.2);
+  // Ratios that swing by a tenth around one and a half spread by a tenth.
+  TrackedQuantile margin;
+  for (int frame = 0; frame < 3000; ++frame) margin.observe(Nanoseconds(static_cast<std::int64_t>(1.5e9 * std::exp(frame % 2 == 0 ? 0.1 : -0.1))), Nanoseconds(1'000'000'000));
+  EXPECT_NEAR(margin.spread(), 0.1, 0.005);
+}
+
+TEST(Forecast, BeginsFromWhatAnotherRunLearnedAndRefusesWhatMakesNoSense) {
+  const TailForecast::Features learned = {10, 1, 2, 3, 4, 5, 6};
+  const TailForecast forecast(learned);
+  EXPECT_EQ(forecast.coefficients_us(), learned);
+  EXPECT_EQ(forecast.forecast({1000, 1000, 1000, 1000, 1000, 1000}), microseconds(10 + 1 + 2 + 3 + 4 + 5 + 6));
+  TailForecast::Features negative = learned;
+  negative[2] = -1;
+  EXPECT_EQ(TailForecast(negative).coefficients_us(), TailForecast().coefficients_us());
+  TailForecast::Features infinite = learned;
+  infinite[6] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(TailForecast(infinite).coefficients_us(), TailForecast().coefficients_us());
+  // What was learned elsewhere may be wrong here: it is followed as the built-in figures are.
+  TailForecast here(learned);
+  for (int frame = 0; frame < 300; ++frame) here.learn({1000, 3000, 9000, 0}, microseconds(1500));
+  EXPECT_NEAR(static_cast<double>(here.forecast({1000, 3000, 9000, 0}).count()), 1.5e6, 3e4);
+}
+
 TEST(Forecast, RatiosBeyondTheClipAreCounted) {
+  EXPECT_FALSE(beyond_clip(microseconds(7), microseconds(1)));
+  EXPECT_TRUE(beyond_clip(microseconds(9), microseconds(1)));
+  EXPECT_FALSE(beyond_clip(microseconds(1), microseconds(3)));
+  EXPECT_TRUE(beyond_clip(microseconds(1), microseconds(5)));
+  EXPECT_TRUE(beyond_clip(microseconds(1), microseconds(0)));
   TrackedQuantile margin;
   margin.observe(std::chrono::seconds(1), microseconds(1));
   margin.observe(microseconds(1), microseconds(1));

@@ -58,7 +58,7 @@ void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) no
 namespace poise {
 namespace {
 
-std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model) {
+std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model, Trace* trace = nullptr, bool record = false) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   settings.executor = executor;
@@ -70,6 +70,8 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
   for (const BodyId body : stage.bodies) start.push_back(stage.at(body));
   StepInput input = step_of(1.0 / 60);
   input.budget = budget;
+  input.trace = trace;
+  input.record = record;
   const auto fall = [&] {
     for (int i = 0; i < 100; ++i) stage.world.step(input);
   };
@@ -82,6 +84,18 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
   fall();
   const std::size_t made = allocations.load() - before;
   return made;
+}
+
+TEST(Allocation, ATraceAllocatesNothingAndWhatFindsNoRoomIsCounted) {
+  const Budget ample = Budget::until(SteadyClock::now() + std::chrono::hours(1));
+  Trace roomy(10000);
+  EXPECT_EQ(allocations_once_warm(ExecutorKind::Threads, ample, ContactModel::Fitted, &roomy), 0U);
+  EXPECT_EQ(roomy.dropped(), 0U);
+  EXPECT_GE(roomy.spans().size(), 200U * 9U);
+  Trace small(10);
+  EXPECT_EQ(allocations_once_warm(ExecutorKind::Serial, ample, ContactModel::Fitted, &small), 0U);
+  EXPECT_EQ(small.spans().size(), 10U);
+  EXPECT_GE(small.dropped(), 200U * 9U - 10U);
 }
 
 TEST(Allocation, PolygonsAllocateNothing) {
@@ -188,6 +202,12 @@ TEST(Allocation, AStableSortIsSeenToTakeItsBuffer) {
   const std::size_t before = allocations.load();
   std::stable_sort(numbers.begin(), numbers.end());
   EXPECT_EQ(allocations.load() - before, 1U);
+}
+
+TEST(Allocation, RecordingWhatAStepDecidesAllocatesNothingOnceWarm) {
+  for (const Budget& budget : {Budget::unlimited(), Budget::work(500), Budget::within(std::chrono::hours(1))}) {
+    EXPECT_EQ(allocations_once_warm(ExecutorKind::Threads, budget, ContactModel::Fitted, nullptr, true), 0U);
+  }
 }
 
 TEST(Allocation, AStepAllocatesNothingOnceItsBuffersHaveGrown) {

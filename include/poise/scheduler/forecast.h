@@ -16,6 +16,8 @@ struct TailWork {
   std::uint64_t contacts = 0;        ///< pairs answered
   std::uint64_t candidate_pairs = 0; ///< gone through when contacts are gathered
   std::uint64_t sphere_contacts = 0; ///< answered one by one (0 for models with one impulse a pair)
+  std::uint64_t patch_visits = 0;    ///< of resting contact: what the frame before needed, for this frame's substeps
+  std::uint64_t coarse_contacts = 0; ///< pairs whose coarsest contact is still to be made when refinement begins
 };
 
 /// Point forecast of the tail: linear in counted work, its coefficients followed online as a random walk (Kalman filter;
@@ -23,15 +25,23 @@ struct TailWork {
 /// Invariant: no coefficient is negative, so more work never takes less time; the covariance stays between the drift of one frame and what was unknown at first. No clock: the caller measures.
 class TailForecast {
  public:
+  static constexpr std::size_t kFeatures = 7;        ///< one and the counts of TailWork, in its order
+  static constexpr std::size_t kCoarseContacts = 6;  ///< place of TailWork::coarse_contacts; in nanoseconds each
+  using Features = std::array<double, kFeatures>;
+
   TailForecast();
+  /// Begins from what another run on the same machine came to: microseconds, and microseconds per thousand of each count of
+  /// TailWork in its order. One that is negative or not finite counts as not known.
+  explicit TailForecast(const Features& coefficients_us);
+  /// What it has come to.
+  [[nodiscard]] const Features& coefficients_us() const { return coefficient_us_; }
   /// Never negative.
   [[nodiscard]] Nanoseconds forecast(const TailWork& work) const;
   /// One frame's counted work and how long its tail took (>= 0).
   void learn(const TailWork& work, Nanoseconds actual);
 
  private:
-  static constexpr std::size_t kFeatures = 5;
-  using Features = std::array<double, kFeatures>;
+  void set_ignorance(double share);
   static Features features(const TailWork& work);
   void widen();
   Features coefficient_us_{};
@@ -48,7 +58,18 @@ class TrackedQuantile {
   static constexpr double kLow = -1.3862943611198906;   ///< log(1/4); ratios beyond the clip are counted
   static constexpr double kHigh = 2.0794415416798357;   ///< log(8)
 
-  explicit TrackedQuantile(double alpha = 0.01, double eta = 0.05, double start = 0.4);
+  /// The share of frames that may take longer than their reserve, in [1e-6, 0.5]; the step, in [1e-6, 1]; where q begins, in
+  /// [kLow, kHigh]. What is outside is moved to the nearest end.
+  explicit TrackedQuantile(double alpha = kDefaultAlpha, double eta = kDefaultEta, double start = 0.4);
+  static constexpr double kDefaultAlpha = 0.01;
+  static constexpr double kDefaultEta = 0.05;
+  /// The step for ratios that spread like this: half the mean distance of log(actual / forecast) from its mean, within
+  /// [0.01, 0.2]. Chosen: a larger step forgets a burst sooner, a smaller one wastes less reserve; docs/scheduling.md.
+  static double eta_for(double spread);
+  [[nodiscard]] double alpha() const { return alpha_; }
+  [[nodiscard]] double eta() const { return eta_; }
+  /// Mean distance of log(actual / forecast) from its mean, over about the last two hundred frames; 0 before the second one.
+  [[nodiscard]] double spread() const { return spread_; }
   /// exp(q), by which a forecast is multiplied to make a reserve; positive.
   [[nodiscard]] double factor() const;
   [[nodiscard]] double log_quantile() const { return q_; }
@@ -62,14 +83,30 @@ class TrackedQuantile {
   double alpha_;
   double eta_;
   double q_;
+  double mean_ = 0;
+  double spread_ = 0;
   std::uint64_t beyond_clip_ = 0;
   std::uint64_t exceeded_ = 0;
   std::uint64_t observed_ = 0;
 };
 
+/// Is a ratio actual / forecast outside what the bound of TrackedQuantile speaks of? Also if one of the two is not positive.
+bool beyond_clip(Nanoseconds actual, Nanoseconds forecast);
+
+/// What the time forecasts of a run came to, for the next run on the same machine.
+struct TimePriors {
+  TailForecast::Features tail_us{};    ///< TailForecast::coefficients_us
+  TailForecast::Features head_us{};    ///< the same of the part before refinement
+  double log_quantile = 0.4;           ///< TrackedQuantile::log_quantile
+  double spread = 0;                   ///< TrackedQuantile::spread; 0: not known
+  double unit_cost_ns = 0;             ///< of a node-pair expansion; 0: not known
+  std::uint64_t frames = 0;            ///< that they were learned from; 0: there are none
+};
+
 /// Expected duration that follows what is reported: an exponential mean, times a tracked quantile. For host work.
 class DurationForecast {
  public:
+  explicit DurationForecast(double alpha = TrackedQuantile::kDefaultAlpha) : margin_(alpha) {}
   /// 0 before anything was reported.
   [[nodiscard]] Nanoseconds reserve() const;
   void learn(Nanoseconds actual);

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <optional>
+
+#include "app/exit_codes.h"
+#include "app/output_files.h"
+#include "app/progress.h"
+#include "app/study_timing.h"
+#include "parallel/executor.h"
+#include "parallel/interrupt.h"
+#include "simulation/percentiles.h"
+#include "simulation/run_report.h"
+
+namespace poise::app {
+namespace {
+
+int refuse(const char* study, int code, const std::string& message) {
+  fmt::print(stderr, "poise study {}: {}\n", study, message);
+  return code;
+}
+
+double ms(Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
+
+struct Stage {
+  const char* name;
+  Nanoseconds StageTimes::*time;
+};
+// What every frame must do.
+constexpr std::array<Stage, 6> kMandatory{{{"predict", &StageTimes::predict},
+                                           {"broad_phase", &StageTimes::broad_phase},
+                                           {"coarse", &StageTimes::coarse},
+                                           {"response", &StageTimes::response},
+                                           {"integrate", &StageTimes::integrate},
+                                           {"publish", &StageTimes::publish}}};
+
+/// Frames of one population in one state, of all rounds.
+struct Timed {
+  std::array<std::vector<double>, kMandatory.size() + 1> stage_ms;  ///< the last one is the sum
+  std::vector<double> candidate_pairs, contacts;
+
+  void add(const FrameReport& report) {
+    double sum = 0;
+    for (std::size_t i = 0; i < kMandatory.size(); ++i) {
+      const double time = ms(report.times.*kMandatory[i].time);
+      stage_ms[i].push_back(time);
+      sum += time;
+    }
+    stage_ms.back().push_back(sum);
+    candidate_pairs.push_back(static_cast<double>(report.candidate_pairs));
+    contacts.push_back(static_cast<double>(report.contact_pairs));
+  }
+  void rows(std::uint64_t bodies, bool settled, std::vector<io::CostRow>& out) const {
+    for (std::size_t i = 0; i < stage_ms.size(); ++i) {
+      io::CostRow row;
+      row.bodies = bodies;
+      row.settled = settled;
+      row.stage = i < kMandatory.size() ? kMandatory[i].name : "all of these";
+      row.stage_ms = simulation::percentile(stage_ms[i], 0.5);
+      row.candidate_pairs = simulation::percentile(candidate_pairs, 0.5);
+      row.contacts = simulation::percentile(contacts, 0.5);
+      row.frames = stage_ms[i].size();
+      out.push_back(row);
+    }
+  }
+};
+
+Nanoseconds deadline_of(const StudyTimingOptions& o, double dt_s) {
+  return Nanoseconds(static_cast<std::int64_t>(1e6 * o.deadline_ms.value_or(1e3 * dt_s)));
+}
+
+Result<FrameReport> next_frame(SceneRun& run, const StudyTimingOptions& o, std::uint64_t frame) {
+  constexpr double kStepS = 1.0 / 60;
+  const Status ready = run.before_frame(frame);
+  if (!ready) return ready.error();
+  StepInput input;
+  input.dt_s = kStepS;
+  input.view = run.view();
+  input.budget = Budget::within(deadline_of(o, kStepS));
+  const FrameReport report = run.world().step(input);
+  if (report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
+  return report;
+}
+
+Error stopped() { return {ErrorKind::Cancelled, "stopped by Ctrl-C"}; }
+
+}  // namespace
+
+int study_cost(const StudyTimingOptions& o) {
+  const Status sound = check_timing_options(o);
+  if (!sound) return refuse("cost", kExitBadUsage, sound.error().message);
+  const Status writable = can_write({o.json, o.markdown});
+  if (!writable) return refuse("cost", exit_code_of(writable.error()), writable.error().message);
+  const parallel::Interrupt interrupt;
+  const std::vector<std::uint64_t> populations = o.bodies.empty() ? std::vector<std::uint64_t>{2000, 8000, 20000} : o.bodies;
+  const std::uint64_t frames = o.frames.value_or(60);
+  const std::uint64_t skip = o.skip.value_or(40);
+  const std::uint64_t settle = std::max(o.settle.value_or(600), skip + frames);
+  std::vector<std::array<Timed, 2>> timed(populations.size());
+  Progress progress(!o.quiet);
+  int threads = static_cast<int>(o.threads.value_or(0));
+  for (std::uint64_t round = 0; round < o.rounds.value_or(1); ++round) {
+    for (std::size_t p = 0; p < populations.size(); ++p) {
+      Result<SceneRun> run = timed_scene(o, populations[p], threads);
+      if (!run) return refuse("cost", exit_code_of(run.error()), run.error().message);
+      threads = run.value().world().threads();
+      for (std::uint64_t frame = 0; frame < settle + frames; ++frame) {
+        if (interrupt.asked()) return refuse("cost", kExitStopped, stopped().message);
+        progress.share(fmt::format("round {}, {} bodies", round + 1, populations[p]), static_cast<double>(frame) / static_cast<double>(settle + frames));
+        const Result<FrameReport> report = next_frame(run.value(), o, frame);
+        if (!report) return refuse("cost", exit_code_of(report.error()), report.error().message);
+        if (frame >= skip && frame < skip + frames) timed[p][0].add(report.value());
+        if (frame >= settle) timed[p][1].add(report.value());
+      }
+    }
+  }
+  progress.end();
+  io::CostDocument document;
+  document.scene = o.scene;
+  document.period_ms = 1e3 / 60;
+  for (std::size_t p = 0; p < populations.size(); ++p) {
+    for (const bool settled : {false, true}) timed[p][settled ? 1 : 0].rows(populations[p], settled, document.rows);
+  }
+  document.by = measured_by(o, threads);
+  return write_timing(o, "cost", io::cost_json(document), io::cost_markdown(document));
+}
+
+int study_scaling(const StudyTimingOptions& o) {
+  const Status sound = check_timing_options(o);
+  if (!sound) return refuse("scaling", kExitBadUsage, sound.error().message);
+  const Status writable = can_write({o.json, o.markdown});
+  if (!writable) return refuse("scaling", exit_code_of(writable.error()), writable.error().message);
+  const parallel::Interrupt interrupt;
+  std::vector<std::uint64_t> counts = o.thread_counts;
+  for (std::uint64_t n = 1; o.thread_counts.empty() && n <= std::min<std::uint64_t>(16, static_cast<std::uint64_t>(parallel::available_threads())); n *= 2) counts.push_back(n);
+  const std::uint64_t bodies = o.bodies.empty() ? 4000 : o.bodies.front();
+  const std::uint64_t skip = o.skip.value_or(40);
+  const std::uint64_t total = skip + o.frames.value_or(200);
+  Progress progress(!o.quiet);
+  std::vector<SceneRun> runs;
+  for (const std::uint64_t threads : counts) {
+    Result<SceneRun> run = timed_scene(o, bodies, static_cast<int>(threads));
+    if (!run) return refuse("scaling", exit_code_of(run.error()), run.error().message);
+    runs.push_back(std::move(run).value());
+  }
+  std::vector<std::vector<double>> rates(runs.size());
+  for (std::uint64_t frame = 0; frame < total; ++frame) {
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      if (interrupt.asked()) return refuse("scaling", kExitStopped, stopped().message);
+      const Result<FrameReport> report = next_frame(runs[r], o, frame);
+      if (!report) return refuse("scaling", exit_code_of(report.error()), report.error().message);
+      const double refine_us = 1e3 * ms(report.value().times.refine);
+      if (frame >= skip && report.value().pairs_left > 0 && refine_us > 0 && report.value().work_refine > 0) {
+        rates[r].push_back(static_cast<double>(report.value().work_refine) / refine_us);
+      }
+    }
+    progress.share("frames on each number of threads in turn", static_cast<double>(frame) / static_cast<double>(total));
+  }
+  progress.end();
+  io::ScalingDocument document;
+  document.scene = o.scene;
+  document.bodies = bodies;
+  document.deadline_ms = ms(deadline_of(o, 1.0 / 60));
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    io::ScalingRow row;
+    row.threads = runs[r].world().threads();
+    row.units_per_us = simulation::percentile(rates[r], 0.5);
+    row.p10 = simulation::percentile(rates[r], 0.1);
+    row.p90 = simulation::percentile(rates[r], 0.9);
+    row.frames = rates[r].size();
+    const double first = document.rows.empty() ? row.units_per_us : document.rows.front().units_per_us;
+    row.times_one = first > 0 ? row.units_per_us / first : 0;
+    document.rows.push_back(row);
+  }
+  document.by = measured_by(o, document.rows.empty() ? 1 : document.rows.back().threads);
+  return write_timing(o, "scaling", io::scaling_json(document), io::scaling_markdown(document));
+}
+
+}  // namespace poise::app

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "parallel/worker_gate.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace poise::parallel {
+
+WorkerGate::WorkerGate(int workers, std::chrono::nanoseconds spin)
+    : workers_(workers), spin_(spin), hands_(new Worker[static_cast<std::size_t>(workers)]) {}
+
+void WorkerGate::open(WorkerFunction step, bool may_give_up) {
+  if (may_give_up) {
+    settle();
+    lasting_step_ = step;
+  } else {
+    step_ = step;
+  }
+  const std::uint64_t run = (gate_.load(std::memory_order_relaxed) & ~(kOneRun - 1)) + kOneRun;
+  gate_.store(run | kOpen | (may_give_up ? kMayGiveUp : 0), std::memory_order_seq_cst);
+}
+
+void WorkerGate::wait_while(Worker& worker, bool given_up_too) {
+  std::uint32_t hand = kEmpty;
+  const auto done = [&] {
+    hand = worker.hand.load(std::memory_order_seq_cst);
+    return hand == kEmpty || (hand == kGivenUp && !given_up_too);
+  };
+  if (spin_until(spin_, done)) return;
+  caller_sleeps_.store(true, std::memory_order_seq_cst);
+  while (!done()) worker.hand.wait(hand, std::memory_order_seq_cst);
+  caller_sleeps_.store(false, std::memory_order_relaxed);
+}
+
+void WorkerGate::close() {
+  gate_.fetch_and(~kOpen, std::memory_order_seq_cst);
+  for (int w = 1; w < workers_; ++w) wait_while(hands_[static_cast<std::size_t>(w)], false);
+}
+
+std::size_t WorkerGate::close(const Patience& patience) {
+  gate_.fetch_and(~kOpen, std::memory_order_seq_cst);
+  const auto now = std::chrono::steady_clock::now();
+  const auto end = std::max(patience.until, now + patience.at_least);
+  std::size_t given_up = 0;
+  for (int w = 1; w < workers_; ++w) {
+    Worker& worker = hands_[static_cast<std::size_t>(w)];
+    const auto empty = [&] { return worker.hand.load(std::memory_order_seq_cst) == kEmpty; };
+    const auto left = std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(end - std::chrono::steady_clock::now()));
+    if (spin_until(std::min(left, spin_), empty)) continue;
+    // The processor goes to whoever needs it, perhaps to that worker itself.
+    while (!empty() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    if (empty()) continue;
+    std::uint32_t hand = kWorking;
+    if (worker.hand.compare_exchange_strong(hand, kGivenUp, std::memory_order_acq_rel)) {
+      ++given_up;
+    } else {
+      wait_while(worker, false);
+    }
+  }
+  return given_up;
+}
+
+void WorkerGate::settle() {
+  for (int w = 1; w < workers_; ++w) wait_while(hands_[static_cast<std::size_t>(w)], true);
+}
+
+bool WorkerGate::commit(int worker) {
+  if (worker == 0) return true;
+  std::uint32_t hand = kWorking;
+  std::atomic<std::uint32_t>& word = hands_[static_cast<std::size_t>(worker)].hand;
+  return word.compare_exchange_strong(hand, kCommitted, std::memory_order_acq_rel) || hand == kCommitted;
+}
+
+void WorkerGate::leave(Worker& worker) {
+  worker.hand.exchange(kEmpty, std::memory_order_seq_cst);
+  if (caller_sleeps_.load(std::memory_order_seq_cst)) worker.hand.notify_one();
+}
+
+bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
+  const auto has_work = [&](std::uint64_t gate) { return (gate & kOpen) != 0 && gate / kOneRun != last_run; };
+  if (!has_work(gate_.load(std::memory_order_relaxed))) return false;
+  Worker& worker = hands_[static_cast<std::size_t>(number)];
+  bool worked = false;
+  for (bool more = true; more;) {
+    worker.hand.exchange(kWorking, std::memory_order_seq_cst);
+    const std::uint64_t gate = gate_.load(std::memory_order_seq_cst);
+    if (!has_work(gate)) {
+      leave(worker);
+      break;
+    }
+    worked = true;
+    more = ((gate & kMayGiveUp) != 0 ? lasting_step_ : step_)(number);
+    if (!more) last_run = gate / kOneRun;
+    leave(worker);
+  }
+  return worked;
+}
+
+}  // namespace poise::parallel

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "app/command.h"
+#include "io/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+using nlohmann::json;
+
+/// A recorded run of the wall clock and what its report says.
+json recorded_run(const std::string& file, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "run");
+  arguments.insert(arguments.end(), {"--record", file, "--json", "-", "--quiet"});
+  const CommandResult result = poise_command(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  return json::parse(result.out, nullptr, false);
+}
+
+json replayed(const std::string& file, std::vector<std::string> arguments, int exit_code = 0) {
+  arguments.insert(arguments.begin(), {"replay", file});
+  arguments.insert(arguments.end(), {"--json", "-", "--quiet"});
+  const CommandResult result = poise_command(arguments);
+  EXPECT_EQ(result.exit_code, exit_code) << result.error;
+  return json::parse(result.out, nullptr, false);
+}
+
+void put(const std::string& file, const std::string& bytes) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+const std::vector<std::string> kJacks{"jacks", "--bodies", "60", "--frames", "60", "--warmup", "20", "--deadline", "1"};
+
+TEST(Replay, GivesTheStateOfTheWallClockRunOnAnyThreadsAndExecutor) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--threads", "4", "--executor", "threads"},
+                                               std::vector<std::string>{"--threads", "2", "--contact", "paper", "--sleeping", "--seed", "9"}}) {
+    std::vector<std::string> arguments = kJacks;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const json run = recorded_run(file, arguments);
+    for (const std::vector<std::string>& how : {std::vector<std::string>{"--threads", "1"}, std::vector<std::string>{"--threads", "3", "--executor", "threads"},
+                                                std::vector<std::string>{"--executor", "serial"}}) {
+      const json replay = replayed(file, how);
+      EXPECT_EQ(replay.at("schema"), "poise.replay/1");
+      EXPECT_EQ(replay.at("state_hash"), run.at("state_hash"));
+      EXPECT_EQ(replay.at("frames"), 80) << "warm-up included";
+      EXPECT_EQ(replay.at("same"), true);
+      EXPECT_EQ(replay.at("whole"), true);
+    }
+  }
+}
+
+TEST(Replay, WritesTheStatesOfTheRun) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  std::vector<std::string> arguments = kJacks;
+  arguments.insert(arguments.end(), {"--states", folder.file("run.csv")});
+  recorded_run(file, arguments);
+  replayed(file, {"--states", folder.file("again.csv")});
+  EXPECT_EQ(contents(folder.file("again.csv")), contents(folder.file("run.csv")));
+  EXPECT_GT(contents(folder.file("again.csv")).size(), 100000U);
+}
+
+TEST(Replay, OfADamagedRecordGoesUpToTheDamageAndSaysWhere) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, kJacks);
+  const std::string whole = contents(file);
+  put(file, whole.substr(0, whole.size() - 20));
+  const CommandResult cut = poise_command({"replay", file});
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_NE(cut.out.find("the state the same to the bit after each"), std::string::npos) << cut.out;
+  EXPECT_NE(cut.out.find("DAMAGED after "), std::string::npos);
+  EXPECT_NE(cut.error.find("poise replay: " + file + ": damaged at byte "), std::string::npos) << cut.error;
+  std::string changed = whole;
+  changed[changed.size() / 2] = static_cast<char>(changed[changed.size() / 2] + 1);
+  put(file, changed);
+  const json replay = replayed(file, {}, 3);
+  EXPECT_EQ(replay.at("same"), true);
+  EXPECT_EQ(replay.at("whole"), false);
+  EXPECT_LT(replay.at("frames"), 80);
+  EXPECT_LE(replay.at("damage").at("byte"), whole.size() / 2);
+  EXPECT_EQ(replay.at("damage").at("after_frames"), replay.at("frames"));
+  put(file, "poise");
+  const CommandResult none = poise_command({"replay", file});
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_EQ(none.error, "poise replay: " + file + ": not a record of poise run --record\n");
+}
+
+TEST(Replay, ExplainsAFrameAsTheReportCountsIt) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  std::vector<std::string> arguments = kJacks;
+  // Counted work leaves pairs coarse on any machine.
+  arguments.erase(arguments.end() - 2, arguments.end());
+  arguments.insert(arguments.end(), {"--clock", "work", "--budget-work", "8", "--frames-csv", folder.file("frames.csv")});
+  recorded_run(file, arguments);
+  const json explain = replayed(file, {"--explain", "70"}).at("explain");
+  const std::vector<std::string> rows = lines(contents(folder.file("frames.csv")));
+  const std::vector<std::string> names = cells(rows.at(0));
+  const auto cell = [&](const std::string& name) {
+    const auto column = std::find(names.begin(), names.end(), name) - names.begin();
+    return std::stoul(cells(rows.at(71)).at(static_cast<std::size_t>(column)));
+  };
+  EXPECT_EQ(cell("frame"), 70U);
+  EXPECT_EQ(explain.at("frame"), 70);
+  EXPECT_EQ(explain.at("active_pairs"), cell("coarse_pairs"));
+  EXPECT_EQ(explain.at("refined").size(), cell("jobs_done"));
+  EXPECT_EQ(explain.at("left_coarse").size(), cell("pairs_left"));
+  EXPECT_GT(explain.at("refined").size(), 0U);
+  EXPECT_GT(explain.at("left_coarse").size(), 0U);
+  EXPECT_EQ(explain.at("pairs").at("unserved"), cell("pairs_left"));
+  std::size_t pairs = 0;
+  for (const json& count : explain.at("pairs")) pairs += count.get<std::size_t>();
+  EXPECT_EQ(pairs, cell("coarse_pairs")) << "each pair has one fate";
+  std::size_t order = 0;
+  std::uint64_t units = 0;
+  for (const json& row : explain.at("refined")) {
+    EXPECT_EQ(row.at("order"), ++order);
+    units += row.at("units").get<std::uint64_t>();
+    EXPECT_GT(row.at("weight"), 0);
+    EXPECT_LT(row.at("a"), row.at("b"));
+  }
+  EXPECT_EQ(units, cell("work_refine"));
+  // Rounds go by score, so the first level that was done is worth no less than any that was left before it.
+  for (const json& row : explain.at("left_coarse")) EXPECT_LE(row.at("next_score"), explain.at("left_coarse").at(0).at("next_score"));
+  const CommandResult shown = poise_command({"replay", file, "--explain", "70", "--limit", "3"});
+  EXPECT_EQ(shown.exit_code, 0) << shown.error;
+  EXPECT_NE(shown.out.find(" (3 of "), std::string::npos) << shown.out;
+  for (const char* part : {"frame 70: ", "pairs by what became of them", "refined, in the order", "left coarse, the highest score first", "closing m/s", "budget used up"}) {
+    EXPECT_NE(shown.out.find(part), std::string::npos) << part;
+  }
+}
+
+TEST(Replay, OfAFrameThatIsNotThereIsRefused) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, {"two-body", "--frames", "5"});
+  const CommandResult result = poise_command({"replay", file, "--explain", "5"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.error.find("--explain 5: the record ends after frame 4"), std::string::npos) << result.error;
+  EXPECT_EQ(poise_command({"replay", file, "--explain", "4"}).exit_code, 0);
+}
+
+TEST(Replay, RefusesAMeshThatHasChangedAndFindsOneThatHasMoved) {
+  const TemporaryFolder folder;
+  const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  put(folder.file("tetra.obj"), mesh);
+  put(folder.file("scene.json"),
+      R"({"name": "t", "dt_s": 0.01, "gravity_mps2": [0, 0, -10], "frames": 20, "materials": {"m": {}},
+          "shapes": {"tetra": {"mesh": {"file": "tetra.obj", "depth": 0}}, "floor": {"plane": {"normal": [0, 0, 1], "offset_m": 0}}},
+          "bodies": [{"shape": "floor", "material": "m", "static": true}, {"shape": "tetra", "material": "m", "position_m": [0, 0, 0.05]}]})");
+  const std::string file = folder.file("run.poise");
+  const json run = recorded_run(file, {folder.file("scene.json"), "--max-level", "polygons"});
+  EXPECT_EQ(replayed(file, {}).at("state_hash"), run.at("state_hash"));
+  std::filesystem::remove(folder.file("scene.json"));
+  EXPECT_EQ(replayed(file, {}).at("state_hash"), run.at("state_hash")) << "the scene is in the record";
+  const TemporaryFolder elsewhere;
+  std::filesystem::rename(folder.file("tetra.obj"), elsewhere.file("tetra.obj"));
+  EXPECT_EQ(poise_command({"replay", file}).exit_code, 3);
+  EXPECT_EQ(replayed(file, {"--files", elsewhere.path().string()}).at("state_hash"), run.at("state_hash"));
+  put(folder.file("tetra.obj"), mesh + "# changed\n");
+  const CommandResult changed = poise_command({"replay", file});
+  EXPECT_EQ(changed.exit_code, 3);
+  EXPECT_NE(changed.error.find("tetra.obj is another file than when the run was recorded"), std::string::npos) << changed.error;
+}
+
+TEST(Replay, RefusesOptionsThatDoNotGoTogether) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, {"two-body", "--frames", "3"});
+  EXPECT_EQ(poise_command({"replay", file, "--limit", "3"}).exit_code, 2);
+  EXPECT_EQ(poise_command({"replay", file, "--explain", "1", "--frames", "2"}).exit_code, 2);
+  const CommandResult over = poise_command({"replay", file, "--states", file});
+  EXPECT_EQ(over.exit_code, 2);
+  EXPECT_NE(over.error.find("would overwrite the file that is read as RECORD"), std::string::npos) << over.error;
+  EXPECT_EQ(poise_command({"replay"}).exit_code, 2);
+  EXPECT_EQ(poise_command({"run", "two-body", "--record", "-"}).exit_code, 2);
+  EXPECT_EQ(poise_command({"run", "two-body", "--record", folder.file("no/such/run")}).exit_code, 4);
+  EXPECT_EQ(replayed(file, {"--frames", "2"}).at("frames"), 2);
+}
+
+TEST(Replay, ARunStoppedByCtrlCLeavesAWholeRecord) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  std::string states;
+  const CommandResult stopped = interrupted_command({"run", "gas", "--frames", "1000000", "--record", file, "--states", folder.file("pipe"), "--quiet"},
+                                                    folder.file("pipe"), states);
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
+  const CommandResult replay = poise_command({"replay", file});
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_NE(replay.out.find("the record is whole; its run was stopped by Ctrl-C"), std::string::npos) << replay.out;
+}
+
+}  // namespace
+}  // namespace poise::testing

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "parallel/executor.h"
+
+namespace poise::parallel {
+namespace {
+
+// Worker 1 takes an item and holds it until it is told to go on; the calling thread ends its part once it has.
+struct HeldItem {
+  Executor& executor;
+  bool commit_first;
+  std::atomic<bool> held{false}, go_on{false}, left{false};
+  std::atomic<int> committed{-1};
+
+  bool operator()(int worker) {
+    if (worker == 0) {
+      while (!held) std::this_thread::yield();
+      return false;
+    }
+    if (held) return false;
+    if (commit_first) committed = executor.commit(worker) ? 1 : 0;
+    held = true;
+    if (commit_first) {
+      // The caller is about to wait, or waits already.
+      for (int i = 0; i < 10; ++i) std::this_thread::yield();
+    } else {
+      while (!go_on) std::this_thread::yield();
+      committed = executor.commit(worker) ? 1 : 0;
+    }
+    left = true;
+    return false;
+  }
+};
+
+class GiveUp : public testing::TestWithParam<ExecutorKind> {
+ protected:
+  std::unique_ptr<Executor> executor_ = make_executor(GetParam(), 2);
+};
+
+std::string kind_name(const testing::TestParamInfo<ExecutorKind>& kind) { return kind.param == ExecutorKind::Tbb ? "Tbb" : "Threads"; }
+INSTANTIATE_TEST_SUITE_P(Kinds, GiveUp, testing::Values(ExecutorKind::Tbb, ExecutorKind::Threads),
+                         kind_name);
+
+TEST_P(GiveUp, LeavesBehindWhatAHeldUpWorkerHasInHandAndRefusesItsCommit) {
+  for (int round = 0; round < 8; ++round) {
+    HeldItem item{*executor_, false};
+    EXPECT_EQ(executor_->run_with({}, item), 1U);
+    EXPECT_FALSE(item.left) << "the run came back while the item was held";
+    item.go_on = true;
+    executor_->settle();
+    EXPECT_TRUE(item.left);
+    EXPECT_EQ(item.committed, 0);
+  }
+}
+
+TEST_P(GiveUp, WaitsForAnItemThatHasCommitted) {
+  for (int round = 0; round < 8; ++round) {
+    HeldItem item{*executor_, true};
+    EXPECT_EQ(executor_->run_with({}, item), 0U);
+    EXPECT_TRUE(item.left);
+    EXPECT_EQ(item.committed, 1);
+    executor_->settle();
+  }
+}
+
+TEST_P(GiveUp, WaitsForItemsWhilePatienceLasts) {
+  HeldItem item{*executor_, false};
+  std::jthread helper([&] {
+    while (!item.held) std::this_thread::yield();
+    item.go_on = true;
+  });
+  EXPECT_EQ(executor_->run_with({{}, std::chrono::seconds(60)}, item), 0U);
+  EXPECT_TRUE(item.left);
+  EXPECT_EQ(item.committed, 1);
+}
+
+TEST_P(GiveUp, RunsOtherLoopsWhileAWorkerIsStillHeldUp) {
+  HeldItem item{*executor_, false};
+  ASSERT_EQ(executor_->run_with({}, item), 1U);
+  std::vector<int> visits(1000, 0);
+  for (int run = 0; run < 50; ++run) {
+    parallel_for(*executor_, visits.size(), 7, [&](std::size_t begin, std::size_t end, int worker) {
+      EXPECT_EQ(worker, 0) << "the other one is held up";
+      for (std::size_t i = begin; i < end; ++i) ++visits[i];
+    });
+  }
+  EXPECT_EQ(visits, std::vector<int>(1000, 50));
+  EXPECT_FALSE(item.left);
+  item.go_on = true;
+  executor_->settle();
+  EXPECT_EQ(item.committed, 0);
+}
+
+TEST_P(GiveUp, SettlesBeforeAnItemMayBeGivenUpAgain) {
+  HeldItem first{*executor_, false};
+  ASSERT_EQ(executor_->run_with({}, first), 1U);
+  std::jthread helper([&] {
+    for (int i = 0; i < 3; ++i) std::this_thread::yield();
+    first.go_on = true;
+  });
+  std::atomic<int> items{0};
+  const auto step = [&](int) { return ++items < 10; };
+  executor_->run_with({{}, std::chrono::seconds(60)}, step);
+  EXPECT_TRUE(first.left) << "its function would have been overwritten";
+  EXPECT_GE(items, 10);
+}
+
+TEST_P(GiveUp, CommitsEveryItemOfAPlainRun) {
+  std::atomic<int> refused{0}, items{0};
+  for (int run = 0; run < 200; ++run) {
+    executor_->run([&](int worker) {
+      const int item = ++items;
+      if (!executor_->commit(worker)) ++refused;
+      return item % 20 != 0;
+    });
+  }
+  EXPECT_EQ(refused, 0);
+  EXPECT_GE(items, 200);
+}
+
+TEST(CheckExecutor, RefusesWhatTheSystemDoesNotPermitByNameValueAndRule) {
+  const auto refusal = [](ExecutorSettings settings) {
+    const Status checked = check_executor(settings);
+    const auto made = make_executor(settings);
+    EXPECT_EQ(checked.ok(), made.ok());
+    return checked ? std::string() : checked.error().message;
+  };
+  ExecutorSettings settings;
+  settings.kind = ExecutorKind::Threads;
+  settings.threads = 2;
+  EXPECT_EQ(refusal(settings), "");
+  settings.processors = {100000};
+  EXPECT_NE(refusal(settings).find("processors = 100000, must be processors that this process may use"), std::string::npos) << refusal(settings);
+  settings.processors = {-1};
+  EXPECT_NE(refusal(settings).find("processors = -1"), std::string::npos);
+  settings.processors = {};
+  settings.realtime_priority = 100;
+  EXPECT_NE(refusal(settings).find("realtime_priority = 100, must be 0 or in [1, 99]"), std::string::npos) << refusal(settings);
+  settings.realtime_priority = 0;
+  settings.spin = std::chrono::seconds(1);
+  EXPECT_NE(refusal(settings).find("spin = 1000000000 ns, must be in [0, 10000000]"), std::string::npos) << refusal(settings);
+  settings.spin = kDefaultSpin;
+  settings.kind = ExecutorKind::Tbb;
+  settings.processors = {0};
+  EXPECT_NE(refusal(settings).find("processors: must be left out with the executor tbb"), std::string::npos) << refusal(settings);
+}
+
+TEST(CheckExecutor, SaysWhatARealTimePriorityNeedsWhereItIsNotGranted) {
+  ExecutorSettings settings;
+  settings.kind = ExecutorKind::Threads;
+  settings.threads = 2;
+  settings.realtime_priority = 10;
+  const Status checked = check_executor(settings);
+  if (checked) {
+    EXPECT_TRUE(make_executor(settings).ok());
+  } else {
+    EXPECT_NE(checked.error().message.find("realtime_priority = 10, must be granted by the system"), std::string::npos) << checked.error().message;
+    EXPECT_NE(checked.error().message.find("ulimit -r"), std::string::npos);
+  }
+}
+
+// Each holds its first item until the other has one too, so that both were there.
+TEST(ThreadsOfOurOwn, RunOnTheProcessorsThatTheyWereGiven) {
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
+  int last = -1;
+  for (int i = 0; i < CPU_SETSIZE; ++i) {
+    if (CPU_ISSET(static_cast<std::size_t>(i), &allowed)) last = i;
+  }
+  ExecutorSettings settings;
+  settings.kind = ExecutorKind::Threads;
+  settings.threads = 2;
+  settings.processors = {last};
+  const auto executor = make_executor(settings);
+  ASSERT_TRUE(executor.ok()) << executor.error().message;
+  std::atomic<int> present{0};
+  int count = 0;
+  bool on_it = false;
+  executor.value()->run([&](int worker) {
+    ++present;
+    while (present < 2) std::this_thread::yield();
+    if (worker == 0) return;
+    cpu_set_t own;
+    sched_getaffinity(0, sizeof(own), &own);
+    count = CPU_COUNT(&own);
+    on_it = CPU_ISSET(static_cast<std::size_t>(last), &own);
+  });
+  EXPECT_EQ(count, 1);
+  EXPECT_TRUE(on_it);
+}
+
+}  // namespace
+}  // namespace poise::parallel
