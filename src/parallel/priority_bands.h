@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 
 namespace poise::parallel {
@@ -50,6 +52,11 @@ class PriorityBands {
       }
     }
     return kNone;
+  }
+
+  /// Is there nothing to take? One thread, no worker running.
+  [[nodiscard]] bool empty() const {
+    return std::all_of(std::begin(heads_), std::end(heads_), [](const auto& head) { return item_of(head.load(std::memory_order_relaxed)) == kNone; });
   }
 
  private:

@@ -19,10 +19,6 @@ Nanoseconds host_reserve(const WorldState& world, const StepInput& input) {
   return input.host_work.learn ? world.host_work.reserve() : input.host_work.expected;
 }
 
-Nanoseconds scaled(Nanoseconds time, double factor) {
-  return Nanoseconds(static_cast<std::int64_t>(static_cast<double>(time.count()) * factor));
-}
-
 void classify_again(FrameReport& report, Nanoseconds lateness) {
   scheduler::LatenessFacts facts;
   facts.lateness = lateness;
@@ -75,7 +71,7 @@ void begin_frame_time(WorldState& world, const StepInput& input, TimePoint start
   const Nanoseconds host = host_reserve(world, input);
   const Nanoseconds expected = world.tail.forecast(tail);
   report.mandatory_forecast = head + expected + host;
-  report.infeasible_forecast = head + scaled(expected, world.margin.factor()) + host > input.budget.deadline - start;
+  report.infeasible_forecast = report.mandatory_forecast > input.budget.deadline - start;
 }
 
 FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, FrameReport& report) {
@@ -85,7 +81,9 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
   FramePlan plan;
   count_pairs(world, plan);
   set_budget(world, input, world.substeps, host, plan);
-  const auto late = [&] { return now - plan.budget.cut(plan.expected); };
+  // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing is left out either. Leaving out for the
+  // margin's sake kept frames coarse that took half of their time, and coarse frames have more to answer.
+  const auto late = [&] { return now + plan.budget.tail_forecast(plan.expected) + host - input.budget.deadline; };
   if (late().count() > 0) {
     report.infeasible_forecast = true;
     Degraded degraded;
@@ -96,8 +94,8 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
       degraded.substeps = substeps;
     }
     if (late().count() > 0) {
-      degraded.pairs_reused = pairs_to_reuse(world, late(), world.answered_share * plan.budget.margin * plan.budget.tail_per_contact_ns,
-                                             plan.budget.margin * world.tail.coefficients_us()[scheduler::TailForecast::kCoarseContacts]);
+      degraded.pairs_reused = pairs_to_reuse(world, late(), world.answered_share * plan.budget.tail_per_contact_ns,
+                                             world.tail.coefficients_us()[scheduler::TailForecast::kCoarseContacts]);
     }
     degrade(world, degraded);
     report.degraded = degraded;
@@ -157,7 +155,8 @@ void forget_times(WorldState& world, const scheduler::TimePriors& priors) {
   const bool known = priors.frames > 0;
   world.tail = known ? scheduler::TailForecast(priors.tail_us) : scheduler::TailForecast();
   world.head = known ? scheduler::TailForecast(priors.head_us) : scheduler::TailForecast();
-  const double log_quantile = known && std::isfinite(priors.log_quantile) ? priors.log_quantile : first_log_quantile(alpha);
+  // A margin that is too small is mended by a few late frames, one that is too large (that run may have had the machine to share) takes hundreds to forget.
+  const double log_quantile = known && std::isfinite(priors.log_quantile) ? std::min(priors.log_quantile, first_log_quantile(alpha)) : first_log_quantile(alpha);
   world.margin = scheduler::TrackedQuantile(alpha, scheduler::TrackedQuantile::eta_for(known ? priors.spread : 0), log_quantile);
   world.host_work = scheduler::DurationForecast(alpha);
   world.unit_cost_ns = known && std::isfinite(priors.unit_cost_ns) && priors.unit_cost_ns > 0 ? priors.unit_cost_ns : kUnknownUnitCostNs;

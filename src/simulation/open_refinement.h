@@ -31,6 +31,7 @@ struct OpenRefinement {
   double answered_share = 1;           ///< of the pairs not found apart
   DecisionLog* log = nullptr;          ///< of a step that is recorded
   parallel::Shared<std::int64_t> contacts{0};  ///< pairs not found apart
+  parallel::Shared<int> cut{0};        ///< not 0: the time is up for a job that was next
   std::vector<Hand> hands;             ///< one a worker
 };
 

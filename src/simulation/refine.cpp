@@ -138,12 +138,16 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   open.budget = plan.budget;
   open.log = refinement.log;
   open.contacts.set(plan.present);
+  open.cut.set(0);
   const scheduler::FrameBudget& budget = open.budget;
   const TimePoint first_cut = budget.cut(plan.expected);
   if (first_cut <= start) return;
   put_into_bands(refinement);
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(scheduler::kQuantumUnits));
-  report.jobs_given_up = world.executor->run_with({first_cut, patience}, open);
+  // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to do.
+  do {
+    report.jobs_given_up += world.executor->run_with({first_cut, patience}, open);
+  } while (report.jobs_given_up == 0 && open.cut.get() == 0 && !world.bands.empty());
   report.jobs_dropped += report.jobs_given_up;
   const TimePoint end = SteadyClock::now();
   const std::uint64_t left = likely_answered(world, open.contacts.get());
@@ -265,7 +269,11 @@ bool OpenRefinement::operator()(int worker) {
   std::uint64_t piece_units = 0;
   const bool begins = item != parallel::PriorityBands::kNone &&
                       admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units, scheduler::kQuantumUnits));
-  if (!begins) return world->executor->commit(worker) && end(false);
+  if (!begins) {
+    if (!world->executor->commit(worker)) return false;
+    if (item != parallel::PriorityBands::kNone) cut.set(1);
+    return end(false);
+  }
   const ActivePair& pair = buffers.pairs[item];
   collision::PairLevel& level = hands[w].level;
   collision::LevelContact& found = hands[w].found;
@@ -299,6 +307,7 @@ bool OpenRefinement::operator()(int worker) {
   if (outcome == Outcome::Completed && mine.refinable()) {
     world->bands.put(item, scheduler::band_of(world->settings.policy, score_of(*world, facts, mine, item)));
   }
+  if (outcome == Outcome::Cut) cut.set(1);
   return end(outcome != Outcome::Cut);
 }
 
