@@ -29,8 +29,8 @@ PairExplanation::Kept kept_of(Kept kept) {
 PairExplanation explained(const WorldState& world, std::size_t index) {
   const ActivePair& pair = world.buffers.pairs[index];
   PairExplanation e;
-  e.a = world.bodies.id_of(pair.low);
-  e.b = world.bodies.id_of(pair.high);
+  e.a = world.bodies.id_of(pair.low());
+  e.b = world.bodies.id_of(pair.high());
   e.kept = kept_of(pair.kept);
   e.kept_level = pair.memory.level;
   e.deepest = pair.level.deepest;

@@ -46,10 +46,10 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
 Contact contact_of(const WorldState& world, std::uint32_t index, const response::ContactRow* row, const Vec3& rest_ns) {
   const ActivePair& pair = world.buffers.pairs[index];
   Contact contact;
-  contact.a = world.bodies.id_of(pair.low);
-  contact.b = world.bodies.id_of(pair.high);
+  contact.a = world.bodies.id_of(pair.low());
+  contact.b = world.bodies.id_of(pair.high());
   contact.level = pair.answered_level();
-  const double sign = pair.a == pair.low ? 1.0 : -1.0;
+  const double sign = pair.a == pair.low() ? 1.0 : -1.0;
   const response::PlaceNow place = lone_place(world, pair);
   contact.normal = sign * place.normal;
   contact.point_m = world.buffers.poses[pair.a].position_m + place.arm_m;
@@ -64,7 +64,6 @@ PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
   PairMemory memory = pair.memory;
   memory.frames_waited = pair.answered_level() > 0 || !pair.refinable() ? 0 : memory.frames_waited + 1;
   memory.touching = false;
-  memory.room = pair.room;
   memory.answered = pair.answered;
   memory.place_count = pair.place_count;
   if (pair.fresh()) {
@@ -90,10 +89,10 @@ void add_swept_contacts(WorldState& world) {
   if (buffers.swept.hits.empty()) return;
   for (const SweptHit& hit : buffers.swept.hits) {
     const ActivePair& pair = buffers.pairs[hit.pair];
-    const double sign = pair.a == pair.low ? 1.0 : -1.0;
+    const double sign = pair.a == pair.low() ? 1.0 : -1.0;
     Contact contact;
-    contact.a = world.bodies.id_of(pair.low);
-    contact.b = world.bodies.id_of(pair.high);
+    contact.a = world.bodies.id_of(pair.low());
+    contact.b = world.bodies.id_of(pair.high());
     contact.level = collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], kMaxTreeDepth);
     contact.normal = sign * hit.normal;
     contact.point_m = hit.point_m;

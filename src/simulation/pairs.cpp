@@ -64,12 +64,6 @@ void fetch(const Glance& glance) {
   hwy::Prefetch(&glance.velocity_mps);
 }
 
-// Slots, and how much the gap of the two bodies may close in the step by their own motion.
-struct Outline {
-  std::uint32_t a = 0, b = 0;  // a plane always second
-  double margin_m = 0, skin_m = 0;
-};
-
 Outline outline(const WorldState& world, const collision::CandidatePair& candidate, const StepInput& input) {
   const parallel::LargeVector<Glance>& glances = world.buffers.glances;
   const bool turned = glances[candidate.low].plane;
@@ -235,17 +229,18 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   const std::size_t count = found.pairs.size();
   const std::size_t chunks = (count + kGrain - 1) / kGrain;
   buffers.active_of_chunk.assign(chunks + 1, 0);
-  buffers.active_candidate.resize(count);
+  buffers.outlines.resize(count);
   parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
       if (i + kAhead < end) fetch(buffers.glances[found.pairs[i + kAhead].high]);
       const bool swept = input.backtracking && (buffers.swept.fast(found.pairs[i].low) || buffers.swept.fast(found.pairs[i].high));
-      const Outline pair = outline(world, found.pairs[i], input);
+      Outline pair = outline(world, found.pairs[i], input);
       const Glance& a = buffers.glances[pair.a];
       const Glance& b = buffers.glances[pair.b];
       if (!swept && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
-      buffers.active_candidate[begin + active++] = static_cast<std::uint32_t>(i);
+      pair.candidate = static_cast<std::uint32_t>(i);
+      buffers.outlines[begin + active++] = pair;
     }
     buffers.active_of_chunk[begin / kGrain + 1] = active;
   });
@@ -258,22 +253,18 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
     const std::uint32_t first = buffers.active_of_chunk[chunk];
     if (first == buffers.active_of_chunk[chunk + 1]) return;
-    const collision::CandidatePair& lowest = found.pairs[buffers.active_candidate[chunk * kGrain]];
+    const collision::CandidatePair& lowest = found.pairs[buffers.outlines[chunk * kGrain].candidate];
     Recollection recollection(world.memory, buffers.recalled, lowest.low, lowest.high);
     for (std::uint32_t k = first; k < buffers.active_of_chunk[chunk + 1]; ++k) {
-      const std::uint32_t candidate = buffers.active_candidate[chunk * kGrain + (k - first)];
+      const Outline& known = buffers.outlines[chunk * kGrain + (k - first)];
       ActivePair& pair = buffers.pairs[k];
-      const Outline known = outline(world, found.pairs[candidate], input);
-      pair.low = found.pairs[candidate].low;
-      pair.high = found.pairs[candidate].high;
       pair.a = known.a;
       pair.b = known.b;
       pair.margin_m = known.margin_m;
       pair.skin_m = known.skin_m;
       pair.full = pair.exact = pair.answered = false;
       pair.level = {};
-      pair.memory = recollection.of(pair.low, pair.high);
-      pair.room = pair.memory.room;
+      pair.memory = recollection.of(pair.low(), pair.high());
       const Shape& shape_a = *world.bodies.shape[pair.a];
       const Shape& shape_b = *world.bodies.shape[pair.b];
       pair.level.deepest = collision::deepest_level(shape_a, shape_b, input.max_level);

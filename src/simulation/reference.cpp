@@ -102,7 +102,7 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
       pair.gap_m = collision::surface_distance_m(surface_of(world, pair.a), full.poses[pair.a],
                                                  surface_of(world, pair.b), full.poses[pair.b]);
       if (!view.present) continue;
-      const response::RestPlace& place = world.reference->places.places[PlaceStore::begin(run.pairs[i].room)];
+      const response::RestPlace& place = world.reference->places.places[PlaceStore::begin(run.pairs[i].memory.room)];
       const Vec3 point = full.poses[pair.a].position_m + response::place_now(full.poses[pair.a], full.poses[pair.b], place).arm_m;
       pair.gap_px = length_px(view, point, pair.gap_m);
     }

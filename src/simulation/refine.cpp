@@ -234,6 +234,7 @@ void refine_everything(Refinement& refinement) {
     WorkerTally& tally = refinement.tallies[static_cast<std::size_t>(worker)];
     for (std::size_t i = begin; i < end; ++i) {
       ActivePair& pair = buffers.pairs[i];
+      if (!pair.refinable()) continue;
       while (pair.refinable() && !pair.full) {
         const std::uint64_t units = pair.level.next_units;
         const Outcome outcome = complete_own_level(world, pair, buffers.found[i], worker);

@@ -74,13 +74,13 @@ void hand_over(std::span<const response::RestPlace> old, std::span<const respons
 void find_places(WorldState& world, const ActivePair& pair, collision::LevelContact& found) {
   // New places within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
   constexpr double kSameOfSkin = 50;
-  const std::span<response::RestPlace> places = world.places.places_of(pair.room, pair.place_count);
-  const std::span<response::RestLoad> loads = world.places.loads_of(pair.room, pair.place_count);
+  const std::span<response::RestPlace> places = world.places.places_of(pair.memory.room, pair.place_count);
+  const std::span<response::RestLoad> loads = world.places.loads_of(pair.memory.room, pair.place_count);
   std::array<response::RestPlace, kPlacesOfPair> old;
   std::array<response::RestLoad, kPlacesOfPair> borne;
-  const std::size_t olds = pair.memory.room == kNoRoom ? 0 : pair.memory.place_count;
-  std::copy_n(world.places.places.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.room)), olds, old.begin());
-  std::copy_n(world.places.loads.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.room)), olds, borne.begin());
+  const std::size_t olds = pair.memory.place_count;
+  std::copy_n(world.places.places.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.memory.room)), olds, old.begin());
+  std::copy_n(world.places.loads.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.memory.room)), olds, borne.begin());
   const PlacedPair where = placed_pair(world, pair);
   if (pair.level.level == 0 && !pair.exact) found.contact = coarsest_contact_of(world, pair);
   places[0] = keep(where, collision::lone_patch(found.contact, where.a.rotation));
@@ -105,7 +105,7 @@ void look_at_places(WorldState& world, ActivePair& pair) {
   if (!known) {
     const collision::Pose& a = world.buffers.poses[pair.a];
     const collision::Pose& b = world.buffers.poses[pair.b];
-    const std::span<const response::RestPlace> places = world.places.places_of(pair.room, pair.place_count);
+    const std::span<const response::RestPlace> places = world.places.places_of(pair.memory.room, pair.place_count);
     const Mat3 a_in_b = b.rotation.transpose() * a.rotation;
     const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
     memory.nearest_m = std::numeric_limits<double>::max();
@@ -119,7 +119,7 @@ void look_at_places(WorldState& world, ActivePair& pair) {
   pair.answered = memory.nearest_m < pair.margin_m;
   if (pair.answered || (pair.by_kept() && !memory.answered)) return;
   // Nothing holds it: what it bore is over.
-  for (response::RestLoad& load : world.places.loads_of(pair.room, pair.place_count)) load = {};
+  for (response::RestLoad& load : world.places.loads_of(pair.memory.room, pair.place_count)) load = {};
 }
 
 // Places of all pairs, and how many are answered.
@@ -136,7 +136,7 @@ void lay_out_places(WorldState& world) {
   for_chunks([&](std::size_t i, AnsweredCount& count) {
     ActivePair& pair = buffers.pairs[i];
     pair.place_count = count_places(pair, buffers.found[i]);
-    if (pair.place_count > 0 && pair.room == kNoRoom) ++count.new_rooms;
+    if (pair.place_count > 0 && pair.memory.room == kNoRoom) ++count.new_rooms;
   });
   std::uint32_t rooms = 0;
   for (AnsweredCount& count : buffers.answered_of_chunk) count.new_rooms = std::exchange(rooms, rooms + count.new_rooms);
@@ -147,7 +147,7 @@ void lay_out_places(WorldState& world) {
     ActivePair& pair = buffers.pairs[i];
     pair.answered = false;
     if (pair.place_count > 0) {
-      if (pair.room == kNoRoom) pair.room = world.places.room(count.new_rooms++);
+      if (pair.memory.room == kNoRoom) pair.memory.room = world.places.room(count.new_rooms++);
       if (!pair.by_kept()) find_places(world, pair, buffers.found[i]);
       look_at_places(world, pair);
     }
@@ -178,7 +178,7 @@ response::RestPair rest_pair(const WorldState& world, std::size_t i, bool fast) 
   response::RestPair rest;
   rest.a = pair.a;
   rest.b = pair.b;
-  rest.place_begin = static_cast<std::uint32_t>(PlaceStore::begin(pair.room) + (lone ? 0U : 1U));
+  rest.place_begin = static_cast<std::uint32_t>(PlaceStore::begin(pair.memory.room) + (lone ? 0U : 1U));
   rest.pair = static_cast<std::uint32_t>(i);
   rest.place_count = lone ? std::uint8_t{1} : static_cast<std::uint8_t>(pair.place_count - 1);
   rest.fast = fast;
@@ -355,7 +355,7 @@ void leave_bouncing(WorldState& world) {
 }  // namespace
 
 response::PlaceNow lone_place(const WorldState& world, const ActivePair& pair) {
-  return response::place_now(world.buffers.poses[pair.a], world.buffers.poses[pair.b], world.places.places[PlaceStore::begin(pair.room)]);
+  return response::place_now(world.buffers.poses[pair.a], world.buffers.poses[pair.b], world.places.places[PlaceStore::begin(pair.memory.room)]);
 }
 
 double answered_gap_m(const WorldState& world, std::uint32_t pair) {

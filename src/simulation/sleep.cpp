@@ -120,9 +120,9 @@ void find_islands(WorldState& world) {
   parent.resize(bodies.slot_count());
   std::iota(parent.begin(), parent.end(), 0U);
   for (const ActivePair& pair : world.buffers.pairs) {
-    if (bodies.dynamic[pair.low] == 0 || bodies.dynamic[pair.high] == 0) continue;
-    const std::uint32_t low = root_of(parent, pair.low);
-    const std::uint32_t high = root_of(parent, pair.high);
+    if (bodies.dynamic[pair.low()] == 0 || bodies.dynamic[pair.high()] == 0) continue;
+    const std::uint32_t low = root_of(parent, pair.low());
+    const std::uint32_t high = root_of(parent, pair.high());
     parent[std::max(low, high)] = std::min(low, high);
   }
 }
@@ -184,8 +184,8 @@ bool wake_touched(WorldState& world) {
   const dynamics::BodyStore& bodies = world.bodies;
   if (bodies.asleep_count() == 0) return false;
   for (const ActivePair& pair : world.buffers.pairs) {
-    if (bodies.asleep[pair.low] != 0 && bodies.dynamic[pair.high] != 0) rouse(world, pair.low);
-    if (bodies.asleep[pair.high] != 0 && bodies.dynamic[pair.low] != 0) rouse(world, pair.high);
+    if (bodies.asleep[pair.low()] != 0 && bodies.dynamic[pair.high()] != 0) rouse(world, pair.low());
+    if (bodies.asleep[pair.high()] != 0 && bodies.dynamic[pair.low()] != 0) rouse(world, pair.high());
   }
   if (!world.sleep.any_roused) return false;
   wake_roused(world);

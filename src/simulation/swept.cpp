@@ -118,7 +118,7 @@ void send_swept(WorldState& world, const StepInput&, FrameReport& report) {
   SweptFrame& swept = buffers.swept;
   if (swept.bounds.empty()) return;
   for (std::uint32_t k = 0; k < buffers.pairs.size(); ++k) {
-    if (swept.fast(buffers.pairs[k].low) || swept.fast(buffers.pairs[k].high)) swept.pairs.push_back({k, 0});
+    if (swept.fast(buffers.pairs[k].low()) || swept.fast(buffers.pairs[k].high())) swept.pairs.push_back({k, 0});
   }
   parallel::parallel_for(*world.executor, swept.pairs.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t i = begin; i < end; ++i) send(world, swept.pairs[i], worker);

@@ -66,8 +66,6 @@ collision::PairContact contact_where_met(WorldState& world, const ActivePair& pa
   if (!has_faces(a) || !has_faces(b)) return lone;
   const OtherPoses poses(world.buffers, pair, meeting);
   ActivePair there;
-  there.low = pair.low;
-  there.high = pair.high;
   there.a = pair.a;
   there.b = pair.b;
   there.skin_m = pair.skin_m;

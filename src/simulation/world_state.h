@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -67,9 +68,8 @@ enum class Kept : std::uint8_t {
 
 /// A candidate pair whose coarsest spheres are nearer than its margin, during one frame. Small: every stage goes through all of them. What refinement
 /// found of it and what a viewer sees of it are in FrameBuffers::found and cues.
-struct ActivePair {
-  std::uint32_t low = 0, high = 0;     ///< slots in order
-  std::uint32_t a = 0, b = 0;          ///< the same, a plane always second
+struct alignas(64) ActivePair {
+  std::uint32_t a = 0, b = 0;          ///< slots, a plane always second
   double margin_m = 0, skin_m = 0;
   double reach_m = 0;                  ///< what refinement looks for: margin_m and what lets a pair keep what it finds
   Kept kept = Kept::Nothing;
@@ -77,11 +77,12 @@ struct ActivePair {
   std::uint8_t place_count = 0;        ///< of this frame
   bool answered = false;               ///< a place is nearer than the margin
   bool exact = false;                  ///< its contact is there whatever its level: a pair of backtracking
-  std::uint32_t room = kNoRoom;        ///< of its places, as in its memory
-  PairMemory memory;
+  PairMemory memory;                   ///< its room is that of this frame's places too
   collision::PairLevel level;          ///< what refinement knows; the contact of level 0 is made only if the pair stays there
 
-  [[nodiscard]] std::uint64_t id() const { return (std::uint64_t{low} << 32U) | high; }
+  [[nodiscard]] std::uint32_t low() const { return std::min(a, b); }
+  [[nodiscard]] std::uint32_t high() const { return std::max(a, b); }
+  [[nodiscard]] std::uint64_t id() const { return (std::uint64_t{low()} << 32U) | high(); }
   /// Refinement found out more than what is kept.
   [[nodiscard]] bool fresh() const {
     return level.level > 0 && ((kept != Kept::Places && kept != Kept::Stale) || level.apart || level.level >= memory.level);
@@ -94,6 +95,9 @@ struct ActivePair {
     return level.refinable() && kept != Kept::Apart && !(kept == Kept::Places && memory.level >= level.deepest);
   }
 };
+
+// Two cache lines: all stages of a frame go through all pairs.
+static_assert(sizeof(ActivePair) == 128);
 
 /// How a body moved in a step.
 struct StepMotion {
@@ -121,6 +125,13 @@ struct Glance {
   bool plane = false, dynamic = false;
 };
 
+/// A candidate: slots, and how much the gap of the two bodies may close in the step by their own motion.
+struct Outline {
+  std::uint32_t candidate = 0;
+  std::uint32_t a = 0, b = 0;          ///< a plane always second
+  double margin_m = 0, skin_m = 0;
+};
+
 /// What there is to answer among some pairs.
 struct AnsweredCount {
   std::uint32_t before = 0;            ///< answered pairs of all chunks before
@@ -138,7 +149,7 @@ struct FrameBuffers {
   std::vector<collision::MotionBound> bounds;
   std::vector<collision::PlaneBound> planes;
   std::vector<std::uint32_t> active_of_chunk;          // per chunk of candidates
-  std::vector<std::uint32_t> active_candidate;         // candidates that are active, chunk after chunk
+  parallel::LargeVector<Outline> outlines;             // of candidates that are active, chunk after chunk
   parallel::LargeVector<ActivePair> pairs;                       // in canonical order
   parallel::LargeVector<collision::LevelContact> found;          // one a pair: of those that were refined in this frame
   parallel::LargeVector<scheduler::PairCues> cues;               // one a pair: of those that can be refined
