@@ -21,6 +21,7 @@
 #include "build_info.h"
 #include "io/atomic_file.h"
 #include "io/picture.h"
+#include "io/policy_name.h"
 #include "io/requirement.h"
 #include "io/run_document.h"
 #include "io/run_tables.h"
@@ -130,7 +131,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.threads = run.world().threads();
   const WorldSettings world = world_settings(options, scene);
   d.executor = executor_name(world.executor);
-  d.policy = policy_name(world.policy.kind);
+  d.policy = io::policy_name(world.policy.kind);
   d.policy_weights = world.policy;
   d.contact = options.contact;
   d.clock = options.clock;

@@ -210,16 +210,4 @@ const char* executor_name(ExecutorKind kind) {
   return "serial";
 }
 
-const char* policy_name(scheduler::PolicyKind kind) {
-  switch (kind) {
-    case scheduler::PolicyKind::Perceptual:
-      return "perceptual";
-    case scheduler::PolicyKind::Fifo:
-      return "fifo";
-    case scheduler::PolicyKind::Random:
-      return "random";
-  }
-  return "perceptual";
-}
-
 }  // namespace poise::app

@@ -45,8 +45,7 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene);
 ExecutorKind executor_kind(const RunOptions& options);
 /// `0,2-3` as 0, 2, 3; empty for no text. Refused: anything else, and more than 256.
 Result<std::vector<int>> processor_list(const std::string& text);
-/// `tbb`, `threads` or `serial`; `perceptual`, `fifo` or `random`.
+/// `tbb`, `threads` or `serial`.
 const char* executor_name(ExecutorKind kind);
-const char* policy_name(scheduler::PolicyKind kind);
 
 }  // namespace poise::app

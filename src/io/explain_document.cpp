@@ -10,6 +10,8 @@
 #include <numeric>
 #include <optional>
 
+#include "io/policy_name.h"
+
 namespace poise::io {
 namespace {
 
@@ -103,18 +105,6 @@ std::vector<std::size_t> left_by_score(const ExplainedFrame& e, const std::vecto
   return left;
 }
 
-const char* policy_word(scheduler::PolicyKind kind) {
-  switch (kind) {
-    case scheduler::PolicyKind::Perceptual:
-      return "perceptual";
-    case scheduler::PolicyKind::Fifo:
-      return "fifo";
-    case scheduler::PolicyKind::Random:
-      return "random";
-  }
-  return "perceptual";
-}
-
 const char* kept_word(PairExplanation::Kept kept) {
   switch (kept) {
     case PairExplanation::Kept::Nothing:
@@ -163,7 +153,7 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   }
   if (f.decisions.substeps > 0) text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   const scheduler::Policy& p = e.explanation.policy;
-  text += fmt::format("policy: {}", policy_word(p.kind));
+  text += fmt::format("policy: {}", policy_name(p.kind));
   if (p.kind == scheduler::PolicyKind::Perceptual) {
     text += fmt::format("; exponents of the cues: frustum {:g}, size {:g}, eccentricity {:g}, closing {:g}, waiting {:g}, importance {:g}", p.frustum, p.size,
                         p.eccentricity, p.closing, p.waiting, p.importance);
@@ -270,7 +260,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
   }
   const RecordedFrame& f = e.frame;
   return {{"frame", f.decisions.frame},
-          {"policy", policy_word(e.explanation.policy.kind)},
+          {"policy", policy_name(e.explanation.policy.kind)},
           {"active_pairs", e.explanation.pairs.size()},
           {"budget_ms", static_cast<double>(f.budget.count()) / 1e6},
           {"refine_available_ms", static_cast<double>(f.refine_available.count()) / 1e6},

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "poise/scheduler/policy.h"
+
+namespace poise::io {
+
+/// As scenes, the command line and results call it.
+inline const char* policy_name(scheduler::PolicyKind kind) {
+  switch (kind) {
+    case scheduler::PolicyKind::Perceptual:
+      return "perceptual";
+    case scheduler::PolicyKind::Fifo:
+      return "fifo";
+    case scheduler::PolicyKind::Random:
+      return "random";
+  }
+  return "perceptual";
+}
+
+}  // namespace poise::io
