@@ -6,8 +6,10 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "parallel/worker_gate.h"
@@ -66,6 +68,11 @@ class TbbExecutor final : public Executor {
   ~TbbExecutor() override {
     visits_->stopping.store(true, std::memory_order_release);
     visits_->gate.settle();
+    // Visits that were asked for and have not begun hold what they share, and for good if the program ends first. They end as soon as they begin; a process
+    // that gets no thread for them is not waited for longer.
+    constexpr std::chrono::milliseconds kPatience{200};
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    while (visits_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
   }
 
   [[nodiscard]] int concurrency() const override { return threads_; }
