@@ -141,7 +141,7 @@ struct FrameReport {
   Nanoseconds host_actual{0};            ///< what the host's work took, where the driver of the frame measures it; World does not
   Nanoseconds mandatory{0};              ///< all but refinement, host work included, without what the machine took away
   Nanoseconds mandatory_forecast{0};     ///< point forecast of that, made when the frame began
-  bool infeasible_forecast = false;      ///< it was forecast not to fit, the tail's margin included
+  bool infeasible_forecast = false;      ///< what is expected of it, without the tail's margin, does not fit
   Degraded degraded;                     ///< what was left out so that it fits
   Nanoseconds lateness{0};               ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;

@@ -21,7 +21,7 @@ constexpr double kKeep = 6e-3;
 // Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one. Measured on a frictionless pile whose
 // budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up again, at a half it stays within 2 % of its height.
 constexpr double kHold = 0.5;
-// What no node of comes within this much of the smaller body more, holds for so much longer.
+// Where no two nodes come within this much of the smaller body more, a pair that was found apart stays so for that much longer.
 constexpr double kWide = 4 * kKeep;
 constexpr std::size_t kGrain = 128;
 
