@@ -82,7 +82,7 @@ Status place_this_thread(int processor, int realtime_priority);
 
 /// Calls body(begin, end, worker) over [0, n) in chunks of `grain` (the last may be shorter). Chunk borders depend on
 /// n and grain alone, so that per-chunk results put together in order do not depend on threads. A grain of 0 counts
-/// as 1. The body must not throw; it may be called for several chunks at once, and calls with equal `worker` never
+/// as 1. Loops of equal length and grain give a worker the same chunks, as far as nobody is late. The body must not throw; it may be called for several chunks at once, and calls with equal `worker` never
 /// overlap.
 template <class Body>
 void parallel_for(Executor& executor, std::size_t n, std::size_t grain, Body&& body) {
@@ -92,10 +92,11 @@ void parallel_for(Executor& executor, std::size_t n, std::size_t grain, Body&& b
     for (std::size_t begin = 0; begin < n; begin += grain) body(begin, begin + grain < n ? begin + grain : n, 0);
     return;
   }
-  Tickets tickets;
+  Shares chunks((n + grain - 1) / grain, executor.concurrency());
   executor.run([&](int worker) -> bool {
-    const std::size_t begin = tickets.take(grain);
-    if (begin >= n) return false;
+    const std::size_t chunk = chunks.take(worker);
+    if (chunk == Shares::kNone) return false;
+    const std::size_t begin = chunk * grain;
     body(begin, begin + grain < n ? begin + grain : n, worker);
     return true;
   });

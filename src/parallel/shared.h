@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <type_traits>
@@ -18,6 +20,40 @@ class Tickets {
 
  private:
   alignas(64) std::atomic<std::size_t> next_{0};
+};
+
+/// Hands out the numbers 0 to count - 1 to any number of workers, each number once: to each worker those of its own share first, lowest first, and
+/// then what others have left of theirs. The shares depend on the count and the workers alone, so that what a worker wrote in one loop is in its own
+/// cache in the next. Orders nothing else, like Tickets.
+class Shares {
+ public:
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  /// `workers` >= 1; beyond kMost of them, some begin with the same share.
+  Shares(std::size_t count, int workers) : shares_(std::min<std::size_t>(static_cast<std::size_t>(workers), kMost)) {
+    for (std::size_t k = 0; k < shares_; ++k) {
+      share_[k].next.store(count * k / shares_, std::memory_order_relaxed);
+      share_[k].end = count * (k + 1) / shares_;
+    }
+  }
+  /// A number that is now the caller's, or kNone when all have been handed out. Any thread.
+  std::size_t take(int worker) {
+    for (std::size_t k = 0; k < shares_; ++k) {
+      Share& share = share_[(static_cast<std::size_t>(worker) + k) % shares_];
+      if (share.next.load(std::memory_order_relaxed) >= share.end) continue;
+      const std::size_t number = share.next.fetch_add(1, std::memory_order_relaxed);
+      if (number < share.end) return number;
+    }
+    return kNone;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 16;
+  struct alignas(64) Share {
+    std::atomic<std::size_t> next{0};
+    std::size_t end = 0;
+  };
+  std::size_t shares_;
+  std::array<Share, kMost> share_;
 };
 
 /// A number that workers of a run share: a sum, a flag, the time of the cut. Any thread may call anything. A get() that
