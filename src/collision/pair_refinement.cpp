@@ -20,13 +20,13 @@ constexpr double kNesting = 0.25;
 constexpr double kPlaceOfSize = 50;
 
 // A wrench of one contact, with the gaps of level 0. The moment about b is left to the caller.
-PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double mean_m, double most_m) {
+PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double lift_m, double most_m) {
   PairContact contact;
   contact.direction = touch.normal;
   contact.arm_m = arm_m;
   contact.moment_a_m = arm_m.cross(touch.normal);
   contact.spheres_m = touch.gap_m;
-  contact.likely_m = touch.gap_m + mean_m + kNesting * (most_m - mean_m);
+  contact.likely_m = touch.gap_m + lift_m;
   contact.surely_m = touch.gap_m + most_m;
   contact.present = true;
   return contact;
@@ -79,6 +79,11 @@ Level deepest_level(const Shape& a, const Shape& b, Level max_level) {
   return std::min(max_level, std::max(a.tree.depth(), depth_b));
 }
 
+double coarsest_lift_m(const Shape& shape) {
+  const double mean = static_cast<double>(shape.tree.protrusion_mean_m[0]);
+  return mean + kNesting * (static_cast<double>(shape.tree.protrusion_max_m[0]) - mean);
+}
+
 PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b) {
   const SphereTree& tree_a = a.shape->tree;
   const SphereTree& tree_b = b.shape->tree;
@@ -86,9 +91,9 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b) {
   const double reach = radius_a + static_cast<double>(tree_b.radius_m[0]);
   const SphereContact touch = contact_of_spheres(b.center_m - a.center_m, radius_a, reach, b.mass_center_m - a.mass_center_m);
   const Vec3 point = a.center_m + touch.point_m;
-  const double mean = static_cast<double>(tree_a.protrusion_mean_m[0]) + static_cast<double>(tree_b.protrusion_mean_m[0]);
+  const double lift = coarsest_lift_m(*a.shape) + coarsest_lift_m(*b.shape);
   const double most = static_cast<double>(tree_a.protrusion_max_m[0]) + static_cast<double>(tree_b.protrusion_max_m[0]);
-  PairContact contact = lone_contact(touch, point - a.mass_center_m, mean, most);
+  PairContact contact = lone_contact(touch, point - a.mass_center_m, lift, most);
   contact.moment_b_m = (point - b.mass_center_m).cross(touch.normal);
   return contact;
 }
@@ -100,7 +105,7 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   touch.normal = -normal;
   touch.gap_m = normal.dot(a.center_m) - height_m - radius;
   const Vec3 arm = a.center_m - a.mass_center_m + radius * touch.normal;
-  PairContact contact = lone_contact(touch, arm, static_cast<double>(tree.protrusion_mean_m[0]), static_cast<double>(tree.protrusion_max_m[0]));
+  PairContact contact = lone_contact(touch, arm, coarsest_lift_m(*a.shape), static_cast<double>(tree.protrusion_max_m[0]));
   // A body whose centre of mass is beneath the plane is there beyond doubt, in part at least.
   const double center_m = normal.dot(a.mass_center_m) - height_m;
   contact.likely_m = std::min(contact.likely_m, center_m);

@@ -62,6 +62,8 @@ struct PlacedRoot {
   Vec3 center_m = Vec3::Zero();
   Vec3 mass_center_m = Vec3::Zero();
 };
+/// How far beneath the root sphere the surface is likely to be where bodies meet at level 0: likely gaps are larger by that of both.
+double coarsest_lift_m(const Shape& shape);
 /// The contact of level 0: that of the two root spheres, whatever their distance.
 PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
 /// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.

@@ -13,30 +13,37 @@ constexpr double kLeastAcross = 0.1;
 
 }  // namespace
 
-bool in_frustum(const View& view, const Vec3& center_m, double radius_m) {
-  const Vec3 to_center = center_m - view.position_m;
-  const Vec3 right = view.forward.cross(view.up).normalized();
-  const Vec3 up = right.cross(view.forward);
-  const double depth = to_center.dot(view.forward);
+Sight::Sight(const View& from) : view(from) {
+  if (!from.present) return;
+  right = from.forward.cross(from.up).normalized();
+  up = right.cross(from.forward);
+  tangent_up = std::tan(0.5 * from.vertical_fov_rad);
+  tangent_right = tangent_up * from.aspect;
+  per_up = 1.0 / std::hypot(1.0, tangent_up);
+  per_right = 1.0 / std::hypot(1.0, tangent_right);
+}
+
+bool in_frustum(const Sight& sight, const Vec3& center_m, double radius_m) {
+  const Vec3 to_center = center_m - sight.view.position_m;
+  const double depth = to_center.dot(sight.view.forward);
   if (depth < -radius_m) return false;
-  const double tangent_up = std::tan(0.5 * view.vertical_fov_rad);
-  const double tangent_right = tangent_up * view.aspect;
   // Distance beyond each pair of side planes, along their normals.
-  const double beyond_up = (std::abs(to_center.dot(up)) - depth * tangent_up) / std::hypot(1.0, tangent_up);
-  const double beyond_right = (std::abs(to_center.dot(right)) - depth * tangent_right) / std::hypot(1.0, tangent_right);
+  const double beyond_up = (std::abs(to_center.dot(sight.up)) - depth * sight.tangent_up) * sight.per_up;
+  const double beyond_right = (std::abs(to_center.dot(sight.right)) - depth * sight.tangent_right) * sight.per_right;
   return beyond_up < radius_m && beyond_right < radius_m;
 }
 
-scheduler::PairCues cues_of(const View& view, const PairSighting& pair) {
+scheduler::PairCues cues_of(const Sight& sight, const PairSighting& pair) {
   scheduler::PairCues cues;
   cues.closing_mps = std::max(0.0, pair.closing_mps);
   cues.importance = pair.importance;
   cues.frames_waited = pair.frames_waited;
+  const View& view = sight.view;
   if (!view.present) return cues;
   const Vec3 ray = pair.point_m - view.position_m;
   const double distance = std::max(ray.norm(), kNearestM);
   const Vec3 direction = ray / distance;
-  cues.visibility = in_frustum(view, pair.point_m, pair.extent_m) ? 1.0 : scheduler::kOutsideFrustum;
+  cues.visibility = in_frustum(sight, pair.point_m, pair.extent_m) ? 1.0 : scheduler::kOutsideFrustum;
   const double along = std::min(1.0, std::abs(direction.dot(pair.normal)));
   cues.angle_radpm = std::max(kLeastAcross, std::sqrt(1.0 - along * along)) / distance;
   cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));

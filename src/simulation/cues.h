@@ -16,11 +16,20 @@ struct PairSighting {
   std::uint32_t frames_waited = 0;
 };
 
+/// A view with what all questions about it share. Made of a view by itself, so that who asks once need not name it.
+struct Sight {
+  Sight(const View& from);  // NOLINT(google-explicit-constructor)
+  View view;
+  Vec3 up = Vec3::UnitZ(), right = Vec3::UnitX();  ///< of the picture, unit
+  double tangent_up = 0, tangent_right = 0;        ///< of half the angles of view
+  double per_up = 1, per_right = 1;                ///< cosines of these
+};
+
 /// What the viewer can notice of a pair. Without a view: everything alike. The visible angle of an error is that of its
 /// part across the view ray: sin(angle between normal and ray) / distance, at least a tenth of it. Any thread.
-scheduler::PairCues cues_of(const View& view, const PairSighting& pair);
+scheduler::PairCues cues_of(const Sight& sight, const PairSighting& pair);
 
 /// Does a ball meet the view's frustum?
-bool in_frustum(const View& view, const Vec3& center_m, double radius_m);
+bool in_frustum(const Sight& sight, const Vec3& center_m, double radius_m);
 
 }  // namespace poise::simulation

@@ -34,11 +34,14 @@ double list_reusable(WorldState& world, double apart_ns, double places_ns) {
   FrameBuffers& buffers = world.buffers;
   buffers.least_seen.clear();
   double all_ns = 0;
-  for (std::size_t i = 0; i < buffers.pairs.size(); ++i) {
-    const ActivePair& pair = buffers.pairs[i];
-    if (!reusable(world, pair)) continue;
-    buffers.least_seen.push_back({seen(world.settings.policy, buffers.cues[i]), static_cast<std::uint32_t>(i), pair.memory.apart ? apart_ns : places_ns});
-    all_ns += buffers.least_seen.back().saves_ns;
+  for (std::size_t chunk = 0; chunk + 1 < buffers.known_of_chunk.size(); ++chunk) {
+    if (buffers.known_of_chunk[chunk].outdated == 0) continue;
+    for (std::uint32_t i = buffers.known_of_chunk[chunk].begin; i < buffers.known_of_chunk[chunk + 1].begin; ++i) {
+      const ActivePair& pair = buffers.pairs[i];
+      if (!reusable(world, pair)) continue;
+      buffers.least_seen.push_back({seen(world.settings.policy, buffers.cues[i]), i, pair.memory.apart ? apart_ns : places_ns});
+      all_ns += buffers.least_seen.back().saves_ns;
+    }
   }
   return all_ns;
 }
@@ -64,7 +67,12 @@ void use_substeps(WorldState& world, int substeps) {
   scale_impulses(world.places, static_cast<double>(world.settings.substeps) / substeps);
 }
 
-void reuse(ActivePair& pair) { pair.kept = pair.memory.apart ? Kept::Apart : Kept::Stale; }
+void reuse(WorldState& world, ActivePair& pair) {
+  KnownCount& known = world.buffers.known_of_chunk.back();
+  pair.kept = pair.memory.apart ? Kept::Apart : Kept::Stale;
+  --known.unknown;
+  if (pair.memory.apart) --known.present;
+}
 
 }  // namespace
 
@@ -84,7 +92,7 @@ void degrade(WorldState& world, const Degraded& degraded) {
   const std::size_t count = std::min(degraded.pairs_reused, world.buffers.least_seen.size());
   if (count < world.buffers.least_seen.size()) sort_least_seen(world);
   for (std::size_t k = 0; k < count; ++k) {
-    reuse(world.buffers.pairs[world.buffers.least_seen[k].pair]);
+    reuse(world, world.buffers.pairs[world.buffers.least_seen[k].pair]);
   }
 }
 
@@ -98,7 +106,7 @@ bool degrade_as_decided(WorldState& world, const FrameDecisions& decisions, Degr
       there = false;
       continue;
     }
-    reuse(world.buffers.pairs[index]);
+    reuse(world, world.buffers.pairs[index]);
     ++degraded.pairs_reused;
   }
   return there;

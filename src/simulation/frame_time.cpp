@@ -32,15 +32,10 @@ void classify_again(FrameReport& report, Nanoseconds lateness) {
 
 // What the tail will have to do with the pairs as they are.
 void count_pairs(WorldState& world, FramePlan& plan) {
-  plan.present = 0;
-  std::uint64_t coarse = 0;
-  for (const ActivePair& pair : world.buffers.pairs) {
-    if (pair.apart()) continue;
-    ++plan.present;
-    if (pair.kept == Kept::Nothing) ++coarse;
-  }
+  const KnownCount& known = world.buffers.known_of_chunk.back();
+  plan.present = known.present;
   plan.expected = likely_answered(world, plan.present);
-  world.times.tail_work.coarse_contacts = coarse;
+  world.times.tail_work.coarse_contacts = known.unknown;
   world.times.tail_work = tail_work(world, plan.expected);
 }
 
@@ -127,7 +122,8 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
   world.margin.observe(report.tail_actual, report.tail_forecast);
   report.tail_beyond_clip = scheduler::beyond_clip(report.tail_actual, report.tail_forecast);
-  const auto present = std::count_if(world.buffers.pairs.begin(), world.buffers.pairs.end(), [](const ActivePair& pair) { return !pair.apart(); });
+  const std::uint64_t known = world.buffers.known_of_chunk.back().present;
+  const std::uint64_t present = known - std::min<std::uint64_t>(known, report.pairs_separated);
   if (present > 0) {
     world.answered_share += 0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
   }

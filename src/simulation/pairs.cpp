@@ -2,7 +2,6 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "collision/polygon_contact.h"
 #include "parallel/shared.h"
@@ -85,6 +84,7 @@ Glance glance(const WorldState& world, std::size_t i, const StepInput& input) {
   const Shape& shape = *bodies.shape[i];
   Glance made;
   made.dynamic = bodies.dynamic[i] != 0;
+  made.meshed = shape.surface != nullptr;
   if (shape.kind == ShapeKind::Plane) {
     made.plane = true;
     made.position_m = pose.rotation * shape.plane_normal;
@@ -92,11 +92,13 @@ Glance glance(const WorldState& world, std::size_t i, const StepInput& input) {
     return made;
   }
   made.position_m = pose.position_m;
+  made.depth = shape.tree.depth();
   made.radius_m = shape.bounding_radius_m;
   made.bound_m = made.radius_m * (1.0 + kSkin) + motion_bound_m(world, i, input);
   const Sphere root = shape.tree.sphere(0);
   made.root_center_m = pose.position_m + pose.rotation * root.center_m;
   made.root_radius_m = root.radius_m;
+  made.likely_radius_m = made.root_radius_m - collision::coarsest_lift_m(shape);
   made.velocity_mps = bodies.velocity(i);
   // The surface moves by the spin at most across the body.
   made.own_m = std::min(bodies.spin(i).norm() * input.dt_s, 2.0) * made.radius_m;
@@ -108,8 +110,9 @@ Glance glance(const WorldState& world, std::size_t i, const StepInput& input) {
 void recall(const WorldState& world, ActivePair& pair) {
   const double size_m = pair.skin_m / kSkin;
   // Two balls, or a ball and a plane: their only level is the truth, and the mandatory part works it out anyway.
-  const auto& shape = world.bodies.shape;
-  const bool exact = collision::deepest_level(*shape[pair.a], *shape[pair.b], kMaxTreeDepth) == 0 && !shape[pair.a]->surface && !shape[pair.b]->surface;
+  const Glance& a = world.buffers.glances[pair.a];
+  const Glance& b = world.buffers.glances[pair.b];
+  const bool exact = a.depth == 0 && b.depth == 0 && !a.meshed && !b.meshed;
   const bool keeps = !exact && world.settings.contact != ContactModel::Paper;  // the paper answers fronts
   pair.reach_m = keeps ? pair.margin_m + kKeep * size_m : pair.margin_m;
   pair.kept = Kept::Nothing;
@@ -138,28 +141,44 @@ bool roots_near(const Glance& a, const Glance& b, double margin_m) {
 
 // What the viewer sees of a pair that is known by its root spheres alone.
 PairSighting sighting_of(const WorldState& world, const ActivePair& pair) {
-  const FrameBuffers& buffers = world.buffers;
-  const dynamics::BodyStore& bodies = world.bodies;
-  const Shape& shape_b = *bodies.shape[pair.b];
+  const Glance& a = world.buffers.glances[pair.a];
+  const Glance& b = world.buffers.glances[pair.b];
   PairSighting sighting;
-  const Vec3& center_a = buffers.root_center_m[pair.a];
-  if (shape_b.kind == ShapeKind::Plane) {
-    sighting.normal = -(buffers.poses[pair.b].rotation * shape_b.plane_normal);
-    sighting.point_m = center_a + static_cast<double>(bodies.shape[pair.a]->tree.radius_m[0]) * sighting.normal;
+  if (b.plane) {
+    sighting.normal = -b.position_m;
+    sighting.point_m = a.root_center_m + a.root_radius_m * sighting.normal;
   } else {
-    const Vec3 between = buffers.root_center_m[pair.b] - center_a;
+    const Vec3 between = b.root_center_m - a.root_center_m;
     const double distance = between.norm();
     if (distance > 0) sighting.normal = between / distance;
-    sighting.point_m = center_a + 0.5 * between;
+    sighting.point_m = a.root_center_m + 0.5 * between;
   }
   sighting.extent_m = pair.skin_m / kSkin;
-  sighting.closing_mps = sighting.normal.dot(bodies.velocity(pair.a) - bodies.velocity(pair.b));
-  sighting.importance = bodies.importance[pair.a] * bodies.importance[pair.b];
+  sighting.closing_mps = sighting.normal.dot(a.velocity_mps - b.velocity_mps);
+  sighting.importance = world.bodies.importance[pair.a] * world.bodies.importance[pair.b];
   sighting.frames_waited = pair.memory.frames_waited;
   return sighting;
 }
 
+// What the tail and a frame that does not fit ask of a pair before refinement.
+void count_known(const ActivePair& pair, KnownCount& known) {
+  if (pair.apart()) return;
+  ++known.present;
+  if (pair.kept != Kept::Nothing) return;
+  ++known.unknown;
+  if (pair.memory.reach_m > 0) ++known.outdated;
+}
+
 }  // namespace
+
+bool coarsest_near(const WorldState& world, const ActivePair& pair) {
+  const Glance& a = world.buffers.glances[pair.a];
+  const Glance& b = world.buffers.glances[pair.b];
+  // What rests on a plane is held by its root sphere too (keep() in kept_places.cpp): few pairs, looked at one by one.
+  if (b.plane) return true;
+  const double reach = a.likely_radius_m + b.likely_radius_m + pair.margin_m;
+  return reach > 0 && (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
+}
 
 double wide_m(const ActivePair& pair) { return kWide * (pair.skin_m / kSkin); }
 
@@ -180,7 +199,6 @@ void predict(WorldState& world, const StepInput& input) {
   const std::size_t slots = bodies.slot_count();
   buffers.poses.resize(slots);
   buffers.inverse_inertia.resize(slots);
-  buffers.root_center_m.resize(slots);
   buffers.glances.resize(slots);
   buffers.bounds.clear();
   buffers.planes.clear();
@@ -198,7 +216,6 @@ void predict(WorldState& world, const StepInput& input) {
       buffers.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
       buffers.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
       buffers.glances[i] = glance(world, i, input);
-      buffers.root_center_m[i] = buffers.glances[i].root_center_m;
     }
   });
   parallel::parallel_for(*world.executor, buffers.bounds.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -228,7 +245,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
 
   const std::size_t count = found.pairs.size();
   const std::size_t chunks = (count + kGrain - 1) / kGrain;
-  buffers.active_of_chunk.assign(chunks + 1, 0);
+  buffers.known_of_chunk.assign(chunks + 1, KnownCount{});
   buffers.outlines.resize(count);
   parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
@@ -242,37 +259,54 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       pair.candidate = static_cast<std::uint32_t>(i);
       buffers.outlines[begin + active++] = pair;
     }
-    buffers.active_of_chunk[begin / kGrain + 1] = active;
+    buffers.known_of_chunk[begin / kGrain + 1].begin = active;
   });
-  std::partial_sum(buffers.active_of_chunk.begin(), buffers.active_of_chunk.end(), buffers.active_of_chunk.begin());
-  buffers.pairs.resize(buffers.active_of_chunk[chunks]);
+  for (std::size_t chunk = 1; chunk <= chunks; ++chunk) buffers.known_of_chunk[chunk].begin += buffers.known_of_chunk[chunk - 1].begin;
+  buffers.pairs.resize(buffers.known_of_chunk[chunks].begin);
   buffers.found.resize(buffers.pairs.size());
   buffers.cues.resize(buffers.pairs.size());
   buffers.recalled.reserve(world.memory.capacity());
   buffers.recalled.assign(world.memory.size(), 0);
+  const Sight sight = input.view;
   parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
-    const std::uint32_t first = buffers.active_of_chunk[chunk];
-    if (first == buffers.active_of_chunk[chunk + 1]) return;
+    const std::uint32_t first = buffers.known_of_chunk[chunk].begin;
+    const std::uint32_t past = buffers.known_of_chunk[chunk + 1].begin;
+    if (first == past) return;
+    KnownCount known;
     const collision::CandidatePair& lowest = found.pairs[buffers.outlines[chunk * kGrain].candidate];
     Recollection recollection(world.memory, buffers.recalled, lowest.low, lowest.high);
-    for (std::uint32_t k = first; k < buffers.active_of_chunk[chunk + 1]; ++k) {
-      const Outline& known = buffers.outlines[chunk * kGrain + (k - first)];
+    for (std::uint32_t k = first; k < past; ++k) {
+      if (k + kAhead < past) fetch(buffers.glances[buffers.outlines[chunk * kGrain + (k + kAhead - first)].b]);
+      const Outline& near = buffers.outlines[chunk * kGrain + (k - first)];
       ActivePair& pair = buffers.pairs[k];
-      pair.a = known.a;
-      pair.b = known.b;
-      pair.margin_m = known.margin_m;
-      pair.skin_m = known.skin_m;
+      pair.a = near.a;
+      pair.b = near.b;
+      pair.margin_m = near.margin_m;
+      pair.skin_m = near.skin_m;
       pair.full = pair.exact = pair.answered = false;
       pair.level = {};
       pair.memory = recollection.of(pair.low(), pair.high());
-      const Shape& shape_a = *world.bodies.shape[pair.a];
-      const Shape& shape_b = *world.bodies.shape[pair.b];
-      pair.level.deepest = collision::deepest_level(shape_a, shape_b, input.max_level);
-      if (input.polygons) collision::allow_polygons(shape_a, shape_b, input.max_level, pair.level);
+      const Glance& a = buffers.glances[pair.a];
+      const Glance& b = buffers.glances[pair.b];
+      pair.level.deepest = std::min(input.max_level, std::max(a.depth, b.depth));
+      if (input.polygons && (a.meshed || b.meshed)) {
+        collision::allow_polygons(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level, pair.level);
+      }
       recall(world, pair);
-      if (pair.refinable()) buffers.cues[k] = cues_of(input.view, sighting_of(world, pair));
+      count_known(pair, known);
+      if (pair.refinable()) buffers.cues[k] = cues_of(sight, sighting_of(world, pair));
     }
+    // Not where it begins: the chunk before reads that.
+    buffers.known_of_chunk[chunk].present = known.present;
+    buffers.known_of_chunk[chunk].unknown = known.unknown;
+    buffers.known_of_chunk[chunk].outdated = known.outdated;
   });
+  KnownCount& all = buffers.known_of_chunk[chunks];
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    all.present += buffers.known_of_chunk[chunk].present;
+    all.unknown += buffers.known_of_chunk[chunk].unknown;
+    all.outdated += buffers.known_of_chunk[chunk].outdated;
+  }
   if (input.backtracking) send_swept(world, input, report);
   report.coarse_pairs = buffers.pairs.size();
   report.times.coarse = SteadyClock::now() - start - report.times.broad_phase;

@@ -27,7 +27,7 @@ PlacedPair placed_pair(const WorldState& world, const ActivePair& pair) {
 collision::PairContact coarsest_contact_of(const WorldState& world, const ActivePair& pair) {
   const FrameBuffers& buffers = world.buffers;
   const auto placed = [&](std::uint32_t slot) {
-    return collision::PlacedRoot{world.bodies.shape[slot].get(), buffers.root_center_m[slot],
+    return collision::PlacedRoot{world.bodies.shape[slot].get(), buffers.glances[slot].root_center_m,
                                  buffers.poses[slot].position_m};
   };
   const Shape& shape_b = *world.bodies.shape[pair.b];
@@ -38,10 +38,10 @@ collision::PairContact coarsest_contact_of(const WorldState& world, const Active
 }
 
 // How many places a pair has in this frame. The first answers impacts; it rests at the others, or at the first where that is alone.
-std::uint8_t count_places(const ActivePair& pair, const collision::LevelContact& found) {
+std::uint8_t count_places(const WorldState& world, const ActivePair& pair, const collision::LevelContact& found) {
   if (pair.apart()) return 0;
   if (pair.by_kept()) return pair.memory.place_count;
-  if (pair.level.level == 0) return 1;
+  if (pair.level.level == 0) return pair.exact || coarsest_near(world, pair) ? 1 : 0;
   return static_cast<std::uint8_t>(1 + found.patches.count);
 }
 
@@ -135,7 +135,7 @@ void lay_out_places(WorldState& world) {
   };
   for_chunks([&](std::size_t i, AnsweredCount& count) {
     ActivePair& pair = buffers.pairs[i];
-    pair.place_count = count_places(pair, buffers.found[i]);
+    pair.place_count = count_places(world, pair, buffers.found[i]);
     if (pair.place_count > 0 && pair.memory.room == kNoRoom) ++count.new_rooms;
   });
   std::uint32_t rooms = 0;

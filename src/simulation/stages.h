@@ -12,6 +12,9 @@ using TimePoint = SteadyClock::time_point;
 /// The frame of refinement of an active pair, from the buffers of the frame.
 collision::PairFrame frame_of(const WorldState& world, const ActivePair& pair);
 
+/// May a pair that stays at level 0 be answered: is its likely gap less than its margin? A plane's always may.
+bool coarsest_near(const WorldState& world, const ActivePair& pair);
+
 /// A pair of which nothing was nearly near, is apart by so much more than its reach.
 double wide_m(const ActivePair& pair);
 

@@ -113,23 +113,35 @@ struct WorkerTally {
   SteadyClock::time_point begun{}, ended{};
 };
 
-/// What finding pairs looks at of a body, side by side.
-struct Glance {
+/// What finding pairs looks at of a body, side by side: two cache lines.
+struct alignas(64) Glance {
   Vec3 position_m = Vec3::Zero();      ///< of a plane: its normal
   double bound_m = 0;                  ///< of a ball that holds the body wherever it may be during the step; of a plane: its height
   Vec3 root_center_m = Vec3::Zero();   ///< of the root sphere
   double root_radius_m = 0;
   Vec3 velocity_mps = Vec3::Zero();
+  double likely_radius_m = 0;          ///< of the ball about the root's centre whose surface is likely that of the body; may be negative
   double own_m = 0;                    ///< by how much its surface may move beyond what velocity and gravity do
   double radius_m = 0;
   bool plane = false, dynamic = false;
+  bool meshed = false;                 ///< its shape has a surface of polygons
+  Level depth = 0;                     ///< of its tree; 0 of a plane
 };
+static_assert(sizeof(Glance) == 128);
 
 /// A candidate: slots, and how much the gap of the two bodies may close in the step by their own motion.
 struct Outline {
   std::uint32_t candidate = 0;
   std::uint32_t a = 0, b = 0;          ///< a plane always second
   double margin_m = 0, skin_m = 0;
+};
+
+/// What is known of some pairs before refinement.
+struct KnownCount {
+  std::uint32_t begin = 0;             ///< pairs of all chunks before
+  std::uint32_t present = 0;           ///< that are not known to be apart
+  std::uint32_t unknown = 0;           ///< of these, that nothing is kept of
+  std::uint32_t outdated = 0;          ///< of these, of which something was found out that is too old
 };
 
 /// What there is to answer among some pairs.
@@ -145,10 +157,9 @@ struct FrameBuffers {
   parallel::LargeVector<collision::Pose> poses;                  // one a slot
   parallel::LargeVector<Glance> glances;                         // one a slot
   parallel::LargeVector<Mat3> inverse_inertia;                   // one a slot, world frame
-  std::vector<Vec3> root_center_m;                     // one a slot, of the root sphere, world frame
   std::vector<collision::MotionBound> bounds;
   std::vector<collision::PlaneBound> planes;
-  std::vector<std::uint32_t> active_of_chunk;          // per chunk of candidates
+  std::vector<KnownCount> known_of_chunk;              // per chunk of candidates, and their sums
   parallel::LargeVector<Outline> outlines;             // of candidates that are active, chunk after chunk
   parallel::LargeVector<ActivePair> pairs;                       // in canonical order
   parallel::LargeVector<collision::LevelContact> found;          // one a pair: of those that were refined in this frame
