@@ -32,6 +32,10 @@ void add_study_command(CLI::App& app, int& exit_code) {
   CLI::App* cost_study = command->add_subcommand("cost", "Time each mandatory stage: nanoseconds a candidate pair and a body, falling and settled");
   add_study_cost_options(*cost_study, *cost);
   cost_study->callback([cost, &exit_code] { exit_code = study_cost(*cost); });
+  auto kept = std::make_shared<StudyTimingOptions>();
+  CLI::App* kept_study = command->add_subcommand("kept", "Compare frames that have what earlier ones found out with frames that start anew");
+  add_study_kept_options(*kept_study, *kept);
+  kept_study->callback([kept, &exit_code] { exit_code = study_kept(*kept); });
   auto scaling = std::make_shared<StudyTimingOptions>();
   CLI::App* scaling_study = command->add_subcommand("scaling", "Time refinement on several numbers of threads");
   add_study_scaling_options(*scaling_study, *scaling);

@@ -47,6 +47,18 @@ void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
       "Each population runs under the deadline of its frames, so that every stage is the one of a run. Times are of the wall: run it on a quiet machine.");
 }
 
+void add_study_kept_options(CLI::App& command, StudyTimingOptions& o) {
+  command.add_option("--bodies", o.bodies, "Population (default 10000)")->expected(1)->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))->type_name("N");
+  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames, "Frames that start anew (default 40); three times as many do not");
+  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames, "Frames before those (default 1300)");
+  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  add_shared(command, o, true);
+  command.footer(
+      "Example:\n"
+      "  poise study kept --markdown kept.md     what docs/scheduling.md shows; takes a minute\n\n"
+      "Without a limit, so that all pairs are at their deepest level in both. To start anew, every body is moved away and back before the frame.");
+}
+
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& o) {
   command.add_option("--threads", o.thread_counts, "Numbers of threads (default 1 2 4 8 16 as far as the machine has them)")->check(CLI::Range(1, 256))->type_name("N...");
   command.add_option("--bodies", o.bodies, "Population (default 4000)")->expected(1)->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))->type_name("N");

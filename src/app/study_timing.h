@@ -13,7 +13,7 @@
 
 namespace poise::app {
 
-/// The command lines of `poise study cost`, `scaling` and `free`.
+/// The command lines of `poise study cost`, `kept`, `scaling` and `free`.
 struct StudyTimingOptions {
   std::string scene = "jacks";
   std::vector<std::uint64_t> bodies, thread_counts;
@@ -27,17 +27,20 @@ struct StudyTimingOptions {
 
 /// Declare the options; `options` must outlive the parse.
 void add_study_cost_options(CLI::App& command, StudyTimingOptions& options);
+void add_study_kept_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 
-/// Nanoseconds a candidate pair and a body of each mandatory stage, falling and settled. Returns the exit code, as the next two.
+/// Nanoseconds a candidate pair and a body of each mandatory stage, falling and settled. Returns the exit code, as the next three.
 int study_cost(const StudyTimingOptions& options);
+/// Frames of a settled scene with what earlier ones found out, and without.
+int study_kept(const StudyTimingOptions& options);
 /// Refinement on several numbers of threads.
 int study_scaling(const StudyTimingOptions& options);
 /// Instructions of a step with each feature off and on; kExitRequirementFailed where one that is off executes something of its own.
 int study_free(const StudyTimingOptions& options);
 
-/// What the three share: options that contradict each other, a scene to run, who measured.
+/// What these share: options that contradict each other, a scene to run, who measured.
 Status check_timing_options(const StudyTimingOptions& options);
 Result<SceneRun> timed_scene(const StudyTimingOptions& options, std::uint64_t bodies, int threads);
 io::MeasuredBy measured_by(const StudyTimingOptions& options, int threads);

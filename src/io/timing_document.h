@@ -38,6 +38,29 @@ struct CostDocument {
 std::string cost_json(const CostDocument& document);
 std::string cost_markdown(const CostDocument& document);
 
+/// A stage of frames that have what the frames before found out, and of frames that have nothing: medians.
+struct KeptRow {
+  std::string stage;
+  double kept_ms = 0, anew_ms = 0;
+  [[nodiscard]] double share() const { return anew_ms > 0 ? kept_ms / anew_ms : 0; }
+};
+struct KeptDocument {
+  std::string scene;
+  std::uint64_t bodies = 0;
+  std::uint64_t frames_kept = 0, frames_anew = 0;
+  double kept_pairs = 0;                       ///< that needed no refinement, a frame
+  double levels_kept = 0, levels_anew = 0;     ///< completed a frame
+  std::vector<KeptRow> rows;                   ///< the last two: finding pairs and refining them, and all stages
+  MeasuredBy by;
+  /// What a kept pair saves of finding and refining.
+  [[nodiscard]] double saved_ns_per_pair() const {
+    return kept_pairs > 0 && rows.size() > 1 ? 1e6 * (rows[rows.size() - 2].anew_ms - rows[rows.size() - 2].kept_ms) / kept_pairs : 0;
+  }
+};
+/// `poise.kept/1`, and a table for docs.
+std::string kept_json(const KeptDocument& document);
+std::string kept_markdown(const KeptDocument& document);
+
 /// Refinement on a number of threads.
 struct ScalingRow {
   int threads = 1;

@@ -34,6 +34,19 @@ TEST(StudyCost, TimesEachMandatoryStageOfEachPopulationFallingAndSettled) {
   EXPECT_EQ(document.at("rows").at(27).at("bodies"), 60);
 }
 
+TEST(StudyKept, ASettledPileRefinesNextToNothingAndMoreWhereItStartsAnew) {
+  const CommandResult result = poise_command({"study", "kept", "--bodies", "60", "--frames", "3", "--settle", "400", "--json", "-", "--threads", "1"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json document = json::parse(result.out);
+  EXPECT_EQ(document.at("schema"), "poise.kept/1");
+  EXPECT_EQ(document.at("frames_anew"), 3);
+  EXPECT_EQ(document.at("frames_kept"), 9);
+  EXPECT_GT(document.at("kept_pairs"), 60);
+  EXPECT_GT(document.at("levels_anew").get<double>(), 10 * (1 + document.at("levels_kept").get<double>())) << "what is kept was not forgotten, or never kept";
+  ASSERT_EQ(document.at("rows").size(), 9U);
+  EXPECT_EQ(document.at("rows").at(8).at("stage"), "all of these");
+}
+
 TEST(StudyScaling, HasARowForEachNumberOfThreadsAndSaysWhereItWasMeasured) {
   const CommandResult result = poise_command({"study", "scaling", "--threads", "1", "2", "--bodies", "60", "--frames", "5", "--skip", "2", "--deadline", "2", "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.error;

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "app/exit_codes.h"
+#include "app/output_files.h"
+#include "app/progress.h"
+#include "app/study_timing.h"
+#include "parallel/interrupt.h"
+#include "simulation/percentiles.h"
+
+namespace poise::app {
+namespace {
+
+// Every so manieth frame starts anew; the ones between have what the frames before them found out.
+constexpr std::uint64_t kEvery = 4;
+constexpr double kStepS = 1.0 / 60;
+
+struct Part {
+  const char* name;
+  Nanoseconds StageTimes::*time;
+};
+constexpr std::array<Part, 7> kParts{{{"predict", &StageTimes::predict},
+                                      {"broad_phase", &StageTimes::broad_phase},
+                                      {"coarse", &StageTimes::coarse},
+                                      {"refine", &StageTimes::refine},
+                                      {"response", &StageTimes::response},
+                                      {"integrate", &StageTimes::integrate},
+                                      {"publish", &StageTimes::publish}}};
+
+struct Timed {
+  std::array<std::vector<double>, kParts.size()> stage_ms;
+  std::vector<double> finding_ms, all_ms, kept_pairs, levels;
+
+  void add(const FrameReport& report) {
+    const auto ms = [](Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; };
+    double all = 0;
+    for (std::size_t i = 0; i < kParts.size(); ++i) {
+      stage_ms[i].push_back(ms(report.times.*kParts[i].time));
+      all += stage_ms[i].back();
+    }
+    finding_ms.push_back(ms(report.times.coarse + report.times.refine));
+    all_ms.push_back(all);
+    kept_pairs.push_back(static_cast<double>(report.kept_apart + report.kept_contacts));
+    levels.push_back(static_cast<double>(report.jobs_done));
+  }
+};
+
+// A body that was somewhere else and is back has the state that it had, and nothing is known of its pairs.
+Status forget(SceneRun& run) {
+  World& world = run.world();
+  for (const RunBody& body : run.bodies()) {
+    if (body.is_static) continue;
+    const Result<BodyState> state = world.state(body.id);
+    if (!state) return state.error();
+    BodyState away = state.value();
+    away.position_m.x() += 1.0;
+    Status moved = world.set_state(body.id, away);
+    if (moved) moved = world.set_state(body.id, state.value());
+    if (!moved) return moved;
+  }
+  return Done{};
+}
+
+}  // namespace
+
+int study_kept(const StudyTimingOptions& o) {
+  const auto refuse = [](const Error& error) {
+    fmt::print(stderr, "poise study kept: {}\n", error.message);
+    return exit_code_of(error);
+  };
+  const Status sound = check_timing_options(o);
+  if (!sound) return refuse(sound.error());
+  const Status writable = can_write({o.json, o.markdown});
+  if (!writable) return refuse(writable.error());
+  const parallel::Interrupt interrupt;
+  io::KeptDocument document;
+  document.scene = o.scene;
+  document.bodies = o.bodies.empty() ? 10000 : o.bodies.front();
+  const std::uint64_t settle = o.settle.value_or(1300);
+  const std::uint64_t total = settle + kEvery * o.frames.value_or(40);
+  Result<SceneRun> run = timed_scene(o, document.bodies, static_cast<int>(o.threads.value_or(0)));
+  if (!run) return refuse(run.error());
+  Timed kept;
+  Timed anew;
+  Progress progress(!o.quiet);
+  for (std::uint64_t frame = 0; frame < total; ++frame) {
+    if (interrupt.asked()) return refuse({ErrorKind::Cancelled, "stopped by Ctrl-C"});
+    progress.share(fmt::format("{} bodies", document.bodies), static_cast<double>(frame) / static_cast<double>(total));
+    Status ready = run.value().before_frame(frame);
+    const bool forgets = frame >= settle && frame % kEvery == 0;
+    if (ready && forgets) ready = forget(run.value());
+    if (!ready) return refuse(ready.error());
+    StepInput input;
+    input.dt_s = kStepS;
+    const FrameReport report = run.value().world().step(input);
+    if (report.status != StepStatus::Done) return refuse(bad_input("the step was refused: its input is out of range"));
+    if (frame >= settle) (forgets ? anew : kept).add(report);
+  }
+  progress.end();
+  const auto row = [&](const char* stage, const std::vector<double>& with, const std::vector<double>& without) {
+    document.rows.push_back({stage, simulation::percentile(with, 0.5), simulation::percentile(without, 0.5)});
+  };
+  for (std::size_t i = 0; i < kParts.size(); ++i) row(kParts[i].name, kept.stage_ms[i], anew.stage_ms[i]);
+  row("coarse and refine", kept.finding_ms, anew.finding_ms);
+  row("all of these", kept.all_ms, anew.all_ms);
+  document.frames_kept = kept.all_ms.size();
+  document.frames_anew = anew.all_ms.size();
+  document.kept_pairs = simulation::percentile(kept.kept_pairs, 0.5);
+  document.levels_kept = simulation::percentile(kept.levels, 0.5);
+  document.levels_anew = simulation::percentile(anew.levels, 0.5);
+  document.by = measured_by(o, run.value().world().threads());
+  return write_timing(o, "kept", io::kept_json(document), io::kept_markdown(document));
+}
+
+}  // namespace poise::app
