@@ -19,6 +19,7 @@ bool reusable(const WorldState& world, const ActivePair& pair) {
   const double radius_m = std::min(world.buffers.glances[pair.a].radius_m,
                                    world.buffers.glances[pair.b].plane ? world.buffers.glances[pair.a].radius_m : world.buffers.glances[pair.b].radius_m);
   if (pair.memory.apart) return pair.memory.moved_m <= kReuseApart * radius_m;
+  if (pair.memory.level == 0) return false;
   return pair.memory.place_count > 0 && pair.memory.moved_m <= kReusePlaces * radius_m;
 }
 
@@ -34,12 +35,12 @@ double list_reusable(WorldState& world, double apart_ns, double places_ns) {
   FrameBuffers& buffers = world.buffers;
   buffers.least_seen.clear();
   double all_ns = 0;
-  for (std::size_t chunk = 0; chunk + 1 < buffers.known_of_chunk.size(); ++chunk) {
+  for (std::size_t chunk = 0; chunk < buffers.chunks(); ++chunk) {
     if (buffers.known_of_chunk[chunk].outdated == 0) continue;
-    for (std::uint32_t i = buffers.known_of_chunk[chunk].begin; i < buffers.known_of_chunk[chunk + 1].begin; ++i) {
+    for (std::size_t i = buffers.begin_of(chunk); i < buffers.end_of(chunk); ++i) {
       const ActivePair& pair = buffers.pairs[i];
       if (!reusable(world, pair)) continue;
-      buffers.least_seen.push_back({seen(world.settings.policy, buffers.cues[i]), i, pair.memory.apart ? apart_ns : places_ns});
+      buffers.least_seen.push_back({seen(world.settings.policy, buffers.cues[i]), static_cast<std::uint32_t>(i), pair.memory.apart ? apart_ns : places_ns});
       all_ns += buffers.least_seen.back().saves_ns;
     }
   }

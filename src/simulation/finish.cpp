@@ -73,9 +73,12 @@ PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
     if (pair.level.apart && pair.level.front_entries == 0 && !pair.level.nearly && !pair.exact) memory.reach_m += wide_m(pair);
     memory.moved_m = 0;
   } else if (pair.kept == Kept::Nothing) {
+    // The one place of level 0 is kept like others; that nothing is answered there is no knowledge.
+    const bool holds = pair.place_count > 0 && !pair.exact && pair.reach_m > pair.margin_m;
     memory.level = 0;
     memory.apart = false;
-    memory.reach_m = 0;
+    memory.reach_m = holds ? pair.reach_m : 0;
+    memory.moved_m = 0;
   }
   const StepMotion& a = buffers.motions[pair.a];
   const StepMotion& b = buffers.motions[pair.b];

@@ -120,7 +120,7 @@ void recall(const WorldState& world, ActivePair& pair) {
   if (!keeps || memory.reach_m == 0) return;
   if (memory.moved_m + pair.margin_m <= memory.reach_m) {
     pair.kept = memory.apart ? Kept::Apart : Kept::Places;
-  } else if (!memory.apart && memory.moved_m <= kHold * size_m) {
+  } else if (!memory.apart && memory.level > 0 && memory.moved_m <= kHold * size_m) {
     pair.kept = Kept::Stale;
   }
 }
@@ -161,7 +161,10 @@ PairSighting sighting_of(const WorldState& world, const ActivePair& pair) {
 }
 
 // What the tail and a frame that does not fit ask of a pair before refinement.
-void count_known(const ActivePair& pair, KnownCount& known) {
+void count_known(const ActivePair& pair, bool swept, KnownCount& known) {
+  // What backtracking will know of a pair is not known yet.
+  if (pair.refinable() || swept) ++known.refinable;
+  if (pair.memory.room == kNoRoom && (!pair.apart() || swept)) ++known.roomless;
   if (pair.apart()) return;
   ++known.present;
   if (pair.kept != Kept::Nothing) return;
@@ -243,6 +246,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   report.candidate_pairs = found.pairs.size();
   report.work_mandatory = found.pairs.size();
 
+  const auto fast = [&](std::uint32_t slot) { return input.backtracking && buffers.swept.fast(slot); };
   const std::size_t count = found.pairs.size();
   const std::size_t chunks = (count + kGrain - 1) / kGrain;
   buffers.known_of_chunk.assign(chunks + 1, KnownCount{});
@@ -251,7 +255,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
       if (i + kAhead < end) fetch(buffers.glances[found.pairs[i + kAhead].high]);
-      const bool swept = input.backtracking && (buffers.swept.fast(found.pairs[i].low) || buffers.swept.fast(found.pairs[i].high));
+      const bool swept = fast(found.pairs[i].low) || fast(found.pairs[i].high);
       Outline pair = outline(world, found.pairs[i], input);
       const Glance& a = buffers.glances[pair.a];
       const Glance& b = buffers.glances[pair.b];
@@ -269,13 +273,13 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   buffers.recalled.assign(world.memory.size(), 0);
   const Sight sight = input.view;
   parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
-    const std::uint32_t first = buffers.known_of_chunk[chunk].begin;
-    const std::uint32_t past = buffers.known_of_chunk[chunk + 1].begin;
+    const std::size_t first = buffers.begin_of(chunk);
+    const std::size_t past = buffers.end_of(chunk);
     if (first == past) return;
     KnownCount known;
     const collision::CandidatePair& lowest = found.pairs[buffers.outlines[chunk * kGrain].candidate];
     Recollection recollection(world.memory, buffers.recalled, lowest.low, lowest.high);
-    for (std::uint32_t k = first; k < past; ++k) {
+    for (std::size_t k = first; k < past; ++k) {
       if (k + kAhead < past) fetch(buffers.glances[buffers.outlines[chunk * kGrain + (k + kAhead - first)].b]);
       const Outline& near = buffers.outlines[chunk * kGrain + (k - first)];
       ActivePair& pair = buffers.pairs[k];
@@ -293,19 +297,20 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
         collision::allow_polygons(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level, pair.level);
       }
       recall(world, pair);
-      count_known(pair, known);
+      count_known(pair, fast(pair.a) || fast(pair.b), known);
       if (pair.refinable()) buffers.cues[k] = cues_of(sight, sighting_of(world, pair));
     }
     // Not where it begins: the chunk before reads that.
     buffers.known_of_chunk[chunk].present = known.present;
     buffers.known_of_chunk[chunk].unknown = known.unknown;
     buffers.known_of_chunk[chunk].outdated = known.outdated;
+    buffers.known_of_chunk[chunk].refinable = known.refinable;
+    buffers.known_of_chunk[chunk].roomless = known.roomless;
   });
   KnownCount& all = buffers.known_of_chunk[chunks];
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     all.present += buffers.known_of_chunk[chunk].present;
     all.unknown += buffers.known_of_chunk[chunk].unknown;
-    all.outdated += buffers.known_of_chunk[chunk].outdated;
   }
   if (input.backtracking) send_swept(world, input, report);
   report.coarse_pairs = buffers.pairs.size();

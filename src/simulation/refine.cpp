@@ -110,17 +110,19 @@ std::uint64_t answered_of(double share, std::int64_t present) {
 }
 
 void put_into_bands(Refinement& refinement) {
-  constexpr std::size_t kGrain = 256;
   WorldState& world = refinement.world;
-  const std::size_t count = world.buffers.pairs.size();
-  world.bands.reset(static_cast<std::uint32_t>(count));
-  parallel::parallel_for(*world.executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
+  const FrameBuffers& buffers = world.buffers;
+  world.bands.reset(static_cast<std::uint32_t>(buffers.pairs.size()));
+  parallel::parallel_for(*world.executor, buffers.chunks(), 2, [&](std::size_t first, std::size_t past, int) {
     // Backwards, because the last one put into a band is the first one taken.
-    for (std::size_t i = end; i-- > begin;) {
-      const ActivePair& pair = world.buffers.pairs[i];
-      if (!pair.refinable()) continue;
-      const auto item = static_cast<std::uint32_t>(i);
-      world.bands.put(item, scheduler::band_of(world.settings.policy, score_of(world, refinement.facts, pair, item)));
+    for (std::size_t chunk = past; chunk-- > first;) {
+      if (buffers.known_of_chunk[chunk].refinable == 0) continue;
+      for (std::size_t i = buffers.end_of(chunk); i-- > buffers.begin_of(chunk);) {
+        const ActivePair& pair = buffers.pairs[i];
+        if (!pair.refinable()) continue;
+        const auto item = static_cast<std::uint32_t>(i);
+        world.bands.put(item, scheduler::band_of(world.settings.policy, score_of(world, refinement.facts, pair, item)));
+      }
     }
   });
 }
@@ -227,12 +229,12 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
 
 // No limit, and nobody reads fronts afterwards: each pair to its end, in any order, its front forgotten as soon as it is done.
 void refine_everything(Refinement& refinement) {
-  constexpr std::size_t kGrain = 64;
   WorldState& world = refinement.world;
   FrameBuffers& buffers = world.buffers;
-  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
+  parallel::parallel_for(*world.executor, buffers.chunks(), 1, [&](std::size_t chunk, std::size_t, int worker) {
+    if (buffers.known_of_chunk[chunk].refinable == 0) return;
     WorkerTally& tally = refinement.tallies[static_cast<std::size_t>(worker)];
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = buffers.begin_of(chunk); i < buffers.end_of(chunk); ++i) {
       ActivePair& pair = buffers.pairs[i];
       if (!pair.refinable()) continue;
       while (pair.refinable() && !pair.full) {

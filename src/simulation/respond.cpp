@@ -122,45 +122,6 @@ void look_at_places(WorldState& world, ActivePair& pair) {
   for (response::RestLoad& load : world.places.loads_of(pair.memory.room, pair.place_count)) load = {};
 }
 
-// Places of all pairs, and how many are answered.
-void lay_out_places(WorldState& world) {
-  FrameBuffers& buffers = world.buffers;
-  const std::size_t chunks = (buffers.pairs.size() + kGrain - 1) / kGrain;
-  buffers.answered_of_chunk.assign(chunks + 1, AnsweredCount{});
-  const auto for_chunks = [&](auto&& visit) {
-    parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-      AnsweredCount& count = buffers.answered_of_chunk[begin / kGrain];
-      for (std::size_t i = begin; i < end; ++i) visit(i, count);
-    });
-  };
-  for_chunks([&](std::size_t i, AnsweredCount& count) {
-    ActivePair& pair = buffers.pairs[i];
-    pair.place_count = count_places(world, pair, buffers.found[i]);
-    if (pair.place_count > 0 && pair.memory.room == kNoRoom) ++count.new_rooms;
-  });
-  std::uint32_t rooms = 0;
-  for (AnsweredCount& count : buffers.answered_of_chunk) count.new_rooms = std::exchange(rooms, rooms + count.new_rooms);
-  // A pair may gain places in any later frame; room for these costs no memory until it is used.
-  world.places.reserve(2 * buffers.pairs.capacity());
-  world.places.make_room(rooms);
-  for_chunks([&](std::size_t i, AnsweredCount& count) {
-    ActivePair& pair = buffers.pairs[i];
-    pair.answered = false;
-    if (pair.place_count > 0) {
-      if (pair.memory.room == kNoRoom) pair.memory.room = world.places.room(count.new_rooms++);
-      if (!pair.by_kept()) find_places(world, pair, buffers.found[i]);
-      look_at_places(world, pair);
-    }
-    if (!pair.apart() && pair.refinable()) ++count.left;
-    if (pair.kept == Kept::Apart) ++count.kept_apart;
-    if (!pair.answered) return;
-    ++count.answered;
-    if (pair.by_kept()) ++count.kept_contacts;
-    ++count.levels[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
-  });
-  world.places.use_up(rooms);
-}
-
 Material mixed(const WorldState& world, const ActivePair& pair) {
   const Material& a = world.materials[world.bodies.material[pair.a]];
   const Material& b = world.materials[world.bodies.material[pair.b]];
@@ -188,8 +149,54 @@ response::RestPair rest_pair(const WorldState& world, std::size_t i, bool fast) 
   return rest;
 }
 
+// Places of all pairs, and those that are answered, chunk by chunk.
+void lay_out_places(WorldState& world, double dt_s, double still_mps) {
+  FrameBuffers& buffers = world.buffers;
+  buffers.answered_of_chunk.assign(buffers.chunks(), AnsweredCount{});
+  buffers.rest_of_chunk.reserve(buffers.pairs.capacity());
+  buffers.rest_of_chunk.resize(buffers.pairs.size());
+  const auto for_chunks = [&](auto&& visit) {
+    parallel::parallel_for(*world.executor, buffers.chunks(), 2, [&](std::size_t first, std::size_t past, int) {
+      for (std::size_t chunk = first; chunk < past; ++chunk) visit(chunk, buffers.answered_of_chunk[chunk]);
+    });
+  };
+  for_chunks([&](std::size_t chunk, AnsweredCount& count) {
+    if (buffers.known_of_chunk[chunk].roomless == 0) return;
+    for (std::size_t i = buffers.begin_of(chunk); i < buffers.end_of(chunk); ++i) {
+      const ActivePair& pair = buffers.pairs[i];
+      if (pair.memory.room == kNoRoom && count_places(world, pair, buffers.found[i]) > 0) ++count.new_rooms;
+    }
+  });
+  std::uint32_t rooms = 0;
+  for (AnsweredCount& count : buffers.answered_of_chunk) count.new_rooms = std::exchange(rooms, rooms + count.new_rooms);
+  // A pair may gain places in any later frame; room for these costs no memory until it is used.
+  world.places.reserve(2 * buffers.pairs.capacity());
+  world.places.make_room(rooms);
+  for_chunks([&](std::size_t chunk, AnsweredCount& count) {
+    for (std::size_t i = buffers.begin_of(chunk); i < buffers.end_of(chunk); ++i) {
+      ActivePair& pair = buffers.pairs[i];
+      pair.place_count = count_places(world, pair, buffers.found[i]);
+      pair.answered = false;
+      if (pair.place_count > 0) {
+        if (pair.memory.room == kNoRoom) pair.memory.room = world.places.room(count.new_rooms++);
+        if (!pair.by_kept()) find_places(world, pair, buffers.found[i]);
+        look_at_places(world, pair);
+      }
+      if (!pair.apart() && pair.refinable()) ++count.left;
+      if (pair.kept == Kept::Apart) ++count.kept_apart;
+      if (!pair.answered) continue;
+      const response::RestPair rest = rest_pair(world, i, may_be_fast(world, pair, dt_s, still_mps));
+      count.any_fast = count.any_fast || rest.fast;
+      buffers.rest_of_chunk[buffers.begin_of(chunk) + count.answered++] = rest;
+      if (pair.by_kept()) ++count.kept_contacts;
+      ++count.levels[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
+    }
+  });
+  world.places.use_up(rooms);
+}
+
 // The pairs that are answered, in canonical order, coloured by the bodies that yield.
-void list_answered(WorldState& world, double dt_s, double still_mps, FrameReport& report) {
+void list_answered(WorldState& world, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   std::uint32_t answered = 0;
   for (AnsweredCount& count : buffers.answered_of_chunk) {
@@ -211,21 +218,17 @@ void list_answered(WorldState& world, double dt_s, double still_mps, FrameReport
   buffers.rest_pairs.resize(answered);
   buffers.edges.resize(answered);
   buffers.given_ns.resize(answered);
-  parallel::Shared<int> fast(0);
-  parallel::parallel_for(*world.executor, buffers.pairs.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    std::uint32_t at = buffers.answered_of_chunk[begin / kGrain].before;
-    bool any = false;
-    for (std::size_t i = begin; i < end; ++i) {
-      const ActivePair& pair = buffers.pairs[i];
-      if (!pair.answered) continue;
-      const response::RestPair rest = rest_pair(world, i, may_be_fast(world, pair, dt_s, still_mps));
-      any = any || rest.fast;
-      buffers.rest_pairs[at] = rest;
-      buffers.edges[at++] = {pair.a, pair.b, world.bodies.dynamic[pair.a] != 0, world.bodies.dynamic[pair.b] != 0, rest.place_count};
+  buffers.impacts = std::any_of(buffers.answered_of_chunk.begin(), buffers.answered_of_chunk.end(), [](const AnsweredCount& count) { return count.any_fast; });
+  parallel::parallel_for(*world.executor, buffers.chunks(), 2, [&](std::size_t first, std::size_t past, int) {
+    for (std::size_t chunk = first; chunk < past; ++chunk) {
+      const AnsweredCount& count = buffers.answered_of_chunk[chunk];
+      for (std::uint32_t k = 0; k < count.answered; ++k) {
+        const response::RestPair& rest = buffers.rest_of_chunk[buffers.begin_of(chunk) + k];
+        buffers.rest_pairs[count.before + k] = rest;
+        buffers.edges[count.before + k] = {rest.a, rest.b, world.bodies.dynamic[rest.a] != 0, world.bodies.dynamic[rest.b] != 0, rest.place_count};
+      }
     }
-    if (any && fast.get() == 0) fast.set(1);
   });
-  buffers.impacts = fast.get() != 0;
   buffers.coloring.color(buffers.edges, world.bodies.slot_count());
   report.contact_pairs = answered;
   report.colors_full = answered - buffers.coloring.serial_begin();
@@ -366,8 +369,8 @@ double answered_gap_m(const WorldState& world, std::uint32_t pair) {
 }
 
 void list_contact_pairs(WorldState& world, double dt_s, double still_mps, FrameReport& report) {
-  lay_out_places(world);
-  list_answered(world, dt_s, still_mps, report);
+  lay_out_places(world, dt_s, still_mps);
+  list_answered(world, report);
   lay_out_points(world);
   fill_bodies(world);
 }

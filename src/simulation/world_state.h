@@ -142,11 +142,14 @@ struct KnownCount {
   std::uint32_t present = 0;           ///< that are not known to be apart
   std::uint32_t unknown = 0;           ///< of these, that nothing is kept of
   std::uint32_t outdated = 0;          ///< of these, of which something was found out that is too old
+  std::uint32_t refinable = 0;         ///< at most so many can be refined
+  std::uint32_t roomless = 0;          ///< at most so many have no room for places and may need one
 };
 
 /// What there is to answer among some pairs.
 struct AnsweredCount {
   std::uint32_t before = 0;            ///< answered pairs of all chunks before
+  bool any_fast = false;               ///< one of them may have an impact
   std::uint32_t answered = 0, left = 0, kept_apart = 0, kept_contacts = 0;
   std::uint32_t new_rooms = 0;
   std::array<std::uint32_t, kPolygonPlace + 1> levels{};
@@ -154,6 +157,12 @@ struct AnsweredCount {
 
 /// Everything that one step works on. Invariant: buffers only grow.
 struct FrameBuffers {
+  /// Chunks of pairs: those of a chunk of candidates follow each other.
+  [[nodiscard]] std::size_t chunks() const { return known_of_chunk.empty() ? 0 : known_of_chunk.size() - 1; }
+  [[nodiscard]] std::size_t begin_of(std::size_t chunk) const { return known_of_chunk[chunk].begin; }
+  [[nodiscard]] std::size_t end_of(std::size_t chunk) const { return known_of_chunk[chunk + 1].begin; }
+
+
   parallel::LargeVector<collision::Pose> poses;                  // one a slot
   parallel::LargeVector<Glance> glances;                         // one a slot
   parallel::LargeVector<Mat3> inverse_inertia;                   // one a slot, world frame
@@ -168,8 +177,9 @@ struct FrameBuffers {
   std::vector<std::uint8_t> turned;                    // one a pair: its touch began or ended
   std::vector<collision::FrontPool> pools;             // one a worker
   std::vector<WorkerTally> tallies;                    // one a worker
-  std::vector<AnsweredCount> answered_of_chunk;        // per chunk of pairs
-  parallel::LargeVector<response::RestPair> rest_pairs;          // those that are answered, in canonical order
+  std::vector<AnsweredCount> answered_of_chunk;        // per chunk of candidates, as known_of_chunk
+  parallel::LargeVector<response::RestPair> rest_of_chunk;       // those that are answered, chunk after chunk from where its pairs begin
+  parallel::LargeVector<response::RestPair> rest_pairs;          // the same one after another, in canonical order
   std::vector<response::Coloring::Edge> edges;         // of these
   parallel::LargeVector<Vec3> given_ns;                          // to these: what b received from rest
   response::Coloring coloring;
