@@ -63,7 +63,9 @@ void fetch_places(const RestSystem& system, const RestBlock& block) {
     const RestPair& pair = system.pairs[name];
     if (pair.place_count == 0) continue;
     const auto* place = reinterpret_cast<const std::byte*>(&system.places[pair.place_begin]);
-    for (std::size_t at = 0; at < pair.place_count * sizeof(RestPlace); at += kLine) hwy::Prefetch(place + at);
+    const std::size_t bytes = pair.place_count * sizeof(RestPlace);
+    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(place + at);
+    hwy::Prefetch(place + bytes - 1);
     hwy::Prefetch(&system.loads[pair.place_begin]);
     hwy::Prefetch(&system.loads[pair.place_begin + pair.place_count - 1U]);
     for (const std::uint32_t body : {pair.a, pair.b}) {
