@@ -137,8 +137,8 @@ int study_scaling(const StudyTimingOptions& o) {
   std::vector<std::uint64_t> counts = o.thread_counts;
   for (std::uint64_t n = 1; o.thread_counts.empty() && n <= std::min<std::uint64_t>(16, static_cast<std::uint64_t>(parallel::available_threads())); n *= 2) counts.push_back(n);
   const std::uint64_t bodies = o.bodies.empty() ? 4000 : o.bodies.front();
-  const std::uint64_t skip = o.skip.value_or(40);
-  const std::uint64_t total = skip + o.frames.value_or(200);
+  const std::uint64_t settle = o.settle.value_or(400);
+  const std::uint64_t total = settle + o.frames.value_or(40);
   Progress progress(!o.quiet);
   std::vector<SceneRun> runs;
   for (const std::uint64_t threads : counts) {
@@ -147,15 +147,24 @@ int study_scaling(const StudyTimingOptions& o) {
     runs.push_back(std::move(run).value());
   }
   std::vector<std::vector<double>> rates(runs.size());
+  std::vector<double> work;
   for (std::uint64_t frame = 0; frame < total; ++frame) {
     for (std::size_t r = 0; r < runs.size(); ++r) {
       if (interrupt.asked()) return refuse("scaling", kExitStopped, stopped().message);
-      const Result<FrameReport> report = next_frame(runs[r], o, frame);
-      if (!report) return refuse("scaling", exit_code_of(report.error()), report.error().message);
-      const double refine_us = 1e3 * ms(report.value().times.refine);
-      if (frame >= skip && report.value().pairs_left > 0 && refine_us > 0 && report.value().work_refine > 0) {
-        rates[r].push_back(static_cast<double>(report.value().work_refine) / refine_us);
-      }
+      Status ready = runs[r].before_frame(frame);
+      if (ready && frame >= settle) ready = forget_pairs(runs[r]);
+      if (!ready) return refuse("scaling", exit_code_of(ready.error()), ready.error().message);
+      StepInput input;
+      input.dt_s = 1.0 / 60;
+      input.view = runs[r].view();
+      // The clock decides the order of refinement alone: there is time for all of it.
+      if (frame >= settle) input.budget = Budget::within(std::chrono::minutes(1));
+      const FrameReport report = runs[r].world().step(input);
+      if (report.status != StepStatus::Done) return refuse("scaling", kExitBadInput, "the step was refused: its input is out of range");
+      const double refine_us = 1e3 * ms(report.times.refine);
+      if (frame < settle || refine_us <= 0) continue;
+      rates[r].push_back(static_cast<double>(report.work_refine) / refine_us);
+      if (r == 0) work.push_back(static_cast<double>(report.work_refine));
     }
     progress.share("frames on each number of threads in turn", static_cast<double>(frame) / static_cast<double>(total));
   }
@@ -163,7 +172,7 @@ int study_scaling(const StudyTimingOptions& o) {
   io::ScalingDocument document;
   document.scene = o.scene;
   document.bodies = bodies;
-  document.deadline_ms = ms(deadline_of(o, 1.0 / 60));
+  document.units_a_frame = work.empty() ? 0 : simulation::percentile(work, 0.5);
   for (std::size_t r = 0; r < runs.size(); ++r) {
     io::ScalingRow row;
     row.threads = runs[r].world().threads();

@@ -49,22 +49,6 @@ struct Timed {
   }
 };
 
-// A body that was somewhere else and is back has the state that it had, and nothing is known of its pairs.
-Status forget(SceneRun& run) {
-  World& world = run.world();
-  for (const RunBody& body : run.bodies()) {
-    if (body.is_static) continue;
-    const Result<BodyState> state = world.state(body.id);
-    if (!state) return state.error();
-    BodyState away = state.value();
-    away.position_m.x() += 1.0;
-    Status moved = world.set_state(body.id, away);
-    if (moved) moved = world.set_state(body.id, state.value());
-    if (!moved) return moved;
-  }
-  return Done{};
-}
-
 }  // namespace
 
 int study_kept(const StudyTimingOptions& o) {
@@ -92,7 +76,7 @@ int study_kept(const StudyTimingOptions& o) {
     progress.share(fmt::format("{} bodies", document.bodies), static_cast<double>(frame) / static_cast<double>(total));
     Status ready = run.value().before_frame(frame);
     const bool forgets = frame >= settle && frame % kEvery == 0;
-    if (ready && forgets) ready = forget(run.value());
+    if (ready && forgets) ready = forget_pairs(run.value());
     if (!ready) return refuse(ready.error());
     StepInput input;
     input.dt_s = kStepS;

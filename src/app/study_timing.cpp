@@ -19,7 +19,6 @@ namespace {
 void add_shared(CLI::App& command, StudyTimingOptions& o, bool timed) {
   if (timed) {
     command.add_option("--scene", o.scene, "A scene with generators (default jacks)")->type_name("SCENE");
-    add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6, "Deadline of a frame in ms (default: the time step)");
     command.add_option("--executor", o.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
         ->check(CLI::IsMember({"tbb", "threads", "serial"}))
         ->type_name("E");
@@ -37,6 +36,7 @@ void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
   add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames, "Frames that are timed in each state and round (default 60)");
   add_whole(command, "--skip", o.skip, 0, kMaxSceneFrames, "Frames before the falling ones (default 40)");
   add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames, "Frames before the settled ones, from the start (default 600)");
+  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6, "Deadline of a frame in ms (default: the time step)");
   add_whole(command, "--rounds", o.rounds, 1, 100, "How often all populations are run in turn (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_shared(command, o, true);
@@ -62,14 +62,14 @@ void add_study_kept_options(CLI::App& command, StudyTimingOptions& o) {
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& o) {
   command.add_option("--threads", o.thread_counts, "Numbers of threads (default 1 2 4 8 16 as far as the machine has them)")->check(CLI::Range(1, 256))->type_name("N...");
   command.add_option("--bodies", o.bodies, "Population (default 4000)")->expected(1)->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))->type_name("N");
-  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames, "Frames that are timed for each number (default 200)");
-  add_whole(command, "--skip", o.skip, 0, kMaxSceneFrames, "Frames before them (default 40)");
+  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames, "Frames that are timed for each number (default 40)");
+  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames, "Frames before them (default 400)");
   add_shared(command, o, true);
   command.footer(
       "Example:\n"
       "  poise study scaling --threads 1 2 --markdown scaling.md\n\n"
-      "A World for each number of threads; they step in turn, so that what the machine does meanwhile meets all of them alike. Counted are the frames that left pairs\n"
-      "coarse: in the others refinement ended for want of work.");
+      "A World for each number of threads, all in the same state; they step in turn, so that what the machine does meanwhile meets all of them alike. Each timed frame starts\n"
+      "anew and has time for every level of every pair, in the order of the policy.");
 }
 
 void add_study_free_options(CLI::App& command, StudyTimingOptions& o) {
@@ -113,6 +113,21 @@ Result<SceneRun> timed_scene(const StudyTimingOptions& o, std::uint64_t bodies, 
   start.bodies = bodies;
   start.tree_cache = tree_cache_settings(o.tree_cache).value();
   return SceneRun::create(scene.value(), start);
+}
+
+Status forget_pairs(SceneRun& run) {
+  World& world = run.world();
+  for (const RunBody& body : run.bodies()) {
+    if (body.is_static) continue;
+    const Result<BodyState> state = world.state(body.id);
+    if (!state) return state.error();
+    BodyState away = state.value();
+    away.position_m.x() += 1.0;
+    Status moved = world.set_state(body.id, away);
+    if (moved) moved = world.set_state(body.id, state.value());
+    if (!moved) return moved;
+  }
+  return Done{};
 }
 
 io::MeasuredBy measured_by(const StudyTimingOptions& o, int threads) {

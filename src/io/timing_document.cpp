@@ -89,7 +89,7 @@ std::string kept_markdown(const KeptDocument& document) {
 }
 
 std::string scaling_json(const ScalingDocument& document) {
-  Json json = {{"schema", "poise.scaling/1"}, {"scene", document.scene}, {"bodies", document.bodies}, {"deadline_ms", document.deadline_ms}, {"rows", Json::array()}};
+  Json json = {{"schema", "poise.scaling/1"}, {"scene", document.scene}, {"bodies", document.bodies}, {"units_a_frame", document.units_a_frame}, {"rows", Json::array()}};
   for (const ScalingRow& row : document.rows) {
     json["rows"].push_back({{"threads", row.threads}, {"units_per_us_p50", row.units_per_us}, {"p10", row.p10}, {"p90", row.p90}, {"times_first", row.times_one}, {"frames", row.frames}});
   }
@@ -98,8 +98,8 @@ std::string scaling_json(const ScalingDocument& document) {
 }
 
 std::string scaling_markdown(const ScalingDocument& document) {
-  std::string text = fmt::format("{}, {} bodies, deadline {:.4g} ms: node-pair expansions a microsecond of refinement, frames of all rows in turn\n\n", document.scene,
-                                 document.bodies, document.deadline_ms);
+  std::string text = fmt::format("{}, {} bodies, every pair anew to its deepest level ({:.0f} expansions a frame): node-pair expansions a microsecond of refinement, frames of all rows in turn\n\n",
+                                 document.scene, document.bodies, document.units_a_frame);
   text += "| threads | p10 | p50 | p90 | times the first | frames |\n|---:|---:|---:|---:|---:|---:|\n";
   for (const ScalingRow& row : document.rows) {
     text += fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", row.threads, row.p10, row.units_per_us, row.p90, row.times_one, row.frames);

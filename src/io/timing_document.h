@@ -64,7 +64,7 @@ std::string kept_markdown(const KeptDocument& document);
 /// Refinement on a number of threads.
 struct ScalingRow {
   int threads = 1;
-  double units_per_us = 0;         ///< node-pair expansions, median over frames that left pairs coarse
+  double units_per_us = 0;         ///< node-pair expansions, median over frames
   double p10 = 0, p90 = 0;         ///< of the same
   double times_one = 0;            ///< over the same with the first number of threads
   std::uint64_t frames = 0;
@@ -72,7 +72,7 @@ struct ScalingRow {
 struct ScalingDocument {
   std::string scene;
   std::uint64_t bodies = 0;
-  double deadline_ms = 0;
+  double units_a_frame = 0;        ///< expansions, median
   std::vector<ScalingRow> rows;
   MeasuredBy by;
 };

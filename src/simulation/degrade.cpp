@@ -19,8 +19,8 @@ bool reusable(const WorldState& world, const ActivePair& pair) {
   const double radius_m = std::min(world.buffers.glances[pair.a].radius_m,
                                    world.buffers.glances[pair.b].plane ? world.buffers.glances[pair.a].radius_m : world.buffers.glances[pair.b].radius_m);
   if (pair.memory.apart) return pair.memory.moved_m <= kReuseApart * radius_m;
-  if (pair.memory.level == 0) return false;
-  return pair.memory.place_count > 0 && pair.memory.moved_m <= kReusePlaces * radius_m;
+  // Balls roll, and the normal that they met with rolls along.
+  return pair.memory.level > 0 && pair.memory.place_count > 0 && pair.memory.moved_m <= kReusePlaces * radius_m;
 }
 
 double seen(const scheduler::Policy& policy, const scheduler::PairCues& cues) {

@@ -169,7 +169,7 @@ void count_known(const ActivePair& pair, bool swept, KnownCount& known) {
   ++known.present;
   if (pair.kept != Kept::Nothing) return;
   ++known.unknown;
-  if (pair.memory.reach_m > 0) ++known.outdated;
+  if (pair.memory.reach_m > 0 && (pair.memory.apart || pair.memory.level > 0)) ++known.outdated;
 }
 
 }  // namespace
@@ -311,6 +311,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     all.present += buffers.known_of_chunk[chunk].present;
     all.unknown += buffers.known_of_chunk[chunk].unknown;
+    all.refinable += buffers.known_of_chunk[chunk].refinable;
   }
   if (input.backtracking) send_swept(world, input, report);
   report.coarse_pairs = buffers.pairs.size();

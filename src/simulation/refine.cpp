@@ -1,173 +1,20 @@
 // SPDX-License-Identifier: MIT
+#include "simulation/refine_level.h"
+
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
-#include "collision/polygon_contact.h"
 #include "parallel/shared.h"
-#include "simulation/cpu_clock.h"
-#include "simulation/decided.h"
-#include "simulation/frame_time.h"
-#include "simulation/stages.h"
 
 namespace poise::simulation {
 namespace {
-
-struct Refinement {
-  WorldState& world;
-  const StepInput& input;
-  scheduler::FrameFacts facts;
-  std::span<WorkerTally> tallies;
-  DecisionLog* log = nullptr;  // of a step that is recorded
-};
-
-enum class Outcome : std::uint8_t { Completed, Cut, Full };
-
-// The polygons of a pair, in bounded pieces, as below.
-template <class GoOn>
-Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair, collision::PairLevel& level,
-                          collision::LevelContact& found, GoOn&& go_on) {
-  const collision::PairFrame frame = frame_of(world, pair);
-  const Mat3 rotation = world.buffers.poses[pair.a].rotation;
-  collision::PolygonProgress progress;
-  collision::begin_polygons(frame, rotation, level, found, progress);
-  std::uint32_t left = level.next_units;
-  for (;;) {
-    const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
-    if (collision::run_polygons(frame, pools, units, progress) == collision::Quantum::Complete) break;
-    left -= units;
-    if (!go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) return Outcome::Cut;
-  }
-  collision::publish_polygons(frame, rotation, progress, level, found);
-  return Outcome::Completed;
-}
-
-// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the pair is known by goes on
-// in `level` and `found`, which are its own or copies of them; of the pair itself nothing changes.
-template <class GoOn>
-Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair, collision::PairLevel& level,
-                       collision::LevelContact& found, int worker, GoOn&& go_on) {
-  if (level.next_is_polygons()) return complete_polygons(world, pools, pair, level, found, go_on);
-  collision::PairFrame frame = frame_of(world, pair);
-  const Mat3 rotation = world.buffers.poses[pair.a].rotation;
-  if (frame.fitted) {
-    const std::size_t next = level.level + 1U;
-    collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next], world.shapes[world.shape_of[pair.b]].deviation_m[next],
-                           level.level > 0 ? found.contact.likely_m : 0.0, frame);
-  }
-  collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
-  collision::LevelProgress progress = collision::begin_level(level, pool);
-  std::uint32_t left = level.front_entries;
-  for (;;) {
-    const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
-    const collision::Quantum quantum = collision::run_quantum(frame, pools, worker, units, progress);
-    if (quantum == collision::Quantum::Complete) break;
-    left -= units;
-    const bool full = quantum == collision::Quantum::Full;
-    if (full || !go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) {
-      pool.release(progress.mark);
-      return full ? Outcome::Full : Outcome::Cut;
-    }
-  }
-  collision::publish_level(frame, rotation, pools, progress, level, found);
-  if (!level.refinable() && world.settings.contact != ContactModel::Paper) {
-    // Nobody reads the front of a pair that is done but the paper's model.
-    pool.release(progress.mark);
-    level.front = {};
-  }
-  if (level.next_is_polygons() && level.refinable()) {
-    level.next_units = collision::polygon_units(*frame.a, *frame.b, pools, level.front);
-  }
-  return Outcome::Completed;
-}
 
 // The same for a pair that nobody else looks at.
 Outcome complete_own_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
   const Outcome outcome = complete_level(world, world.buffers.pools, pair, pair.level, found, worker, [](std::uint64_t) { return true; });
   if (outcome == Outcome::Full) pair.full = true;
   return outcome;
-}
-
-RefinementStep::Kind kind_of(Outcome outcome) {
-  if (outcome == Outcome::Completed) return RefinementStep::Kind::Completed;
-  return outcome == Outcome::Cut ? RefinementStep::Kind::Cut : RefinementStep::Kind::Full;
-}
-
-void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
-  if (outcome == Outcome::Completed) {
-    ++tally.jobs;
-    tally.units += units;
-    if (pair.level.apart) ++tally.separated;
-  } else {
-    ++tally.dropped;
-    if (outcome == Outcome::Full) ++tally.full;
-  }
-}
-
-std::uint64_t answered_of(double share, std::int64_t present) {
-  return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
-}
-
-void put_into_bands(Refinement& refinement) {
-  WorldState& world = refinement.world;
-  const FrameBuffers& buffers = world.buffers;
-  world.bands.reset(static_cast<std::uint32_t>(buffers.pairs.size()));
-  parallel::parallel_for(*world.executor, buffers.chunks(), 2, [&](std::size_t first, std::size_t past, int) {
-    // Backwards, because the last one put into a band is the first one taken.
-    for (std::size_t chunk = past; chunk-- > first;) {
-      if (buffers.known_of_chunk[chunk].refinable == 0) continue;
-      for (std::size_t i = buffers.end_of(chunk); i-- > buffers.begin_of(chunk);) {
-        const ActivePair& pair = buffers.pairs[i];
-        if (!pair.refinable()) continue;
-        const auto item = static_cast<std::uint32_t>(i);
-        world.bands.put(item, scheduler::band_of(world.settings.policy, score_of(world, refinement.facts, pair, item)));
-      }
-    }
-  });
-}
-
-void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& report) {
-  // A job that is under way at the cut may take twice its forecast before it is given up. Chosen.
-  constexpr Nanoseconds kLeastPatience{100'000};
-  WorldState& world = refinement.world;
-  const FramePlan plan = plan_frame(world, refinement.input, start, report);
-  OpenRefinement& open = world.open;
-  open.world = &world;
-  open.facts = refinement.facts;
-  open.answered_share = world.answered_share;
-  open.hands.resize(refinement.tallies.size());
-  open.budget = plan.budget;
-  open.log = refinement.log;
-  open.contacts.set(plan.present);
-  open.cut.set(0);
-  const scheduler::FrameBudget& budget = open.budget;
-  const TimePoint first_cut = budget.cut(plan.expected);
-  if (first_cut <= start) return;
-  put_into_bands(refinement);
-  const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(scheduler::kQuantumUnits));
-  // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to do.
-  do {
-    report.jobs_given_up += world.executor->run_with({first_cut, patience}, open);
-  } while (report.jobs_given_up == 0 && open.cut.get() == 0 && !world.bands.empty());
-  report.jobs_dropped += report.jobs_given_up;
-  const TimePoint end = SteadyClock::now();
-  const std::uint64_t left = likely_answered(world, open.contacts.get());
-  report.reserve_at_cut = budget.reserve(left);
-  report.tail_forecast = budget.tail_forecast(left);
-  report.tail_work.contacts = left;
-  const TimePoint last_cut = std::max(first_cut, budget.cut(left));
-  report.refine_available = last_cut - start;
-  report.longest_overrun = std::max(Nanoseconds(0), end - last_cut);
-  // While this thread waited for another one's job, the machine may have held that one up.
-  const WorkerTally& own = refinement.tallies[0];
-  report.waited = own.ended == TimePoint{} ? Nanoseconds(0) : end - own.ended;
-  Nanoseconds held_up{0};
-  for (std::size_t w = 1; w < refinement.tallies.size(); ++w) {
-    held_up = std::max(held_up, refinement.tallies[w].off_cpu);
-  }
-  if (report.jobs_given_up > 0) held_up = report.waited;
-  report.off_cpu = std::min(report.waited, held_up);
 }
 
 // The work clock, and no limit at all: rounds whose members depend on scores and charges alone.
@@ -250,69 +97,6 @@ void refine_everything(Refinement& refinement) {
 }
 
 }  // namespace
-
-bool OpenRefinement::operator()(int worker) {
-  // Until commit() this writes what is this worker's own and nothing else.
-  const auto w = static_cast<std::size_t>(worker);
-  FrameBuffers& buffers = world->buffers;
-  WorkerTally tally = buffers.tallies[w];
-  TimePoint now = SteadyClock::now();
-  if (tally.begun == TimePoint{}) {
-    tally.begun = now;
-    tally.cpu_before = thread_cpu_time();
-  }
-  const auto admits = [&](std::uint64_t units) { return budget.admits(now, units, answered_of(answered_share, contacts.get())); };
-  const auto end = [&](bool more) {
-    tally.ended = now;
-    if (!more) tally.off_cpu = std::max(Nanoseconds(0), now - tally.begun - (thread_cpu_time() - tally.cpu_before));
-    buffers.tallies[w] = tally;
-    return more;
-  };
-  const std::uint32_t item = world->bands.take();
-  std::uint64_t piece_units = 0;
-  const bool begins = item != parallel::PriorityBands::kNone &&
-                      admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units, scheduler::kQuantumUnits));
-  if (!begins) {
-    if (!world->executor->commit(worker)) return false;
-    if (item != parallel::PriorityBands::kNone) cut.set(1);
-    return end(false);
-  }
-  const ActivePair& pair = buffers.pairs[item];
-  collision::PairLevel& level = hands[w].level;
-  collision::LevelContact& found = hands[w].found;
-  level = pair.level;
-  if (level.level > 0) found = buffers.found[item];
-  const std::uint64_t units = level.next_units;
-  TimePoint piece_begun = now;
-  const auto note_piece = [&] {
-    now = SteadyClock::now();
-    tally.busy += now - piece_begun;
-    tally.longest = std::max(tally.longest, now - piece_begun);
-    tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
-    piece_begun = now;
-  };
-  const Outcome outcome = complete_level(*world, buffers.pools, pair, level, found, worker, [&](std::uint64_t next_units) {
-    note_piece();
-    piece_units = next_units;
-    return admits(next_units);
-  });
-  note_piece();
-  if (!world->executor->commit(worker)) return false;
-  ActivePair& mine = buffers.pairs[item];
-  if (outcome == Outcome::Completed) {
-    mine.level = level;
-    buffers.found[item] = found;
-  }
-  if (outcome == Outcome::Full) mine.full = true;
-  note_outcome(mine, units, outcome, tally);
-  if (log != nullptr) log->note(worker, item, kind_of(outcome), now);
-  if (outcome == Outcome::Completed && mine.level.apart) contacts.add(-1);
-  if (outcome == Outcome::Completed && mine.refinable()) {
-    world->bands.put(item, scheduler::band_of(world->settings.policy, score_of(*world, facts, mine, item)));
-  }
-  if (outcome == Outcome::Cut) cut.set(1);
-  return end(outcome != Outcome::Cut);
-}
 
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
   scheduler::TailWork work = world.times.tail_work;

@@ -37,6 +37,11 @@ bool refine_level(WorldState& world, ActivePair& pair, collision::LevelContact& 
 /// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room. `found` is that of the pair.
 bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 
+/// Gives all pairs their places, and finds those that are answered. What is slower than `still_mps` is no impact.
+void lay_out_places(WorldState& world, double dt_s, double still_mps);
+/// Lists the answered ones in canonical order and colours them by the bodies that yield.
+void list_answered(WorldState& world, FrameReport& report);
+
 /// Where the pairs are that are answered, and the velocities of the bodies: the first half of respond. What is slower than `still_mps` is no impact.
 void list_contact_pairs(WorldState& world, double dt_s, double still_mps, FrameReport& report);
 /// Fills all rows with what impacts need; respond does so as they are looked at.

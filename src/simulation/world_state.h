@@ -281,6 +281,7 @@ struct WorldState {
   std::uint32_t rest_sweeps = 0;                       // of resting contact in the last response
   double answered_share = 1;                           // of the pairs that are not apart; learned
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
+  double rank_cost_ns = 30;                            // likewise: of putting a pair where its turn is, by all workers together
   FrameBuffers buffers;
   OpenRefinement open;
   response::RestSolver rest_solver;

@@ -48,15 +48,17 @@ TEST(StudyKept, ASettledPileRefinesNextToNothingAndMoreWhereItStartsAnew) {
 }
 
 TEST(StudyScaling, HasARowForEachNumberOfThreadsAndSaysWhereItWasMeasured) {
-  const CommandResult result = poise_command({"study", "scaling", "--threads", "1", "2", "--bodies", "60", "--frames", "5", "--skip", "2", "--deadline", "2", "--json", "-"});
+  const CommandResult result = poise_command({"study", "scaling", "--threads", "1", "2", "--bodies", "60", "--frames", "5", "--settle", "300", "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json document = json::parse(result.out);
   EXPECT_EQ(document.at("schema"), "poise.scaling/1");
   ASSERT_EQ(document.at("rows").size(), 2U);
+  EXPECT_GT(document.at("units_a_frame"), 100) << "every pair starts anew";
   EXPECT_EQ(document.at("rows").at(0).at("threads"), 1);
   EXPECT_EQ(document.at("rows").at(1).at("threads"), 2);
+  EXPECT_EQ(document.at("rows").at(1).at("frames"), 5);
   EXPECT_FALSE(document.at("machine").at("processor").get<std::string>().empty());
-  const CommandResult table = poise_command({"study", "scaling", "--threads", "1", "--bodies", "40", "--frames", "2", "--skip", "1", "--markdown", "-"});
+  const CommandResult table = poise_command({"study", "scaling", "--threads", "1", "--bodies", "40", "--frames", "2", "--settle", "1", "--markdown", "-"});
   EXPECT_NE(table.out.find("| threads | p10 | p50 |"), std::string::npos) << table.out;
 }
 
