@@ -66,5 +66,30 @@ TEST(Shared, ShowsWhatWasWrittenBeforeTheValueThatIsSeen) {
   }
 }
 
+TEST(Shares, AWorkerGetsItsOwnFirstAndThenWhatIsLeftAndEachNumberIsGivenOnce) {
+  Shares shares(10, 2);
+  EXPECT_EQ(shares.take(1), 5U) << "the second half is the second worker's";
+  std::vector<std::size_t> first;
+  for (std::size_t n = shares.take(0); n != Shares::kNone; n = shares.take(0)) first.push_back(n);
+  EXPECT_EQ(first, (std::vector<std::size_t>{0, 1, 2, 3, 4, 6, 7, 8, 9}));
+  EXPECT_EQ(shares.take(1), Shares::kNone);
+}
+
+TEST(Shares, FewerNumbersThanWorkersAndMoreWorkersThanShares) {
+  for (const int workers : {1, 3, 16, 40}) {
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{7}, std::size_t{33}}) {
+      Shares shares(count, workers);
+      std::vector<int> given(count, 0);
+      for (int w = workers - 1;; w = (w + 1) % workers) {
+        const std::size_t n = shares.take(w);
+        if (n == Shares::kNone) break;
+        ASSERT_LT(n, count);
+        ++given[n];
+      }
+      EXPECT_EQ(given, std::vector<int>(count, 1)) << workers << " workers";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace poise::parallel
