@@ -125,7 +125,7 @@ void add_study_compliance_options(CLI::App& command, StudyComplianceOptions& o) 
   command.add_flag("--competing-load", o.competing_load, "Keep one processor busy with something else the while");
   command.footer(
       "Examples:\n"
-      "  poise study compliance --markdown compliance.md --picture compliance.png      15 minutes; nothing else should run\n"
+      "  poise study compliance --markdown compliance.md --picture compliance.png      half an hour; nothing else should run\n"
       "  poise study compliance --competing-load --alpha 0.01 --json -\n"
       "  poise study compliance --frames 600 --bodies 2000 --populations 1,4\n\n"
       "Paced runs of one scene at several populations. Rates are raw; intervals are those of Clopper and Pearson. A row complies where the\n"

@@ -41,7 +41,7 @@ void add_study_constant_time_options(CLI::App& command, StudyConstantTimeOptions
   add_whole(command, "--most-bodies", o.most_bodies, 100, kMostBodies, "Largest population (default 200000)");
   command.footer(
       "Examples:\n"
-      "  poise study constant-time --markdown constant-time.md --picture constant-time.png      a few minutes\n"
+      "  poise study constant-time --markdown constant-time.md --picture constant-time.png      a quarter of an hour and more\n"
       "  poise study constant-time --scene jacks --most-bodies 4000 --frames 60 --json -\n\n"
       "From 100 bodies on, half as many again or twice as many each time, until more than half of the frames are infeasible: what every frame must\n"
       "do does not fit before the deadline.");
