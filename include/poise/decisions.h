@@ -30,6 +30,7 @@ struct FrameDecisions {
   std::uint64_t frame = 0;              ///< number of steps done before this one
   std::uint32_t active_pairs = 0;       ///< of the step, so that decisions of another scene are seen to be that
   std::uint32_t substeps = 0;           ///< of the resting-contact solver; 0: those of the settings
+  std::uint32_t visits = 0;             ///< of places by that solver in a substep, at most; 0: as many as it does by itself
   std::vector<std::uint32_t> reused;    ///< pairs answered by what they kept although it was too old, ascending
   std::vector<RefinementStep> steps;    ///< in the order in which they ended
   friend bool operator==(const FrameDecisions&, const FrameDecisions&) = default;

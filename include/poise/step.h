@@ -118,7 +118,9 @@ struct LevelsReached {
 struct Degraded {
   int substeps = 0;                      ///< of resting contact, fewer than WorldSettings::substeps; 0: as many
   std::size_t pairs_reused = 0;          ///< pairs that answered as they did last, though that was too old to be sure of
-  [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0; }
+  /// Resting contact stopped after so many visits of places in a substep, before it had settled; 0: it was not stopped.
+  std::uint32_t visits = 0;
+  [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0 || visits > 0; }
 };
 
 /// What one step did. Plain numbers; no part points into the World.
@@ -139,7 +141,8 @@ struct FrameReport {
   Nanoseconds refine_available{0};       ///< from the start of refinement to t_cut, 0 if there was none
   Nanoseconds host_reserved{0};
   Nanoseconds host_actual{0};            ///< what the host's work took, where the driver of the frame measures it; World does not
-  Nanoseconds mandatory{0};              ///< all but refinement, host work included, without what the machine took away
+  /// All but refinement, host work included, without what the machine took away and sweeps of resting contact beyond one a substep (these by forecast).
+  Nanoseconds mandatory{0};
   Nanoseconds mandatory_forecast{0};     ///< point forecast of that, made when the frame began
   bool infeasible_forecast = false;      ///< what is expected of it, without the tail's margin, does not fit
   Degraded degraded;                     ///< what was left out so that it fits
@@ -156,6 +159,7 @@ struct FrameReport {
   std::size_t candidate_pairs = 0;       ///< from the broad phase
   std::size_t coarse_pairs = 0;          ///< those that overlap at their mandatory level
   std::size_t contact_pairs = 0;         ///< answered as a contact
+  std::uint64_t patch_visits = 0;        ///< of places by resting contact, over all sweeps and substeps; one that is sped up counts seven times
   std::uint64_t work_mandatory = 0;      ///< node-pair expansions of the mandatory part
   std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
   std::size_t jobs_done = 0;             ///< levels completed

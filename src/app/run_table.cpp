@@ -124,9 +124,9 @@ void refinement(const simulation::RunFigures& f, Out out) {
 }
 
 void degraded(const simulation::RunFigures& f, Out out) {
-  if (f.degraded.infeasible_forecast == 0) return;
-  fmt::format_to(out, "degraded       {} frames were forecast not to fit: {} with fewer substeps, {} pairs answered as they did before\n",
-                 f.degraded.infeasible_forecast, f.degraded.fewer_substeps, f.degraded.pairs_reused);
+  if (f.degraded.infeasible_forecast == 0 && f.degraded.frames == 0) return;
+  fmt::format_to(out, "degraded       {} frames were forecast not to fit; {} with fewer sweeps, {} with fewer substeps, {} pairs answered as they did before\n",
+                 f.degraded.infeasible_forecast, f.degraded.fewer_sweeps, f.degraded.fewer_substeps, f.degraded.pairs_reused);
 }
 
 void swept(const simulation::RunFigures& f, Out out) {

@@ -33,7 +33,7 @@ std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::Run
   for (const simulation::RunFrame& frame : frames) {
     const FrameReport& r = frame.report;
     if (undisturbed && static_cast<double>(r.off_cpu.count()) > kDisturbed * static_cast<double>(r.tail_actual.count())) continue;
-    if (r.tail_actual.count() > 0) tails.push_back({r.tail_work, r.contact_pairs, r.tail_actual});
+    if (r.tail_actual.count() > 0) tails.push_back({r.tail_work, r.contact_pairs, r.patch_visits, r.tail_actual});
   }
   return tails;
 }

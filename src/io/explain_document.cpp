@@ -151,6 +151,7 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
     text += fmt::format("time: {:.3f} ms from the start to the deadline, {:.3f} ms for refinement, {:.3f} ms kept for what came after it, late by {:.3f} ms\n",
                         ms(f.budget), ms(f.refine_available), ms(f.reserve), ms(f.lateness));
   }
+  if (f.decisions.visits > 0) text += fmt::format("resting contact had time for {} visits of places in a substep\n", f.decisions.visits);
   if (f.decisions.substeps > 0) text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   const scheduler::Policy& p = e.explanation.policy;
   text += fmt::format("policy: {}", policy_name(p.kind));
@@ -267,6 +268,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"reserve_ms", static_cast<double>(f.reserve.count()) / 1e6},
           {"lateness_ms", static_cast<double>(f.lateness.count()) / 1e6},
           {"substeps", f.decisions.substeps},
+          {"visits", f.decisions.visits},
           {"pairs", counts_json(fates)},
           {"refined", std::move(refined)},
           {"left_coarse", std::move(left)}};

@@ -173,6 +173,7 @@ void add_figures(const RunDocument& d, Json& json) {
   for (const simulation::StageFigures& stage : f.stages) json["stage_ms"][stage.name] = of(stage.ms);
   json["tail"] = tail_json(f.tail);
   json["degraded"] = {{"frames", f.degraded.frames},
+                      {"fewer_sweeps", f.degraded.fewer_sweeps},
                       {"fewer_substeps", f.degraded.fewer_substeps},
                       {"pairs_reused", f.degraded.pairs_reused},
                       {"infeasible_forecast", f.degraded.infeasible_forecast}};

@@ -86,6 +86,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("mandatory_forecast_ms", ms(r.mandatory_forecast));
   row.column("infeasible_forecast", r.infeasible_forecast ? 1 : 0);
   row.column("degraded_substeps", r.degraded.substeps);
+  row.column("degraded_visits", r.degraded.visits);
   row.column("pairs_reused", r.degraded.pairs_reused);
   row.column("host_actual_ms", ms(r.host_actual));
   row.column("tail_beyond_clip", r.tail_beyond_clip ? 1 : 0);
@@ -102,6 +103,7 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("candidate_pairs", r.candidate_pairs);
   row.column("coarse_pairs", r.coarse_pairs);
   row.column("contact_pairs", r.contact_pairs);
+  row.column("patch_visits", r.patch_visits);
   row.column("work_mandatory", r.work_mandatory);
   row.column("work_refine", r.work_refine);
   row.column("jobs_done", r.jobs_done);

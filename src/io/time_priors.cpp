@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMostBytes = 1U << 16U;
-constexpr const char* kSchema = "poise.times/1";
+constexpr const char* kSchema = "poise.times/2";
 /// Longer than any cost that a run can have learned: what is larger was damaged.
 constexpr double kMostUs = 1e9;
 

@@ -20,13 +20,36 @@ constexpr double kMaxPushMps = 0.3;
 
 // Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no approach by more than a
 // share of what counts as still. So small scenes converge, and the cost of large ones is linear in their places.
-constexpr std::uint32_t kVisits = 60000;
 constexpr std::uint32_t kMostSweeps = 60;
 constexpr double kSettledOfStill = 3e-5;
-// Where a third of the visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones. Such a
-// visit costs three times as much as one in single precision, of which there are fewer than that.
+// Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones. Plain
+// ones in single precision are fewer than that.
 constexpr std::uint32_t kMixedSweeps = 20;
-constexpr std::uint32_t kMixedVisits = kVisits / 3;
+
+// How often a substep may go over its places.
+struct SweepLimit {
+  std::uint32_t most = 1;
+  bool mixed = false;         // sped up
+  bool shortened = false;     // fewer than without SolveSettings::visits
+};
+
+std::uint32_t sweeps_of(std::uint32_t visits, std::uint32_t places) {
+  const std::uint32_t mixed = std::min(std::min(visits / kMixedVisitCost, kMixedVisits) / places, kMostSweeps);
+  return mixed >= kMixedSweeps ? mixed : std::clamp(std::min(visits, kPlainVisits) / places, 1U, kMixedSweeps - 1);
+}
+
+SweepLimit limit_of(const RestSystem& system, const SolveSettings& settings) {
+  SweepLimit limit;
+  if (settings.stopping.converges()) {
+    limit.most = settings.stopping.max_sweeps;
+    return limit;
+  }
+  const std::uint32_t places = std::max(static_cast<std::uint32_t>(system.place_count), 1U);
+  limit.most = sweeps_of(std::min(settings.visits, kMostVisits), places);
+  limit.mixed = limit.most >= kMixedSweeps;
+  limit.shortened = limit.most < sweeps_of(kMostVisits, places);
+  return limit;
+}
 
 }  // namespace
 
@@ -56,19 +79,9 @@ struct RestSolver::Buffers {
   void for_impulses(Visit&& visit);
   std::size_t read_impulses(std::vector<double>& into);
   void mix(parallel::Executor& executor);
-  [[nodiscard]] std::uint32_t most_sweeps(const RestSystem& system, const Stopping& stopping) const;
   template <class T>
-  Convergence solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor);
+  Convergence solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit, parallel::Executor& executor);
 };
-
-std::uint32_t RestSolver::Buffers::most_sweeps(const RestSystem& system, const Stopping& stopping) const {
-  if (stopping.converges()) return stopping.max_sweeps;
-  std::size_t places = 0;
-  for (const RestPair& pair : system.pairs) places += pair.place_count;
-  const std::uint32_t count = std::max(static_cast<std::uint32_t>(places), 1U);
-  const std::uint32_t mixed = std::min(kMixedVisits / count, kMostSweeps);
-  return mixed >= kMixedSweeps ? mixed : std::clamp(kVisits / count, 1U, kMixedSweeps - 1);
-}
 
 // Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
 template <class Visit>
@@ -213,7 +226,7 @@ void fly(const RestSystem& system, std::size_t i, double dt_s) {
 }  // namespace
 
 template <class T>
-Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
+Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   constexpr std::size_t kBlocksAtOnce = 16;
   const Stopping& stopping = settings.stopping;
@@ -225,9 +238,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
   all.gyrations.resize(system.bodies.size());
-  const std::uint32_t most = most_sweeps(system, stopping);
-  const bool mixed = sizeof(T) == sizeof(double) && !stopping.converges();
-  if (mixed) {
+  if (limit.mixed) {
     before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
   }
@@ -267,7 +278,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   terms.still_mps = static_cast<T>(still_mps(settings));
   terms.push_share = static_cast<T>(kPushShare);
   terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
-  terms.watch = most > 1;
+  terms.watch = limit.most > 1;
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
@@ -280,10 +291,11 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       if (last) fly(system, i, settings.dt_s);
     });
     bool reached = !stopping.converges();
-    if (mixed) mixing.begin(read_impulses(before));
-    for (std::uint32_t round = 0; round < most; ++round) {
+    bool settled = false;
+    if (limit.mixed) mixing.begin(read_impulses(before));
+    for (std::uint32_t round = 0; round < limit.most && !settled; ++round) {
       ++ended.sweeps;
-      if (mixed) read_impulses(before);
+      if (limit.mixed) read_impulses(before);
       sweep(executor, [&](std::size_t i) {
         const SweepChange<T> change = solve_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), terms, round == 0, bodies);
         if (terms.watch) changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
@@ -298,17 +310,18 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
         sum.change_mps = std::max(sum.change_mps, change.change_mps);
       }
       if (stopping.converges()) {
-        reached = sum.change_ns <= stopping.share * sum.largest_ns;
-        if (reached) break;
-      } else if (sum.change_mps <= kSettledOfStill * still_mps(settings)) {
-        break;
+        settled = reached = sum.change_ns <= stopping.share * sum.largest_ns;
+      } else {
+        settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
       }
       // A plain sweep comes last.
-      if (mixed && round + 1 < most) mix(executor);
+      if (limit.mixed && !settled && round + 1 < limit.most) mix(executor);
     }
     if (terms.watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], all); });
     ended.reached = ended.reached && reached;
+    ended.cut_short = ended.cut_short || (limit.shortened && !settled);
   }
+  ended.visits = ended.sweeps * system.place_count * (limit.mixed ? kMixedVisitCost : 1U);
   for_bodies([&](std::size_t i) {
     end_substep(i, h_s, all);
     SolverBody& body = system.bodies[i];
@@ -326,8 +339,9 @@ RestSolver::RestSolver(RestSolver&&) noexcept = default;
 RestSolver& RestSolver::operator=(RestSolver&&) noexcept = default;
 
 Convergence RestSolver::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
-  const bool twofold = settings.stopping.converges() || buffers_->most_sweeps(system, settings.stopping) >= kMixedSweeps;
-  return twofold ? buffers_->solve<double>(system, settings, executor) : buffers_->solve<float>(system, settings, executor);
+  const SweepLimit limit = limit_of(system, settings);
+  const bool twofold = settings.stopping.converges() || limit.mixed;
+  return twofold ? buffers_->solve<double>(system, settings, limit, executor) : buffers_->solve<float>(system, settings, limit, executor);
 }
 
 }  // namespace poise::response

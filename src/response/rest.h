@@ -35,6 +35,7 @@ struct RestSystem {
   std::span<RestLoad> loads;                    ///< one a place: what the last step ended with goes in, what this one ends with comes out
   std::span<Vec3> given_ns;                     ///< one a pair: comes out, what b received in the step
   const Coloring& coloring;
+  std::uint64_t place_count = 0;                ///< of all pairs
 };
 
 /// Lanes of the solver: eight pairs of a colour side by side. Invariant: buffers only grow.
@@ -47,7 +48,7 @@ class RestSolver {
 
   /// Adds forces and keeps bodies from sinking into each other (docs/response.md). In `substeps` (Macklin et al. 2019) place after
   /// place gets the impulse that keeps its gap from closing further than it is wide, warm started from the last step's, and Coulomb friction within
-  /// its cone; what overlaps beyond doubt is pushed apart in place alone. Impulses are sought in single precision from what changes in
+  /// its cone; what overlaps beyond doubt is pushed apart in place alone. A substep goes over its places until they settle, and visits at most settings.visits of them. Impulses are sought in single precision from what changes in
   /// the step, and given in double precision at the end: momentum and angular momentum are kept to rounding. With
   /// settings.stopping.converges() everything is in double precision, and sweeps are repeated as it says. Fills moved_m and turned_rad. The same bits on any number of
   /// threads and instruction set.

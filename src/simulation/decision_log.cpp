@@ -10,7 +10,7 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   frame_ = frame;
   active_pairs_ = active_pairs;
   known_ = true;
-  substeps_ = 0;
+  substeps_ = visits_ = 0;
   reused_.clear();
   reused_.reserve(most_steps);
   if (lanes_.size() < workers) lanes_.resize(workers);
@@ -23,11 +23,12 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
 void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.steps.clear();
   decisions.reused.clear();
-  decisions.substeps = 0;
+  decisions.substeps = decisions.visits = 0;
   decisions.frame = known_ ? frame_ : 0;
   decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
   if (!known_) return;
   decisions.substeps = substeps_;
+  decisions.visits = visits_;
   decisions.reused = reused_;
   std::sort(decisions.reused.begin(), decisions.reused.end());
   constexpr std::size_t kMostWorkers = 256;

@@ -31,6 +31,8 @@ class DecisionLog {
   /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that answered by what it
   /// kept though that was too old. From the thread of the step, after begin.
   void substeps(std::uint32_t count) { substeps_ = count; }
+  /// Likewise the visits that a substep may make (0: as many as the solver does by itself).
+  void visits(std::uint32_t most) { visits_ = most; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
 
   /// All lists as one, by time; of one time the lower worker first. Uses the room of `decisions` again.
@@ -49,7 +51,7 @@ class DecisionLog {
   std::vector<Lane> lanes_;
   std::uint64_t frame_ = 0;
   std::size_t active_pairs_ = 0;
-  std::uint32_t substeps_ = 0;
+  std::uint32_t substeps_ = 0, visits_ = 0;
   std::vector<std::uint32_t> reused_;
   bool known_ = false;
 };

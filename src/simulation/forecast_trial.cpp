@@ -31,8 +31,10 @@ struct Tracker {
   [[nodiscard]] Nanoseconds point(const RecordedTail& frame) const { return tail.forecast(work_of(frame.forecast_for)); }
   void learn(const RecordedTail& frame) {
     margin.observe(frame.actual, point(frame));
-    scheduler::TailWork work = work_of(frame.forecast_for);
+    scheduler::TailWork work = frame.forecast_for;
     work.contacts = frame.contacts;
+    work.patch_visits = frame.visits;
+    work = work_of(work);
     tail.learn(work, frame.actual);
   }
 };

@@ -14,6 +14,7 @@ namespace poise::simulation {
 struct RecordedTail {
   scheduler::TailWork forecast_for;  ///< FrameReport::tail_work
   std::uint64_t contacts = 0;        ///< that were answered in the end
+  std::uint64_t visits = 0;          ///< FrameReport::patch_visits
   Nanoseconds actual{0};             ///< > 0
 };
 

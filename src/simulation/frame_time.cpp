@@ -39,10 +39,39 @@ void count_pairs(WorldState& world, FramePlan& plan) {
   world.times.tail_work = tail_work(world, plan.expected);
 }
 
+// Of the time that is left when all else of the tail is done, resting contact is kept at most so much for what it visits beyond one sweep a substep; the
+// rest is refinement's. After that it may use what is left. Chosen.
+constexpr double kShareOfVisits = 0.5;
+
+double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
+
+// With a margin, what a visit of a place costs.
+double visit_ns(const WorldState& world) {
+  constexpr double kLeastNs = 0.01;  // no division by nothing
+  return std::max(kLeastNs, world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits] * world.margin.factor());
+}
+
+// Without a margin.
+Nanoseconds visits_forecast(const WorldState& world, std::uint64_t visits) {
+  return Nanoseconds(static_cast<std::int64_t>(static_cast<double>(visits) * world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits]));
+}
+
+// The visits of a substep that time is kept for.
+double visits_kept(const WorldState& world, scheduler::TailWork work, int substeps, Nanoseconds left) {
+  const TimeFacts& times = world.times;
+  const auto least = static_cast<double>(times.rest_places);
+  work.patch_visits = 0;
+  const double free_ns = ns_of(left) - world.margin.factor() * ns_of(world.tail.forecast(work));
+  const double fit = kShareOfVisits * free_ns / (visit_ns(world) * substeps);
+  return std::min(times.visits_a_substep, std::max(least, fit));
+}
+
 // The budget with so many substeps.
-void set_budget(WorldState& world, const StepInput& input, int substeps, Nanoseconds host, FramePlan& plan) {
+void set_budget(WorldState& world, const StepInput& input, int substeps, Nanoseconds host, TimePoint now, FramePlan& plan) {
   scheduler::TailWork& work = world.times.tail_work;
-  work.patch_visits = static_cast<std::uint64_t>(world.times.visits_a_substep * substeps);
+  work.contacts = plan.expected;
+  const Nanoseconds left = input.budget.deadline - host - now;
+  work.patch_visits = static_cast<std::uint64_t>(visits_kept(world, work, substeps, left) * substeps);
   plan.budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin, work, world.unit_cost_ns);
 }
 
@@ -61,7 +90,7 @@ void begin_frame_time(WorldState& world, const StepInput& input, TimePoint start
   times.head_work.candidate_pairs = times.candidate_pairs;
   scheduler::TailWork tail = times.tail_work;
   tail.bodies = world.bodies.dynamic_count();
-  tail.patch_visits = static_cast<std::uint64_t>(times.visits_a_substep * world.settings.substeps);
+  tail.patch_visits = times.rest_places * static_cast<std::uint64_t>(world.settings.substeps);
   const Nanoseconds head = world.head.forecast(times.head_work);
   const Nanoseconds host = host_reserve(world, input);
   const Nanoseconds expected = world.tail.forecast(tail);
@@ -75,7 +104,7 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
   world.buffers.least_seen.reserve(world.buffers.pairs.capacity());
   FramePlan plan;
   count_pairs(world, plan);
-  set_budget(world, input, world.substeps, host, plan);
+  set_budget(world, input, world.substeps, host, now, plan);
   // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing is left out either. Leaving out for the
   // margin's sake kept frames coarse that took half of their time, and coarse frames have more to answer.
   const auto late = [&] { return now + plan.budget.tail_forecast(plan.expected) + host - input.budget.deadline; };
@@ -85,7 +114,7 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
     // Where nothing rests, as in free fall, fewer substeps save nothing.
     const int least = world.times.visits_a_substep > 0 ? 1 : world.settings.substeps;
     for (int substeps = world.settings.substeps - 1; substeps >= least && late().count() > 0; --substeps) {
-      set_budget(world, input, substeps, host, plan);
+      set_budget(world, input, substeps, host, now, plan);
       degraded.substeps = substeps;
     }
     if (late().count() > 0) {
@@ -95,7 +124,7 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
     degrade(world, degraded);
     report.degraded = degraded;
     if (degraded.pairs_reused > 0) count_pairs(world, plan);
-    set_budget(world, input, world.substeps, host, plan);
+    set_budget(world, input, world.substeps, host, now, plan);
   }
   report.host_reserved = host;
   report.tail_work = world.times.tail_work;
@@ -105,10 +134,23 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
   return plan;
 }
 
+std::uint32_t visits_in_time(const WorldState& world, const StepInput& input, const FrameReport& report) {
+  const TimePoint now = SteadyClock::now();
+  scheduler::TailWork work = tail_work(world, report.contact_pairs);
+  work.patch_visits = 0;
+  const Nanoseconds spent = now - report.refine_started - report.times.refine;
+  const double rest_ns = std::max(0.0, world.margin.factor() * ns_of(world.tail.forecast(work)) - ns_of(spent));
+  const double left_ns = ns_of(input.budget.deadline - report.host_reserved - now) - rest_ns;
+  // To the nearest whole sweep.
+  const double visits = left_ns / (visit_ns(world) * world.substeps) + 0.5 * static_cast<double>(world.buffers.rest_places);
+  return static_cast<std::uint32_t>(std::clamp(visits, 1.0, static_cast<double>(response::kMostVisits)));
+}
+
 void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nanoseconds cpu_before, FrameReport& report) {
   report.times.total = SteadyClock::now() - start;
   if (input.budget.kind != Budget::Kind::Deadline) return;
   const StageTimes& times = report.times;
+  const int substeps = report.degraded.substeps > 0 ? report.degraded.substeps : world.settings.substeps;
   report.budget = input.budget.deadline - start;
   report.tail_actual = times.response + times.integrate + times.publish;
   const Nanoseconds cpu = thread_cpu_time() - cpu_before;
@@ -117,9 +159,14 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   // What the machine took of refinement is no part of the rest.
   const Nanoseconds of_refinement = world.buffers.tallies.empty() ? Nanoseconds(0) : world.buffers.tallies[0].off_cpu;
   const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement);
-  report.mandatory = times.total - times.refine - of_rest + report.host_reserved;
+  // Nor is what resting contact did beyond one sweep a substep.
+  const std::uint64_t least_visits = std::min<std::uint64_t>(report.patch_visits, world.buffers.rest_places * static_cast<std::uint64_t>(substeps));
+  const Nanoseconds of_sweeps = std::min(times.response, visits_forecast(world, report.patch_visits - least_visits));
+  report.mandatory = times.total - times.refine - of_rest - of_sweeps + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
-  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
+  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee. But visits beyond those that were
+  // expected were made in time that was left over.
+  report.tail_forecast += visits_forecast(world, report.patch_visits - std::min(report.patch_visits, report.tail_work.patch_visits));
   world.margin.observe(report.tail_actual, report.tail_forecast);
   report.tail_beyond_clip = scheduler::beyond_clip(report.tail_actual, report.tail_forecast);
   const std::uint64_t known = world.buffers.known_of_chunk.back().present;
@@ -127,15 +174,17 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   if (present > 0) {
     world.answered_share += 0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
   }
-  world.tail.learn(tail_work(world, report.contact_pairs), report.tail_actual);
+  scheduler::TailWork done = tail_work(world, report.contact_pairs);
+  done.patch_visits = report.patch_visits;
+  world.tail.learn(done, report.tail_actual);
   TimeFacts& facts = world.times;
   world.head.learn(facts.head_work, times.predict + times.broad_phase + times.coarse);
   facts.candidate_pairs = report.candidate_pairs;
   facts.active_pairs = report.coarse_pairs;
-  std::uint64_t places = 0;
-  for (const response::RestPair& pair : world.buffers.rest_pairs) places += pair.place_count;
-  const double visits = static_cast<double>(world.rest_sweeps) * static_cast<double>(places);
-  facts.visits_a_substep = visits / (report.degraded.substeps > 0 ? report.degraded.substeps : world.settings.substeps);
+  facts.rest_places = world.buffers.rest_places;
+  facts.visits_a_substep = static_cast<double>(report.patch_visits) / substeps;
+  // What it would have wanted is not known. Chosen.
+  if (report.degraded.visits > 0) facts.visits_a_substep = std::min(2 * facts.visits_a_substep, double{response::kMostVisits});
   ++facts.frames;
 }
 

@@ -20,6 +20,10 @@ struct FramePlan {
 /// (simulation/degrade.h). Fills what the report says of both.
 FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, FrameReport& report);
 
+/// After the contacts were listed: of places, how many a substep may visit (response::SolveSettings::visits) so that the tail, with its margin, ends in
+/// time; as many as the solver does by itself where that fits. At least 1.
+std::uint32_t visits_in_time(const WorldState& world, const StepInput& input, const FrameReport& report);
+
 /// Of so many pairs that are not apart, how many are likely to be answered.
 std::uint64_t likely_answered(const WorldState& world, std::int64_t present);
 

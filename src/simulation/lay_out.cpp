@@ -186,6 +186,7 @@ void lay_out_places(WorldState& world, double dt_s, double still_mps) {
       const response::RestPair rest = rest_pair(world, i, may_be_fast(world, pair, dt_s, still_mps));
       count.any_fast = count.any_fast || rest.fast;
       buffers.rest_of_chunk[buffers.begin_of(chunk) + count.answered++] = rest;
+      count.rest_places += rest.place_count;
       if (pair.by_kept()) ++count.kept_contacts;
       ++count.levels[pair.by_polygons() ? kPolygonPlace : pair.answered_level()];
     }
@@ -196,9 +197,11 @@ void lay_out_places(WorldState& world, double dt_s, double still_mps) {
 void list_answered(WorldState& world, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   std::uint32_t answered = 0;
+  buffers.rest_places = 0;
   for (AnsweredCount& count : buffers.answered_of_chunk) {
     count.before = answered;
     answered += count.answered;
+    buffers.rest_places += count.rest_places;
     report.pairs_left += count.left;
     report.kept_apart += count.kept_apart;
     report.kept_contacts += count.kept_contacts;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parallel/shared.h"
+#include "simulation/frame_time.h"
 #include "simulation/stages.h"
 #include "simulation/swept.h"
 
@@ -130,8 +131,23 @@ void close_gates(WorldState& world) {
 void leave_bouncing(WorldState& world) {
   FrameBuffers& buffers = world.buffers;
   for (std::size_t k = 0; k < buffers.rest_pairs.size(); ++k) {
-    if (buffers.scratch.gates[k].ready && buffers.rows[k].bounces) buffers.rest_pairs[buffers.coloring.order()[k]].place_count = 0;
+    if (!buffers.scratch.gates[k].ready || !buffers.rows[k].bounces) continue;
+    response::RestPair& rest = buffers.rest_pairs[buffers.coloring.order()[k]];
+    buffers.rest_places -= rest.place_count;
+    rest.place_count = 0;
   }
+}
+
+// How many places a substep may visit: as many as the solver does by itself, or before a deadline as many as fit, or as another run decided.
+std::uint32_t visits_of_step(WorldState& world, const StepInput& input, const FrameReport& report) {
+  std::uint32_t most = response::kMostVisits;
+  if (input.replay != nullptr) {
+    if (input.replay->visits > 0) most = input.replay->visits;
+  } else if (input.budget.kind == Budget::Kind::Deadline) {
+    most = visits_in_time(world, input, report);
+    if (input.record) world.decisions->visits(most < response::kMostVisits ? most : 0);
+  }
+  return most;
 }
 
 }  // namespace
@@ -169,7 +185,7 @@ void fill_rows(WorldState& world) {
 
 response::Convergence respond(WorldState& world, const StepInput& input, FrameReport& report,
                               const response::Stopping& stopping) {
-  const response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.substeps, stopping};
+  response::SolveSettings settings{input.dt_s, world.settings.gravity_mps2, world.substeps, stopping};
   list_contact_pairs(world, input.dt_s, response::still_mps(settings), report);
   FrameBuffers& buffers = world.buffers;
   response::Convergence ended;
@@ -183,10 +199,12 @@ response::Convergence respond(WorldState& world, const StepInput& input, FrameRe
     report.degenerate = degenerate.take(0);
     leave_bouncing(world);
   }
+  settings.visits = visits_of_step(world, input, report);
   const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia, buffers.poses, buffers.rest_pairs,
-                                    world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring};
+                                    world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring, buffers.rest_places};
   const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);
-  world.rest_sweeps = rest.sweeps;
+  report.patch_visits = rest.visits;
+  if (rest.cut_short) report.degraded.visits = settings.visits;
   if (input.backtracking) answer_swept(world, input, report);
   return {ended.reached && rest.reached, ended.sweeps + rest.sweeps};
 }

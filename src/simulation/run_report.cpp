@@ -161,6 +161,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.sleep.woken += report.woken;
     asleep += report.asleep;
     if (report.degraded.any()) ++figures.degraded.frames;
+    if (report.degraded.visits > 0) ++figures.degraded.fewer_sweeps;
     if (report.degraded.substeps > 0) ++figures.degraded.fewer_substeps;
     figures.degraded.pairs_reused += report.degraded.pairs_reused;
     if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;

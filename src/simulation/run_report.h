@@ -67,12 +67,13 @@ struct TailFigures {
   std::uint64_t beyond_clip = 0;     ///< frames whose actual / forecast the bound on misses does not speak of
 };
 
-/// Frames whose mandatory part was forecast not to fit, and what they left out.
+/// Frames that left something out because it was forecast not to fit, and what.
 struct DegradedFigures {
   std::uint64_t frames = 0;               ///< that left something out
+  std::uint64_t fewer_sweeps = 0;         ///< of them whose resting contact was stopped before it had settled
   std::uint64_t fewer_substeps = 0;       ///< of them with fewer substeps
   std::uint64_t pairs_reused = 0;         ///< sum over the frames
-  std::uint64_t infeasible_forecast = 0;  ///< frames that were forecast not to fit
+  std::uint64_t infeasible_forecast = 0;  ///< frames of which what every frame must do was forecast not to fit
 };
 
 /// How deep frames got, over those that were looked at (StepInput::measure_levels); places are levels, the last one is polygons.

@@ -151,6 +151,7 @@ struct AnsweredCount {
   std::uint32_t before = 0;            ///< answered pairs of all chunks before
   bool any_fast = false;               ///< one of them may have an impact
   std::uint32_t answered = 0, left = 0, kept_apart = 0, kept_contacts = 0;
+  std::uint32_t rest_places = 0;       ///< of the answered ones
   std::uint32_t new_rooms = 0;
   std::array<std::uint32_t, kPolygonPlace + 1> levels{};
 };
@@ -180,6 +181,7 @@ struct FrameBuffers {
   std::vector<AnsweredCount> answered_of_chunk;        // per chunk of candidates, as known_of_chunk
   parallel::LargeVector<response::RestPair> rest_of_chunk;       // those that are answered, chunk after chunk from where its pairs begin
   parallel::LargeVector<response::RestPair> rest_pairs;          // the same one after another, in canonical order
+  std::uint64_t rest_places = 0;                       // of these
   std::vector<response::Coloring::Edge> edges;         // of these
   parallel::LargeVector<Vec3> given_ns;                          // to these: what b received from rest
   response::Coloring coloring;
@@ -234,7 +236,8 @@ struct Sleep {
 struct TimeFacts {
   std::uint64_t frames = 0;                ///< learned from
   std::uint64_t candidate_pairs = 0, active_pairs = 0;  ///< of the last frame under a deadline
-  double visits_a_substep = 0;             ///< patches visited by resting contact in a substep of the last frame
+  double visits_a_substep = 0;             ///< of places by resting contact, that a substep is likely to want
+  std::uint64_t rest_places = 0;           ///< of the last frame: visits that a substep makes at least
   scheduler::TailWork tail_work;           ///< of this frame; its contacts are those that were expected
   scheduler::TailWork head_work;
 };
@@ -278,7 +281,6 @@ struct WorldState {
   scheduler::TailForecast head;                        // of what comes before refinement; its contacts are the active pairs
   TimeFacts times;
   int substeps = 2;                                    // of this frame; fewer than the settings say where it was degraded
-  std::uint32_t rest_sweeps = 0;                       // of resting contact in the last response
   double answered_share = 1;                           // of the pairs that are not apart; learned
   double unit_cost_ns = 60;                            // prior; replaced by what is measured
   double rank_cost_ns = 30;                            // likewise: of putting a pair where its turn is, by all workers together

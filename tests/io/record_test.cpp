@@ -56,6 +56,7 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.frame = number;
   frame.decisions.active_pairs = 5000;
   frame.decisions.substeps = number % 3 == 2 ? 1 : 0;
+  frame.decisions.visits = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
   for (std::uint64_t i = 0; i < 20 * (number % 4); ++i) {
     frame.decisions.steps.push_back({static_cast<std::uint32_t>(random() % 5000), static_cast<std::uint8_t>(number % 2 == 0 ? 0 : random() % 256),
@@ -220,8 +221,8 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
-  put(file, "poise.record/2\n and so on");
-  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/1");
+  put(file, "poise.record/1\n and so on");
+  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/2");
 }
 
 TEST(Record, IsNotThereUntilItIsWhole) {

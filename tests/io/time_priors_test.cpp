@@ -78,7 +78,7 @@ TEST(TimePriors, ThatAreDamagedOrSenselessAreNotUsed) {
                                                          {"3.25", "-3.25"},
                                                          {"3.25", "1e300"},
                                                          {"3.25,", ""},
-                                                         {"poise.times/1", "poise.times/2"},
+                                                         {"poise.times/2", "poise.times/1"},
                                                          {"{", "["}};
   for (const auto& [from, to] : damages) {
     ASSERT_TRUE(io::write_time_priors(inside, some_key(), some_priors()));

@@ -52,10 +52,14 @@ struct Bench {
   }
   Convergence solve() {
     std::vector<Coloring::Edge> edges;
-    for (const RestPair& pair : pairs) edges.push_back({pair.a, pair.b, bodies[pair.a].inverse_mass > 0, bodies[pair.b].inverse_mass > 0, pair.place_count});
+    std::uint64_t place_count = 0;
+    for (const RestPair& pair : pairs) {
+      edges.push_back({pair.a, pair.b, bodies[pair.a].inverse_mass > 0, bodies[pair.b].inverse_mass > 0, pair.place_count});
+      place_count += pair.place_count;
+    }
     coloring.color(edges, bodies.size());
     given_ns.resize(pairs.size());
-    return solver.solve({bodies, accelerations, inverse_inertia, poses, pairs, places, loads, given_ns, coloring}, settings, *executor);
+    return solver.solve({bodies, accelerations, inverse_inertia, poses, pairs, places, loads, given_ns, coloring, place_count}, settings, *executor);
   }
   Vec3 momentum() const {
     Vec3 sum = Vec3::Zero();
@@ -73,6 +77,48 @@ struct Bench {
     return sum;
   }
 };
+
+// Boxes of 1 kg in a column, each on four places of the one below.
+void stack(Bench& bench, int boxes) {
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  bench.add_body(0);
+  for (int i = 0; i < boxes; ++i) {
+    const double z_m = i;
+    const auto box = bench.add_body(1, Vec3(0, 0, z_m + 0.5));
+    bench.add_pair(box - 1, box, Vec3(0, 0, 1), {{0.4, 0.4, z_m}, {-0.4, 0.4, z_m}, {-0.4, -0.4, z_m}, {0.4, -0.4, z_m}}, 0.5);
+  }
+}
+
+TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
+  constexpr std::uint32_t kPlaces = 10 * 4;
+  constexpr std::uint32_t kMixedSweep = kPlaces * kMixedVisitCost;
+  struct Allowed {
+    std::uint32_t visits, most_a_substep;
+  };
+  std::uint64_t before = 0;
+  double drop_before_mps = 1e300;
+  for (const auto& [visits, most] : {Allowed{1, kPlaces}, Allowed{3 * kPlaces, 3 * kPlaces}, Allowed{12 * kPlaces, 12 * kPlaces}, Allowed{25 * kMixedSweep, 25 * kMixedSweep}}) {
+    Bench bench;
+    stack(bench, 10);
+    bench.settings.visits = visits;
+    const Convergence ended = bench.solve();
+    EXPECT_TRUE(ended.cut_short) << visits;
+    EXPECT_LE(ended.visits, std::uint64_t{most} * static_cast<std::uint64_t>(bench.settings.substeps)) << visits;
+    EXPECT_GT(ended.visits, before) << visits;
+    before = ended.visits;
+    double drop_mps = 0;
+    for (const SolverBody& body : bench.bodies) drop_mps = std::max(drop_mps, body.velocity_mps.norm());
+    EXPECT_LT(drop_mps, drop_before_mps) << visits << ": more visits hold it no better";
+    drop_before_mps = drop_mps;
+  }
+  Bench whole;
+  stack(whole, 10);
+  EXPECT_FALSE(whole.solve().cut_short) << "nothing was kept from it";
+  Bench alone;
+  stack(alone, 1);
+  alone.settings.visits = 19 * 4;
+  EXPECT_FALSE(alone.solve().cut_short) << "one box settles before";
+}
 
 TEST(Rest, ABodyOnTheFloorStaysWhereItIs) {
   Bench bench;

@@ -158,6 +158,7 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
     recorded.hashes.push_back(stage.world.state_hash());
     EXPECT_EQ(recorded.decisions.back().substeps, static_cast<std::uint32_t>(report.degraded.substeps));
     EXPECT_EQ(recorded.decisions.back().reused.size(), report.degraded.pairs_reused);
+    EXPECT_EQ(recorded.decisions.back().visits > 0, i >= 50);
     fewer += report.degraded.substeps > 0 ? 1U : 0U;
     reused += report.degraded.pairs_reused;
   }
@@ -165,6 +166,9 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
   EXPECT_GT(reused, 0U);
   EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Serial, 1), recorded.hashes.size());
   EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Threads, 2), recorded.hashes.size());
+  Recorded swept = recorded;
+  swept.decisions[60].visits = 0;
+  EXPECT_EQ(frames_alike(c, swept, ExecutorKind::Serial, 1), 60U) << "how often places are visited is part of what is decided";
   Recorded whole = recorded;
   const auto first = std::find_if(whole.decisions.begin(), whole.decisions.end(), [](const FrameDecisions& d) { return !d.reused.empty(); });
   first->reused.clear();

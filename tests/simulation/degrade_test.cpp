@@ -48,6 +48,51 @@ TEST(Degrade, AnInfeasibleFrameSaysBeforehandThatItIsOneAndDoesWithFewerSubsteps
   EXPECT_GT(reused, 0U) << "no pair's places ever grew too old";
 }
 
+TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
+  Stage stage(falling(2), 0.2);
+  stage.jacks(30, 3);
+  for (int i = 0; i < 90; ++i) {
+    const FrameReport report = stage.world.step(easy());
+    EXPECT_EQ(report.degraded.visits, 0U);
+  }
+  const WorldState& world = WorldAccess::of(stage.world);
+  for (int i = 0; i < 10; ++i) {
+    const FrameReport stopped = stage.world.step(hopeless());
+    EXPECT_GT(stopped.degraded.visits, 0U);
+    EXPECT_EQ(stopped.patch_visits, world.buffers.rest_places) << "one sweep of one substep";
+    EXPECT_LT(stopped.mandatory, stopped.times.total + Nanoseconds(1));
+    const FrameReport whole = stage.world.step(easy());
+    EXPECT_EQ(whole.degraded.visits, 0U);
+    EXPECT_GT(whole.patch_visits, 2 * world.buffers.rest_places) << "it wanted no more than one sweep a substep";
+  }
+}
+
+TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
+  Stage stage(falling(1), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 90; ++i) stage.world.step(easy());
+  const WorldState& world = WorldAccess::of(stage.world);
+  StepInput input = step_of(1.0 / 60);
+  FrameReport report;
+  report.contact_pairs = world.buffers.rest_pairs.size();
+  const auto visits = [&](Nanoseconds time) {
+    input.budget = Budget::within(time);
+    report.refine_started = SteadyClock::now();
+    return simulation::visits_in_time(world, input, report);
+  };
+  EXPECT_EQ(visits(std::chrono::hours(-1)), 1U);
+  EXPECT_EQ(visits(std::chrono::hours(1)), response::kMostVisits);
+  // What a visit costs is learned and positive, so there is a time at which it turns; far apart, since a clock is read.
+  const double us = world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits] * 1e-3 * world.margin.factor();
+  ASSERT_GT(us, 0);
+  const auto reserve = Nanoseconds(static_cast<std::int64_t>(world.margin.factor() * static_cast<double>(world.tail.forecast(simulation::tail_work(world, report.contact_pairs)).count())));
+  const auto half = std::chrono::microseconds(static_cast<std::int64_t>(0.5 * us * response::kMostVisits * world.substeps));
+  const std::uint32_t some = visits(reserve + half);
+  EXPECT_GT(some, response::kMostVisits / 10);
+  report.host_reserved = std::chrono::hours(1);
+  EXPECT_EQ(visits(reserve + half), 1U) << "the host's time is not resting contact's";
+}
+
 TEST(Degrade, ItRecoversAtOnce) {
   Stage stage(falling(2), 0.2);
   stage.jacks(60, 4);
