@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "simulation/scenes.h"
+#include "simulation/world_access.h"
 
 namespace poise {
 namespace {
@@ -95,6 +96,48 @@ TEST(Budget, HostWorkIsReservedWhetherGivenOrLearned) {
   report = stage.world.step(input);
   EXPECT_GE(report.host_reserved, std::chrono::minutes(2));
   EXPECT_EQ(report.jobs_done, 0U);
+}
+
+// Putting pairs in order takes time too. Where there is too little of it, a part of them is, and others in the next frame.
+TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(500, 6);
+  simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
+  const simulation::FrameBuffers& buffers = world.buffers;
+  StepInput input = step_of(1.0 / 60);
+  // Everything starts anew in every frame, so that every chunk has something to put in order.
+  const auto step_with = [&](double rank_cost_ns) {
+    for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
+    world.rank_cost_ns = rank_cost_ns;
+    input.budget = Budget::within(std::chrono::hours(1));
+    return stage.world.step(input);
+  };
+  for (int i = 0; i < 100; ++i) step_with(30);
+  ASSERT_GE(buffers.chunks(), 5U);
+  constexpr std::size_t kStride = 3;
+  std::size_t left_alone = 0;
+  for (std::size_t i = 0; i < 2 * kStride; ++i) {
+    // A quarter of an hour for all of them, were it three quarters.
+    const std::uint64_t frame = world.frame;
+    const double hour_ns = 3.6e12;
+    const FrameReport report = step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / buffers.known_of_chunk.back().refinable);
+    EXPECT_GT(report.jobs_done, 0U);
+    for (std::size_t chunk = 0; chunk < buffers.chunks(); ++chunk) {
+      const bool turn = chunk % kStride == frame % kStride;
+      for (std::size_t k = buffers.begin_of(chunk); k < buffers.end_of(chunk); ++k) {
+        const simulation::ActivePair& pair = buffers.pairs[k];
+        if (turn) {
+          EXPECT_FALSE(pair.refinable()) << "there was an hour for it";
+        } else {
+          EXPECT_EQ(pair.level.level, 0);
+          left_alone += pair.refinable() ? 1U : 0U;
+        }
+      }
+    }
+  }
+  EXPECT_GT(left_alone, 500U);
+  EXPECT_EQ(step_with(1e15).jobs_done, 0U) << "there is no time for any";
+  EXPECT_EQ(step_with(30).pairs_left, 0U);
 }
 
 TEST(Budget, MaxLevelBoundsEveryPair) {

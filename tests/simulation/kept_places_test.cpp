@@ -7,6 +7,7 @@
 
 #include "dynamics/rotation.h"
 #include "scenes.h"
+#include "simulation/world_access.h"
 
 namespace poise {
 namespace {
@@ -80,6 +81,49 @@ double overlap_m(const BodyState& a, const BodyState& b) {
     }
   }
   return most;
+}
+
+// What is known by its root sphere alone stands where its surface likely is, not where the sphere ends.
+TEST(KeptPlace, AtLevelZeroABodyRestsOnItsLikelySurface) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage stage(settings, 0);
+  stage.plane(Vec3::UnitZ(), 0.3);
+  const ShapeId jack = stage.jack();
+  const Shape& shape = *simulation::WorldAccess::of(stage.world).shapes[jack.index].shape;
+  const double likely_m = static_cast<double>(shape.tree.radius_m[0]) - collision::coarsest_lift_m(shape);
+  ASSERT_LT(likely_m, 0.98 * shape.bounding_radius_m) << "they are one";
+  const BodyId body = stage.add(jack, Vec3(0, 0, 1.6));
+  StepInput input = step_of(1.0 / 60);
+  input.max_level = 0;
+  for (int i = 0; i < 240; ++i) stage.world.step(input);
+  EXPECT_NEAR(stage.at(body).position_m.z(), 0.3 + likely_m, 2e-3);
+}
+
+TEST(KeptPlace, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage stage(settings, 0.2);
+  stage.material = stage.world.add_material({0.2, 0.5, 1000}).value();
+  stage.jacks(40, 3.5);
+  simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
+  StepInput input = step_of(1.0 / 60);
+  input.max_level = 0;
+  std::size_t kept = 0;
+  for (int i = 0; i < 240; ++i) {
+    // While it falls, and late in every third frame, when there is no time for anything.
+    input.budget = i % 3 == 0 ? Budget::until(SteadyClock::time_point{}) : Budget::unlimited();
+    const FrameReport report = stage.world.step(input);
+    EXPECT_EQ(report.degraded.pairs_reused, 0U);
+    kept += report.kept_contacts;
+    for (const simulation::ActivePair& pair : world.buffers.pairs) {
+      if (pair.kept == simulation::Kept::Nothing) continue;
+      EXPECT_EQ(pair.memory.level, 0);
+      EXPECT_NE(pair.kept, simulation::Kept::Stale);
+      EXPECT_LE(pair.memory.moved_m + pair.margin_m, pair.memory.reach_m);
+    }
+  }
+  EXPECT_GT(kept, 1000U) << "a pile at rest finds its places anew";
 }
 
 // Pairs that are apart by much are not asked for many frames; whatever they do meanwhile, they meet in time.
