@@ -14,6 +14,7 @@
 #include "parallel/interrupt.h"
 #include "simulation/percentiles.h"
 #include "simulation/run_report.h"
+#include "simulation/stage_list.h"
 
 namespace poise::app {
 namespace {
@@ -25,17 +26,12 @@ int refuse(const char* study, int code, const std::string& message) {
 
 double ms(Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
 
-struct Stage {
-  const char* name;
-  Nanoseconds StageTimes::*time;
-};
-// What every frame must do.
-constexpr std::array<Stage, 6> kMandatory{{{"predict", &StageTimes::predict},
-                                           {"broad_phase", &StageTimes::broad_phase},
-                                           {"coarse", &StageTimes::coarse},
-                                           {"response", &StageTimes::response},
-                                           {"integrate", &StageTimes::integrate},
-                                           {"publish", &StageTimes::publish}}};
+// What every frame must do: all but refinement.
+constexpr auto kMandatory = [] {
+  std::array<simulation::StageMember, simulation::kStages.size() - 1> stages{};
+  std::copy_if(simulation::kStages.begin(), simulation::kStages.end(), stages.begin(), [](const auto& stage) { return stage.time != &StageTimes::refine; });
+  return stages;
+}();
 
 /// Frames of one population in one state, of all rounds.
 struct Timed {

@@ -11,6 +11,7 @@
 #include "app/study_timing.h"
 #include "parallel/interrupt.h"
 #include "simulation/percentiles.h"
+#include "simulation/stage_list.h"
 
 namespace poise::app {
 namespace {
@@ -19,27 +20,17 @@ namespace {
 constexpr std::uint64_t kEvery = 4;
 constexpr double kStepS = 1.0 / 60;
 
-struct Part {
-  const char* name;
-  Nanoseconds StageTimes::*time;
-};
-constexpr std::array<Part, 7> kParts{{{"predict", &StageTimes::predict},
-                                      {"broad_phase", &StageTimes::broad_phase},
-                                      {"coarse", &StageTimes::coarse},
-                                      {"refine", &StageTimes::refine},
-                                      {"response", &StageTimes::response},
-                                      {"integrate", &StageTimes::integrate},
-                                      {"publish", &StageTimes::publish}}};
+using simulation::kStages;
 
 struct Timed {
-  std::array<std::vector<double>, kParts.size()> stage_ms;
+  std::array<std::vector<double>, kStages.size()> stage_ms;
   std::vector<double> finding_ms, all_ms, kept_pairs, levels;
 
   void add(const FrameReport& report) {
     const auto ms = [](Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; };
     double all = 0;
-    for (std::size_t i = 0; i < kParts.size(); ++i) {
-      stage_ms[i].push_back(ms(report.times.*kParts[i].time));
+    for (std::size_t i = 0; i < kStages.size(); ++i) {
+      stage_ms[i].push_back(ms(report.times.*kStages[i].time));
       all += stage_ms[i].back();
     }
     finding_ms.push_back(ms(report.times.coarse + report.times.refine));
@@ -88,7 +79,7 @@ int study_kept(const StudyTimingOptions& o) {
   const auto row = [&](const char* stage, const std::vector<double>& with, const std::vector<double>& without) {
     document.rows.push_back({stage, simulation::percentile(with, 0.5), simulation::percentile(without, 0.5)});
   };
-  for (std::size_t i = 0; i < kParts.size(); ++i) row(kParts[i].name, kept.stage_ms[i], anew.stage_ms[i]);
+  for (std::size_t i = 0; i < kStages.size(); ++i) row(kStages[i].name, kept.stage_ms[i], anew.stage_ms[i]);
   row("coarse and refine", kept.finding_ms, anew.finding_ms);
   row("all of these", kept.all_ms, anew.all_ms);
   document.frames_kept = kept.all_ms.size();

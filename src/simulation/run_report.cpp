@@ -6,23 +6,12 @@
 #include <functional>
 #include <utility>
 
+#include "simulation/stage_list.h"
+
 namespace poise::simulation {
 namespace {
 
 double ms(Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
-
-struct StageMember {
-  const char* name;
-  Nanoseconds StageTimes::*time;
-};
-constexpr std::array<StageMember, 8> kStages{{{"predict", &StageTimes::predict},
-                                              {"broad_phase", &StageTimes::broad_phase},
-                                              {"coarse", &StageTimes::coarse},
-                                              {"refine", &StageTimes::refine},
-                                              {"response", &StageTimes::response},
-                                              {"integrate", &StageTimes::integrate},
-                                              {"publish", &StageTimes::publish},
-                                              {"total", &StageTimes::total}}};
 
 std::uint64_t misses_of(const RunFrame& frame) {
   return frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1U : 0U);
@@ -268,12 +257,11 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   figures.refinement_used_all = refinement_used(frames, true);
   figures.tail = tail_figures(frames, terms.alpha);
   figures.levels = level_figures(frames);
-  for (std::size_t i = 0; i < kStages.size(); ++i) {
-    const auto time = kStages[i].time;
-    figures.stages[i].name = kStages[i].name;
-    figures.stages[i].ms =
-        percentiles(collect(frames, [time](const RunFrame& frame) { return ms(frame.report.times.*time); }));
-  }
+  const auto stage = [&](const StageMember& of) {
+    return StageFigures{of.name, percentiles(collect(frames, [&](const RunFrame& frame) { return ms(frame.report.times.*of.time); }))};
+  };
+  std::transform(kStages.begin(), kStages.end(), figures.stages.begin(), stage);
+  figures.stages.back() = stage({"total", &StageTimes::total});
   add_work(frames, figures);
   std::vector<ReferenceFigures> references;
   for (const RunFrame& frame : frames) {
