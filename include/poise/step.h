@@ -138,6 +138,7 @@ struct FrameReport {
   Nanoseconds tail_actual{0};            ///< from the end of refinement to the end of the step
   bool tail_beyond_clip = false;         ///< tail_actual / tail_forecast is outside what the bound on misses speaks of
   scheduler::TailWork tail_work;         ///< that tail_forecast was made for
+  Nanoseconds planning{0};               ///< of StageTimes::refine: making the reserve, and choosing what is left out
   Nanoseconds refine_available{0};       ///< from the start of refinement to t_cut, 0 if there was none
   Nanoseconds host_reserved{0};
   Nanoseconds host_actual{0};            ///< what the host's work took, where the driver of the frame measures it; World does not

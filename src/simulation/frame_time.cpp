@@ -107,7 +107,7 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
   set_budget(world, input, world.substeps, host, now, plan);
   // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing is left out either. Leaving out for the
   // margin's sake kept frames coarse that took half of their time, and coarse frames have more to answer.
-  const auto late = [&] { return now + plan.budget.tail_forecast(plan.expected) + host - input.budget.deadline; };
+  const auto late = [&] { return now + world.times.planning + plan.budget.tail_forecast(plan.expected) + host - input.budget.deadline; };
   if (late().count() > 0) {
     report.infeasible_forecast = true;
     Degraded degraded;
@@ -162,7 +162,7 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   // Nor is what resting contact did beyond one sweep a substep.
   const std::uint64_t least_visits = std::min<std::uint64_t>(report.patch_visits, world.buffers.rest_places * static_cast<std::uint64_t>(substeps));
   const Nanoseconds of_sweeps = std::min(times.response, visits_forecast(world, report.patch_visits - least_visits));
-  report.mandatory = times.total - times.refine - of_rest - of_sweeps + report.host_reserved;
+  report.mandatory = times.total - (times.refine - report.planning) - of_rest - of_sweeps + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee. But visits beyond those that were
   // expected were made in time that was left over.
@@ -185,6 +185,8 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   facts.visits_a_substep = static_cast<double>(report.patch_visits) / substeps;
   // What it would have wanted is not known. Chosen.
   if (report.degraded.visits > 0) facts.visits_a_substep = std::min(2 * facts.visits_a_substep, double{response::kMostVisits});
+  // Choosing what is left out takes longer than making a reserve, and who chooses must know how long.
+  if (report.infeasible_forecast) facts.planning = report.planning;
   ++facts.frames;
 }
 

@@ -71,6 +71,7 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   const scheduler::FrameBudget& budget = open.budget;
   const TimePoint first_cut = budget.cut(plan.expected);
   const TimePoint planned = SteadyClock::now();
+  report.planning = planned - start;
   if (first_cut <= planned || !put_into_bands(refinement, planned, first_cut)) return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(scheduler::kQuantumUnits));
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to do.

@@ -237,6 +237,7 @@ struct TimeFacts {
   std::uint64_t frames = 0;                ///< learned from
   std::uint64_t candidate_pairs = 0, active_pairs = 0;  ///< of the last frame under a deadline
   double visits_a_substep = 0;             ///< of places by resting contact, that a substep is likely to want
+  Nanoseconds planning{0};                 ///< FrameReport::planning of the last frame that was forecast infeasible
   std::uint64_t rest_places = 0;           ///< of the last frame: visits that a substep makes at least
   scheduler::TailWork tail_work;           ///< of this frame; its contacts are those that were expected
   scheduler::TailWork head_work;
