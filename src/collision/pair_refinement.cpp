@@ -104,14 +104,14 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   SphereContact touch;
   touch.normal = -normal;
   touch.gap_m = normal.dot(a.center_m) - height_m - radius;
-  const Vec3 center = a.center_m - a.mass_center_m;
-  PairContact contact = lone_contact(touch, center, coarsest_lift_m(*a.shape), static_cast<double>(tree.protrusion_max_m[0]));
+  // The end of the sphere, not the middle between the surfaces: a place that is kept then stands a third of its lift in the plane and not the whole of it,
+  // which presses bodies of a pile into walls (docs/response.md). On the line of the normal moments are the same anywhere.
+  const Vec3 arm = a.center_m - a.mass_center_m + radius * touch.normal;
+  PairContact contact = lone_contact(touch, arm, coarsest_lift_m(*a.shape), static_cast<double>(tree.protrusion_max_m[0]));
   // A body whose centre of mass is beneath the plane is there beyond doubt, in part at least.
   const double center_m = normal.dot(a.mass_center_m) - height_m;
   contact.likely_m = std::min(contact.likely_m, center_m);
   contact.surely_m = std::min(contact.surely_m, center_m);
-  // In the middle between the surfaces where they likely are. On the line of the normal moments are the same anywhere.
-  contact.arm_m = center + (radius + touch.gap_m - 0.5 * contact.likely_m) * touch.normal;
   return contact;
 }
 

@@ -83,21 +83,24 @@ double overlap_m(const BodyState& a, const BodyState& b) {
   return most;
 }
 
-// What is known by its root sphere alone stands where its surface likely is, not where the sphere ends.
-TEST(KeptPlace, AtLevelZeroABodyRestsOnItsLikelySurface) {
+// What is known by its root sphere alone stands about a third of the way from where the sphere ends to where its surface likely is.
+TEST(KeptPlace, AtLevelZeroABodyRestsBetweenItsSphereAndItsLikelySurface) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   Stage stage(settings, 0);
   stage.plane(Vec3::UnitZ(), 0.3);
   const ShapeId jack = stage.jack();
   const Shape& shape = *simulation::WorldAccess::of(stage.world).shapes[jack.index].shape;
-  const double likely_m = static_cast<double>(shape.tree.radius_m[0]) - collision::coarsest_lift_m(shape);
-  ASSERT_LT(likely_m, 0.98 * shape.bounding_radius_m) << "they are one";
+  const double lift_m = collision::coarsest_lift_m(shape);
+  ASSERT_GT(lift_m, 0.02 * shape.bounding_radius_m) << "they are one";
   const BodyId body = stage.add(jack, Vec3(0, 0, 1.6));
   StepInput input = step_of(1.0 / 60);
   input.max_level = 0;
   for (int i = 0; i < 240; ++i) stage.world.step(input);
-  EXPECT_NEAR(stage.at(body).position_m.z(), 0.3 + likely_m, 2e-3);
+  // Not a third to the bit: a place stays as it was found, a little above.
+  const double sunk_m = 0.3 + static_cast<double>(shape.tree.radius_m[0]) - stage.at(body).position_m.z();
+  EXPECT_GT(sunk_m, 0.2 * lift_m);
+  EXPECT_LT(sunk_m, 0.5 * lift_m);
 }
 
 TEST(KeptPlace, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
