@@ -133,8 +133,9 @@ struct FrameReport {
 
   // Budget (wall clock only; 0 otherwise)
   Nanoseconds budget{0};                 ///< from the start of the step to its deadline
-  Nanoseconds reserve_at_cut{0};         ///< kept for the tail when refinement ended
+  Nanoseconds reserve_at_cut{0};         ///< kept for the tail when refinement ended, and for tail_left_over after that
   Nanoseconds tail_forecast{0};          ///< point forecast of the tail, without margin
+  Nanoseconds tail_left_over{0};         ///< of tail_forecast: for sweeps of resting contact that were made in time left over
   Nanoseconds tail_actual{0};            ///< from the end of refinement to the end of the step
   bool tail_beyond_clip = false;         ///< tail_actual / tail_forecast is outside what the bound on misses speaks of
   scheduler::TailWork tail_work;         ///< that tail_forecast was made for

@@ -70,7 +70,7 @@ class TbbExecutor final : public Executor {
     visits_->gate.settle();
     // Visits that were asked for and have not begun hold what they share, and for good if the program ends first. They end as soon as they begin; a process
     // that gets no thread for them is not waited for longer.
-    constexpr std::chrono::milliseconds kPatience{200};
+    constexpr std::chrono::seconds kPatience{2};
     const auto until = std::chrono::steady_clock::now() + kPatience;
     while (visits_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
   }

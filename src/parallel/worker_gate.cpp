@@ -76,22 +76,28 @@ void WorkerGate::leave(Worker& worker) {
   if (caller_sleeps_.load(std::memory_order_seq_cst)) worker.hand.notify_one();
 }
 
+WorkerGate::Sight WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
+  gate = gate_.load(std::memory_order_seq_cst);
+  // Held up before that, it may have been given up in the run before and see the next one, which waits for no one who was.
+  if (worker.hand.load(std::memory_order_seq_cst) == kGivenUp) return Sight::GivenUp;
+  return has_work(gate, last_run) ? Sight::Open : Sight::Nothing;
+}
+
 bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
-  const auto has_work = [&](std::uint64_t gate) { return (gate & kOpen) != 0 && gate / kOneRun != last_run; };
-  if (!has_work(gate_.load(std::memory_order_relaxed))) return false;
+  if (!has_work(gate_.load(std::memory_order_relaxed), last_run)) return false;
   Worker& worker = hands_[static_cast<std::size_t>(number)];
   bool worked = false;
   for (bool more = true; more;) {
-    worker.hand.exchange(kWorking, std::memory_order_seq_cst);
-    const std::uint64_t gate = gate_.load(std::memory_order_seq_cst);
-    if (!has_work(gate)) {
-      leave(worker);
-      break;
+    raise(worker);
+    std::uint64_t gate = 0;
+    const Sight sight = look(worker, last_run, gate);
+    if (sight == Sight::Open) {
+      worked = true;
+      more = ((gate & kMayGiveUp) != 0 ? lasting_step_ : step_)(number);
+      if (!more) last_run = gate / kOneRun;
     }
-    worked = true;
-    more = ((gate & kMayGiveUp) != 0 ? lasting_step_ : step_)(number);
-    if (!more) last_run = gate / kOneRun;
     leave(worker);
+    if (sight == Sight::Nothing) break;
   }
   return worked;
 }

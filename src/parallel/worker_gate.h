@@ -34,6 +34,7 @@ bool spin_until(std::chrono::nanoseconds most, Done&& done) {
 /// Every worker has a word of its own that says whether it has an item in hand. It says so *before* it looks whether the run is open, and
 /// the caller looks at the words *after* it has closed the run (Dekker's handshake, both sides sequentially consistent), so
 /// either the worker sees the run closed or the caller sees the item. Between two items a worker is nowhere, and nobody waits for it.
+/// A worker that was given up begins nothing before it has been nowhere again: no later run would wait for it.
 class WorkerGate {
  public:
   /// Numbers 1 to workers - 1 are served; `workers` in [1, 256].
@@ -54,10 +55,16 @@ class WorkerGate {
   [[nodiscard]] bool commit(int worker);
 
  private:
+  friend struct WorkerGateAccess;  // of tests, which stop a worker where only the system does
   enum Hand : std::uint32_t { kEmpty, kWorking, kCommitted, kGivenUp };
   struct alignas(64) Worker {
     std::atomic<std::uint32_t> hand{kEmpty};
   };
+  /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was given up meanwhile.
+  enum class Sight : std::uint8_t { Open, Nothing, GivenUp };
+  static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
+  [[nodiscard]] Sight look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
+  static bool has_work(std::uint64_t gate, std::uint64_t last_run) { return (gate & kOpen) != 0 && gate / kOneRun != last_run; }
   void leave(Worker& worker);
   void wait_while(Worker& worker, bool given_up_too);
 

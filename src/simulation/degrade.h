@@ -4,7 +4,7 @@
 #include "simulation/world_state.h"
 
 /// What is left out of a frame whose mandatory part does not fit before its deadline, in this order: substeps of resting contact; then pairs
-/// answer as they did last, the least seen first. Called by World::step alone, from its thread.
+/// answer as they did last, the least seen first. Sweeps beyond one a substep are no part of it: visits_in_time (frame_time.h) stops them. Called by World::step alone, from its thread.
 namespace poise::simulation {
 
 /// How many pairs must be reused to save `late`, if a pair that stays apart saves `apart_ns` and one that keeps its places `places_ns` (both

@@ -14,8 +14,8 @@ namespace poise::simulation {
 struct RecordedTail {
   scheduler::TailWork forecast_for;  ///< FrameReport::tail_work
   std::uint64_t contacts = 0;        ///< that were answered in the end
-  std::uint64_t visits = 0;          ///< FrameReport::patch_visits
-  Nanoseconds actual{0};             ///< > 0
+  std::uint64_t visits = 0;          ///< that were made in the time that was kept
+  Nanoseconds actual{0};             ///< > 0; without what was done in time left over
 };
 
 /// How one way to make a reserve did.

@@ -69,7 +69,6 @@ double visits_kept(const WorldState& world, scheduler::TailWork work, int subste
 // The budget with so many substeps.
 void set_budget(WorldState& world, const StepInput& input, int substeps, Nanoseconds host, TimePoint now, FramePlan& plan) {
   scheduler::TailWork& work = world.times.tail_work;
-  work.contacts = plan.expected;
   const Nanoseconds left = input.budget.deadline - host - now;
   work.patch_visits = static_cast<std::uint64_t>(visits_kept(world, work, substeps, left) * substeps);
   plan.budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin, work, world.unit_cost_ns);
@@ -166,7 +165,9 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   classify_again(report, times.total + report.host_reserved - report.budget);
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee. But visits beyond those that were
   // expected were made in time that was left over.
-  report.tail_forecast += visits_forecast(world, report.patch_visits - std::min(report.patch_visits, report.tail_work.patch_visits));
+  report.tail_left_over = visits_forecast(world, report.patch_visits - std::min(report.patch_visits, report.tail_work.patch_visits));
+  report.tail_forecast += report.tail_left_over;
+  report.reserve_at_cut += Nanoseconds(static_cast<std::int64_t>(report.cut_margin * ns_of(report.tail_left_over)));
   world.margin.observe(report.tail_actual, report.tail_forecast);
   report.tail_beyond_clip = scheduler::beyond_clip(report.tail_actual, report.tail_forecast);
   const std::uint64_t known = world.buffers.known_of_chunk.back().present;

@@ -9,8 +9,20 @@
 #include <vector>
 
 #include "parallel/executor.h"
+#include "parallel/worker_gate.h"
 
 namespace poise::parallel {
+
+/// Halves of WorkerGate::take_part, so that a test can be what the system is between them.
+struct WorkerGateAccess {
+  static void raise(WorkerGate& gate, int worker) { WorkerGate::raise(gate.hands_[static_cast<std::size_t>(worker)]); }
+  static bool may_begin(WorkerGate& gate, int worker) {
+    std::uint64_t run = 0;
+    return gate.look(gate.hands_[static_cast<std::size_t>(worker)], 0, run) == WorkerGate::Sight::Open;
+  }
+  static void leave(WorkerGate& gate, int worker) { gate.leave(gate.hands_[static_cast<std::size_t>(worker)]); }
+};
+
 namespace {
 
 // Worker 1 takes an item and holds it until it is told to go on; the calling thread ends its part once it has.
@@ -97,6 +109,29 @@ TEST_P(GiveUp, RunsOtherLoopsWhileAWorkerIsStillHeldUp) {
   item.go_on = true;
   executor_->settle();
   EXPECT_EQ(item.committed, 0);
+}
+
+// A run that may not give up waits for no one who was given up before it. So such a worker must not begin anything in it.
+TEST(WorkerGate, AWorkerThatIsGivenUpBeforeItLooksBeginsNothingInTheNextRun) {
+  WorkerGate gate(2, std::chrono::nanoseconds(0));
+  int items = 0;
+  const auto step = [&](int) { return ++items < 3; };
+  gate.open(step, true);
+  WorkerGateAccess::raise(gate, 1);
+  ASSERT_TRUE(WorkerGateAccess::may_begin(gate, 1)) << "while the run is open";
+  ASSERT_EQ(gate.close(Patience{}), 1U);
+  gate.open(step, false);
+  EXPECT_FALSE(WorkerGateAccess::may_begin(gate, 1));
+  gate.close();
+  gate.open(step, false);
+  EXPECT_FALSE(WorkerGateAccess::may_begin(gate, 1));
+  WorkerGateAccess::leave(gate, 1);
+  // Once it has been nowhere it is like any other.
+  std::uint64_t last_run = 0;
+  EXPECT_TRUE(gate.take_part(1, last_run));
+  EXPECT_EQ(items, 3);
+  gate.close();
+  EXPECT_FALSE(gate.take_part(1, last_run));
 }
 
 TEST_P(GiveUp, SettlesBeforeAnItemMayBeGivenUpAgain) {
