@@ -199,7 +199,7 @@ response::Convergence respond(WorldState& world, const StepInput& input, FrameRe
     report.degenerate = degenerate.take(0);
     leave_bouncing(world);
   }
-  settings.visits = visits_of_step(world, input, report);
+  if (!stopping.converges()) settings.visits = visits_of_step(world, input, report);
   const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia, buffers.poses, buffers.rest_pairs,
                                     world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring, buffers.rest_places};
   const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);

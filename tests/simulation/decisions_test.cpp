@@ -152,6 +152,8 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
   std::size_t reused = 0;
   for (int i = 0; i < 90; ++i) {
     input.budget = i < 50 ? Budget::within(std::chrono::hours(1)) : Budget::until(SteadyClock::time_point{});
+    // What a reference does afterwards is no part of it.
+    input.reference = i % 7 == 0;
     const FrameReport report = stage.world.step(input);
     recorded.decisions.emplace_back();
     stage.world.decisions(recorded.decisions.back());
