@@ -50,6 +50,7 @@ constexpr std::array kCases = {
     Case{"hard: coinciding centres", "sane", coinciding_centres},
     Case{"hard: equal positions", "sane", equal_positions},
     Case{"hard: mass ratio 1e6", "sane", mass_ratios},
+    Case{"hard: towers of random masses", "sane", random_masses},
     Case{"hard: needles and plates", "sane", needles_and_plates},
     Case{"hard: 1 km/s", "sane", one_km_per_s},
     Case{"hard: 1e7 m away", "sane", far_from_origin},

@@ -138,6 +138,46 @@ Status mass_ratios(Context& context) {
   return context.at(1);
 }
 
+Status random_masses(Context& context) {
+  constexpr int kTowers = 20;
+  constexpr double kSizes[3] = {1, 1, 0.2};
+  Random random(97);
+  for (const double friction : {0.0, 0.5, 1.0}) {
+    double gained = 0;
+    int towers = 0;
+    int not_finite = 0;
+    for (int tower = 0; tower < kTowers; ++tower) {
+      SmallWorld world(context, kDown, {0, friction, 1000});
+      world.plane(Vec3::UnitZ(), 0);
+      world.input.polygons = tower % 2 == 0;
+      const ShapeId shapes[3] = {world.box({1, 1, 1}), world.ball(0.5), world.box({2, 2, 0.2})};
+      double top_m = 0;
+      const auto bodies = static_cast<int>(random.between(2, 10));
+      for (int i = 0; i < bodies; ++i) {
+        const auto kind = static_cast<std::size_t>(random.between(0, 3));
+        const Vec3 place(random.between(-0.05, 0.05), random.between(-0.05, 0.05), top_m + 0.5 * kSizes[kind]);
+        world.add(shapes[kind], place, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), std::pow(10.0, random.between(-3, 3)));
+        top_m += kSizes[kind];
+      }
+      const double start_j = world.energy_j();
+      double most_j = start_j;
+      for (int i = 0; i < 240; ++i) {
+        world.step(1.0 / 60);
+        const double now_j = world.energy_j();
+        most_j = std::isfinite(now_j) ? std::max(most_j, now_j) : HUGE_VAL;
+      }
+      not_finite += static_cast<int>(look(world, {}).not_finite);
+      gained = std::max(gained, most_j / start_j - 1);
+      towers += most_j > (1 + kLift) * start_j ? 1 : 0;
+    }
+    const std::string with = fmt::format(", friction {:g}", friction);
+    context.add("bodies not finite" + with, "", not_finite, 0);
+    context.add("towers of 20 that gained energy" + with, "", towers, 0);
+    context.add("largest gain of energy, as a share" + with, "1", gained, kLift);
+  }
+  return context.at(1);
+}
+
 Status needles_and_plates(Context& context) {
   for (const bool polygons : {false, true}) {
     SmallWorld world(context, kDown, {0.2, 0.5, 1000});

@@ -9,6 +9,7 @@ namespace poise::accuracy {
 Status coinciding_centres(Context& context);
 Status equal_positions(Context& context);
 Status mass_ratios(Context& context);
+Status random_masses(Context& context);
 Status needles_and_plates(Context& context);
 Status one_km_per_s(Context& context);
 Status far_from_origin(Context& context);

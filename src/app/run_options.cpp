@@ -84,7 +84,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))
       ->type_name("E");
   add_number(command, "--spin", options.spin_us, 0, false, 1e4,
-             "Microseconds that a thread without work looks for it before it sleeps, at most 10000 (default 50)");
+             "Microseconds that a thread without work looks for it before it sleeps, at most 10000 (default 50)")
+      ->type_name("US");
   command
       .add_option("--affinity", options.affinity,
                   "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs --executor threads or serial, and "

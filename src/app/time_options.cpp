@@ -44,7 +44,8 @@ void add_render_load(CLI::App& command, TimeOptions& options) {
 
 void add_time_options(CLI::App& command, TimeOptions& options) {
   add_number(command, "--alpha", options.alpha, 1e-5, false, 0.5,
-             "Share of frames whose end may take longer than is kept for it (default: the scene's, else 0.01)");
+             "Share of frames whose end may take longer than is kept for it (default: the scene's, else 0.01)")
+      ->type_name("SHARE");
   add_render_load(command, options);
   command
       .add_option("--time-priors", options.priors_folder,

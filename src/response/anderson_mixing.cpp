@@ -11,8 +11,9 @@ namespace {
 
 // A residual that grows to this many times the square of the last one says that what was learnt no longer holds.
 constexpr double kGrown = 4;
-// Keeps the small system solvable where steps repeat each other.
-constexpr double kRidge = 1e-12;
+// Keeps the small system solvable where steps repeat each other, and the next point near where they hardly differ: stresses that bodies have among
+// each other without moving would else wander until a place slips.
+constexpr double kRidge = 1e-6;
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0;

@@ -9,6 +9,7 @@
 #include "collision/patch.h"
 #include "response/anderson_mixing.h"
 #include "response/rest_blocks.h"
+#include "response/touching_energy.h"
 
 namespace poise::response {
 namespace {
@@ -22,33 +23,35 @@ constexpr double kMaxPushMps = 0.3;
 // share of what counts as still. So small scenes converge, and the cost of large ones is linear in their places.
 constexpr std::uint32_t kMostSweeps = 60;
 constexpr double kSettledOfStill = 3e-5;
+// So many while places, by what they bear, are farther from their answer than a share of what counts as still: heavy bodies on light ones.
+constexpr std::uint32_t kMostHardSweeps = 600;
+constexpr double kFarOfStill = 0.01;
 // Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones. Plain
 // ones in single precision are fewer than that.
 constexpr std::uint32_t kMixedSweeps = 20;
+// A leap led astray if the bodies that touch then have so many times the energy that they had, or would have without contacts.
+constexpr double kAstray = 2;
 
 // How often a substep may go over its places.
 struct SweepLimit {
   std::uint32_t most = 1;
+  std::uint32_t hard = 1;     // while they are far from their answer
   bool mixed = false;         // sped up
-  bool shortened = false;     // fewer than without SolveSettings::visits
+  [[nodiscard]] std::uint32_t sweeps(bool far) const { return far ? hard : most; }
 };
 
-std::uint32_t sweeps_of(std::uint32_t visits, std::uint32_t places) {
-  const std::uint32_t mixed = std::min(std::min(visits / kMixedVisitCost, kMixedVisits) / places, kMostSweeps);
-  return mixed >= kMixedSweeps ? mixed : std::clamp(std::min(visits, kPlainVisits) / places, 1U, kMixedSweeps - 1);
-}
-
-SweepLimit limit_of(const RestSystem& system, const SolveSettings& settings) {
-  SweepLimit limit;
-  if (settings.stopping.converges()) {
-    limit.most = settings.stopping.max_sweeps;
-    return limit;
-  }
+// With so many visits of a substep, at their cost.
+SweepLimit limit_of(const RestSystem& system, const SolveSettings& settings, std::uint32_t visits) {
+  const Stopping& stopping = settings.stopping;
+  if (stopping.converges()) return {stopping.max_sweeps, stopping.max_sweeps, false};
   const std::uint32_t places = std::max(static_cast<std::uint32_t>(system.place_count), 1U);
-  limit.most = sweeps_of(std::min(settings.visits, kMostVisits), places);
-  limit.mixed = limit.most >= kMixedSweeps;
-  limit.shortened = limit.most < sweeps_of(kMostVisits, places);
-  return limit;
+  const std::uint32_t sped_up = std::min(visits / kMixedVisitCost, kMixedVisits) / places;
+  const std::uint32_t plain = std::clamp(std::min(visits, kPlainVisits) / places, 1U, kMixedSweeps - 1);
+  if (sped_up < kMixedSweeps) return {plain, plain, false};
+  const std::uint32_t most = std::min(sped_up, kMostSweeps);
+  // Without gravity nothing rests on anything, and still is no measure.
+  const bool weighs = !settings.gravity_mps2.isZero(0);
+  return {most, weighs ? std::min(sped_up, kMostHardSweeps) : most, true};
 }
 
 }  // namespace
@@ -59,6 +62,9 @@ struct RestSolver::Buffers {
   std::vector<SweepChange<double>> changes;  // one a block, where sweeps converge
   AndersonMixing mixing;
   std::vector<double> before, after;         // impulses of all lanes, in roots of energy
+  std::vector<double> swept;                 // impulses of all lanes as the last sweep left them
+  TouchingEnergy energy;
+  double alone_j = 0;                        // in this substep without contacts: these only take from it
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -79,6 +85,7 @@ struct RestSolver::Buffers {
   void for_impulses(Visit&& visit);
   std::size_t read_impulses(std::vector<double>& into);
   void mix(parallel::Executor& executor);
+  void take_back(const RestSystem& system, double h_s);
   template <class T>
   Convergence solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit, parallel::Executor& executor);
 };
@@ -93,6 +100,8 @@ void RestSolver::Buffers::for_impulses(Visit&& visit) {
   }
 }
 
+Vec3 normal_of(const PatchLanes<double>& patch, std::size_t lane) { return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]}; }
+
 // Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
 std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
   std::size_t at = 0;
@@ -105,14 +114,17 @@ std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
   return at;
 }
 
-// Goes from what the last sweep came to, to what the last few together let expect, within the cones.
+// Goes from what the last sweep came to, to what the last few together let expect, within the cones; back if that makes energy.
 void RestSolver::Buffers::mix(parallel::Executor& executor) {
   read_impulses(after);
   if (!mixing.mix(before, after)) return;
+  const double swept_j = energy.joules(twofold.motions);
+  energy.keep(twofold.motions);
   std::size_t at = 0;
   std::size_t kept = 0;
   const auto change_to = [&](double& impulse, double wanted) {
     // What warm_block gives to the bodies is the change.
+    swept[kept] = impulse;
     impulse = wanted - impulse;
     after[kept++] = wanted;
   };
@@ -122,16 +134,36 @@ void RestSolver::Buffers::mix(parallel::Executor& executor) {
     const double normal = std::max(0.0, impulse_of(after[at++], newton_s, patch.mass[lane]));
     Vec3 across = Vec3::Zero();
     for (Eigen::Index k = 0; k < 3 && rubs; ++k) across[k] = impulse_of(after[at++], newton_s, patch.across[lane]);
+    // Friction along the normal and as much less along the normal itself would change nothing, so no sweep would ever take it back.
+    const Vec3 along = normal_of(patch, lane);
+    across -= across.dot(along) * along;
     const double most = shared.friction[lane] * normal;
     if (across.norm() > most) across *= most / across.norm();
     change_to(patch.impulse[lane], normal);
     for (std::size_t k = 0; k < 3 && rubs; ++k) change_to(patch.rubbed[k][lane], across[static_cast<Eigen::Index>(k)]);
   });
   sweep(executor, [&](std::size_t i) { warm_block(blocks[i], twofold.pairs[i], twofold.patches_of(blocks[i]), twofold.bodies()); });
+  const bool astray = !(energy.joules(twofold.motions) <= kAstray * std::max(swept_j, alone_j));
+  if (astray) {
+    energy.restore(twofold.motions);
+    mixing.begin(kept);
+  }
+  const std::vector<double>& impulses = astray ? swept : after;
   at = 0;
   for_impulses([&](bool rubs, const PairLanes<double>&, PatchLanes<double>& patch, std::size_t lane) {
-    patch.impulse[lane] = after[at++];
-    for (std::size_t k = 0; k < 3 && rubs; ++k) patch.rubbed[k][lane] = after[at++];
+    patch.impulse[lane] = impulses[at++];
+    for (std::size_t k = 0; k < 3 && rubs; ++k) patch.rubbed[k][lane] = impulses[at++];
+  });
+}
+
+// Places that part under their load push bodies that nothing pushes. Takes back what share of all impulses makes energy.
+void RestSolver::Buffers::take_back(const RestSystem& system, double h_s) {
+  const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
+  if (share == 1) return;
+  energy.scale(system, twofold.begun, h_s, share, twofold.motions);
+  for_impulses([&](bool rubs, const PairLanes<double>&, PatchLanes<double>& patch, std::size_t lane) {
+    patch.impulse[lane] *= share;
+    for (std::size_t k = 0; k < 3 && rubs; ++k) patch.rubbed[k][lane] *= share;
   });
 }
 
@@ -230,6 +262,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   constexpr std::size_t kGrain = 512;
   constexpr std::size_t kBlocksAtOnce = 16;
   const Stopping& stopping = settings.stopping;
+  const SweepLimit full = limit_of(system, settings, kMostVisits);
   const double h_s = settings.dt_s / settings.substeps;
   Lanes<T>& all = lanes<T>();
   const std::uint32_t needed = make_blocks(system);
@@ -241,6 +274,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
   if (limit.mixed) {
     before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
+    swept.resize(before.size());
   }
   changes.resize(blocks.size());
   const auto for_bodies = [&](auto&& visit) {
@@ -268,6 +302,7 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
     warm_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), bodies);
   });
+  if (limit.mixed) energy.begin(system, blocks);
   const auto give = [&](std::size_t i) {
     if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
     if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
@@ -292,13 +327,18 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     });
     bool reached = !stopping.converges();
     bool settled = false;
-    if (limit.mixed) mixing.begin(read_impulses(before));
-    for (std::uint32_t round = 0; round < limit.most && !settled; ++round) {
+    bool far = true;
+    if (limit.mixed) {
+      mixing.begin(read_impulses(before));
+      alone_j = energy.joules_alone(system, twofold.begun, h_s);
+    }
+    for (std::uint32_t round = 0; round < limit.sweeps(far) && !settled; ++round) {
       ++ended.sweeps;
       if (limit.mixed) read_impulses(before);
       sweep(executor, [&](std::size_t i) {
         const SweepChange<T> change = solve_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), terms, round == 0, bodies);
-        if (terms.watch) changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps)};
+        if (terms.watch) changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps),
+                                       static_cast<double>(change.load_ns), static_cast<double>(change.strayed_j)};
         // While its lanes are at hand.
         if (last && !terms.watch) give(i);
       });
@@ -308,18 +348,22 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
         sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
         sum.change_ns = std::max(sum.change_ns, change.change_ns);
         sum.change_mps = std::max(sum.change_mps, change.change_mps);
+        sum.load_ns += change.load_ns;
+        sum.strayed_j += change.strayed_j;
       }
+      far = sum.strayed_j > kFarOfStill * still_mps(settings) * sum.load_ns;
       if (stopping.converges()) {
         settled = reached = sum.change_ns <= stopping.share * sum.largest_ns;
       } else {
         settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
       }
       // A plain sweep comes last.
-      if (limit.mixed && !settled && round + 1 < limit.most) mix(executor);
+      if (limit.mixed && !settled && round + 1 < limit.sweeps(far)) mix(executor);
     }
+    if (limit.mixed && !settled && far) take_back(system, h_s);
     if (terms.watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], all); });
     ended.reached = ended.reached && reached;
-    ended.cut_short = ended.cut_short || (limit.shortened && !settled);
+    ended.cut_short = ended.cut_short || (!settled && limit.sweeps(far) < full.sweeps(far));
   }
   ended.visits = ended.sweeps * system.place_count * (limit.mixed ? kMixedVisitCost : 1U);
   for_bodies([&](std::size_t i) {
@@ -339,7 +383,7 @@ RestSolver::RestSolver(RestSolver&&) noexcept = default;
 RestSolver& RestSolver::operator=(RestSolver&&) noexcept = default;
 
 Convergence RestSolver::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
-  const SweepLimit limit = limit_of(system, settings);
+  const SweepLimit limit = limit_of(system, settings, std::min(settings.visits, kMostVisits));
   const bool twofold = settings.stopping.converges() || limit.mixed;
   return twofold ? buffers_->solve<double>(system, settings, limit, executor) : buffers_->solve<float>(system, settings, limit, executor);
 }

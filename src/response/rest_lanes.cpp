@@ -362,11 +362,15 @@ SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<Pat
   const V zero = hn::Zero(d);
   const V per_h = hn::Set(d, T(1) / terms.h_s);
   SweepChange<T> changed;
+  alignas(64) T loads[kLanes];
+  alignas(64) T strayed[kLanes];
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
     Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
     const V friction = hn::Load(d, shared.friction + lane);
     bool any_pushed = false;
+    V load_sum = zero;
+    V strayed_sum = zero;
     for (PatchLanes<T>& patch : patches) {
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
       const Triple<V> n = load(d, patch.normal, lane);
@@ -387,9 +391,13 @@ SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<Pat
       if (terms.watch) {
         const V newton_s = load_at(shared.newton_s);
         const auto counts = hn::Gt(mass, zero);
-        note(d, hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1))))), changed.change_mps);
+        const V change_mps = hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1)))));
+        const V load_ns = hn::Mul(newton_s, after);
+        note(d, change_mps, changed.change_mps);
         note(d, hn::Mul(newton_s, change), changed.change_ns);
-        note(d, hn::Mul(newton_s, after), changed.largest_ns);
+        note(d, load_ns, changed.largest_ns);
+        load_sum = hn::Add(load_sum, load_ns);
+        strayed_sum = hn::Add(strayed_sum, hn::Mul(load_ns, change_mps));
       } else {
         // The only sweep of the substep.
         Triple<V> total = sum(load(d, patch.total, lane), scaled(after, n));
@@ -409,6 +417,13 @@ SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<Pat
       any_pushed = true;
     }
     keep_pairs(d, pairs, block, lane, any_pushed, bodies);
+    hn::Store(load_sum, d, loads + lane);
+    hn::Store(strayed_sum, d, strayed + lane);
+  }
+  // One lane after another, however many there are at once.
+  for (std::size_t k = 0; k < kLanes && terms.watch; ++k) {
+    changed.load_ns += loads[k];
+    changed.strayed_j += strayed[k];
   }
   return changed;
 }

@@ -89,6 +89,8 @@ struct SweepChange {
   T largest_ns = 0;                           ///< largest impulse
   T change_ns = 0;                            ///< largest change of one
   T change_mps = 0;                           ///< the largest change of an approach, or of what friction would have changed of it
+  T load_ns = 0;                              ///< sum of the impulses
+  T strayed_j = 0;                            ///< sum of the impulses, each times the change of its approach
 };
 
 /// The motions of a body and how it turns, one a body.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include "geometry/meshes.h"
 #include "simulation/scenes.h"
 
 namespace poise {
@@ -67,6 +68,51 @@ TEST(HardCases, MassRatiosOfAMillionStayFinite) {
   }
   expect_sane(stage);
 }
+
+// Towers of boxes, balls and slabs whose masses are anything from a gram to a tonne.
+class TowersOfAnyMasses : public testing::TestWithParam<double> {};
+
+TEST_P(TowersOfAnyMasses, GainNoEnergy) {
+  std::mt19937_64 random(5);
+  const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53; };
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  TreeBuildOptions tree;
+  tree.depth = 2;
+  tree.preset = TreePreset::Fast;
+  const ShapePtr shapes[] = {make_mesh_shape(test::box_mesh(Vec3(1, 1, 1)), tree).value(), make_sphere_shape(0.5).value(), make_mesh_shape(test::box_mesh(Vec3(2, 2, 0.2)), tree).value()};
+  const double heights[] = {1, 1, 0.2};
+  for (int tower = 0; tower < 24; ++tower) {
+    Stage stage(settings, 0);
+    stage.material = stage.world.add_material({0, GetParam(), 1000}).value();
+    stage.plane(Vec3::UnitZ(), 0);
+    double top_m = 0;
+    const auto count = static_cast<int>(between(2, 10));
+    for (int i = 0; i < count; ++i) {
+      const auto kind = static_cast<std::size_t>(between(0, 3));
+      BodyDefinition body;
+      body.shape = stage.world.add_shape(shapes[kind]);
+      body.material = stage.material;
+      body.mass_kg = std::pow(10, between(-3, 3));
+      body.position_m = Vec3(between(-0.05, 0.05), between(-0.05, 0.05), top_m + 0.5 * heights[kind]);
+      stage.bodies.push_back(stage.world.add_body(body).value());
+      top_m += heights[kind];
+    }
+    const double start = total_j(stage);
+    double most = start;
+    for (int i = 0; i < 240; ++i) {
+      StepInput input = step_of(1.0 / 60);
+      input.polygons = tower % 2 == 0;
+      stage.world.step(input);
+      most = std::max(most, total_j(stage));
+    }
+    expect_sane(stage);
+    // A body may be lifted out of another.
+    EXPECT_LT(most, (1 + 1e-3) * start) << "tower " << tower << " of " << count;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(HardCases, TowersOfAnyMasses, testing::Values(0.0, 0.5, 1.0));
 
 TEST(HardCases, FastFarAndSpinningBodiesStaySane) {
   for (const double dt_s : {1e-4, 1.0 / 60, 0.1}) {
