@@ -97,7 +97,7 @@ std::string accuracy_plot(const AccuracyDocument& document) {
   if (document.series.empty()) return "";
   std::string text =
       "set terminal pngcairo size 1400,640 font \"sans,13\"\nset logscale y\nset format y \"10^{%L}\"\nset grid xtics ytics lt 1 lw 1 lc rgb \"#cccccc\"\n"
-      "set key outside below maxrows 5\nset xlabel \"time in s\"\n";
+      "set linetype 9 lc rgb \"#888888\"\nset key outside below maxrows 5\nset xlabel \"time in s\"\n";
   for (std::size_t i = 0; i < document.series.size(); ++i) {
     const AccuracySeries& series = document.series[i];
     text += fmt::format("$case{} << EOD\n", i);
