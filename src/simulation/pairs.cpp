@@ -234,9 +234,24 @@ void predict(WorldState& world, const StepInput& input) {
   }
 }
 
+// What a frame keeps of pairs grows with the room of these. Were it made when a heap forms, that frame would copy all there is and wait for new pages: 10 ms
+// at 2,000 bodies. Made beforehand it costs no memory until it is used.
+void make_room_for_pairs(FrameBuffers& buffers, std::size_t bodies) {
+  constexpr std::size_t kPairsOfBody = 12;
+  constexpr std::size_t kMostRoom = std::size_t{1} << 19U;
+  const std::size_t room = std::min(kPairsOfBody * bodies, kMostRoom);
+  // Half of that is reached only where bodies are added: twice the room for them, and not a little more for each.
+  if (2 * buffers.pairs.capacity() >= room) return;
+  buffers.outlines.reserve(room);
+  buffers.pairs.reserve(room);
+  buffers.found.reserve(room);
+  buffers.cues.reserve(room);
+}
+
 void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) {
   FrameBuffers& buffers = world.buffers;
   const TimePoint start = SteadyClock::now();
+  make_room_for_pairs(buffers, buffers.bounds.size());
   const collision::BroadPhase::Result found =
       world.candidates.find(world.broad_phase, buffers.bounds, buffers.planes,
                             input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds) : std::span<const collision::SweptBound>{},
