@@ -216,5 +216,42 @@ TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
   EXPECT_GT(from_memory, compared / 2);
 }
 
+// A frame that grows what is kept of pairs copies all of it, just when a heap forms.
+TEST(RoomForPairs, IsThereBeforeAHeapForms) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage stage(settings, 0);
+  stage.jacks(200, 4);
+  stage.world.step(step_of(1.0 / 60));
+  const simulation::WorldState& state = simulation::WorldAccess::of(stage.world);
+  const std::size_t pairs_room = state.buffers.pairs.capacity();
+  const std::size_t places_room = state.places.places.capacity();
+  const std::size_t at_first = state.buffers.pairs.size();
+  std::size_t most = 0;
+  for (int i = 0; i < 240; ++i) {
+    stage.world.step(step_of(1.0 / 60));
+    most = std::max(most, state.buffers.pairs.size());
+  }
+  EXPECT_GT(most, 2 * at_first) << "no heap";
+  EXPECT_EQ(state.buffers.pairs.capacity(), pairs_room);
+  EXPECT_EQ(state.places.places.capacity(), places_room);
+}
+
+TEST(RoomForPairs, GrowsByMoreThanABodyAtATime) {
+  Stage stage({}, 0);
+  const ShapeId ball = stage.ball(0.1);
+  const simulation::WorldState& state = simulation::WorldAccess::of(stage.world);
+  int grown = 0;
+  std::size_t room = 0;
+  for (int i = 0; i < 256; ++i) {
+    stage.add(ball, Vec3(i, 0, 0));
+    stage.world.step(step_of(1.0 / 60));
+    grown += state.buffers.pairs.capacity() != room ? 1 : 0;
+    room = state.buffers.pairs.capacity();
+  }
+  EXPECT_GE(room, 256U * 6);
+  EXPECT_LE(grown, 10);
+}
+
 }  // namespace
 }  // namespace poise
