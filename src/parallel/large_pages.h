@@ -12,13 +12,14 @@ namespace poise::parallel {
 /// there are none (Linux has them, transparent, on request) the pages stay small. Any thread.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
-/// Allocator for arrays that a step goes through. Those of kFromBytes and more begin at a large page.
+/// Allocator for arrays that a step goes through. Those of kFromBytes and more begin at a large page: the first touch of one takes some milliseconds,
+/// so that arrays of scenes which are stepped in that time have small ones.
 template <class T>
 struct LargePages {
   using value_type = T;
   using is_always_equal = std::true_type;
   static constexpr std::size_t kPageBytes = std::size_t{2} << 20U;
-  static constexpr std::size_t kFromBytes = 2 * kPageBytes;
+  static constexpr std::size_t kFromBytes = 16 * kPageBytes;
 
   LargePages() = default;
   template <class U>
