@@ -240,7 +240,7 @@ void make_room_for_pairs(FrameBuffers& buffers, std::size_t bodies) {
   constexpr std::size_t kPairsOfBody = 12;
   constexpr std::size_t kMostRoom = std::size_t{1} << 19U;
   const std::size_t room = std::min(kPairsOfBody * bodies, kMostRoom);
-  // Half of that is reached only where bodies are added: twice the room for them, and not a little more for each.
+  // Again only when the bodies have become twice as many, not a little more for each that comes.
   if (2 * buffers.pairs.capacity() >= room) return;
   buffers.outlines.reserve(room);
   buffers.pairs.reserve(room);
