@@ -54,6 +54,8 @@ SweepLimit limit_of(const RestSystem& system, const SolveSettings& settings, std
   return {most, weighs ? std::min(sped_up, kMostHardSweeps) : most, true};
 }
 
+Vec3 normal_of(const PatchLanes<double>& patch, std::size_t lane) { return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]}; }
+
 }  // namespace
 
 struct RestSolver::Buffers {
@@ -99,8 +101,6 @@ void RestSolver::Buffers::for_impulses(Visit&& visit) {
     }
   }
 }
-
-Vec3 normal_of(const PatchLanes<double>& patch, std::size_t lane) { return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]}; }
 
 // Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
 std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
