@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Refining one pair of jacks from the root spheres to the leaves, near the first touch: nanoseconds a pair and an expansion.
+// Refining one pair of jacks from the root spheres to the leaves, near the first touch: nanoseconds a pair and an
+// expansion.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -44,8 +45,10 @@ std::vector<Posed> near_touches(const Shape& jack, std::size_t count) {
   std::vector<Posed> poses;
   while (poses.size() < count) {
     Posed posed;
-    posed.a.rotation = Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized().toRotationMatrix();
-    posed.b.rotation = Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized().toRotationMatrix();
+    posed.a.rotation =
+        Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized().toRotationMatrix();
+    posed.b.rotation =
+        Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized().toRotationMatrix();
     posed.b.position_m = 1.4 * Vec3(uniform(random), uniform(random), uniform(random));
     if (std::abs(least_gap_m(make_pair_frame(jack, posed.a, jack, posed.b, 0, 0))) < 0.01) poses.push_back(posed);
   }

@@ -78,7 +78,8 @@ struct Block {
 void step(Block& block, parallel::Executor& executor) {
   const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2, {}};
   solve_impacts(block.system(), settings, executor);
-  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.poses, block.pairs, block.places, block.loads, block.given_ns, block.coloring},
+  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.poses, block.pairs, block.places,
+                      block.loads, block.given_ns, block.coloring},
                      settings, executor);
   for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
 }
@@ -93,9 +94,9 @@ void rest(benchmark::State& state) {
   bench::Latencies latencies;
   for (auto _ : state) latencies.time(state, [&] { step(block, *executor); });
   latencies.report(state);
-  state.counters["s_per_contact"] = benchmark::Counter(
-      static_cast<double>(block.rows.size()),
-      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["s_per_contact"] =
+      benchmark::Counter(static_cast<double>(block.rows.size()),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(rest)
     ->ArgNames({"side", "threads"})
@@ -110,9 +111,9 @@ void coloring(benchmark::State& state) {
     benchmark::DoNotOptimize(block.coloring.order().data());
   }
   if (block.coloring.serial_begin() != block.edges.size()) state.SkipWithError("colours ran out");
-  state.counters["s_per_contact"] = benchmark::Counter(
-      static_cast<double>(block.rows.size()),
-      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["s_per_contact"] =
+      benchmark::Counter(static_cast<double>(block.rows.size()),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(coloring)->ArgName("side")->Arg(63)->Unit(benchmark::kMicrosecond);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What deciding costs: a score and its band, rounds of the work clock, the bands that workers share, a look at the budget.
+// What deciding costs: a score and its band, rounds of the work clock, the bands that workers share, a look at the
+// budget.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -71,8 +72,8 @@ void bands(benchmark::State& state) {
     while (shared.take() != parallel::PriorityBands::kNone) ++taken;
     if (taken != kItems) state.SkipWithError("items were lost");
   }
-  state.counters["s_per_item"] = benchmark::Counter(
-      double{kItems}, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["s_per_item"] =
+      benchmark::Counter(double{kItems}, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(bands)->Unit(benchmark::kMicrosecond);
 

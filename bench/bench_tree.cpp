@@ -47,8 +47,16 @@ void build_tree(benchmark::State& state, const char* kind) {
 void jack(benchmark::State& state) { build_tree(state, "jack"); }
 void slab(benchmark::State& state) { build_tree(state, "slab"); }
 
-BENCHMARK(jack)->ArgNames({"depth", "threads"})->ArgsProduct({{1, 2, 3}, {1, 2}})->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(slab)->ArgNames({"depth", "threads"})->ArgsProduct({{1, 2, 3}, {1}})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(jack)
+    ->ArgNames({"depth", "threads"})
+    ->ArgsProduct({{1, 2, 3}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(slab)
+    ->ArgNames({"depth", "threads"})
+    ->ArgsProduct({{1, 2, 3}, {1}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 std::vector<Vec3> points_around(double half_m) {
   std::mt19937_64 random(1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Walking two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
-// expansion; then the polygons in the leaves that overlap, beside the same question to libfcl. Before anything is timed, random
-// poses near first contact are judged by the triangles themselves (libfcl): a level that finds nothing where surfaces meet
-// is an error, and so are polygons that say otherwise.
+// expansion; then the polygons in the leaves that overlap, beside the same question to libfcl. Before anything is
+// timed, random poses near first contact are judged by the triangles themselves (libfcl): a level that finds nothing
+// where surfaces meet is an error, and so are polygons that say otherwise.
 //
 //   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
 #include <benchmark/benchmark.h>
@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "collision/near_touch.h"
-#include "collision/polygon_contact.h"
 #include "collision/pair_refinement.h"
+#include "collision/polygon_contact.h"
 #include "latencies.h"
 
 namespace poise::collision {
@@ -48,7 +48,7 @@ struct Verdicts {
   std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
   std::size_t expansions = 0;
   std::size_t hits = 0;
-  std::size_t misjudged = 0;     ///< polygons say otherwise than the judge, and not by a hair
+  std::size_t misjudged = 0;  ///< polygons say otherwise than the judge, and not by a hair
 };
 
 struct Case {
@@ -258,7 +258,8 @@ Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
       ++pair.deepest;
       polygons(frame, pools, pair);
     }
-    const bool hair = pair.contact.present && std::abs(pair.contact.likely_m) < 1e-4 * std::min(a.judged.diagonal_m, b.judged.diagonal_m);
+    const bool hair = pair.contact.present &&
+                      std::abs(pair.contact.likely_m) < 1e-4 * std::min(a.judged.diagonal_m, b.judged.diagonal_m);
     if (touches != (pair.contact.present && pair.contact.likely_m <= 0) && !hair) ++c.verdicts.misjudged;
     if (touches && (walked.front[kDepth] == 0 || walked.full)) ++c.verdicts.lost;
     if (!touches && walked.front[kDepth] > 0) ++c.verdicts.false_alarms;

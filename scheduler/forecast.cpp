@@ -13,8 +13,9 @@ constexpr double kDrift = 0.02;
 constexpr double kNoise = 0.1;
 // Standard deviation of a coefficient of which nothing is known, as a share of its prior and of 1 us.
 constexpr double kIgnorance = 3.0;
-// Prior: 30 us, and per thousand: bodies 100 us, contacts 300 us, candidates 20 us, sphere contacts 100 us, patch visits 30 us, coarse
-// contacts 100 us. On the slow side of the machines that we tried; the first tens of frames replace it.
+// Prior: 30 us, and per thousand: bodies 100 us, contacts 300 us, candidates 20 us, sphere contacts 100 us, patch
+// visits 30 us, coarse contacts 100 us. On the slow side of the machines that we tried; the first tens of frames
+// replace it.
 constexpr TailForecast::Features kPriorUs = {30.0, 100.0, 300.0, 20.0, 100.0, 30.0, 100.0};
 // The same of a coefficient that another run has learned. Chosen: scenes differ by about as much.
 constexpr double kDoubt = 0.5;
@@ -24,7 +25,8 @@ constexpr double kDoubt = 0.5;
 TailForecast::TailForecast() : coefficient_us_(kPriorUs) { set_ignorance(kIgnorance); }
 
 TailForecast::TailForecast(const Features& coefficients_us) : coefficient_us_(kPriorUs) {
-  const bool known = std::all_of(coefficients_us.begin(), coefficients_us.end(), [](double us) { return std::isfinite(us) && us >= 0; });
+  const bool known = std::all_of(coefficients_us.begin(), coefficients_us.end(),
+                                 [](double us) { return std::isfinite(us) && us >= 0; });
   if (known) coefficient_us_ = coefficients_us;
   set_ignorance(kIgnorance);
   if (!known) return;
@@ -44,8 +46,13 @@ void TailForecast::set_ignorance(double share) {
 
 TailForecast::Features TailForecast::features(const TailWork& work) {
   const auto thousands = [](std::uint64_t count) { return static_cast<double>(count) * 1e-3; };
-  return {1.0, thousands(work.bodies), thousands(work.contacts), thousands(work.candidate_pairs),
-          thousands(work.sphere_contacts), thousands(work.patch_visits), thousands(work.coarse_contacts)};
+  return {1.0,
+          thousands(work.bodies),
+          thousands(work.contacts),
+          thousands(work.candidate_pairs),
+          thousands(work.sphere_contacts),
+          thousands(work.patch_visits),
+          thousands(work.coarse_contacts)};
 }
 
 Nanoseconds TailForecast::forecast(const TailWork& work) const {

@@ -29,7 +29,8 @@ bool FrameBudget::admits(TimePoint now, std::uint64_t units, std::uint64_t conta
 
 FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const TailForecast& tail,
                               const TrackedQuantile& margin, TailWork work, double unit_cost_ns) {
-  // The forecast is linear in contacts, so two values give all; many contacts, so that rounding to nanoseconds is nothing.
+  // The forecast is linear in contacts, so two values give all; many contacts, so that rounding to nanoseconds is
+  // nothing.
   constexpr std::uint64_t kProbe = 1'000'000;
   FrameBudget budget;
   budget.limited = true;

@@ -21,8 +21,8 @@ namespace poise::accuracy {
 struct Row {
   std::string case_name, figure, unit;  ///< the unit is "1" for shares and "" for counts
   double value = 0;
-  std::optional<double> at_most;        ///< none: reported, not judged
-  std::string published;                ///< what others reached, in words; empty where nothing was published
+  std::optional<double> at_most;  ///< none: reported, not judged
+  std::string published;          ///< what others reached, in words; empty where nothing was published
   /// Finite and within its bound.
   [[nodiscard]] bool ok() const;
 };
@@ -37,26 +37,27 @@ struct Series {
 struct Context {
   ExecutorKind executor = ExecutorKind::Serial;
   int threads = 1;
-  std::filesystem::path scenes;                ///< the folder of the scene files that ship; its accuracy/ has those of the cases
+  std::filesystem::path scenes;  ///< the folder of the scene files that ship; its accuracy/ has those of the cases
   std::optional<TreeCacheSettings> tree_cache;
   std::stop_token stop;
-  std::function<void(double)> progress;        ///< called with the share done, from 0 to 1, by the long ones; may be empty
-  std::string case_name;                       ///< of the case that runs
+  std::function<void(double)> progress;  ///< called with the share done, from 0 to 1, by the long ones; may be empty
+  std::string case_name;                 ///< of the case that runs
   std::vector<Row> rows;
   std::vector<Series> series;
 
-  void add(std::string figure, std::string unit, double value, std::optional<double> at_most, std::string published = "");
+  void add(std::string figure, std::string unit, double value, std::optional<double> at_most,
+           std::string published = "");
   /// Tells how much is done. Refused (Cancelled) once somebody asked to stop.
   [[nodiscard]] Status at(double share) const;
   /// What a World of the study starts from.
   [[nodiscard]] WorldSettings world_settings() const;
 };
 
-/// One case of the study. run() is refused where a scene file cannot be read or somebody asked to stop; what the engine does wrong makes
-/// rows that are not ok and never a refusal.
+/// One case of the study. run() is refused where a scene file cannot be read or somebody asked to stop; what the engine
+/// does wrong makes rows that are not ok and never a refusal.
 struct Case {
   std::string_view name;
-  std::string_view expected;                   ///< what it says in the closed form, for docs
+  std::string_view expected;  ///< what it says in the closed form, for docs
   Status (*run)(Context&);
 };
 

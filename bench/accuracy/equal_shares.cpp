@@ -12,14 +12,17 @@ namespace poise::accuracy {
 namespace {
 
 // Balls on a grid in a box of half side half_m; `heavy` of every second one.
-void fill(SmallWorld& world, int rows, double half_m, double radius_m, double heavy_kg, double light_kg, double light_mps, double heavy_mps) {
+void fill(SmallWorld& world, int rows, double half_m, double radius_m, double heavy_kg, double light_kg,
+          double light_mps, double heavy_mps) {
   Random random(41);
   const ShapeId ball = world.ball(radius_m);
   const double apart_m = 2 * half_m / rows;
   for (int i = 0; i < rows * rows * rows; ++i) {
-    const Vec3 place = apart_m * (Vec3(i % rows, i / rows % rows, i / (rows * rows)) + Vec3::Constant(0.5)) - Vec3::Constant(half_m);
+    const Vec3 place =
+        apart_m * (Vec3(i % rows, i / rows % rows, i / (rows * rows)) + Vec3::Constant(0.5)) - Vec3::Constant(half_m);
     const bool heavy = i % 2 == 0;
-    world.add(ball, place, (heavy ? heavy_mps : light_mps) * random.direction(), Quat::Identity(), Vec3::Zero(), heavy ? heavy_kg : light_kg);
+    world.add(ball, place, (heavy ? heavy_mps : light_mps) * random.direction(), Quat::Identity(), Vec3::Zero(),
+              heavy ? heavy_kg : light_kg);
   }
 }
 
@@ -45,7 +48,8 @@ Status two_gases(Context& context) {
   fill(world, 6, 2, 0.15, kHeavyKg, kLightKg, 4, 0);
   const double start_j = world.energy_j();
   for (int i = 0; i < kWarmFrames; ++i) world.step(kStepS);
-  // Blocks much longer than a ball needs between two impacts (0.3 s) are independent, and their spread gives the error of the mean.
+  // Blocks much longer than a ball needs between two impacts (0.3 s) are independent, and their spread gives the error
+  // of the mean.
   std::vector<double> blocks;
   for (int b = 0; b < kBlocks; ++b) {
     std::array<double, 2> sums{};
@@ -78,7 +82,8 @@ Status spinning_rings(Context& context) {
     for (int i = 0; i < 16; ++i) spheres.push_back({Vec3(std::cos(i * pi / 8), std::sin(i * pi / 8), 0), 0.2});
     SmallWorld world(context, {0, 0, -kGravityMps2}, {0, 0, 1000});
     world.plane(Vec3::UnitZ(), 0);
-    world.add(world.shape(make_spheres_shape(spheres).value()), {0, 0, 0.2}, Vec3::Zero(), Quat::Identity(), {0, 0, 10});
+    world.add(world.shape(make_spheres_shape(spheres).value()), {0, 0, 0.2}, Vec3::Zero(), Quat::Identity(),
+              {0, 0, 10});
     // About the vertical, which neither weight nor floor can change.
     const double start = motions_of(world.world(), world.bodies()).angular_momentum_js.z();
     double worst = 0;
@@ -97,7 +102,8 @@ Status spinning_rings(Context& context) {
         const double angle = pi / 12 * (i + 0.5 * ring);
         const Vec3 out(std::cos(angle), std::sin(angle), 0);
         const Vec3 along(-out.y(), out.x(), 0);
-        world.add(ball, (1 + 0.35 * ring) * out + Vec3(0, 0, 0.02 * ring), (ring == 0 ? 2.0 : -1.0) * along - 0.8 * ring * out);
+        world.add(ball, (1 + 0.35 * ring) * out + Vec3(0, 0, 0.02 * ring),
+                  (ring == 0 ? 2.0 : -1.0) * along - 0.8 * ring * out);
       }
     }
     const Motions start = motions_of(world.world(), world.bodies());
@@ -105,7 +111,8 @@ Status spinning_rings(Context& context) {
     std::size_t impulses = 0;
     for (int i = 0; i < 240; ++i) {
       world.step(1.0 / 120);
-      for (const Contact& contact : world.world().contacts()) impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
+      for (const Contact& contact : world.world().contacts())
+        impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
       const Vec3 now = motions_of(world.world(), world.bodies()).angular_momentum_js;
       worst = std::max(worst, (now - start.angular_momentum_js).norm() / start.scale.angular_momentum_js);
     }

@@ -36,7 +36,8 @@ Status free_flight(Context& context) {
 }
 
 Status spinning_top(Context& context) {
-  // Euler's equations without torque, solved by Jacobi's elliptic functions: w_2 = 0 after one quarter of its period, then twice a period.
+  // Euler's equations without torque, solved by Jacobi's elliptic functions: w_2 = 0 after one quarter of its period,
+  // then twice a period.
   constexpr double kFirstS = 10.916913, kBetweenS = 19.552867;
   constexpr double kStepS = 1.0 / 240;
   SmallWorld world(context, Vec3::Zero(), {0, 0, 1000});

@@ -61,7 +61,8 @@ void on_slope(Context& context, Block block, SlopeWorld::Ground ground) {
   });
   context.add("angle from which it slides", "degree", found_rad / kDegree, {});
   context.add("error of that angle", "degree", std::abs(found_rad - limit_rad) / kDegree, 0.1);
-  context.add("moved in 10 s, 0.1 degree below", "m", let_go(context, block, ground, limit_rad - 0.1 * kDegree, 10).moved_m, 1e-3);
+  context.add("moved in 10 s, 0.1 degree below", "m",
+              let_go(context, block, ground, limit_rad - 0.1 * kDegree, 10).moved_m, 1e-3);
   const double above_rad = limit_rad + 5 * kDegree;
   const double expected_m = 0.5 * kGravityMps2 * (std::sin(above_rad) - kFriction * std::cos(above_rad));
   const Slid slid = let_go(context, block, ground, above_rad, 1);

@@ -16,15 +16,16 @@ namespace {
 struct Sanity {
   int frames = 600;
   double dt_s = 1.0 / 60;
-  double half_m = 1e3;                 ///< a body farther than this from `middle` in any direction is lost
+  double half_m = 1e3;  ///< a body farther than this from `middle` in any direction is lost
   Vec3 middle = Vec3::Zero();
-  double energy_at_most = 1e-9;        ///< gained over the start, as a share of the scale
-  double calm_mps = HUGE_VAL;          ///< largest speed in the hundred frames after these
-  std::string name;                    ///< of the variant, may be empty
+  double energy_at_most = 1e-9;  ///< gained over the start, as a share of the scale
+  double calm_mps = HUGE_VAL;    ///< largest speed in the hundred frames after these
+  std::string name;              ///< of the variant, may be empty
   std::function<void(SmallWorld&, int)> before_frame;
 };
 
-// What changes of energy are compared with: that of the start, or of a metre a second for each body, or its weight times its radius.
+// What changes of energy are compared with: that of the start, or of a metre a second for each body, or its weight
+// times its radius.
 double scale_j(const SmallWorld& world, double gravity_mps2) {
   double sum = 0;
   for (const BodyId body : world.bodies()) {
@@ -43,8 +44,8 @@ Sane look(const SmallWorld& world, const Sanity& sanity) {
   Sane sane;
   for (const BodyId body : world.bodies()) {
     const BodyState s = world.at(body);
-    const bool finite = s.position_m.allFinite() && s.velocity_mps.allFinite() && s.angular_velocity_radps.allFinite() &&
-                        std::abs(s.orientation.norm() - 1) < 1e-6;
+    const bool finite = s.position_m.allFinite() && s.velocity_mps.allFinite() &&
+                        s.angular_velocity_radps.allFinite() && std::abs(s.orientation.norm() - 1) < 1e-6;
     if (!finite) ++sane.not_finite;
     if (finite && (s.position_m - sanity.middle).cwiseAbs().maxCoeff() > sanity.half_m) ++sane.lost;
   }
@@ -81,9 +82,11 @@ void judge(Context& context, SmallWorld& world, double gravity_mps2, const Sanit
   const std::string with = sanity.name.empty() ? "" : ", " + sanity.name;
   context.add("bodies not finite" + with, "", sane.not_finite + world.refusals(), 0);
   context.add("bodies lost" + with, "", sane.lost, 0);
-  context.add("energy above the start, as a share of its scale" + with, "1", (most_j - start_j) / scale, sanity.energy_at_most);
+  context.add("energy above the start, as a share of its scale" + with, "1", (most_j - start_j) / scale,
+              sanity.energy_at_most);
   context.add("energy gained in the next hundred frames" + with, "1", gained_j / scale, sanity.energy_at_most);
-  if (std::isfinite(sanity.calm_mps)) context.add("largest speed in the next hundred frames" + with, "m/s", fastest_mps, sanity.calm_mps);
+  if (std::isfinite(sanity.calm_mps))
+    context.add("largest speed in the next hundred frames" + with, "m/s", fastest_mps, sanity.calm_mps);
 }
 
 const Vec3 kDown(0, 0, -kGravityMps2);
@@ -96,11 +99,13 @@ Status coinciding_centres(Context& context) {
   for (const double e : {0.0, 1.0}) {
     SmallWorld world(context, Vec3::Zero(), {e, 0, 1000});
     for (int i = 0; i < 20; ++i) world.add(world.ball(0.3 + 0.02 * i), Vec3::Zero());
-    judge(context, world, 0, {.half_m = 20, .calm_mps = 1e-6, .name = fmt::format("20 balls, e = {:g}", e), .before_frame = {}});
+    judge(context, world, 0,
+          {.half_m = 20, .calm_mps = 1e-6, .name = fmt::format("20 balls, e = {:g}", e), .before_frame = {}});
     SmallWorld moving(context, Vec3::Zero(), {e, 0, 1000});
     moving.add(moving.jack(), Vec3::Zero(), {1, 0, 0});
     moving.add(moving.ball(0.5), Vec3::Zero(), {-1, 0, 0});
-    judge(context, moving, 0, {.half_m = 50, .name = fmt::format("a jack and a ball that move, e = {:g}", e), .before_frame = {}});
+    judge(context, moving, 0,
+          {.half_m = 50, .name = fmt::format("a jack and a ball that move, e = {:g}", e), .before_frame = {}});
   }
   return context.at(1);
 }
@@ -111,7 +116,8 @@ Status equal_positions(Context& context) {
     const ShapeId shape = boxes ? world.box({0.6, 0.5, 0.4}) : world.jack();
     world.input.polygons = boxes;
     for (int i = 0; i < 12; ++i) world.add(shape, Vec3::Zero());
-    judge(context, world, 0, {.half_m = 20, .calm_mps = 1e-6, .name = boxes ? "12 boxes" : "12 jacks", .before_frame = {}});
+    judge(context, world, 0,
+          {.half_m = 20, .calm_mps = 1e-6, .name = boxes ? "12 boxes" : "12 jacks", .before_frame = {}});
   }
   return context.at(1);
 }
@@ -125,14 +131,19 @@ Status mass_ratios(Context& context) {
     world.add(box, {0, 0, 0.5}, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), 1e-3);
     world.add(box, {0, 0, 1.5}, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), 1e3);
     judge(context, world, kGravityMps2,
-          {.half_m = 5, .energy_at_most = kLift, .calm_mps = 0.2, .name = fmt::format("1 g under 1 t, friction {:g}", friction), .before_frame = {}});
+          {.half_m = 5,
+           .energy_at_most = kLift,
+           .calm_mps = 0.2,
+           .name = fmt::format("1 g under 1 t, friction {:g}", friction),
+           .before_frame = {}});
   }
   SmallWorld world(context, Vec3::Zero(), {1, 0, 1000});
   const ShapeId ball = world.ball(0.5);
   world.closed_box(4);
   world.add(ball, {0, 0, 0}, {3, 0.1, 0}, Quat::Identity(), Vec3::Zero(), 1e3);
   for (int i = 0; i < 8; ++i) {
-    world.add(ball, {i % 2 == 0 ? 2.0 : -2.0, i / 2 % 2 == 0 ? 2.0 : -2.0, i / 4 == 0 ? 2.0 : -2.0}, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), 1e-3);
+    world.add(ball, {i % 2 == 0 ? 2.0 : -2.0, i / 2 % 2 == 0 ? 2.0 : -2.0, i / 4 == 0 ? 2.0 : -2.0}, Vec3::Zero(),
+              Quat::Identity(), Vec3::Zero(), 1e-3);
   }
   judge(context, world, 0, {.half_m = 4, .name = "elastic, in a box", .before_frame = {}});
   return context.at(1);
@@ -156,7 +167,8 @@ Status random_masses(Context& context) {
       for (int i = 0; i < bodies; ++i) {
         const auto kind = static_cast<std::size_t>(random.between(0, 3));
         const Vec3 place(random.between(-0.05, 0.05), random.between(-0.05, 0.05), top_m + 0.5 * kSizes[kind]);
-        world.add(shapes[kind], place, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), std::pow(10.0, random.between(-3, 3)));
+        world.add(shapes[kind], place, Vec3::Zero(), Quat::Identity(), Vec3::Zero(),
+                  std::pow(10.0, random.between(-3, 3)));
         top_m += kSizes[kind];
       }
       const double start_j = world.energy_j();
@@ -187,10 +199,16 @@ Status needles_and_plates(Context& context) {
     const ShapeId plate = world.box({1, 1, 0.005});
     Random random(61);
     for (int i = 0; i < 40; ++i) {
-      world.add(i % 2 == 0 ? needle : plate, Vec3(i % 2 == 0 ? 1 : -1, i / 2 % 2 == 0 ? 1 : -1, 1 + 0.45 * (i / 4) * 2), Vec3::Zero(), random.turn());
+      world.add(i % 2 == 0 ? needle : plate, Vec3(i % 2 == 0 ? 1 : -1, i / 2 % 2 == 0 ? 1 : -1, 1 + 0.45 * (i / 4) * 2),
+                Vec3::Zero(), random.turn());
     }
     judge(context, world, kGravityMps2,
-          {.frames = 900, .half_m = 20, .energy_at_most = kLift, .calm_mps = 2, .name = polygons ? "by polygons" : "by spheres", .before_frame = {}});
+          {.frames = 900,
+           .half_m = 20,
+           .energy_at_most = kLift,
+           .calm_mps = 2,
+           .name = polygons ? "by polygons" : "by spheres",
+           .before_frame = {}});
   }
   return context.at(1);
 }
@@ -200,7 +218,8 @@ Status one_km_per_s(Context& context) {
   world.closed_box(60);
   const ShapeId jack = world.jack();
   Random random(62);
-  for (int i = 0; i < 64; ++i) world.add(jack, 4 * Vec3(i % 4 - 1.5, i / 4 % 4 - 1.5, i / 16 - 1.5), 1000 * random.direction(), random.turn());
+  for (int i = 0; i < 64; ++i)
+    world.add(jack, 4 * Vec3(i % 4 - 1.5, i / 4 % 4 - 1.5, i / 16 - 1.5), 1000 * random.direction(), random.turn());
   judge(context, world, 0, {.half_m = 60 + 20, .name = "64 jacks in a box", .before_frame = {}});
   return context.at(1);
 }
@@ -212,16 +231,24 @@ Status far_from_origin(Context& context) {
   world.input.polygons = true;
   const ShapeId box = world.box({0.5, 0.5, 0.5});
   for (int i = 0; i < 5; ++i) world.add(box, far + Vec3(0, 0, 0.25 + 0.5 * i));
-  judge(context, world, kGravityMps2, {.half_m = 3, .middle = far, .energy_at_most = kLift, .calm_mps = 0.2, .name = "five boxes on a floor", .before_frame = {}});
+  judge(context, world, kGravityMps2,
+        {.half_m = 3,
+         .middle = far,
+         .energy_at_most = kLift,
+         .calm_mps = 0.2,
+         .name = "five boxes on a floor",
+         .before_frame = {}});
   double fell = 0;
-  for (std::size_t i = 0; i < world.bodies().size(); ++i) fell += world.at(world.bodies()[i]).position_m.z() > 0.2 + 0.5 * static_cast<double>(i) ? 0 : 1;
+  for (std::size_t i = 0; i < world.bodies().size(); ++i)
+    fell += world.at(world.bodies()[i]).position_m.z() > 0.2 + 0.5 * static_cast<double>(i) ? 0 : 1;
   context.add("boxes that fell", "", fell, 0);
 
   const Vec3 corner = Vec3::Constant(1e7);
   SmallWorld gas(context, Vec3::Zero(), {1, 0, 1000});
   Random random(63);
   const ShapeId jack = gas.jack();
-  for (int i = 0; i < 27; ++i) gas.add(jack, corner + 2 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1), random.in_box(2), random.turn());
+  for (int i = 0; i < 27; ++i)
+    gas.add(jack, corner + 2 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1), random.in_box(2), random.turn());
   judge(context, gas, 0, {.half_m = 200, .middle = corner, .name = "27 elastic jacks", .before_frame = {}});
   return context.at(1);
 }
@@ -235,7 +262,8 @@ Status fast_spins(Context& context) {
       const Vec3 place = 1.2 * Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, i / 4 - 0.5);
       world.add(jack, 2 * place, -place, random.turn(), 1e4 * random.direction());
     }
-    judge(context, world, 0, {.half_m = 1e6, .name = fmt::format("eight jacks that meet, e = {:g}", e), .before_frame = {}});
+    judge(context, world, 0,
+          {.half_m = 1e6, .name = fmt::format("eight jacks that meet, e = {:g}", e), .before_frame = {}});
   }
   return context.at(1);
 }
@@ -249,8 +277,12 @@ Status overlapping_spawn(Context& context) {
     for (int i = 0; i < 2000; ++i) world.add(ball, Vec3(0, 0, falling ? 3 : 0) + random.in_box(2));
     // Balls that are pushed apart under gravity are lifted by that; what they may not do is fly.
     judge(context, world, falling ? kGravityMps2 : 0,
-          {.frames = 300, .half_m = 30, .energy_at_most = falling ? 20 : 1e-9, .calm_mps = falling ? 12 : 1e-3,
-           .name = falling ? "2,000 balls over a tray" : "2,000 balls without gravity", .before_frame = {}});
+          {.frames = 300,
+           .half_m = 30,
+           .energy_at_most = falling ? 20 : 1e-9,
+           .calm_mps = falling ? 12 : 1e-3,
+           .name = falling ? "2,000 balls over a tray" : "2,000 balls without gravity",
+           .before_frame = {}});
     const Status go_on = context.at(falling ? 1 : 0.5);
     if (!go_on) return go_on;
   }
@@ -263,11 +295,17 @@ Status time_steps(Context& context) {
     world.tray(4);
     const ShapeId jack = world.jack();
     Random random(66);
-    for (int i = 0; i < 16; ++i) world.add(jack, Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, 0.55 + i / 4) * 1.9, Vec3::Zero(), random.turn());
+    for (int i = 0; i < 16; ++i)
+      world.add(jack, Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, 0.55 + i / 4) * 1.9, Vec3::Zero(), random.turn());
     const bool tiny = dt_s < 2e-3;
     judge(context, world, kGravityMps2,
-          {.frames = tiny ? 4000 : 600, .dt_s = dt_s, .half_m = 12, .energy_at_most = kLift, .calm_mps = dt_s < 5e-4 ? HUGE_VAL : 0.5,
-           .name = fmt::format("dt = {:.4g} s", dt_s), .before_frame = {}});
+          {.frames = tiny ? 4000 : 600,
+           .dt_s = dt_s,
+           .half_m = 12,
+           .energy_at_most = kLift,
+           .calm_mps = dt_s < 5e-4 ? HUGE_VAL : 0.5,
+           .name = fmt::format("dt = {:.4g} s", dt_s),
+           .before_frame = {}});
   }
   return context.at(1);
 }
@@ -277,9 +315,14 @@ Status flipping_levels(Context& context) {
   world.tray(5);
   const ShapeId jack = world.jack();
   Random random(67);
-  for (int i = 0; i < 60; ++i) world.add(jack, 1.9 * Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, 0.55 + i / 4), Vec3::Zero(), random.turn());
+  for (int i = 0; i < 60; ++i)
+    world.add(jack, 1.9 * Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, 0.55 + i / 4), Vec3::Zero(), random.turn());
   judge(context, world, kGravityMps2,
-        {.frames = 1200, .half_m = 60, .energy_at_most = kLift, .calm_mps = 0.5, .name = "from the first frame",
+        {.frames = 1200,
+         .half_m = 60,
+         .energy_at_most = kLift,
+         .calm_mps = 0.5,
+         .name = "from the first frame",
          .before_frame = [](SmallWorld& w, int i) { w.input.max_level = static_cast<Level>(i % 3); }});
   return context.at(1);
 }
@@ -318,7 +361,8 @@ Status bullet(Context& context) {
     std::vector<BodyId> bullets;
     const int count = free_plate ? 1 : 16;
     for (int i = 0; i < count; ++i) {
-      bullets.push_back(world.add(ball, {-1 - 0.52 * i, 0.3 * (i % 4) - 0.45, 0.3 * (i / 4 % 4) - 0.45}, {kSpeedMps, 0, 0}));
+      bullets.push_back(
+          world.add(ball, {-1 - 0.52 * i, 0.3 * (i % 4) - 0.45, 0.3 * (i / 4 % 4) - 0.45}, {kSpeedMps, 0, 0}));
     }
     const double start_j = world.energy_j();
     double most_j = start_j;

@@ -5,7 +5,8 @@
 
 namespace poise::accuracy {
 
-// Each must stay finite and sane: no body lost, energy not above the start plus work done, the next hundred frames calm.
+// Each must stay finite and sane: no body lost, energy not above the start plus work done, the next hundred frames
+// calm.
 Status coinciding_centres(Context& context);
 Status equal_positions(Context& context);
 Status mass_ratios(Context& context);

@@ -19,12 +19,17 @@ struct Meeting {
 
 struct Throw {
   double ra_m, rb_m, ma_kg, mb_kg;
-  Vec3 normal, va, vb;                        // normal from a to b; they approach along it
+  Vec3 normal, va, vb;  // normal from a to b; they approach along it
 };
 
 Throw random_throw(Random& random, bool head_on) {
-  Throw t{random.between(0.1, 1), random.between(0.1, 1), std::pow(10, random.between(-1, 2)), std::pow(10, random.between(-1, 2)),
-          random.direction(), Vec3::Zero(), Vec3::Zero()};
+  Throw t{random.between(0.1, 1),
+          random.between(0.1, 1),
+          std::pow(10, random.between(-1, 2)),
+          std::pow(10, random.between(-1, 2)),
+          random.direction(),
+          Vec3::Zero(),
+          Vec3::Zero()};
   if (head_on) {
     t.va = random.between(1, 5) * t.normal;
     t.vb = -random.between(0, 5) * t.normal;
@@ -37,7 +42,8 @@ Throw random_throw(Random& random, bool head_on) {
   return t;
 }
 
-BodyId add_ball(SmallWorld& world, double radius_m, double mass_kg, const Vec3& place, const Vec3& velocity, std::uint32_t group) {
+BodyId add_ball(SmallWorld& world, double radius_m, double mass_kg, const Vec3& place, const Vec3& velocity,
+                std::uint32_t group) {
   BodyDefinition ball;
   ball.shape = world.ball(radius_m);
   ball.mass_kg = mass_kg;
@@ -76,7 +82,9 @@ double worst_of(Context& context, double e, bool head_on) {
   SmallWorld world(context, Vec3::Zero(), {e, 0, 1000});
   Random random(head_on ? 11 : 12);
   std::vector<Meeting> meetings;
-  for (int i = 0; i < 24; ++i) meetings.push_back(place(world, random_throw(random, head_on), e, head_on ? 0.3 : 0, 1U << static_cast<unsigned>(i)));
+  for (int i = 0; i < 24; ++i)
+    meetings.push_back(
+        place(world, random_throw(random, head_on), e, head_on ? 0.3 : 0, 1U << static_cast<unsigned>(i)));
   for (int i = 0; i < (head_on ? 60 : 1); ++i) world.step(1.0 / 60);
   return worst_error(world, meetings);
 }

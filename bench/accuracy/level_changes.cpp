@@ -19,12 +19,18 @@ enum class Way { Full, RandomLevels, RandomPairs, Every10, Every60, RootsOnly };
 
 const char* name_of(Way way) {
   switch (way) {
-    case Way::RandomLevels: return "random levels every frame";
-    case Way::RandomPairs: return "random levels of the pairs";
-    case Way::Every10: return "budget none and full every 10 frames";
-    case Way::Every60: return "budget none and full every 60 frames";
-    case Way::RootsOnly: return "level 0 alone";
-    default: return "full levels";
+    case Way::RandomLevels:
+      return "random levels every frame";
+    case Way::RandomPairs:
+      return "random levels of the pairs";
+    case Way::Every10:
+      return "budget none and full every 10 frames";
+    case Way::Every60:
+      return "budget none and full every 60 frames";
+    case Way::RootsOnly:
+      return "level 0 alone";
+    default:
+      return "full levels";
   }
 }
 
@@ -35,9 +41,9 @@ struct Pile {
 };
 
 struct Found {
-  double excess = 0;                   // of the energy over its running minimum, a body in m g R
+  double excess = 0;  // of the energy over its running minimum, a body in m g R
   double largest_mps = 0;
-  double height_m = 0;                 // mean of the centres, at the end
+  double height_m = 0;  // mean of the centres, at the end
   std::size_t outside = 0;
 };
 
@@ -45,11 +51,20 @@ struct Found {
 void set_levels(SceneWatch& watch, Way way, std::uint64_t i, std::uint64_t full_work, Random& random) {
   const auto every = [&](std::uint64_t frames) { return i / frames % 2 == 0 ? Budget::work(0) : Budget::unlimited(); };
   switch (way) {
-    case Way::RandomLevels: watch.input.max_level = static_cast<Level>(random.bits() % 4); break;
-    case Way::RandomPairs: watch.input.budget = Budget::work(random.bits() % (full_work + 1)); break;
-    case Way::Every10: watch.input.budget = every(10); break;
-    case Way::Every60: watch.input.budget = every(60); break;
-    default: break;
+    case Way::RandomLevels:
+      watch.input.max_level = static_cast<Level>(random.bits() % 4);
+      break;
+    case Way::RandomPairs:
+      watch.input.budget = Budget::work(random.bits() % (full_work + 1));
+      break;
+    case Way::Every10:
+      watch.input.budget = every(10);
+      break;
+    case Way::Every60:
+      watch.input.budget = every(60);
+      break;
+    default:
+      break;
   }
 }
 
@@ -108,7 +123,8 @@ Status change_levels(Context& context, const Pile& pile) {
       full_m = found.height_m;
       context.add("mean height" + with, "m", full_m, {});
     } else {
-      context.add("difference of the mean height" + with, "1", std::abs(found.height_m / full_m - 1), way == Way::RootsOnly ? 0.25 : 0.1);
+      context.add("difference of the mean height" + with, "1", std::abs(found.height_m / full_m - 1),
+                  way == Way::RootsOnly ? 0.25 : 0.1);
     }
   }
   return Done{};

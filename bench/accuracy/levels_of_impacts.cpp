@@ -54,11 +54,13 @@ Kept watch(SmallWorld& world, int frames) {
   Kept kept;
   for (int i = 0; i < frames; ++i) {
     world.step(kStepS);
-    for (const Contact& contact : world.world().contacts()) kept.impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
+    for (const Contact& contact : world.world().contacts())
+      kept.impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
     const Motions now = motions_of(world.world(), world.bodies());
     kept.momentum = std::max(kept.momentum, (now.momentum_ns - start.momentum_ns).norm() / start.scale.momentum_ns);
-    kept.angular_momentum = std::max(kept.angular_momentum,
-                                     (now.angular_momentum_js - start.angular_momentum_js).norm() / start.scale.angular_momentum_js);
+    kept.angular_momentum =
+        std::max(kept.angular_momentum,
+                 (now.angular_momentum_js - start.angular_momentum_js).norm() / start.scale.angular_momentum_js);
     kept.energy = std::max(kept.energy, std::abs(now.kinetic_j / start.kinetic_j - 1));
   }
   return kept;
@@ -71,7 +73,8 @@ void fill_cloud(SmallWorld& world, const std::vector<ShapePtr>& shapes) {
   for (const ShapePtr& shape : shapes) ids.push_back(world.shape(shape));
   for (int i = 0; i < 64; ++i) {
     const Vec3 place = 1.5 * Vec3(i % 4 - 1.5, i / 4 % 4 - 1.5, i / 16 - 1.5);
-    world.add(ids[static_cast<std::size_t>(i) % ids.size()], place, -1.2 * place + random.in_box(0.5), random.turn(), random.in_box(3));
+    world.add(ids[static_cast<std::size_t>(i) % ids.size()], place, -1.2 * place + random.in_box(0.5), random.turn(),
+              random.in_box(3));
   }
 }
 
@@ -87,7 +90,8 @@ Status cloud_momenta(Context& context) {
       fill_cloud(world, shapes.value());
       set_level(world, level);
       const Kept kept = watch(world, 150);
-      const std::string which = fmt::format("{}, e = {:g}{}", level_name(level), e, friction > 0 ? ", friction 0.5" : "");
+      const std::string which =
+          fmt::format("{}, e = {:g}{}", level_name(level), e, friction > 0 ? ", friction 0.5" : "");
       context.add("change of momentum, " + which, "1", kept.momentum, 1e-12);
       context.add("change of angular momentum, " + which, "1", kept.angular_momentum, 1e-12);
       context.add("frames without an impulse, " + which, "", kept.impulses > 100 ? 0 : 150, 0);

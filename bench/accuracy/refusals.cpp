@@ -68,8 +68,9 @@ void try_bodies(SmallWorld& world, ShapeId ball, Tally& tally) {
   try_body([](BodyDefinition& b) { b.inertia_kgm2 = Vec3(1, 0, 1); });
   try_body([](BodyDefinition& b) { b.shape = ShapeId{77}; });
   try_body([&](BodyDefinition& b) { b.shape = world.world().add_shape(make_plane_shape(Vec3::UnitZ(), 0).value()); });
-  for (const Material& bad : {Material{-0.1, 0, 1}, Material{1.1, 0, 1}, Material{0, -1, 1}, Material{0, 0, 0}, Material{std::nan(""), 0, 1},
-                              Material{0, std::nan(""), 1}, Material{0, 0, std::nan("")}}) {
+  for (const Material& bad :
+       {Material{-0.1, 0, 1}, Material{1.1, 0, 1}, Material{0, -1, 1}, Material{0, 0, 0}, Material{std::nan(""), 0, 1},
+        Material{0, std::nan(""), 1}, Material{0, 0, std::nan("")}}) {
     tally.expect_refused(world.world().add_material(bad).ok());
   }
 }
@@ -87,9 +88,12 @@ void try_steps(SmallWorld& world, Tally& tally) {
 void try_scenes(Tally& tally) {
   const auto scene = [](const std::string& body, const std::string& density) {
     return R"({"name": "bad", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": )" + density +
-           R"(}}, "shapes": {"s": {"sphere": {"radius_m": 1}}}, "bodies": [{"shape": "s", "material": "m")" + body + "}]}";
+           R"(}}, "shapes": {"s": {"sphere": {"radius_m": 1}}}, "bodies": [{"shape": "s", "material": "m")" + body +
+           "}]}";
   };
-  const auto taken = [&](const std::string& body, const std::string& density) { return parse_scene(scene(body, density), "bad", ".").ok(); };
+  const auto taken = [&](const std::string& body, const std::string& density) {
+    return parse_scene(scene(body, density), "bad", ".").ok();
+  };
   tally.expect_refused(taken(R"(, "mass_kg": 0)", "1"));
   tally.expect_refused(taken(R"(, "mass_kg": -1)", "1"));
   tally.expect_refused(taken(R"(, "mass_kg": 1e400)", "1"));

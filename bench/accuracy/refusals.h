@@ -5,7 +5,8 @@
 
 namespace poise::accuracy {
 
-/// Numbers that are not finite, masses of zero and the like, through every call of the API that takes numbers, and through a scene.
+/// Numbers that are not finite, masses of zero and the like, through every call of the API that takes numbers, and
+/// through a scene.
 Status bad_states(Context& context);
 
 }  // namespace poise::accuracy

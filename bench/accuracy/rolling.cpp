@@ -42,7 +42,8 @@ Status rolling_ball(Context& context) {
     for (int i = 0; i < 360; ++i) slope.world.step(kStepS);
     const BodyState end = slope.world.at(ball);
     const double expected_mps = 5.0 / 7 * kGravityMps2 * std::sin(angle_rad) * 360 * kStepS;
-    context.add("error of the acceleration" + on, "1", std::abs(end.velocity_mps.dot(slope.downhill()) / expected_mps - 1), 0.005);
+    context.add("error of the acceleration" + on, "1",
+                std::abs(end.velocity_mps.dot(slope.downhill()) / expected_mps - 1), 0.005);
     context.add("slip, as a share of the speed" + on, "1", slip_mps(slope, end) / expected_mps, 0.005);
   }
   return context.at(1);
@@ -55,7 +56,8 @@ Status skidding_ball(Context& context) {
   // It skids for 2 v / (7 mu g) = 0.73 s.
   for (int i = 0; i < 360; ++i) floor.world.step(kStepS);
   const BodyState end = floor.world.at(ball);
-  context.add("error of the speed once it rolls", "1", std::abs(end.velocity_mps.dot(floor.downhill()) / (5.0 / 7 * kSpeedMps) - 1), 0.005);
+  context.add("error of the speed once it rolls", "1",
+              std::abs(end.velocity_mps.dot(floor.downhill()) / (5.0 / 7 * kSpeedMps) - 1), 0.005);
   context.add("slip once it rolls, as a share of the speed", "1", slip_mps(floor, end) / kSpeedMps, 0.005);
 
   const double steep_rad = 40 * kDegree;
@@ -66,8 +68,10 @@ Status skidding_ball(Context& context) {
   const BodyState after = slope.world.at(slipping);
   const double speed_mps = kGravityMps2 * (std::sin(steep_rad) - kLittle * std::cos(steep_rad)) * 240 * kStepS;
   const double spin_radps = 2.5 * kLittle * kGravityMps2 * std::cos(steep_rad) / kRadiusM * 240 * kStepS;
-  context.add("error of the speed on a slope too steep to roll", "1", std::abs(after.velocity_mps.dot(slope.downhill()) / speed_mps - 1), 0.005);
-  context.add("error of the spin on a slope too steep to roll", "1", std::abs(after.angular_velocity_radps.norm() / spin_radps - 1), 0.005);
+  context.add("error of the speed on a slope too steep to roll", "1",
+              std::abs(after.velocity_mps.dot(slope.downhill()) / speed_mps - 1), 0.005);
+  context.add("error of the spin on a slope too steep to roll", "1",
+              std::abs(after.angular_velocity_radps.norm() / spin_radps - 1), 0.005);
   return context.at(1);
 }
 

@@ -7,7 +7,8 @@ namespace poise::accuracy {
 
 bool Row::ok() const { return std::isfinite(value) && (!at_most || value <= *at_most); }
 
-void Context::add(std::string figure, std::string unit, double value, std::optional<double> at_most, std::string published) {
+void Context::add(std::string figure, std::string unit, double value, std::optional<double> at_most,
+                  std::string published) {
   rows.push_back({case_name, std::move(figure), std::move(unit), value, at_most, std::move(published)});
 }
 

@@ -56,7 +56,8 @@ Status bouncing_balls(Context& context) {
     const double error = energy_of(watch) / start_j - 1;
     sum += error * error / static_cast<double>(frames);
   }
-  context.add("relative energy error, root of the mean square", "1", std::sqrt(sum), 5.7e-4, "RaiSim 5.7e-4, ODE 5.7e-3, Bullet 0.113, DART 0.113");
+  context.add("relative energy error, root of the mean square", "1", std::sqrt(sum), 5.7e-4,
+              "RaiSim 5.7e-4, ODE 5.7e-3, Bullet 0.113, DART 0.113");
   context.add("CPU time", "s", spent_s, {});
   return context.at(1);
 }
@@ -74,7 +75,8 @@ Status falling_cube(Context& context) {
     spent_s += cpu_now_s() - before_s;
     mean_m2 += squared_penetration_m2(watch) / static_cast<double>(frames);
   }
-  context.add("summed squared penetration, mean over time", "m^2", mean_m2, 0.0153, "RaiSim 0.0153, ODE 0.0161, Bullet 37.4, DART 215");
+  context.add("summed squared penetration, mean over time", "m^2", mean_m2, 0.0153,
+              "RaiSim 0.0153, ODE 0.0161, Bullet 37.4, DART 215");
   context.add("CPU time", "s", spent_s, {});
   return context.at(1);
 }

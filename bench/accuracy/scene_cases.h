@@ -5,7 +5,8 @@
 
 namespace poise::accuracy {
 
-/// SimBenchmark (Kang and Hwangbo 2018): 7 x 7 elastic balls dropped from 5 m, 20 s; and 6^3 balls falling on each other, 10 s.
+/// SimBenchmark (Kang and Hwangbo 2018): 7 x 7 elastic balls dropped from 5 m, 20 s; and 6^3 balls falling on each
+/// other, 10 s.
 Status bouncing_balls(Context& context);
 Status falling_cube(Context& context);
 

@@ -16,8 +16,8 @@ SceneWatch::SceneWatch(Scene scene, SceneRun run) : scene_(std::move(scene)), ru
   remember();
 }
 
-Result<SceneWatch> SceneWatch::start(const Context& context, const std::string& file, const std::function<void(Scene&)>& change,
-                                     std::optional<std::uint64_t> bodies) {
+Result<SceneWatch> SceneWatch::start(const Context& context, const std::string& file,
+                                     const std::function<void(Scene&)>& change, std::optional<std::uint64_t> bodies) {
   Result<Scene> scene = read_scene(context.scenes / file);
   if (!scene) return scene.error();
   if (change) change(scene.value());
@@ -88,7 +88,8 @@ double SceneWatch::mean_height_m() const {
 double SceneWatch::weight_scale_j() const {
   double sum = 0;
   for (const BodyId body : bodies_) {
-    sum += run_.world().mass_kg(body).value() * scene_.gravity_mps2.norm() * run_.world().shape(body).value()->bounding_radius_m;
+    sum += run_.world().mass_kg(body).value() * scene_.gravity_mps2.norm() *
+           run_.world().shape(body).value()->bounding_radius_m;
   }
   return sum;
 }
@@ -98,11 +99,14 @@ std::size_t SceneWatch::outside() const {
   const double half_m = run_.tray_side_m() > 0 ? 0.5 * run_.tray_side_m() : HUGE_VAL;
   for (const BodyId body : bodies_) {
     const Vec3 place = at(body).position_m;
-    count += std::abs(place.x()) <= half_m && std::abs(place.y()) <= half_m && place.z() >= 0 && place.z() < 1e6 ? 0U : 1U;
+    count +=
+        std::abs(place.x()) <= half_m && std::abs(place.y()) <= half_m && place.z() >= 0 && place.z() < 1e6 ? 0U : 1U;
   }
   return count;
 }
 
-std::uint64_t SceneWatch::frames_of(double seconds) const { return static_cast<std::uint64_t>(std::llround(seconds / scene_.dt_s)); }
+std::uint64_t SceneWatch::frames_of(double seconds) const {
+  return static_cast<std::uint64_t>(std::llround(seconds / scene_.dt_s));
+}
 
 }  // namespace poise::accuracy

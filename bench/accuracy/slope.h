@@ -29,7 +29,7 @@ class SlopeWorld {
     world.add(body);
   }
 
-  [[nodiscard]] Vec3 up() const { return turn * Vec3::UnitZ(); }         ///< away from the ground
+  [[nodiscard]] Vec3 up() const { return turn * Vec3::UnitZ(); }  ///< away from the ground
   [[nodiscard]] Vec3 downhill() const { return turn * Vec3::UnitX(); }
   /// A body whose origin is so high above the ground, with its axes along the slope's.
   BodyId put(ShapeId shape, double height_m, const Vec3& velocity_mps = Vec3::Zero(), double downhill_m = 0) {

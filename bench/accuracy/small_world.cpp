@@ -44,7 +44,8 @@ TriangleMesh box_mesh(const Vec3& size_m) {
                                  0.5 * size_m.z() * (i / 4 == 0 ? -1 : 1));
   }
   // Bottom, top, and the four sides, each seen from outside.
-  constexpr std::uint32_t kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  constexpr std::uint32_t kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                          {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& f : kFaces) {
     mesh.triangles.push_back({f[0], f[1], f[2]});
     mesh.triangles.push_back({f[0], f[2], f[3]});
@@ -99,8 +100,8 @@ BodyId SmallWorld::add(BodyDefinition definition) {
   return id.value();
 }
 
-BodyId SmallWorld::add(ShapeId shape, const Vec3& position_m, const Vec3& velocity_mps, const Quat& orientation, const Vec3& spin_radps,
-                       double mass_kg) {
+BodyId SmallWorld::add(ShapeId shape, const Vec3& position_m, const Vec3& velocity_mps, const Quat& orientation,
+                       const Vec3& spin_radps, double mass_kg) {
   BodyDefinition body;
   body.shape = shape;
   body.position_m = position_m;

@@ -18,11 +18,11 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   std::uint64_t bits();
-  double unit();                               ///< evenly in [0, 1)
+  double unit();  ///< evenly in [0, 1)
   double between(double low, double high) { return low + (high - low) * unit(); }
-  Vec3 in_box(double half_m);                  ///< evenly in the cube of this half side
-  Vec3 direction();                            ///< evenly over the sphere, by rejection
-  Quat turn();                                 ///< evenly over all rotations, by rejection
+  Vec3 in_box(double half_m);  ///< evenly in the cube of this half side
+  Vec3 direction();            ///< evenly over the sphere, by rejection
+  Quat turn();                 ///< evenly over all rotations, by rejection
 
  private:
   std::uint64_t state_;
@@ -33,26 +33,26 @@ struct MomentumScale {
   double momentum_ns = 0, angular_momentum_js = 0;
 };
 
-/// A World of one case with short ways to fill it. A refusal by the World leaves a body out and is counted, so that a case reports it as a
-/// row instead of ending the study.
+/// A World of one case with short ways to fill it. A refusal by the World leaves a body out and is counted, so that a
+/// case reports it as a row instead of ending the study.
 class SmallWorld {
  public:
   SmallWorld(const Context& context, const Vec3& gravity_mps2, const Material& material);
 
   ShapeId shape(const ShapePtr& shape) { return world_.add_shape(shape); }
   ShapeId ball(double radius_m) { return shape(make_sphere_shape(radius_m).value()); }
-  ShapeId box(const Vec3& size_m);             ///< a mesh of 12 triangles
+  ShapeId box(const Vec3& size_m);                        ///< a mesh of 12 triangles
   ShapeId slab_of_balls(double half_m, double radius_m);  ///< four balls at the corners of a square
-  ShapeId jack();                              ///< three crossed rods of 13 balls, 1.72 m across
+  ShapeId jack();                                         ///< three crossed rods of 13 balls, 1.72 m across
   /// The defaults of the definition hold but for the material.
   BodyId add(BodyDefinition definition);
-  BodyId add(ShapeId shape, const Vec3& position_m, const Vec3& velocity_mps = Vec3::Zero(), const Quat& orientation = Quat::Identity(),
-             const Vec3& spin_radps = Vec3::Zero(), double mass_kg = 0);
+  BodyId add(ShapeId shape, const Vec3& position_m, const Vec3& velocity_mps = Vec3::Zero(),
+             const Quat& orientation = Quat::Identity(), const Vec3& spin_radps = Vec3::Zero(), double mass_kg = 0);
   BodyId plane(const Vec3& normal, double offset_m);
-  void closed_box(double half_m);              ///< six planes around the origin
-  void tray(double side_m);                    ///< a floor and four walls
+  void closed_box(double half_m);  ///< six planes around the origin
+  void tray(double side_m);        ///< a floor and four walls
 
-  StepInput input;                             ///< of the next steps
+  StepInput input;  ///< of the next steps
   FrameReport step(double dt_s);
   [[nodiscard]] BodyState at(BodyId body) const;
   [[nodiscard]] double energy_j() const;
@@ -74,7 +74,8 @@ class SmallWorld {
 /// A box around the origin as 12 triangles.
 TriangleMesh box_mesh(const Vec3& size_m);
 
-/// Energy and momenta of one body of mass m (kg) and inertia about its centre (kg m^2, world frame), worked out here and not by the engine.
+/// Energy and momenta of one body of mass m (kg) and inertia about its centre (kg m^2, world frame), worked out here
+/// and not by the engine.
 struct BodyMotion {
   double mass_kg = 0;
   Mat3 inertia_kgm2 = Mat3::Zero();

@@ -13,10 +13,10 @@ constexpr double kSeconds = 60;
 /// What a scene is to do in its 60 s.
 struct Standing {
   const char* file;
-  double measured_from_s = 0;          ///< drift is measured from here: 0 for what is built, later for what is thrown in
-  double calm_from_s = 2;              ///< energy is to be low from here on
-  std::optional<double> drift_m;       ///< at most
-  bool thrown = false;                 ///< bodies may still shift; nothing may leave
+  double measured_from_s = 0;     ///< drift is measured from here: 0 for what is built, later for what is thrown in
+  double calm_from_s = 2;         ///< energy is to be low from here on
+  std::optional<double> drift_m;  ///< at most
+  bool thrown = false;            ///< bodies may still shift; nothing may leave
 };
 
 // What stood in a bowl has left it when it is below the rim and outside, or on the floor.
@@ -52,10 +52,12 @@ Status stand(Context& context, const Standing& standing, double rim_radius_m = 0
     if (!go_on) return go_on;
   }
   context.series.push_back(std::move(series));
-  if (!standing.thrown) context.add("bodies that fell by more than a tenth of their size", "", static_cast<double>(watch.fallen()), 0);
+  if (!standing.thrown)
+    context.add("bodies that fell by more than a tenth of their size", "", static_cast<double>(watch.fallen()), 0);
   if (standing.thrown) {
     const std::size_t lost = rim_radius_m > 0 ? out_of_bowl(watch, rim_radius_m) : watch.outside();
-    context.add(rim_radius_m > 0 ? "bodies out of the bowl" : "bodies out of the tray", "", static_cast<double>(lost), 0);
+    context.add(rim_radius_m > 0 ? "bodies out of the bowl" : "bodies out of the tray", "", static_cast<double>(lost),
+                0);
   }
   context.add("largest drift", "m", drift_m, standing.drift_m);
   context.add("kinetic energy at the end", "J", watch.kinetic_j(), {});
@@ -67,18 +69,34 @@ Status stand(Context& context, const Standing& standing, double rim_radius_m = 0
 
 }  // namespace
 
-Status stack_of_spheres(Context& context) { return stand(context, {.file = "accuracy/stack-5-spheres.json", .drift_m = 1e-6}); }
-Status stack_of_boxes(Context& context) { return stand(context, {.file = "accuracy/stack-10-boxes.json", .drift_m = {}}); }
-Status wall_of_bricks(Context& context) { return stand(context, {.file = "accuracy/wall-50-bricks.json", .drift_m = {}}); }
+Status stack_of_spheres(Context& context) {
+  return stand(context, {.file = "accuracy/stack-5-spheres.json", .drift_m = 1e-6});
+}
+Status stack_of_boxes(Context& context) {
+  return stand(context, {.file = "accuracy/stack-10-boxes.json", .drift_m = {}});
+}
+Status wall_of_bricks(Context& context) {
+  return stand(context, {.file = "accuracy/wall-50-bricks.json", .drift_m = {}});
+}
 Status arch(Context& context) { return stand(context, {.file = "accuracy/arch-11-wedges.json", .drift_m = {}}); }
 Status card_house(Context& context) { return stand(context, {.file = "accuracy/card-house-3.json", .drift_m = {}}); }
 Status heavy_on_top(Context& context) { return stand(context, {.file = "accuracy/mass-400.json", .drift_m = {}}); }
 Status chain_of_masses(Context& context) { return stand(context, {.file = "accuracy/chain-1000.json", .drift_m = {}}); }
 Status mixed_pile(Context& context) {
-  return stand(context, {.file = "accuracy/pile-1000-mixed.json", .measured_from_s = 10, .calm_from_s = 10, .drift_m = {}, .thrown = true});
+  return stand(context, {.file = "accuracy/pile-1000-mixed.json",
+                         .measured_from_s = 10,
+                         .calm_from_s = 10,
+                         .drift_m = {},
+                         .thrown = true});
 }
 Status bowl_of_spheres(Context& context) {
-  return stand(context, {.file = "accuracy/bowl-of-spheres.json", .measured_from_s = 10, .calm_from_s = 10, .drift_m = {}, .thrown = true}, 1.9);
+  return stand(context,
+               {.file = "accuracy/bowl-of-spheres.json",
+                .measured_from_s = 10,
+                .calm_from_s = 10,
+                .drift_m = {},
+                .thrown = true},
+               1.9);
 }
 
 }  // namespace poise::accuracy

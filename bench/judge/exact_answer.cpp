@@ -24,8 +24,8 @@ double yield_of(const Side& side, const Vec3& n) {
 
 }  // namespace
 
-Answer exact_answer(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b, const FirstTouch& touch,
-                    double restitution) {
+Answer exact_answer(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b,
+                    const FirstTouch& touch, double restitution) {
   Answer answer;
   if (touch.meeting != Meeting::Touch) return answer;
   const Vec3& n = touch.nearest.normal;

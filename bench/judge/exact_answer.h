@@ -14,9 +14,9 @@ struct Answer {
   double approach_mps = 0;  ///< of the two points along the normal before the impulse, > 0 when they approach
 };
 
-/// One frictionless impulse along the true normal, at the middle between the nearest points (Dingliana and O'Sullivan 2000, eq. 1-3).
-/// `restitution` in [0, 1]. All zero where the bodies do not touch, or part already. Any thread.
-Answer exact_answer(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b, const FirstTouch& touch,
-                    double restitution);
+/// One frictionless impulse along the true normal, at the middle between the nearest points (Dingliana and O'Sullivan
+/// 2000, eq. 1-3). `restitution` in [0, 1]. All zero where the bodies do not touch, or part already. Any thread.
+Answer exact_answer(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b,
+                    const FirstTouch& touch, double restitution);
 
 }  // namespace poise::judge

@@ -17,17 +17,21 @@ Placed Flight::at(double time_s) const {
   Placed placed{start.position_m + time_s * velocity_mps, start.orientation};
   if (rate > 0) {
     const Vec3 axis = std::sin(0.5 * rate * time_s) / rate * spin_radps;
-    placed.orientation = (Quat(std::cos(0.5 * rate * time_s), axis.x(), axis.y(), axis.z()) * start.orientation).normalized();
+    placed.orientation =
+        (Quat(std::cos(0.5 * rate * time_s), axis.x(), axis.y(), axis.z()) * start.orientation).normalized();
   }
   return placed;
 }
 
-double touch_tolerance_m(const JudgeMesh& a, const JudgeMesh& b) { return kTolerance * std::min(a.size_m(), b.size_m()); }
+double touch_tolerance_m(const JudgeMesh& a, const JudgeMesh& b) {
+  return kTolerance * std::min(a.size_m(), b.size_m());
+}
 
-FirstTouch first_touch(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b, double horizon_s) {
+FirstTouch first_touch(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b,
+                       double horizon_s) {
   const double tolerance = touch_tolerance_m(a, b);
-  const double fastest = (flight_b.velocity_mps - flight_a.velocity_mps).norm() + flight_a.spin_radps.norm() * a.radius_m() +
-                         flight_b.spin_radps.norm() * b.radius_m();
+  const double fastest = (flight_b.velocity_mps - flight_a.velocity_mps).norm() +
+                         flight_a.spin_radps.norm() * a.radius_m() + flight_b.spin_radps.norm() * b.radius_m();
   FirstTouch touch;
   for (int step = 0; step < kMostSteps; ++step) {
     touch.a = flight_a.at(touch.time_s);

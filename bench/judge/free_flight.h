@@ -7,7 +7,8 @@
 
 namespace poise::judge {
 
-/// A body that nothing acts on for a while: constant velocity of the centre of mass, constant angular velocity in the world.
+/// A body that nothing acts on for a while: constant velocity of the centre of mass, constant angular velocity in the
+/// world.
 struct Flight {
   Placed start;
   Vec3 velocity_mps = Vec3::Zero();
@@ -28,15 +29,16 @@ enum class Meeting : std::uint8_t {
 struct FirstTouch {
   Meeting meeting = Meeting::Miss;
   double time_s = 0;
-  Placed a, b;             ///< at that time
-  NearestFeatures nearest; ///< its distance is within (0, touch_tolerance_m]
+  Placed a, b;              ///< at that time
+  NearestFeatures nearest;  ///< its distance is within (0, touch_tolerance_m]
 };
 
 /// At this distance two surfaces touch: 1e-5 of the smaller size, a tenth of what the study promises.
 double touch_tolerance_m(const JudgeMesh& a, const JudgeMesh& b);
 
-/// Finds when two flights first come within the tolerance, by conservative advancement (Mirtich 1996; no point of a body moves faster
-/// than its centre and spin times radius together): it never steps over a touch. Any thread.
-FirstTouch first_touch(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b, double horizon_s);
+/// Finds when two flights first come within the tolerance, by conservative advancement (Mirtich 1996; no point of a
+/// body moves faster than its centre and spin times radius together): it never steps over a touch. Any thread.
+FirstTouch first_touch(const JudgeMesh& a, const Flight& flight_a, const JudgeMesh& b, const Flight& flight_b,
+                       double horizon_s);
 
 }  // namespace poise::judge

@@ -65,8 +65,8 @@ TrianglePoints JudgeMesh::triangle(int index, const Placed& at) const {
 
 double JudgeMesh::distance_m(const Placed& at, const JudgeMesh& other, const Placed& other_at) const {
   fcl::DistanceResultd result;
-  fcl::distance(&search_->triangles, transform_of(at), &other.search_->triangles, transform_of(other_at), fcl::DistanceRequestd(),
-                result);
+  fcl::distance(&search_->triangles, transform_of(at), &other.search_->triangles, transform_of(other_at),
+                fcl::DistanceRequestd(), result);
   return std::max(0.0, result.min_distance);
 }
 
@@ -74,7 +74,8 @@ NearestFeatures JudgeMesh::nearest(const Placed& at, const JudgeMesh& other, con
   fcl::DistanceResultd result;
   fcl::distance(&search_->triangles, transform_of(at), &other.search_->triangles, transform_of(other_at),
                 fcl::DistanceRequestd(true), result);
-  return nearest_features(triangle(static_cast<int>(result.b1), at), other.triangle(static_cast<int>(result.b2), other_at));
+  return nearest_features(triangle(static_cast<int>(result.b1), at),
+                          other.triangle(static_cast<int>(result.b2), other_at));
 }
 
 }  // namespace poise::judge

@@ -16,11 +16,13 @@ struct Placed {
   Quat orientation = Quat::Identity();
 };
 
-/// A solid body as exact triangles, searched by libfcl, with its mass. Shares no code with the engine's collision and response.
-/// Immutable; any thread. Its frame has the centre of mass as origin and the axes of the mesh: the body frame of a Shape.
+/// A solid body as exact triangles, searched by libfcl, with its mass. Shares no code with the engine's collision and
+/// response. Immutable; any thread. Its frame has the centre of mass as origin and the axes of the mesh: the body frame
+/// of a Shape.
 class JudgeMesh {
  public:
-  /// Refused: a mesh that is not closed or has no volume (mesh_mass_properties), and a density that is not finite and > 0.
+  /// Refused: a mesh that is not closed or has no volume (mesh_mass_properties), and a density that is not finite and >
+  /// 0.
   static Result<JudgeMesh> make(const TriangleMesh& mesh, double density_kgpm3);
 
   /// Distance between two surfaces in metres, 0 where they meet. By libfcl.
@@ -31,10 +33,12 @@ class JudgeMesh {
 
   [[nodiscard]] double mass_kg() const { return mass_kg_; }
   [[nodiscard]] const Mat3& inertia_kgm2() const { return inertia_kgm2_; }  ///< about the centre of mass, body frame
-  [[nodiscard]] double radius_m() const { return radius_m_; }               ///< of the ball about the centre of mass that holds the body
-  [[nodiscard]] double size_m() const { return size_m_; }                   ///< longest side of the bounding box
-  [[nodiscard]] double gyration_m() const;                                  ///< sqrt(trace(I) / (3 m))
-  [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }         ///< in the body frame
+  [[nodiscard]] double radius_m() const {
+    return radius_m_;
+  }                                                        ///< of the ball about the centre of mass that holds the body
+  [[nodiscard]] double size_m() const { return size_m_; }  ///< longest side of the bounding box
+  [[nodiscard]] double gyration_m() const;                 ///< sqrt(trace(I) / (3 m))
+  [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }  ///< in the body frame
 
  private:
   struct Search;

@@ -64,7 +64,8 @@ Vec3 spin(Dice& dice, double mean_radps) {
   return rate * dice.direction();
 }
 
-void throw_bodies(Dice& dice, const JudgeMesh& a, const JudgeMesh& b, const ThrowOptions& options, RandomTouch& thrown) {
+void throw_bodies(Dice& dice, const JudgeMesh& a, const JudgeMesh& b, const ThrowOptions& options,
+                  RandomTouch& thrown) {
   const Vec3 along = dice.direction();
   const Vec3 aim = a.radius_m() * in_disc(dice, along);
   const double apart = 1.05 * (a.radius_m() + b.radius_m());
@@ -99,8 +100,8 @@ RandomTouch random_touch(const JudgeMesh& a, const JudgeMesh& b, const ThrowOpti
   return thrown;
 }
 
-Answer shifted_answer(const JudgeMesh& a, const JudgeMesh& b, const ThrowOptions& options, const RandomTouch& touch, double shift_m,
-                      std::uint64_t draw) {
+Answer shifted_answer(const JudgeMesh& a, const JudgeMesh& b, const ThrowOptions& options, const RandomTouch& touch,
+                      double shift_m, std::uint64_t draw) {
   Dice dice(options.seed, touch.number, 1 + draw);
   Flight shifted = touch.b;
   shifted.start.position_m += shift_m * dice.direction();

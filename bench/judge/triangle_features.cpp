@@ -34,7 +34,8 @@ struct Crossing {
   [[nodiscard]] bool inside() const { return share_a > 0 && share_a < 1 && share_b > 0 && share_b < 1; }
 };
 
-// Where two segments come nearest: the lines first, then each end that is passed is held and the other point sought again.
+// Where two segments come nearest: the lines first, then each end that is passed is held and the other point sought
+// again.
 Crossing nearest_on_segments(const Vec3& from_a, const Vec3& along_a, const Vec3& from_b, const Vec3& along_b) {
   const Vec3 between = from_b - from_a;
   const double aa = along_a.squaredNorm();
@@ -53,7 +54,8 @@ Crossing nearest_on_segments(const Vec3& from_a, const Vec3& along_a, const Vec3
 }
 
 // A vertex counts where its foot lies within the face; elsewhere the edges are nearer.
-void look_at_vertex(const Vec3& vertex_m, const TrianglePoints& face, const Plane& plane, bool vertex_of_a, NearestFeatures& best) {
+void look_at_vertex(const Vec3& vertex_m, const TrianglePoints& face, const Plane& plane, bool vertex_of_a,
+                    NearestFeatures& best) {
   const double height = plane.normal.dot(vertex_m - plane.origin_m);
   if (std::abs(height) >= best.distance_m) return;
   const Vec3 foot = vertex_m - height * plane.normal;
@@ -80,7 +82,8 @@ void look_at_edges(const Vec3& from_a, const Vec3& to_a, const Vec3& from_b, con
   best.feature = Feature::EdgeEdge;
   const Vec3 across = along_a.cross(along_b);
   const double length = across.norm();
-  if (length > 1e-7 * along_a.norm() * along_b.norm()) best.normal = (across.dot(between) < 0 ? -1.0 : 1.0) / length * across;
+  if (length > 1e-7 * along_a.norm() * along_b.norm())
+    best.normal = (across.dot(between) < 0 ? -1.0 : 1.0) / length * across;
 }
 
 // Does an edge of one run through the face of the other?

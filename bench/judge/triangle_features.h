@@ -23,12 +23,13 @@ struct NearestFeatures {
   double distance_m = 0;  ///< 0 where the triangles cross
   Vec3 on_a_m = Vec3::Zero();
   Vec3 on_b_m = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  ///< unit, from a to b: the face's normal, the cross product of two edges, else the way between the points; 0 where these coincide
+  Vec3 normal = Vec3::Zero();  ///< unit, from a to b: the face's normal, the cross product of two edges, else the way
+                               ///< between the points; 0 where these coincide
   Feature feature = Feature::Other;
 };
 
-/// In double precision, by looking at all six vertices against the other face and all nine pairs of edges. A triangle without area
-/// has edges alone. Any thread.
+/// In double precision, by looking at all six vertices against the other face and all nine pairs of edges. A triangle
+/// without area has edges alone. Any thread.
 NearestFeatures nearest_features(const TrianglePoints& a, const TrianglePoints& b);
 
 }  // namespace poise::judge

@@ -17,32 +17,32 @@ struct RefinementStep {
     Cut,        ///< a level was begun and dropped: the time had run out
     Full,       ///< a level was begun and dropped: its front had no room
   };
-  std::uint32_t pair = 0;         ///< place among the step's active pairs, which stand in the order of their bodies' slots
-  std::uint8_t worker = 0;        ///< that did it; 0 with a work budget, whose order depends on no worker
+  std::uint32_t pair = 0;   ///< place among the step's active pairs, which stand in the order of their bodies' slots
+  std::uint8_t worker = 0;  ///< that did it; 0 with a work budget, whose order depends on no worker
   Kind kind = Kind::Completed;
   friend bool operator==(const RefinementStep&, const RefinementStep&) = default;
 };
 
-/// Everything that a step decided by time (or by counted work). The state after a step depends on the state before it, the
-/// calls since, the step's input less its budget, and this. The level of a pair is the one it began with plus its completed
-/// steps; their order and workers change no bit and are kept for people.
+/// Everything that a step decided by time (or by counted work). The state after a step depends on the state before it,
+/// the calls since, the step's input less its budget, and this. The level of a pair is the one it began with plus its
+/// completed steps; their order and workers change no bit and are kept for people.
 struct FrameDecisions {
-  std::uint64_t frame = 0;              ///< number of steps done before this one
-  std::uint32_t active_pairs = 0;       ///< of the step, so that decisions of another scene are seen to be that
-  std::uint32_t substeps = 0;           ///< of the resting-contact solver; 0: those of the settings
-  std::uint32_t visits = 0;             ///< of places by that solver in a substep, at most; 0: as many as it does by itself
-  std::vector<std::uint32_t> reused;    ///< pairs answered by what they kept although it was too old, ascending
-  std::vector<RefinementStep> steps;    ///< in the order in which they ended
+  std::uint64_t frame = 0;         ///< number of steps done before this one
+  std::uint32_t active_pairs = 0;  ///< of the step, so that decisions of another scene are seen to be that
+  std::uint32_t substeps = 0;      ///< of the resting-contact solver; 0: those of the settings
+  std::uint32_t visits = 0;        ///< of places by that solver in a substep, at most; 0: as many as it does by itself
+  std::vector<std::uint32_t> reused;  ///< pairs answered by what they kept although it was too old, ascending
+  std::vector<RefinementStep> steps;  ///< in the order in which they ended
   friend bool operator==(const FrameDecisions&, const FrameDecisions&) = default;
 };
 
 /// Why one level of a pair was worth its turn.
 struct LevelExplanation {
-  std::uint32_t pair = 0;         ///< as in RefinementStep
-  Level level = 0;                ///< that was completed
-  std::uint64_t units = 0;        ///< that it cost, node-pair expansions
-  double score = 0;               ///< scheduler::score when it was chosen
-  bool ended = false;             ///< it found the pair apart
+  std::uint32_t pair = 0;   ///< as in RefinementStep
+  Level level = 0;          ///< that was completed
+  std::uint64_t units = 0;  ///< that it cost, node-pair expansions
+  double score = 0;         ///< scheduler::score when it was chosen
+  bool ended = false;       ///< it found the pair apart
 };
 
 /// What a pair was worth in a step, and how far it got.
@@ -53,27 +53,28 @@ struct PairExplanation {
     Places,   ///< known where it may touch
     Stale,    ///< known where it touched some time ago
   };
-  BodyId a, b;                          ///< in the order of slots
-  scheduler::PairCues cues;             ///< only of pairs that could be refined
-  double weight = 0;                    ///< scheduler::cue_weight of them
+  BodyId a, b;               ///< in the order of slots
+  scheduler::PairCues cues;  ///< only of pairs that could be refined
+  double weight = 0;         ///< scheduler::cue_weight of them
   Kept kept = Kept::Nothing;
-  Level kept_level = 0;                 ///< that found out what is kept
-  Level level = 0;                      ///< completed in this step
-  Level deepest = 0;                    ///< that this pair could reach
-  bool polygons = false;                ///< the deepest one is that of the polygons
-  bool mandatory = false;               ///< refined whole whatever the budget: a fast body's pair, with backtracking
-  bool apart = false;                   ///< found apart in this step
-  bool refinable = false;               ///< a further level was left to do
-  std::uint64_t next_units = 0;         ///< that the next level would have cost
-  double next_score = 0;                ///< that it had
+  Level kept_level = 0;          ///< that found out what is kept
+  Level level = 0;               ///< completed in this step
+  Level deepest = 0;             ///< that this pair could reach
+  bool polygons = false;         ///< the deepest one is that of the polygons
+  bool mandatory = false;        ///< refined whole whatever the budget: a fast body's pair, with backtracking
+  bool apart = false;            ///< found apart in this step
+  bool refinable = false;        ///< a further level was left to do
+  std::uint64_t next_units = 0;  ///< that the next level would have cost
+  double next_score = 0;         ///< that it had
 };
 
 /// A step taken apart for a person who tunes priorities.
 struct FrameExplanation {
   std::uint64_t frame = 0;
   scheduler::Policy policy;
-  std::vector<PairExplanation> pairs;   ///< all active ones, in order
-  std::vector<LevelExplanation> levels; ///< pair after pair, each from its first level on; the order in time is FrameDecisions::steps
+  std::vector<PairExplanation> pairs;  ///< all active ones, in order
+  std::vector<LevelExplanation>
+      levels;  ///< pair after pair, each from its first level on; the order in time is FrameDecisions::steps
 };
 
 }  // namespace poise

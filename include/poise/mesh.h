@@ -30,44 +30,46 @@ enum class Solidity : std::uint8_t {
 
 /// What mesh reading did to the input, for a person to judge.
 struct MeshRepair {
-  std::size_t vertices_welded = 0;     ///< vertices that were merged into another
-  std::size_t triangles_dropped = 0;   ///< triangles that name a vertex twice after welding, or repeat another
-  std::size_t triangles_turned = 0;    ///< triangles that were turned over to agree with their neighbours
-  std::size_t pieces_turned = 0;       ///< pieces that were inside out and were turned over whole, with what lies in them
-  bool flipped = false;                ///< every piece was turned over
+  std::size_t vertices_welded = 0;    ///< vertices that were merged into another
+  std::size_t triangles_dropped = 0;  ///< triangles that name a vertex twice after welding, or repeat another
+  std::size_t triangles_turned = 0;   ///< triangles that were turned over to agree with their neighbours
+  std::size_t pieces_turned = 0;  ///< pieces that were inside out and were turned over whole, with what lies in them
+  bool flipped = false;           ///< every piece was turned over
 };
 
 struct MeshReadOptions {
-  double scale = 1.0;                  ///< metres per unit of the file, > 0
-  double weld_relative = 1e-6;         ///< vertices closer than this fraction of the diagonal are one, in [0, 0.1]
+  double scale = 1.0;           ///< metres per unit of the file, > 0
+  double weld_relative = 1e-6;  ///< vertices closer than this fraction of the diagonal are one, in [0, 0.1]
 };
 
 /// Mass properties at density 1 kg/m^3, so volumes are masses.
 struct MassProperties {
   double volume_m3 = 0;
-  Vec3 center_of_mass_m = Vec3::Zero();      ///< in the frame of the mesh
-  Mat3 inertia_m5 = Mat3::Zero();            ///< about the centre of mass, axes of the mesh frame, symmetric
+  Vec3 center_of_mass_m = Vec3::Zero();  ///< in the frame of the mesh
+  Mat3 inertia_m5 = Mat3::Zero();        ///< about the centre of mass, axes of the mesh frame, symmetric
 };
 
 /// Reads an OBJ, STL, PLY, OFF, glTF or GLB file (chosen by its extension), welds and cleans it. Polygons are cut into
 /// triangles; the transforms of glTF nodes are applied and all meshes of a file merged. Any thread.
-/// Refused with file, and place where known: unreadable or unknown files, indices out of range, coordinates that are not
-/// finite or (scaled) beyond 1e9 m, a diagonal under 1e-9 m, and files without a triangle. An open mesh is *not* refused
-/// here; see check_closed.
+/// Refused with file, and place where known: unreadable or unknown files, indices out of range, coordinates that are
+/// not finite or (scaled) beyond 1e9 m, a diagonal under 1e-9 m, and files without a triangle. An open mesh is *not*
+/// refused here; see check_closed.
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file, const MeshReadOptions& options,
                                MeshRepair* repair = nullptr);
 
-/// Merges vertices within `weld_relative` (as in MeshReadOptions) of the diagonal into the lowest-numbered one, drops triangles
-/// that name a vertex twice or repeat another, leaves out unused vertices, and turns triangles over so that neighbours agree
-/// on the outside and no piece is inside out, a cavity staying one (src/geometry/mesh_orient.h); in place. Needles with
-/// three distinct corners stay: without them a closed mesh would not be. A second call changes nothing.
+/// Merges vertices within `weld_relative` (as in MeshReadOptions) of the diagonal into the lowest-numbered one, drops
+/// triangles that name a vertex twice or repeat another, leaves out unused vertices, and turns triangles over so that
+/// neighbours agree on the outside and no piece is inside out, a cavity staying one (src/geometry/mesh_orient.h); in
+/// place. Needles with three distinct corners stay: without them a closed mesh would not be. A second call changes
+/// nothing.
 MeshRepair clean_mesh(TriangleMesh& mesh, double weld_relative);
 
 /// How far a mesh is from enclosing a volume.
 struct ClosedCheck {
-  std::size_t open_edges = 0;           ///< edges with one triangle
-  std::size_t inconsistent_edges = 0;   ///< edges whose triangles do not run through it in opposite directions in equal number
-  std::size_t crowded_edges = 0;        ///< edges with more than two triangles, consistent or not
+  std::size_t open_edges = 0;  ///< edges with one triangle
+  std::size_t inconsistent_edges =
+      0;  ///< edges whose triangles do not run through it in opposite directions in equal number
+  std::size_t crowded_edges = 0;  ///< edges with more than two triangles, consistent or not
   [[nodiscard]] bool closed() const { return open_edges == 0 && inconsistent_edges == 0; }
 };
 /// How closed a mesh is. A triangle must not name a vertex twice or one that does not exist, as after clean_mesh.
@@ -85,30 +87,31 @@ struct SampledMass {
   double firm_share = 0;       ///< share of the points inside around which the mesh winds more than 0.75 times
 };
 
-/// Mass of the points around which a mesh winds (winding number above one half, either way), whatever the mesh: some 140,000
-/// points of its box, one at random in each cell of a grid, the same ones at every call and for any number of
+/// Mass of the points around which a mesh winds (winding number above one half, either way), whatever the mesh: some
+/// 140,000 points of its box, one at random in each cell of a grid, the same ones at every call and for any number of
 /// threads (0 = as many as the machine has). A mesh that encloses nothing has the volume 0 and no inertia. Any thread.
 /// Refused: a mesh without triangles, or with indices or coordinates out of range.
 Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int threads = 0);
 
-/// Mass of the surface itself as plates of this thickness, from 1e-9 to 1e9 m: area times thickness, centre and inertia in closed form, as
-/// if plates could overlap at bends; a sheet that a file gives with both its faces counts twice. Any thread. Refused: as
-/// winding_mass_properties, a thickness out of range, and a mesh without area.
+/// Mass of the surface itself as plates of this thickness, from 1e-9 to 1e9 m: area times thickness, centre and inertia
+/// in closed form, as if plates could overlap at bends; a sheet that a file gives with both its faces counts twice. Any
+/// thread. Refused: as winding_mass_properties, a thickness out of range, and a mesh without area.
 Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double thickness_m);
 
 /// What a mesh is good for, in figures and in words.
 struct MeshVerdict {
   std::size_t triangles = 0, vertices = 0;
-  std::size_t pieces = 0;              ///< parts that share no edge
-  std::size_t holes = 0;               ///< rims: connected rows of edges with one triangle
+  std::size_t pieces = 0;  ///< parts that share no edge
+  std::size_t holes = 0;   ///< rims: connected rows of edges with one triangle
   ClosedCheck edges;
   double area_m2 = 0;
-  double volume_m3 = 0;                ///< exact where the mesh is closed, else of the points around which it winds
-  double volume_error_m3 = 0;          ///< of the sampling; 0 where the volume is exact
-  double winding_volume_m3 = 0;        ///< by sampling, closed or not; smaller than volume_m3 where pieces overlap
-  Solidity solidity = Solidity::Solid; ///< Shell where it encloses nothing worth the name: then a thickness must be given
-  bool exact_mass = false;             ///< closed, and its mass comes from exact integrals
-  std::string text;                    ///< one or two sentences for a person, no line end
+  double volume_m3 = 0;          ///< exact where the mesh is closed, else of the points around which it winds
+  double volume_error_m3 = 0;    ///< of the sampling; 0 where the volume is exact
+  double winding_volume_m3 = 0;  ///< by sampling, closed or not; smaller than volume_m3 where pieces overlap
+  Solidity solidity =
+      Solidity::Solid;      ///< Shell where it encloses nothing worth the name: then a thickness must be given
+  bool exact_mass = false;  ///< closed, and its mass comes from exact integrals
+  std::string text;         ///< one or two sentences for a person, no line end
 };
 
 /// Judges a mesh, as read_mesh and clean_mesh leave it. Any thread. Refused: as winding_mass_properties.

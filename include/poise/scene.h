@@ -41,19 +41,19 @@ struct PlaneSource {
   double offset_m = 0;
 };
 struct MeshSource {
-  std::filesystem::path file;  ///< as written; relative ones are meant from Scene::base
-  double scale = 1;            ///< metres per unit of the file
-  Level depth = 3;             ///< of the sphere tree
+  std::filesystem::path file;    ///< as written; relative ones are meant from Scene::base
+  double scale = 1;              ///< metres per unit of the file
+  Level depth = 3;               ///< of the sphere tree
   double shell_thickness_m = 0;  ///< > 0: the surface alone, as plates so thick; 0: a solid
 };
 struct SpheresSource {
   std::vector<Sphere> spheres;
 };
 struct TreeSource {
-  std::filesystem::path file;  ///< a `.sph` file, as MeshSource::file
-  double scale = 1;            ///< of tree and mesh
-  std::filesystem::path mesh;  ///< what the tree stands for; empty: its leaves are the object
-  bool allow_leaks = false;    ///< with a mesh: use the tree though it does not cover the surface
+  std::filesystem::path file;    ///< a `.sph` file, as MeshSource::file
+  double scale = 1;              ///< of tree and mesh
+  std::filesystem::path mesh;    ///< what the tree stands for; empty: its leaves are the object
+  bool allow_leaks = false;      ///< with a mesh: use the tree though it does not cover the surface
   double shell_thickness_m = 0;  ///< with a mesh: as MeshSource::shell_thickness_m
 };
 
@@ -142,7 +142,7 @@ struct Scene {
   std::uint64_t frames = 600;
   std::uint64_t seed = 1;
   std::optional<double> deadline_ms;
-  std::optional<double> alpha;      ///< WorldSettings::alpha
+  std::optional<double> alpha;  ///< WorldSettings::alpha
   std::optional<SceneHostWork> host_work;
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;            ///< and then by the triangles of meshes
@@ -172,11 +172,13 @@ std::uint64_t generated_body_count(const Scene& scene);
 View scene_view(const Scene& scene);
 
 struct SceneRunOptions {
-  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also ask for sleeping; the rest counts as it stands
+  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also ask for sleeping; the rest counts
+                        ///< as it stands
   std::optional<std::uint64_t>
       bodies;  ///< how many bodies the generators make together, in proportion to their own counts
   std::optional<std::uint64_t> seed;  ///< instead of the scene's; moves generated bodies too
-  std::optional<TreeCacheSettings> tree_cache;  ///< where built trees are kept; without it no file but the scene's is touched
+  std::optional<TreeCacheSettings>
+      tree_cache;  ///< where built trees are kept; without it no file but the scene's is touched
 };
 
 /// How many trees of a scene's meshes came how (TreeCacheOutcome).
@@ -212,7 +214,8 @@ class SceneRun {
   [[nodiscard]] World& world();
   [[nodiscard]] const World& world() const;
   [[nodiscard]] std::span<const RunBody> bodies() const;
-  /// What is not certain about shapes that were loaded, one line each with scene file and field, in the order of the shapes.
+  /// What is not certain about shapes that were loaded, one line each with scene file and field, in the order of the
+  /// shapes.
   [[nodiscard]] std::vector<std::string> warnings() const;
   [[nodiscard]] const TreeCacheUse& tree_cache_use() const;
   /// In the order of Scene::shapes; with a tray, its five planes follow.

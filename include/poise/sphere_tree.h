@@ -30,13 +30,13 @@ struct Sphere {
   double radius_m = 0;
 };
 
-/// The sphere that answers for a node where two bodies meet (docs/method.md): the one that the surface inside the node looks like from
-/// outside. 24 bytes. Lengths in metres, in the frame of the tree.
+/// The sphere that answers for a node where two bodies meet (docs/method.md): the one that the surface inside the node
+/// looks like from outside. 24 bytes. Lengths in metres, in the frame of the tree.
 struct NodeFit {
   float x_m = 0, y_m = 0, z_m = 0;  ///< centre
   float radius_m = 0;               ///< far below zero for a node without surface: it answers only where no other does
-  float variance_m2 = 0;            ///< mean square of what the surface deviates from the sphere; 0 where it is the surface
-  float core_m = 0;                 ///< the ball of this radius about the centre is inside the object; negative: so far outside it is
+  float variance_m2 = 0;  ///< mean square of what the surface deviates from the sphere; 0 where it is the surface
+  float core_m = 0;  ///< the ball of this radius about the centre is inside the object; negative: so far outside it is
 };
 
 /// A tree of covering spheres in flat arrays, level after level, children of a node contiguous.
@@ -48,12 +48,14 @@ struct NodeFit {
 /// The arrays are padded by kTreeBranching entries, so that eight floats can be loaded at any node.
 struct SphereTree {
   std::vector<float> x_m, y_m, z_m, radius_m;
-  std::vector<float> protrusion_max_m;   ///< by how much the exposed part of a node's sphere stands out of the object, at most
-  std::vector<float> protrusion_mean_m;  ///< the same for the area-weighted mean; docs/sphere-trees.md says how near both bounds are
-  std::vector<NodeFit> fit;              ///< what answers for each node; its own sphere where nothing was fitted
-  std::vector<NodeIndex> first_child;    ///< index of the first child; the node itself for a leaf
-  std::vector<std::uint8_t> child_count; ///< 0 for a leaf, at most kTreeBranching
-  std::vector<NodeIndex> level_begin;    ///< first node of each level, then the number of nodes
+  std::vector<float>
+      protrusion_max_m;  ///< by how much the exposed part of a node's sphere stands out of the object, at most
+  std::vector<float>
+      protrusion_mean_m;  ///< the same for the area-weighted mean; docs/sphere-trees.md says how near both bounds are
+  std::vector<NodeFit> fit;               ///< what answers for each node; its own sphere where nothing was fitted
+  std::vector<NodeIndex> first_child;     ///< index of the first child; the node itself for a leaf
+  std::vector<std::uint8_t> child_count;  ///< 0 for a leaf, at most kTreeBranching
+  std::vector<NodeIndex> level_begin;     ///< first node of each level, then the number of nodes
 
   [[nodiscard]] std::size_t node_count() const { return level_begin.empty() ? 0 : level_begin.back(); }
   /// Level of the deepest node; 0 for one sphere.
@@ -68,61 +70,66 @@ struct SphereTree {
 
 /// How much time a tree is worth.
 enum class TreePreset : std::uint8_t {
-  Fast,     ///< about a third of the time of Default
+  Fast,  ///< about a third of the time of Default
   Default,
-  Best,     ///< about seven times the time of Default
+  Best,  ///< about seven times the time of Default
 };
 
 struct TreeBuildOptions {
-  Level depth = 3;               ///< levels below the root, at most kMaxTreeDepth
+  Level depth = 3;  ///< levels below the root, at most kMaxTreeDepth
   TreePreset preset = TreePreset::Default;
   Solidity solidity = Solidity::Solid;
   std::uint64_t seed = 1;
-  int threads = 0;               ///< 0 = as many as the machine has; the tree does not depend on it
+  int threads = 0;  ///< 0 = as many as the machine has; the tree does not depend on it
   /// Called now and then on the calling thread with the share that is done, ascending from 0 to 1; may be empty.
   std::function<void(double share)> progress = {};
-  std::stop_token stop = {};     ///< asks the build to end; it returns ErrorKind::Cancelled soon after
+  std::stop_token stop = {};  ///< asks the build to end; it returns ErrorKind::Cancelled soon after
 };
 
-/// Builds a covering sphere tree of a mesh, in the frame of the mesh. Deterministic for a mesh and options on any number of
-/// threads. Coverage of surface and inside is by construction, not by sampling (docs/sphere-trees.md). Any thread.
-/// Refused: a mesh without triangles, or with indices, coordinates or a size out of range; a depth out of range.
+/// Builds a covering sphere tree of a mesh, in the frame of the mesh. Deterministic for a mesh and options on any
+/// number of threads. Coverage of surface and inside is by construction, not by sampling (docs/sphere-trees.md). Any
+/// thread. Refused: a mesh without triangles, or with indices, coordinates or a size out of range; a depth out of
+/// range.
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options);
 
 /// The tree of an object that *is* a union of spheres: the leaves are its true surface (protrusion 0). Levels above
-/// the leaves are grouped so that each node has at most eight children and its sphere holds all leaves below it, with the
-/// fewest levels that n spheres can have. One sphere is a single node. Centres and radii are rounded to the nearest float.
-/// Refused: no sphere, more than kMaxUnionSpheres, a centre that is not within 1e9 m, a radius not from 1e-9 to 1e9 m.
+/// the leaves are grouped so that each node has at most eight children and its sphere holds all leaves below it, with
+/// the fewest levels that n spheres can have. One sphere is a single node. Centres and radii are rounded to the nearest
+/// float. Refused: no sphere, more than kMaxUnionSpheres, a centre that is not within 1e9 m, a radius not from 1e-9 to
+/// 1e9 m.
 Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres);
 
 /// What a tree looks like at one level, measured by sampling against its mesh.
 struct TreeLevelFigures {
   Level level = 0;
   std::size_t spheres = 0;
-  double protrusion_max_m = 0;         ///< largest distance from exposed surface of the level to the mesh, where outside it
-  double protrusion_mean_m = 0;        ///< area-weighted mean of the same
-  double protrusion_bound_max_m = 0;   ///< largest protrusion_max_m that the level's nodes store; not below protrusion_max_m if they are right
-  double surface_coverage = 0;         ///< share of sampled surface points with a chain of nodes down to this level, 0..1
-  double inside_coverage = 0;          ///< share of sampled inside points, likewise; 1 for an object without inside
-  double volume_ratio = 0;             ///< volume of the union / volume of the object; 0 for an object without volume, as a shell
+  double protrusion_max_m = 0;   ///< largest distance from exposed surface of the level to the mesh, where outside it
+  double protrusion_mean_m = 0;  ///< area-weighted mean of the same
+  double protrusion_bound_max_m =
+      0;  ///< largest protrusion_max_m that the level's nodes store; not below protrusion_max_m if they are right
+  double surface_coverage = 0;  ///< share of sampled surface points with a chain of nodes down to this level, 0..1
+  double inside_coverage = 0;   ///< share of sampled inside points, likewise; 1 for an object without inside
+  double volume_ratio = 0;  ///< volume of the union / volume of the object; 0 for an object without volume, as a shell
 };
 
 struct TreeJudgeOptions {
-  std::size_t samples = 20000;          ///< points a figure, from 1 to 1e8
+  std::size_t samples = 20000;  ///< points a figure, from 1 to 1e8
   std::uint64_t seed = 1;
   Solidity solidity = Solidity::Solid;  ///< what counts as the object
   int threads = 0;                      ///< 0 = as many as the machine has; the figures do not depend on it
   std::stop_token stop = {};            ///< asks the judging to end; it returns ErrorKind::Cancelled soon after
 };
 
-/// Judges a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an open one is sampled by
-/// winding number. Deterministic for a seed on any number of threads. Any thread. Refused: no node, no triangle, an index
-/// or a coordinate out of range, options out of range.
-Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options);
+/// Judges a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an open
+/// one is sampled by winding number. Deterministic for a seed on any number of threads. Any thread. Refused: no node,
+/// no triangle, an index or a coordinate out of range, options out of range.
+Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh,
+                                                 const TreeJudgeOptions& options);
 
 /// Reads the text format `.sph` of Bradshaw and O'Sullivan's toolkit: first line `levels branch`, then rows
-/// `x y z r occupancy`, children of N at N*B+1.., a negative radius for an unused place; lines after the last row are ignored.
-/// A node below which there is nothing but itself ends there. Protrusions are not in the format and are 0. Refused with line and rule.
+/// `x y z r occupancy`, children of N at N*B+1.., a negative radius for an unused place; lines after the last row are
+/// ignored. A node below which there is nothing but itself ends there. Protrusions are not in the format and are 0.
+/// Refused with line and rule.
 Result<SphereTree> read_sph(const std::filesystem::path& file);
 
 /// Writes the same format; a node that ends early is repeated down as its own only child, so that every level is whole.

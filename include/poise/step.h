@@ -33,48 +33,49 @@ struct Budget {
 
 /// What the viewer sees; guides what is refined first and nothing else.
 struct View {
-  bool present = false;                ///< without a view all pairs weigh the same
+  bool present = false;  ///< without a view all pairs weigh the same
   Vec3 position_m = Vec3::Zero();
-  Vec3 forward = Vec3::UnitX();        ///< unit
-  Vec3 up = Vec3::UnitZ();             ///< unit, not parallel to forward
-  double vertical_fov_rad = 0.87;      ///< in (0, pi)
-  double aspect = 16.0 / 9.0;          ///< width / height, > 0
-  Vec3 gaze = Vec3::UnitX();           ///< unit direction that the viewer looks along
+  Vec3 forward = Vec3::UnitX();    ///< unit
+  Vec3 up = Vec3::UnitZ();         ///< unit, not parallel to forward
+  double vertical_fov_rad = 0.87;  ///< in (0, pi)
+  double aspect = 16.0 / 9.0;      ///< width / height, > 0
+  Vec3 gaze = Vec3::UnitX();       ///< unit direction that the viewer looks along
 };
 
 /// Work of the host (rendering, game logic) that must still happen before the deadline, reserved like the response.
 struct HostWork {
-  bool learn = false;                  ///< reserve what World::report_host_work lets expect, instead of `expected`
-  Nanoseconds expected{0};             ///< >= 0
+  bool learn = false;       ///< reserve what World::report_host_work lets expect, instead of `expected`
+  Nanoseconds expected{0};  ///< >= 0
 };
 
 /// Longest step: beyond it, what the limits of speeds and accelerations allow would leave the range of double.
 inline constexpr double kMaxTimeStepS = 1000.0;
 
 struct StepInput {
-  double dt_s = 1.0 / 60.0;            ///< length of the step, > 0 and at most kMaxTimeStepS
+  double dt_s = 1.0 / 60.0;  ///< length of the step, > 0 and at most kMaxTimeStepS
   Budget budget;
   View view;
   HostWork host_work;
-  Level max_level = kMaxTreeDepth;     ///< no pair is refined beyond this level of its trees
-  bool polygons = false;               ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
-  /// Answers bodies that move farther in the step than half their least extent (the smallest side of the box around them in their
-  /// principal axes) where and when they meet something within it. What was hit stands there until the end of the step, with
-  /// its new velocity. Off, none of it is done.
+  Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
+  bool polygons = false;  ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
+  /// Answers bodies that move farther in the step than half their least extent (the smallest side of the box around
+  /// them in their principal axes) where and when they meet something within it. What was hit stands there until the
+  /// end of the step, with its new velocity. Off, none of it is done.
   bool backtracking = false;
   /// Fill FrameReport::levels; not part of the frame's times. Lists the contacts of the step and allocates.
   bool measure_levels = false;
-  bool measure_energy = false;         ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
-  /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit as without.
-  /// What this takes is in none of the frame's times: a deadline moves by the little that is kept before the frame (a copy of
-  /// the bodies' state), and the rest happens after it, before step returns.
+  bool measure_energy = false;  ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
+  /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit
+  /// as without. What this takes is in none of the frame's times: a deadline moves by the little that is kept before
+  /// the frame (a copy of the bodies' state), and the rest happens after it, before step returns.
   bool reference = false;
-  /// Where to leave what the threads did when, or null: then nothing is done for it. Filled after the frame, in none of its times.
+  /// Where to leave what the threads did when, or null: then nothing is done for it. Filled after the frame, in none of
+  /// its times.
   Trace* trace = nullptr;
   /// Keep what the budget decides, for World::decisions; not with `replay`. Off, nothing of it is done.
   bool record = false;
-  /// Refine exactly these levels, whatever `budget` says. Valid until step returns. With it the state after the step is that of the step
-  /// which made these decisions, to the bit, on any number of threads, if the state before it was.
+  /// Refine exactly these levels, whatever `budget` says. Valid until step returns. With it the state after the step is
+  /// that of the step which made these decisions, to the bit, on any number of threads, if the state before it was.
   const FrameDecisions* replay = nullptr;
   /// With `replay`: filled with what each pair was worth. Takes memory and time of its own.
   FrameExplanation* explain = nullptr;
@@ -86,18 +87,19 @@ enum class StepStatus : std::uint8_t {
   RefusedView,      ///< the view has a part that is not finite or out of range; the World is unchanged
   RefusedHostWork,  ///< negative host work; the World is unchanged
   RefusedReplay,    ///< the decisions are those of a step with another number; the World is unchanged
-  ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step has not, or fronts had no room: another state
+  ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step has not, or fronts had no room:
+                    ///< another state
 };
 
 /// Wall time of the stages of one step.
 struct StageTimes {
   Nanoseconds predict{0};
   Nanoseconds broad_phase{0};
-  Nanoseconds coarse{0};        ///< every candidate pair at its mandatory level
+  Nanoseconds coarse{0};  ///< every candidate pair at its mandatory level
   Nanoseconds refine{0};
-  Nanoseconds response{0};      ///< contacts in pair order, colouring, impulses
+  Nanoseconds response{0};  ///< contacts in pair order, colouring, impulses
   Nanoseconds integrate{0};
-  Nanoseconds publish{0};       ///< events and report
+  Nanoseconds publish{0};  ///< events and report
   Nanoseconds total{0};
 };
 
@@ -105,19 +107,21 @@ enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Foreca
 
 /// How deep a step got, beside FrameReport::level_histogram; places are levels, the last one is polygons.
 struct LevelsReached {
-  std::array<std::uint32_t, kPolygonPlace + 1> bodies{};  ///< moving bodies with a contact, by the least level of their contacts
+  std::array<std::uint32_t, kPolygonPlace + 1>
+      bodies{};  ///< moving bodies with a contact, by the least level of their contacts
   /// Of contacts, by level: sums of what a viewer can notice of a metre of error there, rad/m: visible angle, frustum,
   /// eccentricity, importance (scheduler/policy.h); without a view all contacts of alike importance weigh the same.
   std::array<double, kPolygonPlace + 1> weight{};
-  std::size_t left_for_time = 0;         ///< pairs that could be refined further and were not because the budget ended
-  std::size_t left_for_room = 0;         ///< likewise because their front had no room
-  std::uint32_t longest_wait = 0;        ///< frames since one of these was answered beyond level 0
+  std::size_t left_for_time = 0;   ///< pairs that could be refined further and were not because the budget ended
+  std::size_t left_for_room = 0;   ///< likewise because their front had no room
+  std::uint32_t longest_wait = 0;  ///< frames since one of these was answered beyond level 0
 };
 
-/// What a frame left out because what every frame must do was forecast not to fit before the deadline; docs/scheduling.md.
+/// What a frame left out because what every frame must do was forecast not to fit before the deadline;
+/// docs/scheduling.md.
 struct Degraded {
-  int substeps = 0;                      ///< of resting contact, fewer than WorldSettings::substeps; 0: as many
-  std::size_t pairs_reused = 0;          ///< pairs that answered as they did last, though that was too old to be sure of
+  int substeps = 0;              ///< of resting contact, fewer than WorldSettings::substeps; 0: as many
+  std::size_t pairs_reused = 0;  ///< pairs that answered as they did last, though that was too old to be sure of
   /// Resting contact stopped after so many visits of places in a substep, before it had settled; 0: it was not stopped.
   std::uint32_t visits = 0;
   [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0 || visits > 0; }
@@ -126,68 +130,72 @@ struct Degraded {
 /// What one step did. Plain numbers; no part points into the World.
 struct FrameReport {
   StepStatus status = StepStatus::Done;
-  std::uint64_t frame = 0;               ///< number of steps done before this one
-  SteadyClock::time_point started{};     ///< when the frame's times begin
+  std::uint64_t frame = 0;                   ///< number of steps done before this one
+  SteadyClock::time_point started{};         ///< when the frame's times begin
   SteadyClock::time_point refine_started{};  ///< likewise those of refinement
   StageTimes times;
 
   // Budget (wall clock only; 0 otherwise)
-  Nanoseconds budget{0};                 ///< from the start of the step to its deadline
-  Nanoseconds reserve_at_cut{0};         ///< kept for the tail when refinement ended, and for tail_left_over after that
-  Nanoseconds tail_forecast{0};          ///< point forecast of the tail, without margin
-  Nanoseconds tail_left_over{0};         ///< of tail_forecast: for sweeps of resting contact that were made in time left over
-  Nanoseconds tail_actual{0};            ///< from the end of refinement to the end of the step
-  bool tail_beyond_clip = false;         ///< tail_actual / tail_forecast is outside what the bound on misses speaks of
-  scheduler::TailWork tail_work;         ///< that tail_forecast was made for
-  Nanoseconds planning{0};               ///< of StageTimes::refine: making the reserve, and choosing what is left out
-  Nanoseconds refine_available{0};       ///< from the start of refinement to t_cut, 0 if there was none
+  Nanoseconds budget{0};          ///< from the start of the step to its deadline
+  Nanoseconds reserve_at_cut{0};  ///< kept for the tail when refinement ended, and for tail_left_over after that
+  Nanoseconds tail_forecast{0};   ///< point forecast of the tail, without margin
+  Nanoseconds tail_left_over{0};  ///< of tail_forecast: for sweeps of resting contact that were made in time left over
+  Nanoseconds tail_actual{0};     ///< from the end of refinement to the end of the step
+  bool tail_beyond_clip = false;  ///< tail_actual / tail_forecast is outside what the bound on misses speaks of
+  scheduler::TailWork tail_work;  ///< that tail_forecast was made for
+  Nanoseconds planning{0};        ///< of StageTimes::refine: making the reserve, and choosing what is left out
+  Nanoseconds refine_available{0};  ///< from the start of refinement to t_cut, 0 if there was none
   Nanoseconds host_reserved{0};
-  Nanoseconds host_actual{0};            ///< what the host's work took, where the driver of the frame measures it; World does not
-  /// All but refinement, host work included, without what the machine took away and sweeps of resting contact beyond one a substep (these by forecast).
+  Nanoseconds host_actual{0};  ///< what the host's work took, where the driver of the frame measures it; World does not
+  /// All but refinement, host work included, without what the machine took away and sweeps of resting contact beyond
+  /// one a substep (these by forecast).
   Nanoseconds mandatory{0};
-  Nanoseconds mandatory_forecast{0};     ///< point forecast of that, made when the frame began
-  bool infeasible_forecast = false;      ///< what is expected of it, without the tail's margin, does not fit
-  Degraded degraded;                     ///< what was left out so that it fits
-  Nanoseconds lateness{0};               ///< past the deadline (host work included), 0 if on time
+  Nanoseconds mandatory_forecast{0};  ///< point forecast of that, made when the frame began
+  bool infeasible_forecast = false;   ///< what is expected of it, without the tail's margin, does not fit
+  Degraded degraded;                  ///< what was left out so that it fits
+  Nanoseconds lateness{0};            ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
-  Nanoseconds off_cpu{0};                ///< wall time less thread CPU time less own waits, of the calling thread
-  Nanoseconds waited{0};                 ///< by the calling thread, for refinement that others had begun
-  Nanoseconds longest_job{0};            ///< of a bounded piece of refinement
-  Nanoseconds longest_overrun{0};        ///< of a piece beyond its forecast, or of refinement beyond its cut
-  double cut_margin = 1;                 ///< reserve / point forecast
+  Nanoseconds off_cpu{0};          ///< wall time less thread CPU time less own waits, of the calling thread
+  Nanoseconds waited{0};           ///< by the calling thread, for refinement that others had begun
+  Nanoseconds longest_job{0};      ///< of a bounded piece of refinement
+  Nanoseconds longest_overrun{0};  ///< of a piece beyond its forecast, or of refinement beyond its cut
+  double cut_margin = 1;           ///< reserve / point forecast
 
   // Counted work
-  std::size_t bodies = 0;                ///< dynamic bodies, those asleep included
-  std::size_t candidate_pairs = 0;       ///< from the broad phase
-  std::size_t coarse_pairs = 0;          ///< those that overlap at their mandatory level
-  std::size_t contact_pairs = 0;         ///< answered as a contact
-  std::uint64_t patch_visits = 0;        ///< of places by resting contact, over all sweeps and substeps; one that is sped up counts seven times
-  std::uint64_t work_mandatory = 0;      ///< node-pair expansions of the mandatory part
-  std::uint64_t work_refine = 0;         ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
-  std::size_t jobs_done = 0;             ///< levels completed
-  std::size_t jobs_dropped = 0;          ///< started and not completed, or completed too late
-  std::size_t jobs_given_up = 0;         ///< of them in the hands of threads that the system held up: not waited for
-  std::size_t pairs_separated = 0;       ///< found apart by refinement
-  std::size_t kept_apart = 0;            ///< known to be apart from an earlier frame: cost no refinement
-  std::size_t kept_contacts = 0;         ///< answered by what an earlier frame found out
-  std::size_t pairs_left = 0;            ///< still refinable when refinement ended
-  std::array<std::uint32_t, kPolygonPlace + 1> level_histogram{};  ///< contact pairs by completed level; at kPolygonPlace those by polygons
+  std::size_t bodies = 0;           ///< dynamic bodies, those asleep included
+  std::size_t candidate_pairs = 0;  ///< from the broad phase
+  std::size_t coarse_pairs = 0;     ///< those that overlap at their mandatory level
+  std::size_t contact_pairs = 0;    ///< answered as a contact
+  std::uint64_t patch_visits =
+      0;  ///< of places by resting contact, over all sweeps and substeps; one that is sped up counts seven times
+  std::uint64_t work_mandatory = 0;  ///< node-pair expansions of the mandatory part
+  std::uint64_t work_refine =
+      0;  ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
+  std::size_t jobs_done = 0;        ///< levels completed
+  std::size_t jobs_dropped = 0;     ///< started and not completed, or completed too late
+  std::size_t jobs_given_up = 0;    ///< of them in the hands of threads that the system held up: not waited for
+  std::size_t pairs_separated = 0;  ///< found apart by refinement
+  std::size_t kept_apart = 0;       ///< known to be apart from an earlier frame: cost no refinement
+  std::size_t kept_contacts = 0;    ///< answered by what an earlier frame found out
+  std::size_t pairs_left = 0;       ///< still refinable when refinement ended
+  std::array<std::uint32_t, kPolygonPlace + 1>
+      level_histogram{};  ///< contact pairs by completed level; at kPolygonPlace those by polygons
 
   // With StepInput::backtracking
-  std::size_t swept_pairs = 0;           ///< pairs with a fast body, sent to backtracking
-  std::size_t swept_hits = 0;            ///< of them met within the step and were answered there
-  std::size_t swept_cut = 0;             ///< of them stopped short because their work ran out; they go on in the next step
+  std::size_t swept_pairs = 0;  ///< pairs with a fast body, sent to backtracking
+  std::size_t swept_hits = 0;   ///< of them met within the step and were answered there
+  std::size_t swept_cut = 0;    ///< of them stopped short because their work ran out; they go on in the next step
 
   // With WorldSettings::sleeping
-  std::size_t asleep = 0;                ///< bodies asleep after the step
-  std::size_t fell_asleep = 0;           ///< at the end of the step
-  std::size_t woken = 0;                 ///< in the step, or by calls since the one before
+  std::size_t asleep = 0;       ///< bodies asleep after the step
+  std::size_t fell_asleep = 0;  ///< at the end of the step
+  std::size_t woken = 0;        ///< in the step, or by calls since the one before
 
   // Capacities that were full (0 in a healthy frame)
-  std::size_t pairs_dropped = 0;         ///< candidate partners of a body beyond its limit
-  std::size_t fronts_full = 0;           ///< refinements refused because a front had no room
-  std::size_t colors_full = 0;           ///< contacts beyond the last colour, solved one after another
-  std::size_t degenerate = 0;            ///< contacts without a positive finite effective mass, answered by none
+  std::size_t pairs_dropped = 0;  ///< candidate partners of a body beyond its limit
+  std::size_t fronts_full = 0;    ///< refinements refused because a front had no room
+  std::size_t colors_full = 0;    ///< contacts beyond the last colour, solved one after another
+  std::size_t degenerate = 0;     ///< contacts without a positive finite effective mass, answered by none
 
   // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;

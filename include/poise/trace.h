@@ -8,8 +8,19 @@
 
 namespace poise {
 
-/// What a stretch of a frame's time went into. The stages of a step follow each other and fill it; Worker lies in Refine.
-enum class TraceStage : std::uint8_t { Frame, Predict, BroadPhase, Coarse, Refine, Response, Integrate, Publish, Worker };
+/// What a stretch of a frame's time went into. The stages of a step follow each other and fill it; Worker lies in
+/// Refine.
+enum class TraceStage : std::uint8_t {
+  Frame,
+  Predict,
+  BroadPhase,
+  Coarse,
+  Refine,
+  Response,
+  Integrate,
+  Publish,
+  Worker
+};
 
 /// `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `response`, `integrate`, `publish`, or `jobs` for Worker.
 const char* trace_name(TraceStage stage);
@@ -17,14 +28,15 @@ const char* trace_name(TraceStage stage);
 /// A stretch of time of one thread.
 struct TraceSpan {
   std::chrono::steady_clock::time_point begin{}, end{};
-  std::uint64_t frame = 0;               ///< FrameReport::frame
-  std::uint32_t jobs = 0;                ///< Worker: levels that it completed, else 0
-  std::int16_t lane = 0;                 ///< number of the worker; 0 is the thread that calls World::step
+  std::uint64_t frame = 0;  ///< FrameReport::frame
+  std::uint32_t jobs = 0;   ///< Worker: levels that it completed, else 0
+  std::int16_t lane = 0;    ///< number of the worker; 0 is the thread that calls World::step
   TraceStage stage = TraceStage::Frame;
 };
 
-/// Where World::step leaves what its threads did when (StepInput::trace). Invariant: never more spans than the room that it was made with, so
-/// that step does not allocate; what found no room is counted. Belongs to one World at a time; read it between steps.
+/// Where World::step leaves what its threads did when (StepInput::trace). Invariant: never more spans than the room
+/// that it was made with, so that step does not allocate; what found no room is counted. Belongs to one World at a
+/// time; read it between steps.
 class Trace {
  public:
   explicit Trace(std::size_t room) : room_(room) { spans_.reserve(room); }

@@ -25,11 +25,12 @@ enum class TreeFormat : std::uint8_t {
 /// By the ending of a file name, in either case: .sph, .urdf, .yml or .yaml, .json; none for others.
 std::optional<TreeFormat> tree_format_of(const std::filesystem::path& file);
 
-/// Writes the spheres of `level` (a leaf above stands for itself; below the deepest level, the leaves) as collision spheres of a
-/// link `name`. Sph writes the whole tree and ignores level and name; FoamJson writes the levels 0 to `level` and ignores the name;
-/// its errors are the smallest, mean and largest protrusion_max_m of the level's spheres, in metres. Numbers are written exactly, so
-/// that what covers in the tree covers in the file. Appears whole or not at all. Any thread.
-/// Refused: a tree without nodes; a name that is empty, longer than 256 bytes, not UTF-8 or with control characters.
+/// Writes the spheres of `level` (a leaf above stands for itself; below the deepest level, the leaves) as collision
+/// spheres of a link `name`. Sph writes the whole tree and ignores level and name; FoamJson writes the levels 0 to
+/// `level` and ignores the name; its errors are the smallest, mean and largest protrusion_max_m of the level's spheres,
+/// in metres. Numbers are written exactly, so that what covers in the tree covers in the file. Appears whole or not at
+/// all. Any thread. Refused: a tree without nodes; a name that is empty, longer than 256 bytes, not UTF-8 or with
+/// control characters.
 Status write_tree(const SphereTree& tree, Level level, TreeFormat format, const std::string& name,
                   const std::filesystem::path& file);
 
@@ -39,10 +40,11 @@ struct SphereChoice {
   std::optional<Level> level = {};  ///< Sph and foam: the level; the deepest one by default
 };
 
-/// Reads a set of spheres in the frame of its link, format by the ending of the file: for a tree by tree_of_spheres, whose deepest
-/// level is the set. URDF links with other collision shapes than spheres are refused, since a part of a link is not the link.
-/// Refused with file and place: what is not of the format, no or more than kMaxUnionSpheres spheres, a centre that is not within
-/// 1e9 m, a radius not from 1e-9 to 1e9 m, files above 64 MiB, an unknown link or level. Any thread.
+/// Reads a set of spheres in the frame of its link, format by the ending of the file: for a tree by tree_of_spheres,
+/// whose deepest level is the set. URDF links with other collision shapes than spheres are refused, since a part of a
+/// link is not the link. Refused with file and place: what is not of the format, no or more than kMaxUnionSpheres
+/// spheres, a centre that is not within 1e9 m, a radius not from 1e-9 to 1e9 m, files above 64 MiB, an unknown link or
+/// level. Any thread.
 Result<std::vector<Sphere>> read_spheres(const std::filesystem::path& file, const SphereChoice& choice = {});
 
 /// What a tree from elsewhere is worth for a mesh.
@@ -57,8 +59,9 @@ struct ForeignTreeReport {
 };
 
 /// Takes in a tree that was not built here: judges it against its mesh (same frame), and fills what its nodes know of
-/// protrusion and surface, which files do not have. The tree's spheres stay as they are, leaking or not: the caller decides by the report. Deterministic for a
-/// seed on any number of threads. Any thread. Refused as judge_tree refuses, ErrorKind::Cancelled among it; the tree is then as it was.
+/// protrusion and surface, which files do not have. The tree's spheres stay as they are, leaking or not: the caller
+/// decides by the report. Deterministic for a seed on any number of threads. Any thread. Refused as judge_tree refuses,
+/// ErrorKind::Cancelled among it; the tree is then as it was.
 Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options = {});
 
 }  // namespace poise

@@ -20,7 +20,7 @@ namespace simulation {
 struct WorldState;
 class PairProbe;
 struct WorldAccess;
-}
+}  // namespace simulation
 
 /// How the contacts of one pair become an impulse (docs/method.md).
 enum class ContactModel : std::uint8_t {
@@ -32,63 +32,65 @@ enum class ContactModel : std::uint8_t {
 struct WorldSettings {
   Vec3 gravity_mps2 = Vec3::Zero();
   ContactModel contact = ContactModel::Fitted;
-  scheduler::Policy policy;                      ///< what is refined next
+  scheduler::Policy policy;  ///< what is refined next
   ExecutorKind executor = ExecutorKind::Tbb;
-  int threads = 0;                               ///< calling thread included; 0 = as many as the machine has; at most 256
-  /// A thread without work looks for it for this long before it sleeps: longer costs processor time, shorter costs tens of microseconds
-  /// each time it has to be woken. In [0, 10 ms].
+  int threads = 0;  ///< calling thread included; 0 = as many as the machine has; at most 256
+  /// A thread without work looks for it for this long before it sleeps: longer costs processor time, shorter costs tens
+  /// of microseconds each time it has to be woken. In [0, 10 ms].
   Nanoseconds spin{50'000};
-  /// Thread w (from 1; the calling thread is its owner's matter) runs on processors[w mod size] alone; empty: where the system puts it.
-  /// Not with ExecutorKind::Tbb, whose threads belong to the whole process.
+  /// Thread w (from 1; the calling thread is its owner's matter) runs on processors[w mod size] alone; empty: where the
+  /// system puts it. Not with ExecutorKind::Tbb, whose threads belong to the whole process.
   std::vector<int> processors;
-  int realtime_priority = 0;                     ///< of those threads under SCHED_FIFO, 1 to 99; 0: as all threads. Likewise not with Tbb
+  int realtime_priority = 0;  ///< of those threads under SCHED_FIFO, 1 to 99; 0: as all threads. Likewise not with Tbb
   std::uint64_t seed = 1;
-  /// Islands of bodies that have been still for half a second fall asleep: they stay where they are and cost next to nothing until
-  /// something that moves comes near them or the caller touches one of them or what they lie on. Off, none of it is done.
+  /// Islands of bodies that have been still for half a second fall asleep: they stay where they are and cost next to
+  /// nothing until something that moves comes near them or the caller touches one of them or what they lie on. Off,
+  /// none of it is done.
   bool sleeping = false;
-  int substeps = 2;                              ///< of the resting-contact solver, 1 to 16
-  /// Share of frames under a deadline whose end may take longer than was kept for it, in [1e-5, 0.5]. A smaller one is paid for in reserve.
+  int substeps = 2;  ///< of the resting-contact solver, 1 to 16
+  /// Share of frames under a deadline whose end may take longer than was kept for it, in [1e-5, 0.5]. A smaller one is
+  /// paid for in reserve.
   double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
-  std::uint32_t max_partners = 256;              ///< candidate partners that a body keeps, 1 to 65536
-  std::uint32_t max_front_entries = 1U << 22;    ///< room for fronts, entries a worker thread, >= 64
+  std::uint32_t max_partners = 256;            ///< candidate partners that a body keeps, 1 to 65536
+  std::uint32_t max_front_entries = 1U << 22;  ///< room for fronts, entries a worker thread, >= 64
 };
 
 struct Material {
-  double restitution = 0;                        ///< in [0, 1]; of two materials the larger counts
-  double friction = 0;                           ///< Coulomb's coefficient, >= 0; of two materials the geometric mean counts
-  double density_kgpm3 = 1000;                   ///< > 0
+  double restitution = 0;       ///< in [0, 1]; of two materials the larger counts
+  double friction = 0;          ///< Coulomb's coefficient, >= 0; of two materials the geometric mean counts
+  double density_kgpm3 = 1000;  ///< > 0
 };
 
 struct BodyDefinition {
   ShapeId shape;
   MaterialId material;
   bool is_static = false;
-  Vec3 position_m = Vec3::Zero();                ///< of the shape's own origin, world frame
-  Quat orientation = Quat::Identity();           ///< body to world; normalised; not 0
-  Vec3 velocity_mps = Vec3::Zero();              ///< of the centre of mass, world frame
-  Vec3 angular_velocity_radps = Vec3::Zero();    ///< world frame
-  double mass_kg = 0;                            ///< 0 = from volume and density
-  Vec3 inertia_kgm2 = Vec3::Zero();              ///< principal moments in the shape's principal frame; 0 = from the shape
-  std::uint32_t group = 1;                       ///< bits: which groups the body is in
-  std::uint32_t collides_with = 0xffffffffU;     ///< bits: which groups it meets; both sides must agree
-  double importance = 1;                         ///< a factor on the priority of its pairs, >= 0, finite
+  Vec3 position_m = Vec3::Zero();              ///< of the shape's own origin, world frame
+  Quat orientation = Quat::Identity();         ///< body to world; normalised; not 0
+  Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass, world frame
+  Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
+  double mass_kg = 0;                          ///< 0 = from volume and density
+  Vec3 inertia_kgm2 = Vec3::Zero();            ///< principal moments in the shape's principal frame; 0 = from the shape
+  std::uint32_t group = 1;                     ///< bits: which groups the body is in
+  std::uint32_t collides_with = 0xffffffffU;   ///< bits: which groups it meets; both sides must agree
+  double importance = 1;                       ///< a factor on the priority of its pairs, >= 0, finite
 };
 
 struct BodyState {
-  Vec3 position_m = Vec3::Zero();                ///< centre of mass, world frame
-  Quat orientation = Quat::Identity();           ///< axes of the mesh, body to world, unit
-  Vec3 velocity_mps = Vec3::Zero();              ///< of the centre of mass
-  Vec3 angular_velocity_radps = Vec3::Zero();    ///< world frame
+  Vec3 position_m = Vec3::Zero();              ///< centre of mass, world frame
+  Quat orientation = Quat::Identity();         ///< axes of the mesh, body to world, unit
+  Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass
+  Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
 };
 
 /// One pair that the last step answered as a contact.
 struct Contact {
-  BodyId a, b;                                   ///< a comes before b in the order of slots
-  Level level = 0;                               ///< that was completed for the pair; by polygons, the trees' deepest + 1
-  Vec3 normal = Vec3::UnitZ();                   ///< from a to b, unit, mean over the pair
-  Vec3 point_m = Vec3::Zero();                   ///< world frame, mean over the pair
-  double gap_m = 0;                              ///< between the modelled surfaces at the start of the step, negative in overlap
-  Vec3 impulse_ns = Vec3::Zero();                ///< that b received in the step, kg m/s; a received the opposite
+  BodyId a, b;                     ///< a comes before b in the order of slots
+  Level level = 0;                 ///< that was completed for the pair; by polygons, the trees' deepest + 1
+  Vec3 normal = Vec3::UnitZ();     ///< from a to b, unit, mean over the pair
+  Vec3 point_m = Vec3::Zero();     ///< world frame, mean over the pair
+  double gap_m = 0;                ///< between the modelled surfaces at the start of the step, negative in overlap
+  Vec3 impulse_ns = Vec3::Zero();  ///< that b received in the step, kg m/s; a received the opposite
 };
 
 struct ContactEvent {
@@ -99,10 +101,10 @@ struct ContactEvent {
 
 /// Sums over the dynamic bodies.
 struct Conserved {
-  Vec3 momentum_ns = Vec3::Zero();               ///< kg m/s
-  Vec3 angular_momentum_js = Vec3::Zero();       ///< about the world origin, kg m^2/s
+  Vec3 momentum_ns = Vec3::Zero();          ///< kg m/s
+  Vec3 angular_momentum_js = Vec3::Zero();  ///< about the world origin, kg m^2/s
   double kinetic_j = 0;
-  double potential_j = 0;                        ///< -m g . x
+  double potential_j = 0;  ///< -m g . x
 };
 
 /// A scene of rigid bodies that is stepped inside a budget. Invariant: every stored number is finite, and
@@ -112,8 +114,8 @@ struct Conserved {
 /// leave the World as it was. step() does not allocate once its buffers have grown to the scene.
 class World {
  public:
-  /// Refused: gravity not finite; settings out of the ranges given above; processors that this process may not use; a priority that the system
-  /// does not grant.
+  /// Refused: gravity not finite; settings out of the ranges given above; processors that this process may not use; a
+  /// priority that the system does not grant.
   static Result<World> create(const WorldSettings& settings);
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -139,7 +141,8 @@ class World {
   [[nodiscard]] Result<double> mass_kg(BodyId body) const;
   [[nodiscard]] Result<ShapePtr> shape(BodyId body) const;
 
-  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies; wakes sleeping ones.
+  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies; wakes
+  /// sleeping ones.
   Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
   Status apply_torque(BodyId body, const Vec3& torque_nm);
   /// Changes velocities at once by an impulse (kg m/s, world frame) at a world point.
@@ -150,8 +153,9 @@ class World {
   /// Tells how long the host's own work took in the frame that has just ended, for HostWork::learn.
   void report_host_work(Nanoseconds actual);
 
-  /// What the time forecasts have come to, for a later run on the same machine; and a start from what an earlier one came to, which
-  /// forgets what this World has learned. Numbers that make no sense count as not known. Neither is part of the state.
+  /// What the time forecasts have come to, for a later run on the same machine; and a start from what an earlier one
+  /// came to, which forgets what this World has learned. Numbers that make no sense count as not known. Neither is part
+  /// of the state.
   [[nodiscard]] scheduler::TimePriors time_priors() const;
   void set_time_priors(const scheduler::TimePriors& priors);
 
@@ -164,8 +168,8 @@ class World {
   /// Pairs that began and ceased to touch in the last step, in order of (a, b).
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
 
-  /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all threads
-  /// in the order in which they ended. Without StepInput::record in that step there are none.
+  /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all
+  /// threads in the order in which they ended. Without StepInput::record in that step there are none.
   void decisions(FrameDecisions& decisions) const;
 
   [[nodiscard]] Conserved conserved() const;

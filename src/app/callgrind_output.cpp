@@ -28,14 +28,16 @@ Result<Counted> read_callgrind(std::string_view text) {
       total = std::from_chars(number.data(), number.data() + number.size(), counted.instructions).ec == std::errc{};
     }
   }
-  if (!total || counted.functions.empty()) return bad_input("valgrind wrote no profile that tells functions and a total");
+  if (!total || counted.functions.empty())
+    return bad_input("valgrind wrote no profile that tells functions and a total");
   return counted;
 }
 
 std::vector<std::string> with_any(const std::vector<std::string>& functions, const std::vector<std::string>& parts) {
   std::vector<std::string> found;
   for (const std::string& function : functions) {
-    if (std::ranges::any_of(parts, [&](const std::string& part) { return function.find(part) != std::string::npos; })) found.push_back(function);
+    if (std::ranges::any_of(parts, [&](const std::string& part) { return function.find(part) != std::string::npos; }))
+      found.push_back(function);
   }
   return found;
 }

@@ -20,9 +20,11 @@ Result<std::string> drawn_by_gnuplot(const std::string& script, const parallel::
   if (handle < 0) return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be made", file)};
   ::close(handle);
   const Status written = io::write_file(file, script);
-  const Result<ChildResult> child = written ? run_program({"gnuplot", file}, interrupt) : Result<ChildResult>(written.error());
+  const Result<ChildResult> child =
+      written ? run_program({"gnuplot", file}, interrupt) : Result<ChildResult>(written.error());
   std::filesystem::remove(file, failure);
-  if (!child) return Error{ErrorKind::OutputFailed, fmt::format("--picture needs gnuplot-nox: {}", child.error().message)};
+  if (!child)
+    return Error{ErrorKind::OutputFailed, fmt::format("--picture needs gnuplot-nox: {}", child.error().message)};
   if (child.value().exit_code != 0) {
     return Error{ErrorKind::OutputFailed, fmt::format("--picture: gnuplot ended with {}", child.value().exit_code)};
   }

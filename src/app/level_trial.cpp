@@ -16,11 +16,13 @@ namespace {
 
 constexpr double kDensityKgpm3 = 1000;
 constexpr double kFrameS = 1.0 / 60;
-// The engine is stepped along the flight in such steps to see when it answers, from so long before the touch on. Chosen: a step is an
-// eighth of the error of time that is promised; no level answers earlier at 2 m/s (measured: 0.36 s at level 0).
+// The engine is stepped along the flight in such steps to see when it answers, from so long before the touch on.
+// Chosen: a step is an eighth of the error of time that is promised; no level answers earlier at 2 m/s (measured: 0.36
+// s at level 0).
 constexpr double kStepS = 1e-3;
 constexpr double kLeadS = 0.5;
-// Costs are measured over so many states, the touches and moments before them: fewer, and the branch predictor learns them by heart.
+// Costs are measured over so many states, the touches and moments before them: fewer, and the branch predictor learns
+// them by heart.
 constexpr std::size_t kCostStates = 500;
 constexpr int kCostRounds = 5;
 
@@ -35,7 +37,7 @@ simulation::PairState state_of(const judge::RandomTouch& touch, double time_s) {
 
 // How one model answers one touch at one level.
 struct Sample {
-  double dv_mps = 0, dw_mps = 0;      // errors
+  double dv_mps = 0, dw_mps = 0;  // errors
   double off_ms = 0, early_ms = 0;
   bool late = false, seen = true;
 };
@@ -63,7 +65,8 @@ double spin_speed(const Trial& trial, const Vec3& dw_a, const Vec3& dw_b) {
 }
 
 // When the engine, stepped along the flight, first answers the pair; nothing when it does not.
-std::optional<double> time_of_answer(const judge::RandomTouch& touch, simulation::PairProbe& probe, simulation::ProbeLevel level) {
+std::optional<double> time_of_answer(const judge::RandomTouch& touch, simulation::PairProbe& probe,
+                                     simulation::ProbeLevel level) {
   const double exact_s = touch.touch.time_s;
   const auto first = static_cast<std::int64_t>(std::max(0.0, std::floor((exact_s - kLeadS) / kStepS)));
   const auto last = static_cast<std::int64_t>(std::ceil((exact_s + 1e-3 * io::kLongestWaitMs) / kStepS));
@@ -74,12 +77,14 @@ std::optional<double> time_of_answer(const judge::RandomTouch& touch, simulation
   return std::nullopt;
 }
 
-Sample sample_of(const Trial& trial, const judge::RandomTouch& touch, simulation::PairProbe& probe, simulation::ProbeLevel level) {
+Sample sample_of(const Trial& trial, const judge::RandomTouch& touch, simulation::PairProbe& probe,
+                 simulation::ProbeLevel level) {
   Sample sample;
   const simulation::PairAnswer answer = probe.answer(state_of(touch, touch.touch.time_s), level, trial.settings.dt_s);
   sample.seen = answer.met;
   sample.dv_mps = (answer.dv_a_mps - touch.answer.dv_a_mps).norm();
-  sample.dw_mps = spin_speed(trial, answer.dw_a_radps - touch.answer.dw_a_radps, answer.dw_b_radps - touch.answer.dw_b_radps);
+  sample.dw_mps =
+      spin_speed(trial, answer.dw_a_radps - touch.answer.dw_a_radps, answer.dw_b_radps - touch.answer.dw_b_radps);
   const std::optional<double> time_s = time_of_answer(touch, probe, level);
   const double late_ms = time_s ? 1e3 * (*time_s - touch.touch.time_s) : io::kLongestWaitMs;
   sample.off_ms = std::abs(late_ms);
@@ -138,7 +143,9 @@ io::LevelsPair pair_of(const Trial& trial, const std::vector<TouchResult>& resul
     pair.grazing += static_cast<std::size_t>(touch.grazing);
     pair.undecided += static_cast<std::size_t>(touch.undecided);
     const judge::Feature feature = touch.touch.nearest.feature;
-    ++(feature == judge::Feature::EdgeEdge ? pair.edge_edge : feature == judge::Feature::Other ? pair.other : pair.vertex_face);
+    ++(feature == judge::Feature::EdgeEdge ? pair.edge_edge
+       : feature == judge::Feature::Other  ? pair.other
+                                           : pair.vertex_face);
     pair.dv_mps += touch.answer.dv_a_mps.norm() / count;
     pair.dw_mps += spin_speed(trial, touch.answer.dw_a_radps, touch.answer.dw_b_radps) / count;
     pair.uncertainty += result.changed / count;
@@ -187,7 +194,8 @@ Status add_rows(const Trial& trial, const std::vector<TouchResult>& results, io:
   for (std::size_t m = 0; m < trial.settings.models.size(); ++m) {
     const simulation::NamedContactModel& model = trial.settings.models[m];
     const auto& levels = trial.settings.levels;
-    const auto costs = simulation::PairProbe::costs(pair_settings(trial, model.model), states, levels, trial.settings.dt_s, kCostRounds);
+    const auto costs = simulation::PairProbe::costs(pair_settings(trial, model.model), states, levels,
+                                                    trial.settings.dt_s, kCostRounds);
     if (!costs) return costs.error();
     for (std::size_t i = 0; i < levels.size(); ++i) {
       io::LevelsRow row = row_of(results, m * levels.size() + i, pair);
@@ -229,8 +237,8 @@ io::ErrorSpread spread_of(std::vector<double> values, double whole) {
   return {spread.mean / whole, spread.median / whole, spread.p90 / whole};
 }
 
-Result<TrialShape> make_trial_shape(const std::string& name, int fineness, const TreeBuildOptions& build, const TreeCacheSettings& cache,
-                                    TreeCacheOutcome& outcome) {
+Result<TrialShape> make_trial_shape(const std::string& name, int fineness, const TreeBuildOptions& build,
+                                    const TreeCacheSettings& cache, TreeCacheOutcome& outcome) {
   const auto known = geometry::procedural_shapes();
   const bool procedural = std::ranges::find(known, std::string_view(name)) != known.end();
   Result<TriangleMesh> mesh = procedural ? geometry::make_procedural_shape(name, fineness) : read_mesh(name, {});
@@ -243,7 +251,8 @@ Result<TrialShape> make_trial_shape(const std::string& name, int fineness, const
   const Result<ShapePtr> shape = make_mesh_shape_with_tree(mesh.value(), tree.value());
   if (!shape) return shape.error();
   const std::string shown = procedural ? name : std::filesystem::path(name).stem().string();
-  return TrialShape{shown, body.value(), shape.value(), name == "jack" || name == "torus" || name == "bowl", procedural};
+  return TrialShape{shown, body.value(), shape.value(), name == "jack" || name == "torus" || name == "bowl",
+                    procedural};
 }
 
 Status try_pair(const TrialShape& a, const TrialShape& b, const TrialSettings& settings, parallel::Executor& executor,
@@ -260,7 +269,8 @@ Status try_pair(const TrialShape& a, const TrialShape& b, const TrialSettings& s
   });
   if (stop.stop_requested()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
   for (const TouchResult& result : results) {
-    if (result.samples.empty()) return bad_input(fmt::format("{} and {}: thrown at each other they do not touch", a.name, b.name));
+    if (result.samples.empty())
+      return bad_input(fmt::format("{} and {}: thrown at each other they do not touch", a.name, b.name));
   }
   return add_rows(trial, results, document);
 }

@@ -18,7 +18,8 @@ bool is_file(const std::string& path) { return !path.empty() && path != "-"; }
 bool is_special(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+         !std::filesystem::is_directory(status);
 }
 
 /// Both are there, and are the same.
@@ -44,7 +45,8 @@ Status check_outputs(std::initializer_list<NamedFile> outputs, std::initializer_
     }
     for (const NamedFile& input : inputs) {
       if (same_file(a->path, input.path)) {
-        return bad_input(fmt::format("{} {}: would overwrite the file that is read as {}", a->option, a->path, input.option));
+        return bad_input(
+            fmt::format("{} {}: would overwrite the file that is read as {}", a->option, a->path, input.option));
       }
     }
   }
@@ -53,7 +55,8 @@ Status check_outputs(std::initializer_list<NamedFile> outputs, std::initializer_
 
 std::string lower_case_ending(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(ending, ending.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return ending;
 }
 

@@ -14,8 +14,8 @@ struct NamedFile {
   const std::string& path;
 };
 
-/// Refuses two outputs into one file, and an output into a file that is also read. Several may be "-"; pipes and devices are no
-/// files that could be overwritten.
+/// Refuses two outputs into one file, and an output into a file that is also read. Several may be "-"; pipes and
+/// devices are no files that could be overwritten.
 Status check_outputs(std::initializer_list<NamedFile> outputs, std::initializer_list<NamedFile> inputs);
 
 /// The ending of a file's name with its dot, `A` to `Z` made small; empty for none.
@@ -24,7 +24,8 @@ std::string lower_case_ending(const std::string& path);
 /// Refuses a picture whose name says that it is no PNG. A name without an ending is taken.
 Status check_picture(const std::string& path);
 
-/// Tells a path that cannot be written before long work, without leaving anything there. A pipe or a device is not tried: opening it is felt.
+/// Tells a path that cannot be written before long work, without leaving anything there. A pipe or a device is not
+/// tried: opening it is felt.
 Status can_write(std::initializer_list<std::string> paths);
 
 /// Writes to a file, or to the standard output for "-"; nothing for an empty path.

@@ -22,7 +22,8 @@ StepInput step_input(const io::RecordHeader& header, const SceneRun& run) {
   return input;
 }
 
-Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer, const ReplayStates& states) {
+Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer,
+                   const ReplayStates& states) {
   if (!states) return Done{};
   buffer.clear();
   for (const RunBody& body : run.bodies()) {
@@ -41,13 +42,17 @@ WorldSettings replay_world(const io::RecordHeader& header, ExecutorKind executor
   world.executor = executor;
   world.threads = threads;
   const auto before = static_cast<std::uint64_t>(header.world.threads);
-  const auto now = static_cast<std::uint64_t>(executor == ExecutorKind::Serial ? 1 : threads > 0 ? threads : parallel::available_threads());
+  const auto now = static_cast<std::uint64_t>(executor == ExecutorKind::Serial ? 1
+                                              : threads > 0                    ? threads
+                                                                               : parallel::available_threads());
   const std::uint64_t shared = (header.world.max_front_entries * before + now - 1) / now;
-  world.max_front_entries = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(shared, header.world.max_front_entries, kMostEntries));
+  world.max_front_entries =
+      static_cast<std::uint32_t>(std::clamp<std::uint64_t>(shared, header.world.max_front_entries, kMostEntries));
   return world;
 }
 
-Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, SceneRun& run, const ReplaySettings& settings, const ReplayStates& states,
+Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, SceneRun& run,
+                                 const ReplaySettings& settings, const ReplayStates& states,
                                  const ReplayProgress& progress) {
   ReplayResult result;
   result.state_hash = run.world().state_hash();
@@ -76,12 +81,14 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
     const bool explains = settings.explain == result.frames;
     input.explain = explains ? &explanation : nullptr;
     const FrameReport report = run.world().step(input);
-    if (report.status != StepStatus::Done && report.status != StepStatus::ReplayDiffers) return bad_input("the step was refused: its input is out of range");
+    if (report.status != StepStatus::Done && report.status != StepStatus::ReplayDiffers)
+      return bad_input("the step was refused: its input is out of range");
     result.state_hash = run.world().state_hash();
     status = tell_states(run, result.frames + 1, buffer, states);
     if (!status) return status.error();
     if (explains) {
-      result.explained = io::ExplainedFrame{recorded, std::move(explanation), io::bodies_by_slot(scene, run), record.header().clock == "wall"};
+      result.explained = io::ExplainedFrame{recorded, std::move(explanation), io::bodies_by_slot(scene, run),
+                                            record.header().clock == "wall"};
     }
     if (result.state_hash != recorded.state_hash || report.status == StepStatus::ReplayDiffers) {
       result.differs = result.frames;

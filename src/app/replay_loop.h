@@ -22,10 +22,10 @@ struct ReplaySettings {
 };
 
 struct ReplayResult {
-  std::uint64_t frames = 0;                        ///< done again
-  std::uint64_t state_hash = 0;                    ///< after them
-  std::optional<std::uint64_t> differs;            ///< the first frame after which the state is another; the replay ends there
-  std::uint64_t recorded_hash = 0;                 ///< after that frame
+  std::uint64_t frames = 0;              ///< done again
+  std::uint64_t state_hash = 0;          ///< after them
+  std::optional<std::uint64_t> differs;  ///< the first frame after which the state is another; the replay ends there
+  std::uint64_t recorded_hash = 0;       ///< after that frame
   std::optional<io::RecordReader::Damage> damage;  ///< where the record cannot be read on
   bool at_end = false;                             ///< the record's end was reached
   bool run_stopped = false;                        ///< with at_end: the recorded run was stopped by Ctrl-C
@@ -38,12 +38,14 @@ using ReplayStates = std::function<Status(std::uint64_t frame, std::span<const B
 /// Told how many frames are done, of how many.
 using ReplayProgress = std::function<void(std::uint64_t done, std::uint64_t of)>;
 
-/// What the World of a replay is made with: as recorded, on `threads` threads (0 = all) of `executor`, with the room for fronts that the
-/// recorded threads had together.
+/// What the World of a replay is made with: as recorded, on `threads` threads (0 = all) of `executor`, with the room
+/// for fronts that the recorded threads had together.
 WorldSettings replay_world(const io::RecordHeader& header, ExecutorKind executor, int threads);
 
-/// Does the frames of a record again, each with what was decided in it. Refused: what the World, the scene or the sink refuses.
-Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, SceneRun& run, const ReplaySettings& settings, const ReplayStates& states,
+/// Does the frames of a record again, each with what was decided in it. Refused: what the World, the scene or the sink
+/// refuses.
+Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, SceneRun& run,
+                                 const ReplaySettings& settings, const ReplayStates& states,
                                  const ReplayProgress& progress);
 
 }  // namespace poise::app

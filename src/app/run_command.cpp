@@ -223,12 +223,17 @@ Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& fi
 /// What the system does not permit, with the option that asked for it.
 std::string placing_refused(const RunOptions& options, const Error& error) {
   const bool both = !options.affinity.empty() && options.realtime;
-  return fmt::format("{}: {}", both ? "--affinity, --realtime" : options.realtime ? "--realtime" : "--affinity", error.message);
+  return fmt::format("{}: {}",
+                     both               ? "--affinity, --realtime"
+                     : options.realtime ? "--realtime"
+                                        : "--affinity",
+                     error.message);
 }
 
 /// From a scene that stands to the exit code.
-int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene, const std::string& scene_text, SceneRun& run,
-                 Outputs& outputs, RunRecord& record, Progress& progress) {
+int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene,
+                 const std::string& scene_text, SceneRun& run, Outputs& outputs, RunRecord& record,
+                 Progress& progress) {
   LoopSettings loop = loop_settings(options, scene);
   std::optional<Trace> trace;
   if (outputs.trace) loop.trace = &trace.emplace(kTraceRoom);
@@ -240,7 +245,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   const Status known = io::check_names(requirement, io::named_figures(document));
   if (!known) return refuse(kExitBadUsage, "--require: " + known.error().message);
 
-  const std::filesystem::path priors_folder = loop.wall_clock ? time_priors_folder(options.time) : std::filesystem::path();
+  const std::filesystem::path priors_folder =
+      loop.wall_clock ? time_priors_folder(options.time) : std::filesystem::path();
   const io::TimePriorsKey priors_key = priors_key_of(document);
   if (const auto priors = io::read_time_priors(priors_folder, priors_key)) {
     run.world().set_time_priors(*priors);
@@ -272,7 +278,9 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (trace) {
     written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
     if (!written) return refuse(written.error());
-    if (trace->dropped() > 0) fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(), kTraceRoom);
+    if (trace->dropped() > 0)
+      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(),
+                 kTraceRoom);
   }
   if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
   if (!written) return refuse(written.error());
@@ -326,7 +334,8 @@ int run_scene(const RunOptions& options) {
   if (!permitted) return refuse(kExitBadInput, placing_refused(options, permitted.error()));
   Result<SceneRun> run = SceneRun::create(scene.value(), start);
   if (run) {
-    const Status placed = parallel::place_this_thread(threads.processors.empty() ? -1 : threads.processors.front(), threads.realtime_priority);
+    const Status placed = parallel::place_this_thread(threads.processors.empty() ? -1 : threads.processors.front(),
+                                                      threads.realtime_priority);
     if (!placed) return refuse(kExitBadInput, placing_refused(options, placed.error()));
   }
   if (!run) {
@@ -337,7 +346,8 @@ int run_scene(const RunOptions& options) {
     progress.end();
     fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
-  return run_prepared(options, requirement, scene.value(), text.value(), run.value(), outputs.value(), record.value(), progress);
+  return run_prepared(options, requirement, scene.value(), text.value(), run.value(), outputs.value(), record.value(),
+                      progress);
 }
 
 }  // namespace

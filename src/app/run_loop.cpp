@@ -100,7 +100,8 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);
     simulation::RunFrame frame;
     frame.warm_up = i < settings.warm_up;
-    input.reference = settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
+    input.reference =
+        settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
     input.measure_levels = i % kLookAtLevels == kLookAtLevels - 1;
     frame.report = run.world().step(input);
     if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");

@@ -22,14 +22,15 @@ struct LoopSettings {
   Nanoseconds deadline{0};  ///< wall clock: of a frame, from its start or release
   bool paced = false;       ///< wall clock: releases on a grid of dt_s
   Nanoseconds host_work{0};
-  bool learn_host_work = false;  ///< reserve what the render load lets expect, instead of host_work
-  simulation::RenderLoad render_load;  ///< wall clock: after each step
+  bool learn_host_work = false;              ///< reserve what the render load lets expect, instead of host_work
+  simulation::RenderLoad render_load;        ///< wall clock: after each step
   std::optional<std::uint64_t> budget_work;  ///< work clock
   Level max_level = kMaxTreeDepth;
   bool polygons = false;
   bool backtracking = false;
   Trace* trace = nullptr;  ///< where the steps leave what the threads did when
-  std::optional<std::uint64_t> reference_every;  ///< >= 1: a reference of each measured frame whose number from 1 it divides
+  std::optional<std::uint64_t>
+      reference_every;  ///< >= 1: a reference of each measured frame whose number from 1 it divides
 };
 
 struct LoopResult {
@@ -41,7 +42,8 @@ struct LoopResult {
 
 /// Told the states after each frame (and of the start, as frame 0), outside of the frame's time.
 using StatesSink = std::function<Status(std::uint64_t frame, std::span<const BodyState> states)>;
-/// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame: releases are put off by it.
+/// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame:
+/// releases are put off by it.
 using RecordSink = std::function<Status(const FrameReport&)>;
 /// Told after each frame.
 using FrameSink = std::function<void(const simulation::RunFrame&)>;

@@ -78,7 +78,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_max_level(command, options);
   command.add_flag("--backtracking", options.backtracking,
                    "Answer bodies that move far in a step where they meet something within it (default: the scene's)");
-  command.add_flag("--sleeping", options.sleeping, "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
+  command.add_flag("--sleeping", options.sleeping,
+                   "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(CLI::IsMember({"tbb", "threads", "serial"}))
@@ -88,15 +89,18 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->type_name("US");
   command
       .add_option("--affinity", options.affinity,
-                  "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs --executor threads or serial, and "
+                  "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs "
+                  "--executor threads or serial, and "
                   "chooses threads); as many threads as processors unless --threads says otherwise")
       ->type_name("LIST");
   add_whole(command, "--realtime", options.realtime, 1, 99,
-            "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with --executor tbb)");
+            "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with "
+            "--executor tbb)");
   add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
   add_path(command, "--states", options.states, "Write every body after every frame as CSV");
   add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
-  add_path(command, "--trace", options.trace, "Write what the threads did when as Chrome trace events (opens in ui.perfetto.dev)");
+  add_path(command, "--trace", options.trace,
+           "Write what the threads did when as Chrome trace events (opens in ui.perfetto.dev)");
   add_path(command, "--record", options.record, "Write what each frame decided, for poise replay");
   add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
   command
@@ -126,7 +130,8 @@ Status check_run_options(const RunOptions& options) {
   if (!cache) return cache.error();
   const Result<std::vector<int>> processors = processor_list(options.affinity);
   if (!processors) return processors.error();
-  for (const std::string* path : {&options.states, &options.frames_csv, &options.picture, &options.trace, &options.record}) {
+  for (const std::string* path :
+       {&options.states, &options.frames_csv, &options.picture, &options.trace, &options.record}) {
     if (*path == "-") return bad_input("only --json can go to the standard output");
   }
   const Status picture = check_picture(options.picture);
@@ -134,16 +139,18 @@ Status check_run_options(const RunOptions& options) {
   return check_outputs({{"--json", options.json},
                         {"--states", options.states},
                         {"--frames-csv", options.frames_csv},
-                         {"--trace", options.trace},
-                         {"--picture", options.picture},
-                         {"--record", options.record}},
+                        {"--trace", options.trace},
+                        {"--picture", options.picture},
+                        {"--record", options.record}},
                        {{"SCENE", options.scene}});
 }
 
 Result<std::vector<int>> processor_list(const std::string& text) {
   constexpr std::size_t kMost = 256;
   std::vector<int> processors;
-  const auto wrong = [&] { return bad_input(fmt::format("--affinity = {}, must be processors such as 0,2 or 0-3, at most {}", text, kMost)); };
+  const auto wrong = [&] {
+    return bad_input(fmt::format("--affinity = {}, must be processors such as 0,2 or 0-3, at most {}", text, kMost));
+  };
   const char* at = text.data();
   const char* const end = at + text.size();
   const auto number = [&](int& value) {
@@ -160,7 +167,8 @@ Result<std::vector<int>> processor_list(const std::string& text) {
       ++at;
       if (!number(last)) return wrong();
     }
-    if (last < first || static_cast<std::size_t>(last - first) >= kMost - std::min(kMost, processors.size())) return wrong();
+    if (last < first || static_cast<std::size_t>(last - first) >= kMost - std::min(kMost, processors.size()))
+      return wrong();
     for (int processor = first; processor <= last; ++processor) processors.push_back(processor);
     if (at == end) break;
     if (*at != ',' || ++at == end) return wrong();

@@ -17,7 +17,8 @@ Result<RunRecord> RunRecord::open(const std::string& path) {
   return record;
 }
 
-Status RunRecord::begin(const RunOptions& options, const Scene& scene, const std::string& text, const SceneRun& run, const LoopSettings& loop) {
+Status RunRecord::begin(const RunOptions& options, const Scene& scene, const std::string& text, const SceneRun& run,
+                        const LoopSettings& loop) {
   if (!writer_) return Done{};
   Result<std::vector<io::RecordedShape>> shapes = io::recorded_shapes(scene, run.shapes());
   if (!shapes) return shapes.error();

@@ -17,9 +17,10 @@ class RunRecord {
   /// Refused: a file that cannot be written.
   static Result<RunRecord> open(const std::string& path);
 
-  /// Before the first frame. `text` is the scene's file. Refused: a file of the scene that cannot be read any more, or the record
-  /// cannot be written.
-  Status begin(const RunOptions& options, const Scene& scene, const std::string& text, const SceneRun& run, const LoopSettings& loop);
+  /// Before the first frame. `text` is the scene's file. Refused: a file of the scene that cannot be read any more, or
+  /// the record cannot be written.
+  Status begin(const RunOptions& options, const Scene& scene, const std::string& text, const SceneRun& run,
+               const LoopSettings& loop);
   /// Told after each frame, outside of its time.
   RecordSink sink(const SceneRun& run);
   /// Gives the file its name.

@@ -94,7 +94,8 @@ void refinement(const simulation::RunFigures& f, Out out) {
       for (std::size_t place = 0; place < places.size(); ++place) {
         const double share = static_cast<double>(places[place]) / whole;
         if (share <= 0) continue;
-        fmt::format_to(out, "{}{:.1f} % {}", separator, 100 * share, place == kPolygonPlace ? std::string("by polygons") : fmt::format("at {}", place));
+        fmt::format_to(out, "{}{:.1f} % {}", separator, 100 * share,
+                       place == kPolygonPlace ? std::string("by polygons") : fmt::format("at {}", place));
         separator = ", ";
       }
       fmt::format_to(out, "\n");
@@ -112,8 +113,10 @@ void refinement(const simulation::RunFigures& f, Out out) {
   if (f.refinement_used) {
     fmt::format_to(out, "               {:.1f} % of its time used in the {} frames that left pairs coarse\n",
                    100 * *f.refinement_used, w.frames_with_pairs_left);
-    fmt::format_to(out, "               {:.4g} pairs a frame left for want of time, {:.4g} of room; at most {} frames at level 0\n", f.levels.left_for_time_mean,
-                   f.levels.left_for_room_mean, f.levels.longest_wait);
+    fmt::format_to(
+        out,
+        "               {:.4g} pairs a frame left for want of time, {:.4g} of room; at most {} frames at level 0\n",
+        f.levels.left_for_time_mean, f.levels.left_for_room_mean, f.levels.longest_wait);
   } else if (w.frames_with_pairs_left == 0) {
     fmt::format_to(out, "               every pair was refined to its end in every frame\n");
   }
@@ -125,14 +128,17 @@ void refinement(const simulation::RunFigures& f, Out out) {
 
 void degraded(const simulation::RunFigures& f, Out out) {
   if (f.degraded.infeasible_forecast == 0 && f.degraded.frames == 0) return;
-  fmt::format_to(out, "degraded       {} frames were forecast not to fit; {} with fewer sweeps, {} with fewer substeps, {} pairs answered as they did before\n",
-                 f.degraded.infeasible_forecast, f.degraded.fewer_sweeps, f.degraded.fewer_substeps, f.degraded.pairs_reused);
+  fmt::format_to(out,
+                 "degraded       {} frames were forecast not to fit; {} with fewer sweeps, {} with fewer substeps, {} "
+                 "pairs answered as they did before\n",
+                 f.degraded.infeasible_forecast, f.degraded.fewer_sweeps, f.degraded.fewer_substeps,
+                 f.degraded.pairs_reused);
 }
 
 void swept(const simulation::RunFigures& f, Out out) {
   if (f.swept.pairs == 0) return;
-  fmt::format_to(out, "backtracking   {} pairs with a fast body, {} met within a step, {} stopped short\n", f.swept.pairs, f.swept.hits,
-                 f.swept.cut);
+  fmt::format_to(out, "backtracking   {} pairs with a fast body, {} met within a step, {} stopped short\n",
+                 f.swept.pairs, f.swept.hits, f.swept.cut);
 }
 
 void reference(const io::RunDocument& d, Out out) {
@@ -154,12 +160,13 @@ void reference(const io::RunDocument& d, Out out) {
   const auto percent = [](const std::optional<double>& share) {
     return share ? fmt::format("{:.2f} %", 100 * *share) : std::string("not defined");
   };
-  fmt::format_to(out, "  contacts     {} in the run, {} of them false ({}), {} with true surfaces apart\n", r.run_contacts,
-                 r.false_contacts, percent(r.false_share), r.contacts_apart);
+  fmt::format_to(out, "  contacts     {} in the run, {} of them false ({}), {} with true surfaces apart\n",
+                 r.run_contacts, r.false_contacts, percent(r.false_share), r.contacts_apart);
   fmt::format_to(out, "               {} in the reference, {} of them missed ({})\n", r.reference_contacts,
                  r.missed_contacts, percent(r.missed_share));
   if (r.not_converged > 0) fmt::format_to(out, "  {} references did not converge\n", r.not_converged);
-  if (r.pairs_not_finest > 0) fmt::format_to(out, "  {} pairs had no room to reach their finest level\n", r.pairs_not_finest);
+  if (r.pairs_not_finest > 0)
+    fmt::format_to(out, "  {} pairs had no room to reach their finest level\n", r.pairs_not_finest);
   fmt::format_to(out, "\n");
 }
 
@@ -168,7 +175,8 @@ void state(const io::RunDocument& d, Out out) {
                  d.start.kinetic_j + d.start.potential_j, d.end.kinetic_j + d.end.potential_j, d.energy_max_j);
   const simulation::SleepFigures& s = d.figures.sleep;
   if (d.sleeping) {
-    fmt::format_to(out, "sleeping       {} bodies at the end, {:.6g} on average, {} fell asleep, {} woke\n", s.asleep_end, s.asleep_mean, s.fell_asleep, s.woken);
+    fmt::format_to(out, "sleeping       {} bodies at the end, {:.6g} on average, {} fell asleep, {} woke\n",
+                   s.asleep_end, s.asleep_mean, s.fell_asleep, s.woken);
   }
   const simulation::CapacityFigures& c = d.figures.capacity;
   if (c.pairs_dropped + c.fronts_full + c.colors_full + c.degenerate > 0) {

@@ -7,7 +7,8 @@
 
 namespace poise::app {
 
-Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace, std::span<const simulation::RunFrame> frames) {
+Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace,
+                   std::span<const simulation::RunFrame> frames) {
   constexpr std::size_t kAtOnce = 4096;
   const io::TraceHead head{"poise run " + scene, threads, trace.dropped()};
   const SteadyClock::time_point zero = frames.empty() ? SteadyClock::time_point{} : frames.front().report.started;
@@ -22,7 +23,8 @@ Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, 
   std::uint64_t misses = 0;
   for (std::size_t i = 0; i < frames.size() && written; i += kAtOnce) {
     text.clear();
-    for (const simulation::RunFrame& frame : frames.subspan(i, std::min(kAtOnce, frames.size() - i))) io::append_counters(frame, zero, misses, text);
+    for (const simulation::RunFrame& frame : frames.subspan(i, std::min(kAtOnce, frames.size() - i)))
+      io::append_counters(frame, zero, misses, text);
     written = file.write(text);
   }
   if (written) written = file.write(io::trace_end(head));

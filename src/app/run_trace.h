@@ -15,6 +15,7 @@ namespace poise::app {
 inline constexpr std::size_t kTraceRoom = std::size_t{1} << 20U;
 
 /// Writes the trace of a run and closes the file. `frames` are the run's, in order.
-Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace, std::span<const simulation::RunFrame> frames);
+Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace,
+                   std::span<const simulation::RunFrame> frames);
 
 }  // namespace poise::app

@@ -31,21 +31,27 @@ int refuse(const Error& error) { return refuse(exit_code_of(error), error.messag
 Result<std::vector<accuracy::Case>> chosen(const StudyAccuracyOptions& options) {
   std::vector<accuracy::Case> cases;
   for (const accuracy::Case& c : accuracy::all_cases()) {
-    const bool wanted = options.only.empty() || std::ranges::any_of(options.only, [&](const std::string& o) { return accuracy::matches(c.name, o); });
+    const bool wanted = options.only.empty() || std::ranges::any_of(options.only, [&](const std::string& o) {
+                          return accuracy::matches(c.name, o);
+                        });
     if (wanted) cases.push_back(c);
   }
-  if (cases.empty()) return bad_input(fmt::format("--only: no case has \"{}\" in its name; --list shows them", fmt::join(options.only, "\", \"")));
+  if (cases.empty())
+    return bad_input(
+        fmt::format("--only: no case has \"{}\" in its name; --list shows them", fmt::join(options.only, "\", \"")));
   return cases;
 }
 
 Status check(const StudyAccuracyOptions& options) {
-  if (options.json == "-" && options.markdown == "-") return bad_input("only one of --json and --markdown can go to the standard output");
+  if (options.json == "-" && options.markdown == "-")
+    return bad_input("only one of --json and --markdown can go to the standard output");
   if (options.picture == "-") return bad_input("--picture must be a file");
   const Status picture = check_picture(options.picture);
   if (!picture) return picture;
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
-  return check_outputs({{"--json", options.json}, {"--markdown", options.markdown}, {"--picture", options.picture}}, {});
+  return check_outputs({{"--json", options.json}, {"--markdown", options.markdown}, {"--picture", options.picture}},
+                       {});
 }
 
 ExecutorKind executor_for(int threads) {
@@ -85,12 +91,15 @@ io::AccuracyDocument document_of(const accuracy::Context& context, double cpu_s)
   return d;
 }
 
-Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& document, const parallel::Interrupt& interrupt) {
+Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& document,
+                 const parallel::Interrupt& interrupt) {
   Status written = write_to(o.json, io::accuracy_json(document));
   if (written) written = write_to(o.markdown, io::accuracy_markdown(document));
-  if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(io::accuracy_table(document));
+  if (written && o.json != "-" && o.markdown != "-" && !o.quiet)
+    written = io::write_stdout(io::accuracy_table(document));
   if (!written || o.picture.empty()) return written;
-  if (document.series.empty()) return bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do");
+  if (document.series.empty())
+    return bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do");
   const Result<std::string> picture = drawn_by_gnuplot(io::accuracy_plot(document), interrupt);
   return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
 }
@@ -113,7 +122,8 @@ int study(const StudyAccuracyOptions& options, const std::vector<accuracy::Case>
     return refuse(done.error());
   }
   progress.end();
-  const io::AccuracyDocument document = document_of(context, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  const io::AccuracyDocument document =
+      document_of(context, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   const Status written = write_all(options, document, interrupt);
   if (!written) return refuse(written.error());
   return io::missed(document) == 0 ? kExitDone : kExitRequirementFailed;
@@ -122,19 +132,23 @@ int study(const StudyAccuracyOptions& options, const std::vector<accuracy::Case>
 }  // namespace
 
 void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& o) {
-  command.add_option("--only", o.only, "Cases with this in their name, * for anything; may be given several times")->type_name("PATTERN");
+  command.add_option("--only", o.only, "Cases with this in their name, * for anything; may be given several times")
+      ->type_name("PATTERN");
   command.add_flag("--list", o.list, "List the cases with what is expected of them, and run none");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 1)");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.accuracy/1), - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
-  add_path(command, "--picture", o.picture, "Draw drift and kinetic energy of what stands over time as a PNG (needs gnuplot)");
+  add_path(command, "--picture", o.picture,
+           "Draw drift and kinetic energy of what stands over time as a PNG (needs gnuplot)");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
       "Examples:\n"
-      "  poise study accuracy --markdown accuracy.md --picture accuracy.png      what docs/accuracy.md shows; takes minutes\n"
+      "  poise study accuracy --markdown accuracy.md --picture accuracy.png      what docs/accuracy.md shows; takes "
+      "minutes\n"
       "  poise study accuracy --only slope --only 'hard:*mass' --json -\n\n"
-      "Cases whose outcome is known: closed forms, quantities that are conserved, structures that stand, hard cases that must stay sane. The\n"
+      "Cases whose outcome is known: closed forms, quantities that are conserved, structures that stand, hard cases "
+      "that must stay sane. The\n"
       "exit code is 1 if a row is beyond its bound. Figures do not depend on threads; CPU times do on the machine.");
 }
 

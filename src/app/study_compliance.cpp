@@ -27,7 +27,9 @@ int refuse(int code, const std::string& message) {
 }
 int refuse(const Error& error) { return refuse(exit_code_of(error), error.message); }
 
-double full_p95_ms(const std::vector<simulation::RunFrame>& frames) { return simulation::run_figures(frames, {false}).stages.back().ms.p95; }
+double full_p95_ms(const std::vector<simulation::RunFrame>& frames) {
+  return simulation::run_figures(frames, {false}).stages.back().ms.p95;
+}
 
 // The largest population of which 95 of 100 frames are refined to their end within the deadline, to a twentieth.
 Result<std::uint64_t> served_population(const StudyScene& scene, std::uint64_t warm_up, Progress& progress) {
@@ -37,7 +39,9 @@ Result<std::uint64_t> served_population(const StudyScene& scene, std::uint64_t w
     run.deadline = false;
     run.warm_up = warm_up;
     run.frames = 60;
-    const auto frames = scene.run(run, fmt::format("how many bodies can be refined to the end in {:g} ms: {}?", scene.deadline_ms(), bodies), progress);
+    const auto frames = scene.run(
+        run, fmt::format("how many bodies can be refined to the end in {:g} ms: {}?", scene.deadline_ms(), bodies),
+        progress);
     if (!frames) return frames.error();
     return full_p95_ms(frames.value()) <= scene.deadline_ms();
   };
@@ -49,7 +53,8 @@ Result<std::uint64_t> served_population(const StudyScene& scene, std::uint64_t w
     if (!fit.value()) break;
     low = high;
   }
-  if (low == 0) return bad_input(fmt::format("not even {} bodies can be refined to the end in {:g} ms", high, scene.deadline_ms()));
+  if (low == 0)
+    return bad_input(fmt::format("not even {} bodies can be refined to the end in {:g} ms", high, scene.deadline_ms()));
   while (high - low > std::max<std::uint64_t>(low / 20, 1)) {
     const std::uint64_t middle = low + (high - low) / 2;
     const Result<bool> fit = fits(middle);
@@ -83,28 +88,50 @@ const std::vector<io::StudyColumn> kColumns = {
     {"complies", "complies", 0},
 };
 
-std::vector<io::StudyCell> row_of(double alpha, double population, std::uint64_t bodies, const simulation::RunFigures& f, bool& complies) {
+std::vector<io::StudyCell> row_of(double alpha, double population, std::uint64_t bodies,
+                                  const simulation::RunFigures& f, bool& complies) {
   const simulation::MissFigures& m = *f.misses;
   const std::uint64_t own = m.overrun + m.forecast;
   const simulation::Interval interval = simulation::clopper_pearson(own, m.releases, 0.95);
   const bool used = !f.refinement_used || *f.refinement_used >= kUsed;
   complies = interval.low <= alpha && used;
   const double releases = static_cast<double>(std::max<std::uint64_t>(m.releases, 1));
-  return {alpha, population, bodies, m.releases, 100 * m.rate, 100 * m.interval_95.low, 100 * m.interval_95.high, m.infeasible, m.machine, m.overrun, m.forecast,
-          100 * static_cast<double>(own) / releases, 100 * interval.low, 100 * interval.high,
-          f.refinement_used ? io::StudyCell(100 * *f.refinement_used) : io::StudyCell(), f.work.frames_with_pairs_left, f.degraded.frames, f.frame_ms.p99,
-          f.tail.reserve_over_actual, f.tail.beyond_clip, complies};
+  return {alpha,
+          population,
+          bodies,
+          m.releases,
+          100 * m.rate,
+          100 * m.interval_95.low,
+          100 * m.interval_95.high,
+          m.infeasible,
+          m.machine,
+          m.overrun,
+          m.forecast,
+          100 * static_cast<double>(own) / releases,
+          100 * interval.low,
+          100 * interval.high,
+          f.refinement_used ? io::StudyCell(100 * *f.refinement_used) : io::StudyCell(),
+          f.work.frames_with_pairs_left,
+          f.degraded.frames,
+          f.frame_ms.p99,
+          f.tail.reserve_over_actual,
+          f.tail.beyond_clip,
+          complies};
 }
 
 std::string plot_of(const io::StudyTable& table, const std::vector<double>& alphas) {
   std::string text =
-      "set terminal pngcairo size 900,560 font \"sans,13\"\nset logscale x 2\nset grid xtics ytics lt 1 lw 1 lc rgb \"#cccccc\"\nset key top left\n"
-      "set xlabel \"bodies, in multiples of what full refinement serves\"\nset ylabel \"misses by forecast or overrun in %\"\nset yrange [0:*]\n";
+      "set terminal pngcairo size 900,560 font \"sans,13\"\nset logscale x 2\nset grid xtics ytics lt 1 lw 1 lc rgb "
+      "\"#cccccc\"\nset key top left\n"
+      "set xlabel \"bodies, in multiples of what full refinement serves\"\nset ylabel \"misses by forecast or overrun "
+      "in %\"\nset yrange [0:*]\n";
   std::string plots;
   for (std::size_t i = 0; i < alphas.size(); ++i) {
-    text += io::study_points(table, fmt::format("alpha{}", i), "population", "own_rate", {{"alpha", fmt::format("{:.6f}", alphas[i])}});
-    plots += fmt::format("{}$alpha{} using 1:2 with linespoints lw 2 pt {} title \"alpha = {:g} %\", {:g} with lines dt 2 notitle", i == 0 ? "" : ", ", i, i + 5,
-                         100 * alphas[i], 100 * alphas[i]);
+    text += io::study_points(table, fmt::format("alpha{}", i), "population", "own_rate",
+                             {{"alpha", fmt::format("{:.6f}", alphas[i])}});
+    plots += fmt::format(
+        "{}$alpha{} using 1:2 with linespoints lw 2 pt {} title \"alpha = {:g} %\", {:g} with lines dt 2 notitle",
+        i == 0 ? "" : ", ", i, i + 5, 100 * alphas[i], 100 * alphas[i]);
   }
   return text + "plot " + plots + "\n";
 }
@@ -113,29 +140,38 @@ std::string plot_of(const io::StudyTable& table, const std::vector<double>& alph
 
 void add_study_compliance_options(CLI::App& command, StudyComplianceOptions& o) {
   add_study_times_options(command, o.common, kScene, kFrames, kWarmUp);
-  command.add_option("--alpha", o.alphas, "Shares of frames that may miss, with commas between them (default 0.01,0.001)")
+  command
+      .add_option("--alpha", o.alphas, "Shares of frames that may miss, with commas between them (default 0.01,0.001)")
       ->delimiter(',')
       ->check(CLI::Range(1e-5, 0.5))
       ->type_name("LIST");
-  command.add_option("--populations", o.populations, "Multiples of what full refinement serves, with commas (default 0.5,1,2,4,8)")
+  command
+      .add_option("--populations", o.populations,
+                  "Multiples of what full refinement serves, with commas (default 0.5,1,2,4,8)")
       ->delimiter(',')
       ->check(CLI::Range(0.01, 100.0))
       ->type_name("LIST");
-  add_whole(command, "--bodies", o.bodies, 10, kMostBodies, "How many bodies full refinement serves, instead of finding out");
+  add_whole(command, "--bodies", o.bodies, 10, kMostBodies,
+            "How many bodies full refinement serves, instead of finding out");
   command.add_flag("--competing-load", o.competing_load, "Keep one processor busy with something else the while");
   command.footer(
       "Examples:\n"
-      "  poise study compliance --markdown compliance.md --picture compliance.png      half an hour; nothing else should run\n"
+      "  poise study compliance --markdown compliance.md --picture compliance.png      half an hour; nothing else "
+      "should run\n"
       "  poise study compliance --competing-load --alpha 0.01 --json -\n"
       "  poise study compliance --frames 600 --bodies 2000 --populations 1,4\n\n"
-      "Paced runs of one scene at several populations. Rates are raw; intervals are those of Clopper and Pearson. A row complies where the\n"
-      "misses by forecast and overrun may be as rare as alpha (lower end of the interval) and refinement used at least 90 % of its time in the\n"
+      "Paced runs of one scene at several populations. Rates are raw; intervals are those of Clopper and Pearson. A "
+      "row complies where the\n"
+      "misses by forecast and overrun may be as rare as alpha (lower end of the interval) and refinement used at least "
+      "90 % of its time in the\n"
       "frames that left work. The exit code is 1 if a row does not.");
 }
 
 int study_compliance(const StudyComplianceOptions& o) {
   const Status sound = check_study_times(o.common);
-  if (!sound) return refuse(sound.error().kind == ErrorKind::OutputFailed ? kExitOutputFailed : kExitBadUsage, sound.error().message);
+  if (!sound)
+    return refuse(sound.error().kind == ErrorKind::OutputFailed ? kExitOutputFailed : kExitBadUsage,
+                  sound.error().message);
   const Result<StudyScene> scene = StudyScene::make(o.common, kScene);
   if (!scene) return refuse(scene.error());
   const std::vector<double> alphas = o.alphas.empty() ? std::vector<double>{0.01, 0.001} : o.alphas;
@@ -151,10 +187,14 @@ int study_compliance(const StudyComplianceOptions& o) {
     }
     served = found.value();
   }
-  io::StudyTable table = begin_study("compliance", o.competing_load ? "poise study compliance --competing-load" : "poise study compliance");
+  io::StudyTable table = begin_study(
+      "compliance", o.competing_load ? "poise study compliance --competing-load" : "poise study compliance");
   table.columns = kColumns;
-  table.facts = {{"scene", scene.value().name()}, {"served_bodies", served},           {"deadline_ms", scene.value().deadline_ms()},
-                 {"threads", static_cast<std::uint64_t>(scene.value().threads())}, {"competing_load", o.competing_load}};
+  table.facts = {{"scene", scene.value().name()},
+                 {"served_bodies", served},
+                 {"deadline_ms", scene.value().deadline_ms()},
+                 {"threads", static_cast<std::uint64_t>(scene.value().threads())},
+                 {"competing_load", o.competing_load}};
   bool all = true;
   std::optional<parallel::BusyThread> busy;
   const std::vector<int> processors = parallel::allowed_processors();
@@ -162,7 +202,8 @@ int study_compliance(const StudyComplianceOptions& o) {
   for (const double alpha : alphas) {
     for (const double population : populations) {
       StudyRun run;
-      run.bodies = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(population * static_cast<double>(served))));
+      run.bodies = std::max<std::uint64_t>(
+          1, static_cast<std::uint64_t>(std::llround(population * static_cast<double>(served))));
       run.alpha = alpha;
       run.paced = true;
       run.frames = o.common.frames.value_or(kFrames);
@@ -173,7 +214,8 @@ int study_compliance(const StudyComplianceOptions& o) {
         return refuse(frames.error());
       }
       bool complies = false;
-      table.rows.push_back(row_of(alpha, population, run.bodies, simulation::run_figures(frames.value(), {true, alpha}), complies));
+      table.rows.push_back(
+          row_of(alpha, population, run.bodies, simulation::run_figures(frames.value(), {true, alpha}), complies));
       all = all && complies;
     }
   }

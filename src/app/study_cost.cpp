@@ -29,7 +29,8 @@ double ms(Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
 // What every frame must do: all but refinement.
 constexpr auto kMandatory = [] {
   std::array<simulation::StageMember, simulation::kStages.size() - 1> stages{};
-  std::copy_if(simulation::kStages.begin(), simulation::kStages.end(), stages.begin(), [](const auto& stage) { return stage.time != &StageTimes::refine; });
+  std::copy_if(simulation::kStages.begin(), simulation::kStages.end(), stages.begin(),
+               [](const auto& stage) { return stage.time != &StageTimes::refine; });
   return stages;
 }();
 
@@ -91,7 +92,8 @@ int study_cost(const StudyTimingOptions& o) {
   const Status writable = can_write({o.json, o.markdown});
   if (!writable) return refuse("cost", exit_code_of(writable.error()), writable.error().message);
   const parallel::Interrupt interrupt;
-  const std::vector<std::uint64_t> populations = o.bodies.empty() ? std::vector<std::uint64_t>{2000, 8000, 20000} : o.bodies;
+  const std::vector<std::uint64_t> populations =
+      o.bodies.empty() ? std::vector<std::uint64_t>{2000, 8000, 20000} : o.bodies;
   const std::uint64_t frames = o.frames.value_or(60);
   const std::uint64_t skip = o.skip.value_or(40);
   const std::uint64_t settle = std::max(o.settle.value_or(600), skip + frames);
@@ -105,7 +107,8 @@ int study_cost(const StudyTimingOptions& o) {
       threads = run.value().world().threads();
       for (std::uint64_t frame = 0; frame < settle + frames; ++frame) {
         if (interrupt.asked()) return refuse("cost", kExitStopped, stopped().message);
-        progress.share(fmt::format("round {}, {} bodies", round + 1, populations[p]), static_cast<double>(frame) / static_cast<double>(settle + frames));
+        progress.share(fmt::format("round {}, {} bodies", round + 1, populations[p]),
+                       static_cast<double>(frame) / static_cast<double>(settle + frames));
         const Result<FrameReport> report = next_frame(run.value(), o, frame);
         if (!report) return refuse("cost", exit_code_of(report.error()), report.error().message);
         if (frame >= skip && frame < skip + frames) timed[p][0].add(report.value());
@@ -131,7 +134,10 @@ int study_scaling(const StudyTimingOptions& o) {
   if (!writable) return refuse("scaling", exit_code_of(writable.error()), writable.error().message);
   const parallel::Interrupt interrupt;
   std::vector<std::uint64_t> counts = o.thread_counts;
-  for (std::uint64_t n = 1; o.thread_counts.empty() && n <= std::min<std::uint64_t>(16, static_cast<std::uint64_t>(parallel::available_threads())); n *= 2) counts.push_back(n);
+  for (std::uint64_t n = 1; o.thread_counts.empty() &&
+                            n <= std::min<std::uint64_t>(16, static_cast<std::uint64_t>(parallel::available_threads()));
+       n *= 2)
+    counts.push_back(n);
   const std::uint64_t bodies = o.bodies.empty() ? 4000 : o.bodies.front();
   const std::uint64_t settle = o.settle.value_or(400);
   const std::uint64_t total = settle + o.frames.value_or(40);
@@ -156,7 +162,8 @@ int study_scaling(const StudyTimingOptions& o) {
       // The clock decides the order of refinement alone: there is time for all of it.
       if (frame >= settle) input.budget = Budget::within(std::chrono::minutes(1));
       const FrameReport report = runs[r].world().step(input);
-      if (report.status != StepStatus::Done) return refuse("scaling", kExitBadInput, "the step was refused: its input is out of range");
+      if (report.status != StepStatus::Done)
+        return refuse("scaling", kExitBadInput, "the step was refused: its input is out of range");
       const double refine_us = 1e3 * ms(report.times.refine);
       if (frame < settle || refine_us <= 0) continue;
       rates[r].push_back(static_cast<double>(report.work_refine) / refine_us);

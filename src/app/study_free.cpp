@@ -33,7 +33,8 @@ class Scratch {
   static Result<std::unique_ptr<Scratch>> create() {
     std::error_code failure;
     std::string name = (std::filesystem::temp_directory_path(failure) / "poise-XXXXXX").string();
-    if (failure || ::mkdtemp(name.data()) == nullptr) return Error{ErrorKind::OutputFailed, "no temporary folder can be made"};
+    if (failure || ::mkdtemp(name.data()) == nullptr)
+      return Error{ErrorKind::OutputFailed, "no temporary folder can be made"};
     return std::unique_ptr<Scratch>(new Scratch(name));
   }
   ~Scratch() {
@@ -57,14 +58,23 @@ constexpr std::uint64_t kMostText = 1ULL << 28U;
 struct Feature {
   std::string name, scene;
   Words off, on;
-  Words functions;  ///< parts of the names of functions that are its alone; none: it is inside of kernels that all scenes use
+  Words functions;  ///< parts of the names of functions that are its alone; none: it is inside of kernels that all
+                    ///< scenes use
 };
 
 std::vector<Feature> features(const Scratch& scratch, const std::string& frictionless) {
   return {
       {"friction", "jacks", {frictionless}, {}, {}},
-      {"polygons", "pile", {}, {"--max-level", "polygons"}, {"_polygons", "polygon_units", "triangle_pair", "PolygonSums"}},
-      {"backtracking", "jacks", {}, {"--backtracking"}, {"begin_swept", "sweep_if_fast", "send_swept", "answer_swept", "swept_slack_m", "collision::advance"}},
+      {"polygons",
+       "pile",
+       {},
+       {"--max-level", "polygons"},
+       {"_polygons", "polygon_units", "triangle_pair", "PolygonSums"}},
+      {"backtracking",
+       "jacks",
+       {},
+       {"--backtracking"},
+       {"begin_swept", "sweep_if_fast", "send_swept", "answer_swept", "swept_slack_m", "collision::advance"}},
       {"sleeping", "jacks", {}, {"--sleeping"}, {"wake_stirred", "wake_touched", "fall_asleep"}},
       {"recording", "jacks", {}, {"--record", scratch.file("record")}, {"DecisionLog", "begin_log"}},
       {"tracing", "jacks", {}, {"--trace", scratch.file("trace.json")}, {"trace_frame"}},
@@ -78,12 +88,20 @@ Result<Counted> count(const Words& options, const Scratch& scratch, const parall
   const std::string program = std::filesystem::read_symlink("/proc/self/exe", failure).string();
   if (failure) return bad_input("/proc/self/exe: cannot be read");
   const std::string profile = scratch.file("profile");
-  Words words{"valgrind", "--tool=callgrind", "--quiet", "--callgrind-out-file=" + profile, "--toggle-collect=poise::World::step*", program, "run"};
+  Words words{"valgrind",
+              "--tool=callgrind",
+              "--quiet",
+              "--callgrind-out-file=" + profile,
+              "--toggle-collect=poise::World::step*",
+              program,
+              "run"};
   words.insert(words.end(), options.begin(), options.end());
   const Result<ChildResult> done = run_program(std::move(words), interrupt);
   if (!done) return done.error();
   if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C"};
-  if (done.value().exit_code != 0) return bad_input(fmt::format("poise run {} ended with {} under valgrind", fmt::join(options, " "), done.value().exit_code));
+  if (done.value().exit_code != 0)
+    return bad_input(
+        fmt::format("poise run {} ended with {} under valgrind", fmt::join(options, " "), done.value().exit_code));
   const Result<std::string> text = geometry::read_text_file(profile, kMostText);
   if (!text) return text.error();
   return read_callgrind(text.value());
@@ -110,7 +128,8 @@ bool known_option(const std::string& option, const parallel::Interrupt& interrup
   return help && help.value().out.find(option) != std::string::npos;
 }
 
-Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::uint64_t frames, const Scratch& scratch, const parallel::Interrupt& interrupt) {
+Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::uint64_t frames, const Scratch& scratch,
+                           const parallel::Interrupt& interrupt) {
   io::FreeRow row;
   row.feature = feature.name;
   row.absent = !feature.on.empty() && !known_option(feature.on.front(), interrupt);
@@ -118,7 +137,18 @@ Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::ui
   const auto options = [&](const Words& own) {
     // A scene of one's own stands in for the one that ships.
     const bool other_scene = own.size() == 1 && own.front().front() != '-';
-    Words words{other_scene ? own.front() : feature.scene, "--frames", std::to_string(frames), "--clock", "work", "--budget-work", "2000", "--threads", "1", "--executor", "serial", "--quiet"};
+    Words words{other_scene ? own.front() : feature.scene,
+                "--frames",
+                std::to_string(frames),
+                "--clock",
+                "work",
+                "--budget-work",
+                "2000",
+                "--threads",
+                "1",
+                "--executor",
+                "serial",
+                "--quiet"};
     words.insert(words.end(), {"--bodies", std::to_string(bodies)});
     if (!other_scene) words.insert(words.end(), own.begin(), own.end());
     return words;
@@ -126,11 +156,13 @@ Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::ui
   // Builds what trees the scene needs and keeps them: under valgrind that would take minutes.
   Words plain = options({});
   plain[2] = "1";
-  const Result<ChildResult> warm = run_child([&] {
-    Words words{"run"};
-    words.insert(words.end(), plain.begin(), plain.end());
-    return words;
-  }(), interrupt);
+  const Result<ChildResult> warm = run_child(
+      [&] {
+        Words words{"run"};
+        words.insert(words.end(), plain.begin(), plain.end());
+        return words;
+      }(),
+      interrupt);
   if (!warm) return warm.error();
   if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C"};
   const Result<Counted> off = count(options(feature.off), scratch, interrupt);
@@ -156,19 +188,22 @@ int study_free(const StudyTimingOptions& o) {
   if (!writable) return refuse(exit_code_of(writable.error()), writable.error().message);
   const parallel::Interrupt interrupt;
   const Result<ChildResult> valgrind = run_program({"valgrind", "--version"}, interrupt);
-  if (!valgrind || valgrind.value().exit_code != 0) return refuse(kExitBadInput, "needs valgrind, which is not installed");
+  if (!valgrind || valgrind.value().exit_code != 0)
+    return refuse(kExitBadInput, "needs valgrind, which is not installed");
   const Result<std::unique_ptr<Scratch>> scratch = Scratch::create();
   if (!scratch) return refuse(exit_code_of(scratch.error()), scratch.error().message);
   const Result<std::string> frictionless = write_frictionless(*scratch.value());
   if (!frictionless) return refuse(exit_code_of(frictionless.error()), frictionless.error().message);
   io::FreeDocument document;
-  document.counted_by = valgrind.value().out.substr(0, valgrind.value().out.find('\n')) + " callgrind, inside World::step";
+  document.counted_by =
+      valgrind.value().out.substr(0, valgrind.value().out.find('\n')) + " callgrind, inside World::step";
   document.frames = o.frames.value_or(20);
   const std::vector<Feature> all = features(*scratch.value(), frictionless.value());
   Progress progress(!o.quiet);
   for (std::size_t i = 0; i < all.size(); ++i) {
     progress.share(all[i].name, static_cast<double>(i) / static_cast<double>(all.size()));
-    const Result<io::FreeRow> row = row_of(all[i], o.bodies.empty() ? 40 : o.bodies.front(), document.frames, *scratch.value(), interrupt);
+    const Result<io::FreeRow> row =
+        row_of(all[i], o.bodies.empty() ? 40 : o.bodies.front(), document.frames, *scratch.value(), interrupt);
     if (!row) return refuse(exit_code_of(row.error()), row.error().message);
     document.rows.push_back(row.value());
   }
@@ -178,8 +213,11 @@ int study_free(const StudyTimingOptions& o) {
   if (written != kExitDone) return written;
   for (const io::FreeRow& row : document.rows) {
     if (row.ok()) continue;
-    return refuse(kExitRequirementFailed, row.called_off.empty() ? fmt::format("{}: none of its functions was seen when it is on, so nothing is shown", row.feature)
-                                                                 : fmt::format("{}: is off, and {} is called", row.feature, row.called_off.front()));
+    return refuse(
+        kExitRequirementFailed,
+        row.called_off.empty()
+            ? fmt::format("{}: none of its functions was seen when it is on, so nothing is shown", row.feature)
+            : fmt::format("{}: is off, and {} is called", row.feature, row.called_off.front()));
   }
   return kExitDone;
 }

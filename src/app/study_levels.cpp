@@ -15,7 +15,8 @@ namespace poise::app {
 namespace {
 
 constexpr const char* kDefaultPairs =
-    "jack,jack;torus,torus;bowl,bowl;jack,torus;torus,bowl;jack,bowl;slab,slab;l,l;cube,cube;disc,disc;cube,jack;slab,torus;l,bowl;"
+    "jack,jack;torus,torus;bowl,bowl;jack,torus;torus,bowl;jack,bowl;slab,slab;l,l;cube,cube;disc,disc;cube,jack;slab,"
+    "torus;l,bowl;"
     "disc,jack";
 constexpr const char* kDefaultLevels = "0,1,2,3,4,polygons";
 // Of libsimbody-dev: two parts of a robot's arm, closed, one rounder and one flatter.
@@ -43,7 +44,8 @@ Status add_pairs(const std::string& text, LevelsPlan& plan) {
   const auto known = geometry::procedural_shapes();
   for (const std::string& pair : split(text, ';')) {
     const std::vector<std::string> names = split(pair, ',');
-    if (names.size() != 2) return bad_input(fmt::format("--pairs: \"{}\", must be two names with a comma between them", pair));
+    if (names.size() != 2)
+      return bad_input(fmt::format("--pairs: \"{}\", must be two names with a comma between them", pair));
     for (const std::string& name : names) {
       if (std::ranges::find(known, std::string_view(name)) == known.end() && !is_file(name)) {
         return bad_input(fmt::format("--pairs: \"{}\" is no file and none of {}", name, fmt::join(known, ", ")));
@@ -70,7 +72,8 @@ Status add_models(const std::string& text, LevelsPlan& plan) {
     return Done{};
   }
   for (const std::string& word : split(text, ',')) {
-    const auto at = std::ranges::find(simulation::kContactModels, std::string_view(word), &simulation::NamedContactModel::name);
+    const auto at =
+        std::ranges::find(simulation::kContactModels, std::string_view(word), &simulation::NamedContactModel::name);
     if (at == simulation::kContactModels.end()) {
       return bad_input(fmt::format("--models: \"{}\", must be of {}", word, fmt::join(names, ", ")));
     }
@@ -92,7 +95,8 @@ Status add_levels(const std::string& text, std::uint64_t depth, LevelsPlan& plan
     const bool digit = word.size() == 1 && word[0] >= '0' && word[0] <= '9';
     if (!digit || static_cast<std::uint64_t>(word[0] - '0') > depth) {
       if (text.empty()) continue;  // the levels by default are those that the trees have
-      return bad_input(fmt::format("--levels: \"{}\", must be polygons or from 0 to {}, the depth of the trees", word, depth));
+      return bad_input(
+          fmt::format("--levels: \"{}\", must be polygons or from 0 to {}, the depth of the trees", word, depth));
     }
     const simulation::ProbeLevel level{static_cast<Level>(word[0] - '0'), false};
     if (!plan.levels.empty() && level.level <= plan.levels.back().level) return bad_input("--levels: must ascend");
@@ -105,8 +109,10 @@ Status add_levels(const std::string& text, std::uint64_t depth, LevelsPlan& plan
 
 Result<LevelsPlan> plan_of(const StudyLevelsOptions& options) {
   LevelsPlan plan;
-  if (!options.pairs.empty() && !options.meshes.empty()) return bad_input("MESH has no meaning with --pairs, which may name files");
-  Status done = options.meshes.empty() ? add_pairs(options.pairs.empty() ? kDefaultPairs : options.pairs, plan) : Status(Done{});
+  if (!options.pairs.empty() && !options.meshes.empty())
+    return bad_input("MESH has no meaning with --pairs, which may name files");
+  Status done =
+      options.meshes.empty() ? add_pairs(options.pairs.empty() ? kDefaultPairs : options.pairs, plan) : Status(Done{});
   if (!done) return done.error();
   add_meshes(options.meshes, plan);
   if (options.pairs.empty() && options.meshes.empty()) {
@@ -132,26 +138,38 @@ Result<LevelsPlan> plan_of(const StudyLevelsOptions& options) {
   const Status picture = check_picture(options.picture);
   if (!picture) return picture.error();
   for (const std::string& mesh : options.meshes.empty() ? std::vector<std::string>{""} : options.meshes) {
-    const Status apart = check_outputs(
-        {{"--json", options.json}, {"--markdown", options.markdown}, {"--csv", options.csv}, {"--picture", options.picture}}, {{"MESH", mesh}});
+    const Status apart = check_outputs({{"--json", options.json},
+                                        {"--markdown", options.markdown},
+                                        {"--csv", options.csv},
+                                        {"--picture", options.picture}},
+                                       {{"MESH", mesh}});
     if (!apart) return apart.error();
   }
   return plan;
 }
 
 void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
-  command.add_option("mesh", o.meshes, "Closed meshes instead of the shapes of the docs: each with itself and with the next")->type_name("MESH");
-  command.add_option("--pairs", o.pairs, "Pairs of shapes instead, as A,B;C,D: names as of poise shape, or files")->type_name("LIST");
+  command
+      .add_option("mesh", o.meshes,
+                  "Closed meshes instead of the shapes of the docs: each with itself and with the next")
+      ->type_name("MESH");
+  command.add_option("--pairs", o.pairs, "Pairs of shapes instead, as A,B;C,D: names as of poise shape, or files")
+      ->type_name("LIST");
   command.add_option("--models", o.models, "Contact models, with commas between them (default all)")->type_name("LIST");
-  command.add_option("--levels", o.levels, "Levels, ascending, with commas between them (default 0,1,2,3,4,polygons)")->type_name("LIST");
+  command.add_option("--levels", o.levels, "Levels, ascending, with commas between them (default 0,1,2,3,4,polygons)")
+      ->type_name("LIST");
   add_whole(command, "--touches", o.touches, 1, 100000, "Touches a pair of shapes (default 100)");
-  command.add_option("--half", o.half, "Touches for choosing parameters, for reporting on them, or all: tune, report, all (default report)")
+  command
+      .add_option("--half", o.half,
+                  "Touches for choosing parameters, for reporting on them, or all: tune, report, all (default report)")
       ->check(CLI::IsMember({"tune", "report", "all"}))
       ->type_name("HALF");
   add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the throws (default 1)");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels of the trees below the root (default 4)");
-  add_whole(command, "--fineness", o.fineness, 1, geometry::kMaxFineness, "How many times more edges the round parts of named shapes have (default 8)");
-  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0); costs are measured on one");
+  add_whole(command, "--fineness", o.fineness, 1, geometry::kMaxFineness,
+            "How many times more edges the round parts of named shapes have (default 8)");
+  add_whole(command, "--threads", o.threads, 0, 256,
+            "Threads, 0 = as many as the machine has (default 0); costs are measured on one");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.levels/1), - for the standard output");
   add_path(command, "--csv", o.csv, "Write a line a row, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the tables for docs, - for the standard output");
@@ -163,8 +181,10 @@ void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
       "  poise study levels --markdown levels.md --picture levels.png      what docs/method.md shows\n"
       "  poise study levels --pairs 'l,bowl;cube,cube' --touches 1000 --models wrench\n"
       "  poise study levels gear.stl lever.stl --csv -\n\n"
-      "Two bodies are thrown at each other at 2 m/s until they touch, exactly (libfcl); the answer of each level in that very place is\n"
-      "compared with the exact one, a single impulse along the true normal. Meshes by others are scaled to a size of 1 m. Errors\n"
+      "Two bodies are thrown at each other at 2 m/s until they touch, exactly (libfcl); the answer of each level in "
+      "that very place is\n"
+      "compared with the exact one, a single impulse along the true normal. Meshes by others are scaled to a size of 1 "
+      "m. Errors\n"
       "do not depend on threads; nanoseconds do on the machine.");
 }
 

@@ -33,7 +33,7 @@ struct LevelsPlan {
   std::vector<std::pair<std::string, std::string>> pairs;  ///< names of shapes or files
   std::vector<simulation::NamedContactModel> models;
   std::vector<simulation::ProbeLevel> levels;
-  std::vector<std::string> missing;                        ///< meshes of the docs that are not installed
+  std::vector<std::string> missing;  ///< meshes of the docs that are not installed
 };
 /// Refused with option, value and rule: an unknown shape, model or level, a level twice, outputs that are one file.
 Result<LevelsPlan> plan_of(const StudyLevelsOptions& options);

@@ -26,7 +26,8 @@ int refuse(const Error& error) { return refuse(exit_code_of(error), error.messag
 
 using Shapes = std::map<std::string, TrialShape>;
 
-Result<Shapes> make_shapes(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress, const parallel::Interrupt& interrupt) {
+Result<Shapes> make_shapes(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress,
+                           const parallel::Interrupt& interrupt) {
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
   Shapes shapes;
@@ -40,8 +41,10 @@ Result<Shapes> make_shapes(const StudyLevelsOptions& options, const LevelsPlan& 
       build.stop = interrupt.token();
       build.progress = [&](double share) { progress.share(fmt::format("tree of {}", name), share); };
       TreeCacheOutcome outcome{};
-      Result<TrialShape> shape = make_trial_shape(name, static_cast<int>(options.fineness.value_or(8)), build, cache.value(), outcome);
-      if (!shape && shape.error().kind == ErrorKind::Cancelled) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+      Result<TrialShape> shape =
+          make_trial_shape(name, static_cast<int>(options.fineness.value_or(8)), build, cache.value(), outcome);
+      if (!shape && shape.error().kind == ErrorKind::Cancelled)
+        return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
       if (!shape) return shape.error();
       kept = kept && outcome != TreeCacheOutcome::NotWritable;
       shapes.emplace(name, std::move(shape).value());
@@ -74,7 +77,8 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
   return d;
 }
 
-Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document, const parallel::Interrupt& interrupt) {
+Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document,
+                 const parallel::Interrupt& interrupt) {
   Status written = write_to(o.json, io::levels_json(document));
   if (written) written = write_to(o.csv, io::levels_csv(document));
   if (written) written = write_to(o.markdown, io::levels_markdown(document));
@@ -85,7 +89,8 @@ Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document
   return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
 }
 
-int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress, const parallel::Interrupt& interrupt) {
+int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress,
+          const parallel::Interrupt& interrupt) {
   TrialSettings settings;
   settings.models = plan.models;
   settings.levels = plan.levels;
@@ -122,7 +127,8 @@ int study_levels(const StudyLevelsOptions& options) {
   if (!plan) return refuse(kExitBadUsage, plan.error().message);
   const Status writable = can_write({options.json, options.csv, options.markdown, options.picture});
   if (!writable) return refuse(writable.error());
-  for (const std::string& name : plan.value().missing) fmt::print(stderr, "poise study levels: not installed, left out: {}\n", name);
+  for (const std::string& name : plan.value().missing)
+    fmt::print(stderr, "poise study levels: not installed, left out: {}\n", name);
   Progress progress(!options.quiet);
   const parallel::Interrupt interrupt;
   return study(options, plan.value(), progress, interrupt);

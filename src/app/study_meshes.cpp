@@ -26,8 +26,10 @@ constexpr const char* kAssimp = "/usr/share/assimp/models/";
 std::vector<StudyMesh> wanted_meshes() {
   std::vector<StudyMesh> meshes;
   const std::vector<std::filesystem::path> scenes = shipped_scenes();
-  const std::filesystem::path shipped = scenes.empty() ? std::filesystem::path("meshes") : scenes.front().parent_path() / "meshes";
-  for (const char* name : {"jack", "torus", "slab", "l", "bowl"}) meshes.push_back({fmt::format("scenes/meshes/{}.obj", name), shipped / (std::string(name) + ".obj")});
+  const std::filesystem::path shipped =
+      scenes.empty() ? std::filesystem::path("meshes") : scenes.front().parent_path() / "meshes";
+  for (const char* name : {"jack", "torus", "slab", "l", "bowl"})
+    meshes.push_back({fmt::format("scenes/meshes/{}.obj", name), shipped / (std::string(name) + ".obj")});
   for (const char* name : {"Base", "Shoulder", "UpperArm", "Forearm", "Wrist1", "Wrist2", "Wrist3"}) {
     meshes.push_back({fmt::format("libsimbody-dev, UR10 {}.obj", name), fmt::format("{}{}.obj", kUr10, name)});
   }
@@ -75,7 +77,8 @@ Result<ScalingMeshes> ScalingMeshes::make(std::uint64_t most) {
     if (!mesh) return mesh.error();
     const std::size_t triangles = mesh.value().triangles.size();
     const std::filesystem::path file = made.folder_ / fmt::format("bumpy-{}.obj", triangles);
-    const Status written = io::write_file(file, geometry::obj_text(mesh.value(), "made by: poise study trees --scaling"));
+    const Status written =
+        io::write_file(file, geometry::obj_text(mesh.value(), "made by: poise study trees --scaling"));
     if (!written) return written.error();
     made.meshes_.push_back({fmt::format("bumpy ball, {} triangles", triangles), file});
   }

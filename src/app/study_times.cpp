@@ -14,12 +14,18 @@
 
 namespace poise::app {
 
-void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene, std::uint64_t default_frames,
-                             std::uint64_t default_warm_up) {
-  command.add_option("--scene", o.scene, fmt::format("A scene with generators, by file or name (default {})", default_scene))->type_name("SCENE");
-  add_whole(command, "--frames", o.frames, 2, kMaxSceneFrames, fmt::format("Measured frames a run (default {})", default_frames));
-  add_whole(command, "--warmup", o.warmup, 0, kMaxSceneFrames, fmt::format("Frames before those, apart from the figures (default {})", default_warm_up));
-  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6, "Deadline of a frame in ms (default: the scene's, else its time step)");
+void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene,
+                             std::uint64_t default_frames, std::uint64_t default_warm_up) {
+  command
+      .add_option("--scene", o.scene,
+                  fmt::format("A scene with generators, by file or name (default {})", default_scene))
+      ->type_name("SCENE");
+  add_whole(command, "--frames", o.frames, 2, kMaxSceneFrames,
+            fmt::format("Measured frames a run (default {})", default_frames));
+  add_whole(command, "--warmup", o.warmup, 0, kMaxSceneFrames,
+            fmt::format("Frames before those, apart from the figures (default {})", default_warm_up));
+  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6,
+             "Deadline of a frame in ms (default: the scene's, else its time step)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
@@ -29,7 +35,8 @@ void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std:
 }
 
 Status check_study_times(const StudyTimesOptions& o) {
-  if (o.json == "-" && o.markdown == "-") return bad_input("only one of --json and --markdown can go to the standard output");
+  if (o.json == "-" && o.markdown == "-")
+    return bad_input("only one of --json and --markdown can go to the standard output");
   if (o.picture == "-") return bad_input("--picture must be a file");
   const Status picture = check_picture(o.picture);
   if (!picture) return picture;
@@ -44,21 +51,26 @@ Result<StudyScene> StudyScene::make(const StudyTimesOptions& options, const std:
   if (!file) return file.error();
   Result<Scene> scene = read_scene(file.value());
   if (!scene) return scene.error();
-  if (scene.value().generators.empty()) return bad_input(fmt::format("--scene: {} has no generators, so its population cannot be chosen", scene.value().name));
+  if (scene.value().generators.empty())
+    return bad_input(
+        fmt::format("--scene: {} has no generators, so its population cannot be chosen", scene.value().name));
   StudyScene made;
   made.scene_ = std::move(scene).value();
   made.options_ = options;
   return made;
 }
 
-double StudyScene::deadline_ms() const { return options_.deadline_ms.value_or(scene_.deadline_ms.value_or(1000 * scene_.dt_s)); }
+double StudyScene::deadline_ms() const {
+  return options_.deadline_ms.value_or(scene_.deadline_ms.value_or(1000 * scene_.dt_s));
+}
 
 int StudyScene::threads() const {
   const auto asked = static_cast<int>(options_.threads.value_or(0));
   return asked > 0 ? asked : parallel::available_threads();
 }
 
-Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, const std::string& doing, Progress& progress) const {
+Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, const std::string& doing,
+                                                          Progress& progress) const {
   progress.say(doing);
   SceneRunOptions start;
   start.world = world_settings(RunOptions{}, scene_);

@@ -26,16 +26,16 @@ struct StudyTimesOptions {
   bool quiet = false;
   TreeCacheOptions tree_cache;
 };
-void add_study_times_options(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene, std::uint64_t default_frames,
-                             std::uint64_t default_warm_up);
+void add_study_times_options(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene,
+                             std::uint64_t default_frames, std::uint64_t default_warm_up);
 /// Refused: outputs into one file, a picture that is no PNG, a cache that contradicts itself.
 Status check_study_times(const StudyTimesOptions& options);
 
 /// One run of a study.
 struct StudyRun {
-  std::uint64_t bodies = 0;    ///< that the generators make
+  std::uint64_t bodies = 0;  ///< that the generators make
   double alpha = 0.01;
-  bool deadline = true;        ///< false: every pair refined to its end
+  bool deadline = true;  ///< false: every pair refined to its end
   bool paced = false;
   std::uint64_t frames = 1, warm_up = 0;
 };
@@ -46,7 +46,8 @@ class StudyScene {
   /// Refused as by poise run; a scene without generators, whose population cannot be chosen.
   static Result<StudyScene> make(const StudyTimesOptions& options, const std::string& default_scene);
   /// The frames of one run, warm-up included. Refused: what the scene refuses, and a stop by Ctrl-C.
-  Result<std::vector<simulation::RunFrame>> run(const StudyRun& run, const std::string& doing, Progress& progress) const;
+  Result<std::vector<simulation::RunFrame>> run(const StudyRun& run, const std::string& doing,
+                                                Progress& progress) const;
   [[nodiscard]] const std::string& name() const { return scene_.name; }
   [[nodiscard]] double deadline_ms() const;
   [[nodiscard]] int threads() const;

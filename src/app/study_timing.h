@@ -31,23 +31,27 @@ void add_study_kept_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 
-/// Nanoseconds a candidate pair and a body of each mandatory stage, falling and settled. Returns the exit code, as the next three.
+/// Nanoseconds a candidate pair and a body of each mandatory stage, falling and settled. Returns the exit code, as the
+/// next three.
 int study_cost(const StudyTimingOptions& options);
 /// Frames of a settled scene with what earlier ones found out, and without.
 int study_kept(const StudyTimingOptions& options);
 /// Refinement on several numbers of threads.
 int study_scaling(const StudyTimingOptions& options);
-/// Instructions of a step with each feature off and on; kExitRequirementFailed where one that is off executes something of its own.
+/// Instructions of a step with each feature off and on; kExitRequirementFailed where one that is off executes something
+/// of its own.
 int study_free(const StudyTimingOptions& options);
 
 /// What these share: options that contradict each other, a scene to run, who measured.
 Status check_timing_options(const StudyTimingOptions& options);
 Result<SceneRun> timed_scene(const StudyTimingOptions& options, std::uint64_t bodies, int threads);
-/// Makes the next frame start anew, with the same state: every body is moved away and back, so nothing is known of its pairs but what they bore.
+/// Makes the next frame start anew, with the same state: every body is moved away and back, so nothing is known of its
+/// pairs but what they bore.
 Status forget_pairs(SceneRun& run);
 io::MeasuredBy measured_by(const StudyTimingOptions& options, int threads);
 ExecutorKind timed_executor(const StudyTimingOptions& options, int threads);
 /// JSON and markdown where they are asked for, else the markdown on the standard output. The exit code.
-int write_timing(const StudyTimingOptions& options, const char* study, const std::string& json, const std::string& markdown);
+int write_timing(const StudyTimingOptions& options, const char* study, const std::string& json,
+                 const std::string& markdown);
 
 }  // namespace poise::app

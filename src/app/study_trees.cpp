@@ -34,7 +34,8 @@ Status check(const StudyTreesOptions& o) {
   const auto to_stdout = std::ranges::count(std::vector{o.json, o.markdown, o.csv}, "-");
   if (to_stdout > 1) return bad_input("only one of --json, --markdown and --csv can go to the standard output");
   for (const std::string& mesh : o.meshes.empty() ? std::vector<std::string>{""} : o.meshes) {
-    const Status apart = check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--csv", o.csv}}, {{"MESH", mesh}});
+    const Status apart =
+        check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--csv", o.csv}}, {{"MESH", mesh}});
     if (!apart) return apart;
   }
   return Done{};
@@ -94,11 +95,13 @@ io::TreesDocument begin_document(const StudyTreesOptions& options) {
 
 int study(const StudyTreesOptions& options, const std::vector<StudyMesh>& meshes, Progress& progress,
           const parallel::Interrupt& interrupt) {
-  const std::vector<std::string> presets = options.presets.empty() ? std::vector<std::string>{"default"} : options.presets;
+  const std::vector<std::string> presets =
+      options.presets.empty() ? std::vector<std::string>{"default"} : options.presets;
   io::TreesDocument document = begin_document(options);
   for (const StudyMesh& mesh : meshes) {
     for (const std::string& preset : presets) {
-      progress.say(fmt::format("tree {} of {}: {}, {}", document.rows.size() + 1, meshes.size() * presets.size(), mesh.name, preset));
+      progress.say(fmt::format("tree {} of {}: {}, {}", document.rows.size() + 1, meshes.size() * presets.size(),
+                               mesh.name, preset));
       Result<io::TreesRow> row = make_row(options, mesh, preset, interrupt);
       if (!row) {
         progress.end();
@@ -119,7 +122,8 @@ int study(const StudyTreesOptions& options, const std::vector<StudyMesh>& meshes
 void add_study_trees_options(CLI::App& command, StudyTreesOptions& o) {
   command.add_option("mesh", o.meshes, "Meshes instead of those of the docs")->type_name("MESH");
   command.add_flag("--scaling", o.scaling, "Instead of meshes, one made surface with 1,000 to 1,000,000 triangles");
-  add_whole(command, "--most", o.most, 1000, 20000000, "With --scaling: the largest number of triangles (default 1000000)");
+  add_whole(command, "--most", o.most, 1000, 20000000,
+            "With --scaling: the largest number of triangles (default 1000000)");
   command.add_option("--preset", o.presets, "fast, default or best; may be given several times (default default)")
       ->check(CLI::IsMember({"fast", "default", "best"}))
       ->expected(1)
@@ -138,7 +142,8 @@ void add_study_trees_options(CLI::App& command, StudyTreesOptions& o) {
       "  poise study trees --markdown trees.md                    the table of docs/sphere-trees.md\n"
       "  poise study trees models/*.obj --preset fast --preset best --csv -\n"
       "  poise study trees --scaling --threads 1 --json scaling.json\n\n"
-      "Each tree is built in a process of its own: CPU time is that of all its threads, memory the largest that was resident\n"
+      "Each tree is built in a process of its own: CPU time is that of all its threads, memory the largest that was "
+      "resident\n"
       "while it was built, the mesh included. Exit codes as of poise tree.");
 }
 

@@ -18,7 +18,8 @@ constexpr double kLongestMs = 1e6;
 
 bool read_ms(std::string_view text, double& into) {
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), into);
-  return failure == std::errc{} && stop == text.data() + text.size() && std::isfinite(into) && into >= 0 && into <= kLongestMs;
+  return failure == std::errc{} && stop == text.data() + text.size() && std::isfinite(into) && into >= 0 &&
+         into <= kLongestMs;
 }
 
 void add_render_load(CLI::App& command, TimeOptions& options) {
@@ -26,17 +27,21 @@ void add_render_load(CLI::App& command, TimeOptions& options) {
     const std::size_t comma = text.find(',');
     std::array<double, 2> load{};
     const bool sound = read_ms(std::string_view(text).substr(0, comma), load[0]) &&
-                       (comma == std::string::npos || read_ms(std::string_view(text).substr(comma + 1), load[1])) && load[1] <= load[0];
+                       (comma == std::string::npos || read_ms(std::string_view(text).substr(comma + 1), load[1])) &&
+                       load[1] <= load[0];
     if (!sound) {
-      throw CLI::ValidationError(fmt::format("--render-load = {}, must be MS or MS,JITTER, each from 0 to {:g} and JITTER at most MS", text, kLongestMs),
-                                 CLI::ExitCodes::ValidationError);
+      throw CLI::ValidationError(
+          fmt::format("--render-load = {}, must be MS or MS,JITTER, each from 0 to {:g} and JITTER at most MS", text,
+                      kLongestMs),
+          CLI::ExitCodes::ValidationError);
     }
     options.render_load_ms = load;
   };
   command
-      .add_option_function<std::string>("--render-load", read,
-                                        "Keep the processor busy for so long after each step, before its deadline, as drawing would; JITTER: "
-                                        "each frame's differs by up to this. Reserved as --host-work says, without it as frames before let expect")
+      .add_option_function<std::string>(
+          "--render-load", read,
+          "Keep the processor busy for so long after each step, before its deadline, as drawing would; JITTER: "
+          "each frame's differs by up to this. Reserved as --host-work says, without it as frames before let expect")
       ->type_name("MS[,JITTER]");
 }
 
@@ -49,15 +54,18 @@ void add_time_options(CLI::App& command, TimeOptions& options) {
   add_render_load(command, options);
   command
       .add_option("--time-priors", options.priors_folder,
-                  "Keep what was learned of times between runs in this folder (default: POISE_TIME_PRIORS, else poise in the user's cache)")
+                  "Keep what was learned of times between runs in this folder (default: POISE_TIME_PRIORS, else poise "
+                  "in the user's cache)")
       ->type_name("DIR");
-  command.add_flag("--no-time-priors", options.no_priors, "Learn all times anew and keep nothing; --warmup sets the first frames apart");
+  command.add_flag("--no-time-priors", options.no_priors,
+                   "Learn all times anew and keep nothing; --warmup sets the first frames apart");
 }
 
 Status check_time_options(const TimeOptions& options, bool work_clock) {
   if (work_clock && options.alpha) return bad_input("--alpha has no meaning with --clock work");
   if (work_clock && options.render_load_ms) return bad_input("--render-load has no meaning with --clock work");
-  if (options.priors_folder && options.no_priors) return bad_input("--time-priors has no meaning with --no-time-priors");
+  if (options.priors_folder && options.no_priors)
+    return bad_input("--time-priors has no meaning with --no-time-priors");
   if (options.priors_folder && options.priors_folder->empty()) return bad_input("--time-priors must not be empty");
   return Done{};
 }

@@ -29,11 +29,12 @@ Status check_time_options(const TimeOptions& options, bool work_clock);
 /// What the host does in each frame: by the command line, else by the scene.
 simulation::RenderLoad render_load_of(const TimeOptions& options, const Scene& scene, std::uint64_t seed);
 
-/// Where what was learned of times is kept between runs; empty: nowhere. By default poise in the user's cache, POISE_TIME_PRIORS names
-/// another folder, or "off".
+/// Where what was learned of times is kept between runs; empty: nowhere. By default poise in the user's cache,
+/// POISE_TIME_PRIORS names another folder, or "off".
 std::filesystem::path time_priors_folder(const TimeOptions& options);
 
-/// Frames under a deadline that a run must have had before what it learned is kept: until then it is mostly what it began with.
+/// Frames under a deadline that a run must have had before what it learned is kept: until then it is mostly what it
+/// began with.
 inline constexpr std::uint64_t kFramesToKeep = 120;
 
 }  // namespace poise::app

@@ -34,7 +34,8 @@ Result<TreeCacheSettings> tree_cache_settings(const TreeCacheOptions& options) {
 
 std::string tree_cache_warning(const TreeCacheSettings& settings) {
   const std::filesystem::path folder = settings.folder.empty() ? default_tree_cache_folder() : settings.folder;
-  if (folder.empty()) return "sphere trees are not kept: neither XDG_CACHE_HOME nor HOME is set (--no-tree-cache is silent)";
+  if (folder.empty())
+    return "sphere trees are not kept: neither XDG_CACHE_HOME nor HOME is set (--no-tree-cache is silent)";
   return "sphere trees are not kept: " + folder.string() + " cannot be written (--no-tree-cache is silent)";
 }
 

@@ -19,8 +19,8 @@ struct TreeCacheOptions {
 /// Declares `--tree-cache DIR` and `--no-tree-cache`.
 void add_tree_cache_options(CLI::App& command, TreeCacheOptions& options);
 
-/// The settings by the command line, else by POISE_TREE_CACHE (a folder; `off` or nothing switches the cache off), else the default
-/// folder. Refused: both options at once, an empty folder.
+/// The settings by the command line, else by POISE_TREE_CACHE (a folder; `off` or nothing switches the cache off), else
+/// the default folder. Refused: both options at once, an empty folder.
 Result<TreeCacheSettings> tree_cache_settings(const TreeCacheOptions& options);
 
 /// A line for the standard error where trees could not be kept.

@@ -35,7 +35,8 @@ int refuse(const Error& error) { return refuse(exit_code_of(error), error.messag
 
 Status save_tree(const TreeOptions& options, const SphereTree& tree) {
   const auto level = static_cast<Level>(options.level.value_or(tree.depth()));
-  return write_tree(tree, level, *tree_format_of(options.output), std::filesystem::path(options.output).stem().string(), options.output);
+  return write_tree(tree, level, *tree_format_of(options.output), std::filesystem::path(options.output).stem().string(),
+                    options.output);
 }
 
 Status save_picture(const TreeOptions& options, const TreeWork& work) {
@@ -83,7 +84,8 @@ int judge(const TreeOptions& options) {
   const bool leaking = std::ranges::any_of(work.value().document.trees, [&](const io::JudgedTree& tree) {
     return io::leaks(tree, work.value().document.solidity);
   });
-  return options.require_coverage && leaking ? refuse(kExitRequirementFailed, "--require-coverage: a tree leaks") : kExitDone;
+  return options.require_coverage && leaking ? refuse(kExitRequirementFailed, "--require-coverage: a tree leaks")
+                                             : kExitDone;
 }
 
 int convert(const TreeOptions& options) {
@@ -97,9 +99,12 @@ int tree_command(const TreeOptions& options) {
   const Status sound = check_tree_options(options);
   if (!sound) return refuse(kExitBadUsage, sound.error().message);
   switch (task_of(options)) {
-    case TreeTask::Verdict: return tell_verdicts(options);
-    case TreeTask::Convert: return convert(options);
-    case TreeTask::Judge: break;
+    case TreeTask::Verdict:
+      return tell_verdicts(options);
+    case TreeTask::Convert:
+      return convert(options);
+    case TreeTask::Judge:
+      break;
   }
   return judge(options);
 }

@@ -87,28 +87,41 @@ Status check_convert(const TreeOptions& o) {
 void add_tree_options(CLI::App& command, TreeOptions& o) {
   command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --verdict")->type_name("MESH");
   add_path(command, "--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o");
-  add_path(command, "--compare", o.compare, "Judge this tree too and set both side by side; the better figure is marked *");
+  add_path(command, "--compare", o.compare,
+           "Judge this tree too and set both side by side; the better figure is marked *");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   command.add_option("--preset", o.preset, "How much time the tree is worth: fast, default or best")
       ->check(CLI::IsMember({"fast", "default", "best"}))
       ->type_name("NAME");
   command.add_flag("--shell", o.shell, "The object is the surface alone, not what it encloses");
-  add_path(command, "-o,--output", o.output, "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)");
-  add_whole(command, "--level", o.level, 0, kMaxTreeDepth, "The level to write as .urdf, .yml or .json (default the deepest)");
+  add_path(command, "-o,--output", o.output,
+           "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)");
+  add_whole(command, "--level", o.level, 0, kMaxTreeDepth,
+            "The level to write as .urdf, .yml or .json (default the deepest)");
   add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/1), - for the standard output");
-  add_path(command, "--picture", o.picture, "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out");
-  command.add_option("--up", o.up, "The axis that is upward in the picture: x, y, z, -x, -y or -z (default z, but y for glTF)")
+  add_path(command, "--picture", o.picture,
+           "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out");
+  command
+      .add_option("--up", o.up,
+                  "The axis that is upward in the picture: x, y, z, -x, -y or -z (default z, but y for glTF)")
       ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");
-  command.add_option("--front", o.front, "Towards where the mesh looks: the picture is from there, turned and from above (default -y, but z with --up y)")
+  command
+      .add_option("--front", o.front,
+                  "Towards where the mesh looks: the picture is from there, turned and from above (default -y, but z "
+                  "with --up y)")
       ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
   add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the judging samples (default 1)");
-  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has; the tree is the same (default 0)");
-  add_number(command, "--scale", o.scale, 0, true, 1e9, "Metres per unit of the mesh file (default 1)")->type_name("FACTOR");
-  command.add_flag("--require-coverage", o.require_coverage, "Exit with 1 if a tree leaks: some sampled point is not covered");
-  command.add_flag("--verdict", o.verdict, "Only say what each MESH is: closed, open or a sheet, and what follows from that");
+  add_whole(command, "--threads", o.threads, 0, 256,
+            "Threads, 0 = as many as the machine has; the tree is the same (default 0)");
+  add_number(command, "--scale", o.scale, 0, true, 1e9, "Metres per unit of the mesh file (default 1)")
+      ->type_name("FACTOR");
+  command.add_flag("--require-coverage", o.require_coverage,
+                   "Exit with 1 if a tree leaks: some sampled point is not covered");
+  command.add_flag("--verdict", o.verdict,
+                   "Only say what each MESH is: closed, open or a sheet, and what follows from that");
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
       "Examples:\n"
@@ -120,7 +133,8 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
       "  poise tree --verdict models/*.stl                                what are these meshes?\n"
       "  poise tree sheet.ply --shell --scale 0.001                       a surface in millimetres\n\n"
       "A tree is always built anew here, never taken from the cache, since its cost is part of the answer.\n"
-      "Exit codes: 0 done, 1 --require-coverage does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by\n"
+      "Exit codes: 0 done, 1 --require-coverage does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped "
+      "by\n"
       "Ctrl-C, with nothing written.");
 }
 
@@ -134,16 +148,19 @@ Status check_tree_options(const TreeOptions& o) {
   if (!sound) return sound;
   if (task_of(o) == TreeTask::Verdict) return check_verdict(o);
   if (task_of(o) == TreeTask::Convert) return check_convert(o);
-  if (o.meshes.size() > 1) return bad_input(fmt::format("{} meshes are named; only --verdict takes more than one", o.meshes.size()));
+  if (o.meshes.size() > 1)
+    return bad_input(fmt::format("{} meshes are named; only --verdict takes more than one", o.meshes.size()));
   if (o.up && o.picture.empty()) return bad_input("--up needs --picture");
   if (o.front && o.picture.empty()) return bad_input("--front needs --picture");
   if (o.front && axis_of(*o.front).dot(axis_of(up_of(o))) != 0) {
     return bad_input(fmt::format("--front {} and --up {} must be different axes", *o.front, up_of(o)));
   }
   const std::uint64_t depth = o.depth.value_or(TreeBuildOptions{}.depth);
-  if (o.tree.empty() && o.level.value_or(0) > depth) return bad_input(fmt::format("--level {} is below --depth {}", *o.level, depth));
+  if (o.tree.empty() && o.level.value_or(0) > depth)
+    return bad_input(fmt::format("--level {} is below --depth {}", *o.level, depth));
   if (o.tree.empty()) return Done{};
-  if (!o.output.empty() && !o.compare.empty()) return bad_input("-o has no meaning with --compare and --tree: which of the two trees is meant?");
+  if (!o.output.empty() && !o.compare.empty())
+    return bad_input("-o has no meaning with --compare and --tree: which of the two trees is meant?");
   return refuse_given({{"--depth", o.depth.has_value()}, {"--preset", o.preset.has_value()}},
                       "has no meaning with --tree, which is not built");
 }

@@ -13,13 +13,14 @@ namespace {
 using Out = std::back_insert_iterator<std::string>;
 
 void mesh_lines(const io::TreeDocument& d, Out out) {
-  fmt::format_to(out, "{}: {} triangle{}, diagonal {:.6g} m, {}\n", d.mesh, d.triangles, d.triangles == 1 ? "" : "s", d.diagonal_m,
+  fmt::format_to(out, "{}: {} triangle{}, diagonal {:.6g} m, {}\n", d.mesh, d.triangles, d.triangles == 1 ? "" : "s",
+                 d.diagonal_m,
                  d.solidity == Solidity::Shell ? "taken as a shell" : fmt::format("volume {:.6g} m^3", d.volume_m3));
   if (!d.closed) fmt::format_to(out, "  {}\n", d.verdict);
   const MeshRepair& repair = d.repair;
   if (repair.vertices_welded + repair.triangles_dropped + repair.triangles_turned > 0) {
-    fmt::format_to(out, "  {} vertices welded, {} triangles dropped, {} turned over\n", repair.vertices_welded, repair.triangles_dropped,
-                   repair.triangles_turned);
+    fmt::format_to(out, "  {} vertices welded, {} triangles dropped, {} turned over\n", repair.vertices_welded,
+                   repair.triangles_dropped, repair.triangles_turned);
   }
 }
 
@@ -27,9 +28,9 @@ std::string tree_line(const io::JudgedTree& tree) {
   const double bytes = static_cast<double>(tree.bytes) / static_cast<double>(std::max<std::size_t>(tree.nodes, 1));
   const std::string size = fmt::format("{} node{} of {:.0f} bytes", tree.nodes, tree.nodes == 1 ? "" : "s", bytes);
   if (!tree.cost) return fmt::format("{}: {}", tree.file, size);
-  return fmt::format("built with preset {} to depth {}: {} in {:.2f} s, {:.2f} s of CPU time, {:.0f} MiB", io::preset_name(tree.preset),
-                     tree.depth, size, tree.cost->wall_ms / 1000, tree.cost->cpu_ms / 1000,
-                     static_cast<double>(tree.cost->peak_bytes) / (1U << 20U));
+  return fmt::format("built with preset {} to depth {}: {} in {:.2f} s, {:.2f} s of CPU time, {:.0f} MiB",
+                     io::preset_name(tree.preset), tree.depth, size, tree.cost->wall_ms / 1000,
+                     tree.cost->cpu_ms / 1000, static_cast<double>(tree.cost->peak_bytes) / (1U << 20U));
 }
 
 void leak_lines(const io::TreeDocument& d, Out out) {
@@ -44,7 +45,9 @@ void leak_lines(const io::TreeDocument& d, Out out) {
       if (d.solidity == Solidity::Solid) inside = std::min(inside, f.inside_coverage);
       levels += fmt::format("{}{}", levels.empty() ? "" : ", ", f.level);
     }
-    fmt::format_to(out, "\n{} leaks at level {}: at worst {:.4f} % of the surface and {:.4f} % of the inside are covered. Contacts there are missed.\n",
+    fmt::format_to(out,
+                   "\n{} leaks at level {}: at worst {:.4f} % of the surface and {:.4f} % of the inside are covered. "
+                   "Contacts there are missed.\n",
                    tree.cost ? "the tree" : tree.file, levels, 100 * surface, 100 * inside);
   }
 }
@@ -52,17 +55,17 @@ void leak_lines(const io::TreeDocument& d, Out out) {
 void one_tree(const io::TreeDocument& d, Out out) {
   const io::JudgedTree& tree = d.trees.front();
   fmt::format_to(out, "{}; {} samples a figure\n\n", tree_line(tree), d.samples);
-  fmt::format_to(out, "{:>5} {:>8} {:>22} {:>22} {:>10} {:>10} {:>8}\n", "", "", "largest protrusion", "mean protrusion", "surface",
-                 "inside", "volume");
-  fmt::format_to(out, "{:>5} {:>8} {:>12} {:>9} {:>12} {:>9} {:>10} {:>10} {:>8}\n", "level", "spheres", "m", "% diag", "m", "% diag",
-                 "% covered", "% covered", "ratio");
+  fmt::format_to(out, "{:>5} {:>8} {:>22} {:>22} {:>10} {:>10} {:>8}\n", "", "", "largest protrusion",
+                 "mean protrusion", "surface", "inside", "volume");
+  fmt::format_to(out, "{:>5} {:>8} {:>12} {:>9} {:>12} {:>9} {:>10} {:>10} {:>8}\n", "level", "spheres", "m", "% diag",
+                 "m", "% diag", "% covered", "% covered", "ratio");
   const bool shell = d.solidity == Solidity::Shell;  // has no inside and no volume
   for (const TreeLevelFigures& f : tree.levels) {
-    fmt::format_to(out, "{:>5} {:>8} {:>12.6g} {:>9.3f} {:>12.6g} {:>9.3f} {:>10.4f} {:>10} {:>8}{}\n", f.level, f.spheres,
-                   f.protrusion_max_m, 100 * f.protrusion_max_m / d.diagonal_m, f.protrusion_mean_m,
+    fmt::format_to(out, "{:>5} {:>8} {:>12.6g} {:>9.3f} {:>12.6g} {:>9.3f} {:>10.4f} {:>10} {:>8}{}\n", f.level,
+                   f.spheres, f.protrusion_max_m, 100 * f.protrusion_max_m / d.diagonal_m, f.protrusion_mean_m,
                    100 * f.protrusion_mean_m / d.diagonal_m, 100 * f.surface_coverage,
-                   shell ? "-" : fmt::format("{:.4f}", 100 * f.inside_coverage), shell ? "-" : fmt::format("{:.3f}", f.volume_ratio),
-                   io::leaks(f, d.solidity) ? "  leaks" : "");
+                   shell ? "-" : fmt::format("{:.4f}", 100 * f.inside_coverage),
+                   shell ? "-" : fmt::format("{:.3f}", f.volume_ratio), io::leaks(f, d.solidity) ? "  leaks" : "");
   }
 }
 
@@ -79,9 +82,10 @@ std::string pair_of(double a, double b, int decimals, bool smaller_is_better) {
 void two_trees(const io::TreeDocument& d, Out out) {
   const io::JudgedTree& a = d.trees[0];
   const io::JudgedTree& b = d.trees[1];
-  fmt::format_to(out, "A  {}\nB  {}\n{} samples a figure; lengths in % of the diagonal; * is better\n\n", tree_line(a), tree_line(b), d.samples);
-  fmt::format_to(out, "{:>5} {:^15} {:^20} {:^20} {:^20} {:^20}  inside % covered\n", "", "spheres", "largest protrusion",
-                 "mean protrusion", "volume ratio", "surface % covered");
+  fmt::format_to(out, "A  {}\nB  {}\n{} samples a figure; lengths in % of the diagonal; * is better\n\n", tree_line(a),
+                 tree_line(b), d.samples);
+  fmt::format_to(out, "{:>5} {:^15} {:^20} {:^20} {:^20} {:^20}  inside % covered\n", "", "spheres",
+                 "largest protrusion", "mean protrusion", "volume ratio", "surface % covered");
   fmt::format_to(out, "{:>5} {:>7} {:>7}", "level", "A", "B");
   for (int i = 0; i < 5; ++i) fmt::format_to(out, "{:>10}{:>10}{}", "A", "B", i < 4 ? " " : "\n");
   // Beyond its deepest level a tree stays as it is there.

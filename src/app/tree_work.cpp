@@ -23,7 +23,9 @@ double process_cpu_ms() {
 
 Error cancelled() { return {ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"}; }
 
-Error in_file(const std::string& file, const Error& error) { return {error.kind, fmt::format("{}: {}", file, error.message)}; }
+Error in_file(const std::string& file, const Error& error) {
+  return {error.kind, fmt::format("{}: {}", file, error.message)};
+}
 
 TreeBuildOptions build_options(const TreeOptions& options, Solidity solidity) {
   TreeBuildOptions build;
@@ -68,7 +70,8 @@ Result<TreeWork> begin_work(const TreeOptions& options) {
 /// Judges the tree and puts both into the work.
 Status add_tree(SphereTree tree, io::JudgedTree judged, const std::stop_token& stop, TreeWork& work) {
   io::TreeDocument& d = work.document;
-  Result<std::vector<TreeLevelFigures>> levels = judge_tree(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads, stop});
+  Result<std::vector<TreeLevelFigures>> levels =
+      judge_tree(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads, stop});
   if (!levels && levels.error().kind == ErrorKind::Cancelled) return cancelled();
   if (!levels) return in_file(judged.file.empty() ? d.mesh : judged.file, levels.error());
   judged.levels = std::move(levels).value();
@@ -90,7 +93,8 @@ Result<SphereTree> read_any(const std::filesystem::path& file) {
   return tree ? std::move(tree) : in_file(file.string(), tree.error());
 }
 
-Status add_file(const std::string& file, std::optional<std::uint64_t> level, const std::stop_token& stop, TreeWork& work) {
+Status add_file(const std::string& file, std::optional<std::uint64_t> level, const std::stop_token& stop,
+                TreeWork& work) {
   Result<SphereTree> tree = read_tree(file, level);
   if (!tree) return tree.error();
   io::JudgedTree judged;
@@ -140,7 +144,8 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
     if (!added) return added.error();
   }
   // The level is that of what is written, which is the first tree.
-  const std::pair<const std::string&, std::optional<std::uint64_t>> files[] = {{options.tree, options.level}, {options.compare, {}}};
+  const std::pair<const std::string&, std::optional<std::uint64_t>> files[] = {{options.tree, options.level},
+                                                                               {options.compare, {}}};
   for (const auto& [file, level] : files) {
     if (file.empty()) continue;
     if (interrupt.asked()) return cancelled();

@@ -29,8 +29,8 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
 /// Builds a tree and measures what that takes. A refusal comes back as the builder says it.
 Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptions& options, io::TreeBuildCost& cost);
 
-/// Reads a tree from a .sph file, or a flat set of spheres from the other formats as a tree above it. Refused: a tree that
-/// does not reach down to `level`, if one is given.
+/// Reads a tree from a .sph file, or a flat set of spheres from the other formats as a tree above it. Refused: a tree
+/// that does not reach down to `level`, if one is given.
 Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level);
 
 }  // namespace poise::app

@@ -20,7 +20,8 @@ constexpr double kNear = 2;
 // Turning that carries nothing farther than this share of the tolerance is none: where a hit stands it hardly shows.
 constexpr double kNoTurn = 0.1;
 
-// The largest rate of turning that a free body may come to: by its angular momentum and by its energy, whichever bounds more.
+// The largest rate of turning that a free body may come to: by its angular momentum and by its energy, whichever bounds
+// more.
 double largest_rate_radps(const Mover& mover) {
   const double rate = mover.rotation.spin_radps.norm();
   const Vec3& moments = mover.moments_kgm2;
@@ -92,7 +93,13 @@ class TimeMeasure {
  public:
   TimeMeasure(const Vec3& velocity_mps, const Turning& a, const Turning& b, const StandingPlane& plane, double limit_s,
               double tolerance_m)
-      : velocity_mps_(velocity_mps), a_(a), b_(b), plane_(plane), limit_s_(limit_s), tolerance_m_(tolerance_m), time_s_(limit_s) {}
+      : velocity_mps_(velocity_mps),
+        a_(a),
+        b_(b),
+        plane_(plane),
+        limit_s_(limit_s),
+        tolerance_m_(tolerance_m),
+        time_s_(limit_s) {}
 
   [[nodiscard]] double best() const { return time_s_; }
   [[nodiscard]] bool found() const { return time_s_ < limit_s_; }
@@ -174,8 +181,8 @@ class TimeMeasure {
     }
     if (gap.gap_m <= 0) return;
     const double slack = gap.gap_m - 0.5 * std::min(gap.gap_m, tolerance_m_);
-    // Three bounds, the best of them: by the largest rate; by the present motion of the corners and what it may change, whose second
-    // derivative is at most twice arm rate^2; and by how far turning can carry at all.
+    // Three bounds, the best of them: by the largest rate; by the present motion of the corners and what it may change,
+    // whose second derivative is at most twice arm rate^2; and by how far turning can carry at all.
     double turning = 0;
     double most_a = -kNever;
     for (const Vec3& corner : a.all()) most_a = std::max(most_a, n.dot(a_.velocity_at(corner)));
@@ -190,7 +197,9 @@ class TimeMeasure {
     keep(time_s, false);
   }
 
-  [[nodiscard]] bool slides(double gap_m, double closing_mps) const { return closing_mps * limit_s_ <= kSliding * gap_m; }
+  [[nodiscard]] bool slides(double gap_m, double closing_mps) const {
+    return closing_mps * limit_s_ <= kSliding * gap_m;
+  }
 
   void keep(double time_s, bool hit) {
     if (time_s >= time_s_) return;
@@ -198,7 +207,7 @@ class TimeMeasure {
     hit_ = hit;
   }
 
-  Vec3 velocity_mps_;   // of b less that of a
+  Vec3 velocity_mps_;  // of b less that of a
   Turning a_, b_;
   StandingPlane plane_;
   double limit_s_, tolerance_m_;
@@ -263,8 +272,8 @@ Meeting first_meeting(const Mover& a, const Mover& b, const MeetingTerms& terms)
     meeting.time_s += step_s;
     if (cut) break;
     if (!measure.hit()) continue;
-    // Which parts are nearest there: several come within the tolerance at nearly the same time, as those beside a side that two
-    // triangles share.
+    // Which parts are nearest there: several come within the tolerance at nearly the same time, as those beside a side
+    // that two triangles share.
     meeting.kind = Meeting::Kind::Hit;
     meeting.contact = surface_gap(meeting.a, meeting.b, kNear * terms.tolerance_m);
     return meeting;

@@ -14,10 +14,10 @@ namespace poise::collision {
 /// A body on its way: its centre of mass goes straight on, and it turns freely. World frame.
 struct Mover {
   const Shape* shape = nullptr;
-  Vec3 position_m = Vec3::Zero();       ///< of the centre of mass
+  Vec3 position_m = Vec3::Zero();  ///< of the centre of mass
   Vec3 velocity_mps = Vec3::Zero();
-  dynamics::Rotation rotation;          ///< principal frame to world, and spin
-  Vec3 moments_kgm2 = Vec3::Zero();     ///< principal; zero for what does not turn
+  dynamics::Rotation rotation;       ///< principal frame to world, and spin
+  Vec3 moments_kgm2 = Vec3::Zero();  ///< principal; zero for what does not turn
 };
 
 /// The same body `time_s` later.
@@ -25,8 +25,9 @@ Mover moved_on(const Mover& mover, double time_s);
 /// Body frame to world.
 Mat3 turn_of(const Mover& mover);
 
-/// How near the true surfaces of two bodies are (triangles where a shape has them, else the leaves of its tree; b may be a plane),
-/// `limit_m` with a zero normal where nothing is nearer than that. Bodies with triangles have no negative gap: 0 where they cross.
+/// How near the true surfaces of two bodies are (triangles where a shape has them, else the leaves of its tree; b may
+/// be a plane), `limit_m` with a zero normal where nothing is nearer than that. Bodies with triangles have no negative
+/// gap: 0 where they cross.
 ConvexGap surface_gap(const Mover& a, const Mover& b, double limit_m);
 
 /// When and how two bodies meet.
@@ -38,8 +39,8 @@ struct Meeting {
   };
   Kind kind = Kind::None;
   double time_s = 0;
-  Mover a, b;                           ///< both at that time
-  ConvexGap contact;                    ///< of a hit, world frame
+  Mover a, b;         ///< both at that time
+  ConvexGap contact;  ///< of a hit, world frame
 };
 
 /// What one meeting may cost, and what counts as touching.
@@ -50,12 +51,13 @@ struct MeetingTerms {
   std::uint32_t max_rounds = 64;        ///< in which bodies that turn are moved on
 };
 
-/// The first moment within the duration at which the surfaces come as near as the tolerance while they close. b may be a plane.
-/// Conservative advancement (Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996) whose bounds are taken pair of
-/// nodes by pair of nodes, nearest in time first (as Tang, Kim and Manocha, "C2A", 2009): two balls that move straight meet when
-/// |p + v t| <= r + s t, with s what turning adds; two convex parts cannot meet before their gap is used up by what closes along its
-/// normal. Without turning the time is exact to the tolerance. Within the tolerance, what would use up no more than a quarter of its gap in
-/// all the time that is left is no hit but slides. Overlap at the start is not looked at. Any thread, allocates nothing.
+/// The first moment within the duration at which the surfaces come as near as the tolerance while they close. b may be
+/// a plane. Conservative advancement (Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996) whose
+/// bounds are taken pair of nodes by pair of nodes, nearest in time first (as Tang, Kim and Manocha, "C2A", 2009): two
+/// balls that move straight meet when |p + v t| <= r + s t, with s what turning adds; two convex parts cannot meet
+/// before their gap is used up by what closes along its normal. Without turning the time is exact to the tolerance.
+/// Within the tolerance, what would use up no more than a quarter of its gap in all the time that is left is no hit but
+/// slides. Overlap at the start is not looked at. Any thread, allocates nothing.
 Meeting first_meeting(const Mover& a, const Mover& b, const MeetingTerms& terms);
 
 }  // namespace poise::collision

@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kGrain = 256;
 constexpr double kLeastCellM = 1e-6;
 
-// The grid of a ball: those whose diameters lie within one octave share it. Its cells are as wide as its largest ball, so
-// they are wider than any ball of a finer grid.
+// The grid of a ball: those whose diameters lie within one octave share it. Its cells are as wide as its largest ball,
+// so they are wider than any ball of a finer grid.
 int grid_of(double radius_m) {
   int exponent = 0;
   std::frexp(std::max(2.0 * radius_m, kLeastCellM), &exponent);
@@ -23,7 +23,6 @@ int grid_of(double radius_m) {
 }
 
 }  // namespace
-
 
 std::uint64_t BroadPhase::bucket(const Cell& cell) const {
   const Grid& grid = grids_[static_cast<std::size_t>(cell.grid)];
@@ -149,7 +148,8 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
 }
 
 std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                                std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor, std::size_t& dropped) {
+                                std::span<const SweptBound> swept, std::uint32_t max_partners,
+                                parallel::Executor& executor, std::size_t& dropped) {
   parallel::Tickets places;
   parallel::Tickets lost;
   parallel::parallel_for(executor, bounds.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {

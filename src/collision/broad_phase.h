@@ -14,7 +14,7 @@ namespace poise::collision {
 /// A ball that holds a body wherever it may be during the step.
 struct MotionBound {
   Vec3 center_m = Vec3::Zero();
-  double radius_m = 0;                  ///< bounding radius and all motion of the step, >= 0
+  double radius_m = 0;  ///< bounding radius and all motion of the step, >= 0
   std::uint32_t slot = 0;
   std::uint32_t group = 1;
   std::uint32_t collides_with = 0xffffffffU;
@@ -43,8 +43,9 @@ struct CandidatePair {
   friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
 };
 
-/// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table whose cells
-/// in a row lie side by side. Invariant: buffers only grow, so that a scene that was seen once needs no allocation.
+/// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table whose
+/// cells in a row lie side by side. Invariant: buffers only grow, so that a scene that was seen once needs no
+/// allocation.
 class BroadPhase {
  public:
   struct Result {
@@ -52,9 +53,10 @@ class BroadPhase {
     std::size_t dropped = 0;               ///< partners beyond max_partners
   };
   /// At least one of a pair is dynamic, and each is in a group that the other collides with. A bound keeps at most
-  /// `max_partners` partners that are found from it. The same result on any number of threads. Linear in bounds and pairs.
-  /// `swept` bodies have no part in the grid: each looks along its way, at the cells there or at all entries if that is
-  /// less, and keeps every partner that it meets, other swept ones by comparison with each. Without any, nothing of that is done.
+  /// `max_partners` partners that are found from it. The same result on any number of threads. Linear in bounds and
+  /// pairs. `swept` bodies have no part in the grid: each looks along its way, at the cells there or at all entries if
+  /// that is less, and keeps every partner that it meets, other swept ones by comparison with each. Without any,
+  /// nothing of that is done.
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
               parallel::Executor& executor, std::span<const SweptBound> swept = {});
 

@@ -28,13 +28,14 @@ struct BroadPhase::Way {
   }
   [[nodiscard]] bool meets(const Way& other) const {
     const double reach = radius_m + other.radius_m;
-    if (((box.low - other.box.high).array() > reach).any() || ((other.box.low - box.high).array() > reach).any()) return false;
+    if (((box.low - other.box.high).array() > reach).any() || ((other.box.low - box.high).array() > reach).any())
+      return false;
     return geometry::squared_distance_of_segments_m2(from_m, to_m, other.from_m, other.to_m) < reach * reach;
   }
 };
 
-// Visits the entries of a grid that may meet the way: layer after layer of cells along its longest axis, in each of them the cells
-// around the part of the way that is near. Every entry if that is fewer.
+// Visits the entries of a grid that may meet the way: layer after layer of cells along its longest axis, in each of
+// them the cells around the part of the way that is near. Every entry if that is fewer.
 template <class Visit>
 void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) const {
   const Grid& grid = grids_[static_cast<std::size_t>(grid_index)];
@@ -54,7 +55,8 @@ void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) cons
   const double across = 2 * reach * grid.cells_per_m + 3;
   const double layers = static_cast<double>(last_layer - first_layer + 1);
   if (layers * across * across > static_cast<double>(entries_.size()) ||
-      std::max(way.box.high.cwiseAbs().maxCoeff(), way.box.low.cwiseAbs().maxCoeff()) * grid.cells_per_m > 0.5 * kFarthestCell) {
+      std::max(way.box.high.cwiseAbs().maxCoeff(), way.box.low.cwiseAbs().maxCoeff()) * grid.cells_per_m >
+          0.5 * kFarthestCell) {
     for (std::uint32_t e = 0; e < entries_.size(); ++e) {
       if (entries_[e].cell.grid == grid_index) visit(e);
     }
@@ -75,12 +77,14 @@ void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) cons
     part.add(way.from_m + end * motion);
     std::int64_t first[3];
     std::int64_t last[3];
-    for (int axis = 0; axis < 3; ++axis) cells(axis, part.low[axis] - reach, part.high[axis] + reach, first[axis], last[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+      cells(axis, part.low[axis] - reach, part.high[axis] + reach, first[axis], last[axis]);
     first[along] = last[along] = layer;
     if (first[0] > last[0]) continue;
     for (std::int64_t z = first[2]; z <= last[2]; ++z) {
       for (std::int64_t y = first[1]; y <= last[1]; ++y) {
-        visit_row({static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z), grid_index},
+        visit_row({static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z),
+                   grid_index},
                   static_cast<std::int32_t>(last[0] - first[0] + 1), visit);
       }
     }

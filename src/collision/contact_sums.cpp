@@ -137,7 +137,8 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
   }
 }
 
-void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close, ContactSums& sums) {
+void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close,
+               ContactSums& sums) {
   if (!close.empty()) {
     add_fitted(frame, close, sums.fitted);
   } else if (sums.fitted.weight == 0) {

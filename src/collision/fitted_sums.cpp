@@ -14,8 +14,8 @@ namespace poise::collision::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kLanes = 8;
-// Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers stay within single
-// precision, and out of the numbers near 0 that are slow.
+// Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers
+// stay within single precision, and out of the numbers near 0 that are slow.
 constexpr float kLargest = 6, kSmallest = -16;
 constexpr float kLeastOfPlaces = 4.54e-5F;  ///< of the weights, exp(-10)
 constexpr float kBeyond = 1e30F;
@@ -42,8 +42,8 @@ struct Lanes {
   alignas(32) float direction[3][kLanes] = {}, place[3][kLanes] = {}, weight[kLanes] = {}, gap[kLanes], cores[kLanes];
 };
 
-// exp(t) to a thousandth for |t| <= 6 and to a half down to -16, of operations that round alike everywhere: a polynomial to the
-// sixteenth power.
+// exp(t) to a thousandth for |t| <= 6 and to a half down to -16, of operations that round alike everywhere: a
+// polynomial to the sixteenth power.
 template <class D, class V>
 HWY_INLINE V exponential(D d, V t) {
   const V x = hn::Mul(t, hn::Set(d, 1.0F / 16));
@@ -76,7 +76,8 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fi
     const auto nx = set(frame.plane_normal.x());
     const auto ny = set(frame.plane_normal.y());
     const auto nz = set(frame.plane_normal.z());
-    const auto height = hn::Sub(hn::Add(hn::Add(hn::Mul(nx, c.ax), hn::Mul(ny, c.ay)), hn::Mul(nz, c.az)), set(frame.plane_height_m));
+    const auto height =
+        hn::Sub(hn::Add(hn::Add(hn::Mul(nx, c.ax), hn::Mul(ny, c.ay)), hn::Mul(nz, c.az)), set(frame.plane_height_m));
     c.dx = hn::Neg(hn::Mul(height, nx));
     c.dy = hn::Neg(hn::Mul(height, ny));
     c.dz = hn::Neg(hn::Mul(height, nz));
@@ -100,8 +101,9 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fi
   c.distance = hn::Sqrt(square);
   // A centre beneath the plane is at a negative distance from it, and the direction stays that of the plane.
   if (frame.with_plane()) {
-    const auto along = hn::Add(hn::Add(hn::Mul(c.dx, set(frame.plane_normal.x())), hn::Mul(c.dy, set(frame.plane_normal.y()))),
-                               hn::Mul(c.dz, set(frame.plane_normal.z())));
+    const auto along =
+        hn::Add(hn::Add(hn::Mul(c.dx, set(frame.plane_normal.x())), hn::Mul(c.dy, set(frame.plane_normal.y()))),
+                hn::Mul(c.dz, set(frame.plane_normal.z())));
     c.distance = hn::CopySign(c.distance, hn::Neg(along));
   }
   return c;
@@ -153,8 +155,9 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lane
     add(sums.place[2], hn::Mul(sharp, pz));
     add(sums.weight, sharp);
     const auto far = hn::Set(d, kBeyond);
-    const auto lower = [&](float* to, auto value)
-                           HWY_ATTR { hn::Store(hn::Min(hn::Load(d, to + k), hn::IfThenElse(used, value, far)), d, to + k); };
+    const auto lower = [&](float* to, auto value) HWY_ATTR {
+      hn::Store(hn::Min(hn::Load(d, to + k), hn::IfThenElse(used, value, far)), d, to + k);
+    };
     lower(sums.gap, gap);
     lower(sums.cores, hn::Sub(distance, core));
   }
@@ -198,10 +201,12 @@ void places(const PairFrame& frame, std::span<const FrontEntry> entries, PatchCl
       const auto vector = [k](const float(&of)[3][kLanes]) {
         return Vec3(static_cast<double>(of[0][k]), static_cast<double>(of[1][k]), static_cast<double>(of[2][k]));
       };
-      NodeContact contact{vector(block.normal), vector(block.point), static_cast<double>(block.gap[k]), static_cast<double>(block.cores[k])};
+      NodeContact contact{vector(block.normal), vector(block.point), static_cast<double>(block.gap[k]),
+                          static_cast<double>(block.cores[k])};
       if (frame.with_plane()) contact.normal = -frame.plane_normal;
       // Centres that coincide have no direction of their own.
-      if (contact.normal.isZero(0)) contact.normal = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
+      if (contact.normal.isZero(0))
+        contact.normal = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
       into.add(contact);
     }
   }

@@ -29,9 +29,9 @@ struct FrontSegment {
   SegmentRef next;
 };
 
-/// Room for the fronts that one worker makes in one frame. Invariant: entries and segments that were handed out stay where they
-/// are until clear(). Written by its worker alone; what it published may be read by any. The memory is taken once and
-/// never grows: pages that no front ever reached cost nothing.
+/// Room for the fronts that one worker makes in one frame. Invariant: entries and segments that were handed out stay
+/// where they are until clear(). Written by its worker alone; what it published may be read by any. The memory is taken
+/// once and never grows: pages that no front ever reached cost nothing.
 class FrontPool {
  public:
   explicit FrontPool(std::uint32_t max_entries)

@@ -33,8 +33,8 @@ struct Near {
 };
 
 template <bool kTwice>
-HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b, const FloatFrame& frame,
-                         const Nearness& nearness, float closeness) {
+HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b,
+                         const FloatFrame& frame, const Nearness& nearness, float closeness) {
   const hn::CappedTag<float, kTreeBranching> d;
   const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
   Near found;
@@ -103,8 +103,9 @@ HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEn
 }
 
 template <bool kTwice>
-HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness, float closeness,
-                                   std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
+HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
+                                   const Nearness& nearness, float closeness, std::span<const FrontEntry> front,
+                                   std::span<FrontEntry> out, std::span<FrontEntry> close) {
   // Tests of many entries first, then their lists: tests without a branch run into each other, while a list's length,
   // which no processor foresees, holds up what comes after it.
   constexpr std::size_t kBlocks = 32;
@@ -148,8 +149,9 @@ Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& fra
   return expand_blocks<false>(a, b, frame, nearness, 0, front, out, {});
 }
 
-Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness, float closeness,
-                       std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
+Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
+                       float closeness, std::span<const FrontEntry> front, std::span<FrontEntry> out,
+                       std::span<FrontEntry> close) {
   return expand_blocks<true>(a, b, frame, nearness, closeness, front, out, close);
 }
 
@@ -167,8 +169,9 @@ Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFram
   return HWY_DYNAMIC_DISPATCH(expand)(a, b, frame, nearness, front, out);
 }
 
-Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness, float closeness_m,
-                             std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
+Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
+                             const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
+                             std::span<FrontEntry> out, std::span<FrontEntry> close) {
   return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, nearness, closeness_m, front, out, close);
 }
 

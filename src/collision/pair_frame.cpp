@@ -11,8 +11,9 @@ namespace {
 // The kernel rounds the frame once, three products and sums a coordinate, three squares and two radii: fewer than 16
 // roundings, each at most half an ulp of numbers no larger than the sizes and the distance together.
 constexpr double kRoundings = 16.0;
-// Breadth of the weights of fitted spheres in standard deviations: found by trying 1.5 to 4 (docs/levels.md). Contacts whose gaps differ by
-// less than the share of the skin count alike: a tenth of a millimetre for a body 0.4 m across, chosen.
+// Breadth of the weights of fitted spheres in standard deviations: found by trying 1.5 to 4 (docs/levels.md). Contacts
+// whose gaps differ by less than the share of the skin count alike: a tenth of a millimetre for a body 0.4 m across,
+// chosen.
 constexpr double kBreadth = 3;
 constexpr double kFinestOfSkin = 0.1;
 constexpr double kEpsilon = static_cast<double>(std::numeric_limits<float>::epsilon());
@@ -42,8 +43,8 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
       frame.rounded.offset_m[row] = static_cast<float>(frame.offset_m[row]);
     }
   }
-  const double size = a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() +
-                      std::abs(frame.plane_height_m) + margin_m;
+  const double size =
+      a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() + std::abs(frame.plane_height_m) + margin_m;
   frame.nearness.inflation_m = static_cast<float>(margin_m + kRoundings * size * kEpsilon);
   frame.closeness_m = frame.nearness.inflation_m - static_cast<float>(margin_m);
   return frame;
@@ -51,13 +52,17 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
 
 void expect_fits(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame) {
   const double finest_m = kFinestOfSkin * frame.skin_m;
-  frame.breadth_m = kBreadth * std::sqrt(deviation_a_m * deviation_a_m + deviation_b_m * deviation_b_m + finest_m * finest_m);
+  frame.breadth_m =
+      kBreadth * std::sqrt(deviation_a_m * deviation_a_m + deviation_b_m * deviation_b_m + finest_m * finest_m);
   frame.expected_gap_m = gap_m;
-  frame.closeness_m = frame.nearness.inflation_m - static_cast<float>(frame.margin_m - std::clamp(gap_m, 0.0, frame.margin_m));
+  frame.closeness_m =
+      frame.nearness.inflation_m - static_cast<float>(frame.margin_m - std::clamp(gap_m, 0.0, frame.margin_m));
 }
 
-Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out, std::span<FrontEntry> close) {
-  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness, frame.closeness_m, front, out, close);
+Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out,
+                 std::span<FrontEntry> close) {
+  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness, frame.closeness_m, front, out,
+                            close);
 }
 
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out) {

@@ -12,8 +12,9 @@ namespace {
 
 constexpr FrontEntry kRoots[1] = {{0, 0}};
 
-// Bodies that are known by their bounding spheres alone nest deeper than the mean protrusion says: by this share of the way to
-// the largest. Chosen: at 0 and at 0.25 settled piles stand up to 34 and 36 % off their height at full levels, here within 20 (docs/accuracy.md, "levels change").
+// Bodies that are known by their bounding spheres alone nest deeper than the mean protrusion says: by this share of the
+// way to the largest. Chosen: at 0 and at 0.25 settled piles stand up to 34 and 36 % off their height at full levels,
+// here within 20 (docs/accuracy.md, "levels change").
 constexpr double kNesting = 0.125;
 
 // Places nearer than this many skins (a quarter of the smaller body's radius, chosen) in like directions are one.
@@ -33,7 +34,8 @@ PairContact lone_contact(const SphereContact& touch, const Vec3& arm_m, double l
 }
 
 // Expands a run and sums up what is close, in parts whose lists of close entries stay small.
-Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, std::span<FrontEntry> room, ContactSums& sums) {
+Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, std::span<FrontEntry> room,
+                       ContactSums& sums) {
   constexpr std::size_t kAtOnce = 16;
   constexpr std::size_t kRoom = kAtOnce * kTreeBranching * kTreeBranching;
   // Bytes, because setting 8 KiB to zero takes longer than a level of a pair.
@@ -57,7 +59,8 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
 std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run, FrontPool& pool, int worker,
                          std::span<FrontPool> pools, LevelProgress& progress) {
   const std::span<FrontEntry> room = pool.room();
-  const Expansion made = frame.fitted && !frame.with_plane() ? expand_close(frame, run, room, progress.sums) : expand(frame, run, room);
+  const Expansion made =
+      frame.fitted && !frame.with_plane() ? expand_close(frame, run, room, progress.sums) : expand(frame, run, room);
   progress.nearly = progress.nearly || made.nearly;
   if (made.hits == 0) return made.consumed;
   if (!frame.fitted || frame.with_plane()) add_to_sums(frame, room.first(made.hits), progress.sums);
@@ -89,7 +92,8 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b) {
   const SphereTree& tree_b = b.shape->tree;
   const double radius_a = static_cast<double>(tree_a.radius_m[0]);
   const double reach = radius_a + static_cast<double>(tree_b.radius_m[0]);
-  const SphereContact touch = contact_of_spheres(b.center_m - a.center_m, radius_a, reach, b.mass_center_m - a.mass_center_m);
+  const SphereContact touch =
+      contact_of_spheres(b.center_m - a.center_m, radius_a, reach, b.mass_center_m - a.mass_center_m);
   const Vec3 point = a.center_m + touch.point_m;
   const double lift = coarsest_lift_m(*a.shape) + coarsest_lift_m(*b.shape);
   const double most = static_cast<double>(tree_a.protrusion_max_m[0]) + static_cast<double>(tree_b.protrusion_max_m[0]);
@@ -104,10 +108,12 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   SphereContact touch;
   touch.normal = -normal;
   touch.gap_m = normal.dot(a.center_m) - height_m - radius;
-  // The end of the sphere, not the middle between the surfaces: a place that is kept then stands a third of its lift in the plane and not the whole of it,
-  // which presses bodies of a pile into walls (docs/response.md). On the line of the normal moments are the same anywhere.
+  // The end of the sphere, not the middle between the surfaces: a place that is kept then stands a third of its lift in
+  // the plane and not the whole of it, which presses bodies of a pile into walls (docs/response.md). On the line of the
+  // normal moments are the same anywhere.
   const Vec3 arm = a.center_m - a.mass_center_m + radius * touch.normal;
-  PairContact contact = lone_contact(touch, arm, coarsest_lift_m(*a.shape), static_cast<double>(tree.protrusion_max_m[0]));
+  PairContact contact =
+      lone_contact(touch, arm, coarsest_lift_m(*a.shape), static_cast<double>(tree.protrusion_max_m[0]));
   // A body whose centre of mass is beneath the plane is there beyond doubt, in part at least.
   const double center_m = normal.dot(a.mass_center_m) - height_m;
   contact.likely_m = std::min(contact.likely_m, center_m);
@@ -157,8 +163,8 @@ Patch lone_patch(const PairContact& contact, const Mat3& rotation_a) {
   return patch;
 }
 
-void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
-                   PairLevel& pair, LevelContact& found) {
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools,
+                   const LevelProgress& progress, PairLevel& pair, LevelContact& found) {
   ++pair.level;
   pair.nearly = progress.nearly;
   pair.front = progress.first;
@@ -169,7 +175,8 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<con
   found.patches.count = 0;
   if (pair.apart || found.contact.likely_m >= frame.margin_m) return;
   PatchClusters places(frame.margin_m, kPlaceOfSize * frame.skin_m);
-  for_each_segment(pools, pair.front, [&](std::span<const FrontEntry> entries) { add_to_places(frame, entries, places); });
+  for_each_segment(pools, pair.front,
+                   [&](std::span<const FrontEntry> entries) { add_to_places(frame, entries, places); });
   places.finish(found.patches);
 }
 

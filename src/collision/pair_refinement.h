@@ -15,13 +15,13 @@ namespace poise::collision {
 /// The deepest completed level of a pair in this frame, and what it says.
 struct PairLevel {
   Level level = 0;
-  Level deepest = 0;              ///< no level below brings anything
-  bool polygons = false;          ///< the deepest level is that of the polygons, after all levels of the trees
-  bool apart = false;             ///< no two nodes of this level are nearer than the margin
-  bool nearly = false;            ///< some that were passed over would be with PairFrame::nearness.wide_m more
-  SegmentRef front;               ///< none at level 0: the two roots
+  Level deepest = 0;                ///< no level below brings anything
+  bool polygons = false;            ///< the deepest level is that of the polygons, after all levels of the trees
+  bool apart = false;               ///< no two nodes of this level are nearer than the margin
+  bool nearly = false;              ///< some that were passed over would be with PairFrame::nearness.wide_m more
+  SegmentRef front;                 ///< none at level 0: the two roots
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
-  std::uint32_t next_units = 1;   ///< what the next level costs, in node-pair expansions
+  std::uint32_t next_units = 1;     ///< what the next level costs, in node-pair expansions
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
@@ -29,8 +29,8 @@ struct PairLevel {
 
 /// What that level found out, if there is one: apart from it, because most pairs of a calm scene have none.
 struct LevelContact {
-  PairContact contact;            ///< answers impacts
-  PatchSet patches;               ///< where the pair rests; filled with the contact
+  PairContact contact;  ///< answers impacts
+  PatchSet patches;     ///< where the pair rests; filled with the contact
 };
 
 /// Both together, for who refines one pair by itself.
@@ -38,13 +38,13 @@ struct LonePair : PairLevel, LevelContact {};
 
 /// A level that is being worked out, by one worker at a time, in bounded pieces.
 struct LevelProgress {
-  SegmentRef reading;             ///< of the front that is expanded
-  std::uint32_t offset = 0;       ///< entries of it that are done
-  SegmentRef first, last;         ///< of the front that is made
+  SegmentRef reading;        ///< of the front that is expanded
+  std::uint32_t offset = 0;  ///< entries of it that are done
+  SegmentRef first, last;    ///< of the front that is made
   std::uint32_t entries = 0;
-  bool nearly = false;            ///< likewise of PairLevel
+  bool nearly = false;  ///< likewise of PairLevel
   ContactSums sums;
-  FrontPool::Mark mark{};         ///< of the worker's pool when the level was begun
+  FrontPool::Mark mark{};  ///< of the worker's pool when the level was begun
 };
 
 enum class Quantum : std::uint8_t {
@@ -62,7 +62,8 @@ struct PlacedRoot {
   Vec3 center_m = Vec3::Zero();
   Vec3 mass_center_m = Vec3::Zero();
 };
-/// How far beneath the root sphere the surface is likely to be where bodies meet at level 0: likely gaps are larger by that of both.
+/// How far beneath the root sphere the surface is likely to be where bodies meet at level 0: likely gaps are larger by
+/// that of both.
 double coarsest_lift_m(const Shape& shape);
 /// The contact of level 0: that of the two root spheres, whatever their distance.
 PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
@@ -76,8 +77,8 @@ Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int work
                     LevelProgress& progress);
 
 /// Makes a complete level the pair's own, and finds where the pair rests if it is nearer than the margin.
-void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools, const LevelProgress& progress,
-                   PairLevel& pair, LevelContact& found);
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools,
+                   const LevelProgress& progress, PairLevel& pair, LevelContact& found);
 
 /// A contact as the one place where a pair rests, in the frame of a.
 Patch lone_patch(const PairContact& contact, const Mat3& rotation_a);

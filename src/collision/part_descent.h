@@ -17,14 +17,15 @@ namespace poise::collision {
 /// A shape where it stands, relative to some origin.
 struct StandingShape {
   const Shape* shape = nullptr;
-  Mat3 turn = Mat3::Identity();   ///< body frame to world
-  Vec3 at_m = Vec3::Zero();       ///< centre of mass
+  Mat3 turn = Mat3::Identity();  ///< body frame to world
+  Vec3 at_m = Vec3::Zero();      ///< centre of mass
 
   [[nodiscard]] Vec3 point(const Vec3& body_m) const { return turn * body_m + at_m; }
   [[nodiscard]] bool leaf(NodeIndex node) const { return shape->tree.child_count[node] == 0; }
 };
 
-/// A ball around a part or a node, with the distance of its centre from the centre of mass, which is how far turning can carry it.
+/// A ball around a part or a node, with the distance of its centre from the centre of mass, which is how far turning
+/// can carry it.
 struct BoundingBall {
   Vec3 center_m = Vec3::Zero();
   double radius_m = 0;
@@ -62,11 +63,12 @@ void for_parts(const StandingShape& s, NodeIndex leaf, Visit&& visit) {
   }
 }
 
-/// A descent of two trees together, or of one against a plane, to the parts that may matter, most promising first, in bounded work.
+/// A descent of two trees together, or of one against a plane, to the parts that may matter, most promising first, in
+/// bounded work.
 ///
-/// Measure has: `double of_balls(a, b)` and `double to_plane(a)`, lower bounds of what `of_parts` and `part_to_plane` would say of
-/// anything inside; `void of_parts(a, b)`, `void part_to_plane(a)`, which keep the best; and `double best()`, beyond which nothing
-/// matters. A bound that is not below it is left out.
+/// Measure has: `double of_balls(a, b)` and `double to_plane(a)`, lower bounds of what `of_parts` and `part_to_plane`
+/// would say of anything inside; `void of_parts(a, b)`, `void part_to_plane(a)`, which keep the best; and `double
+/// best()`, beyond which nothing matters. A bound that is not below it is left out.
 class Descent {
  public:
   explicit Descent(std::uint32_t max_visits) : left_(max_visits) {}

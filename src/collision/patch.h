@@ -14,10 +14,10 @@ inline constexpr std::size_t kMaxPatches = 4;
 
 /// One of these places, in the frame of a: surfaces that face each other there and may only slide.
 struct Patch {
-  Vec3 normal = Vec3::UnitZ();   ///< unit, from a to b
-  Vec3 point_m = Vec3::Zero();   ///< in the middle between the two surfaces
-  double gap_m = 0;              ///< of the surfaces along the normal, negative in overlap
-  double surely_m = 0;           ///< >= gap_m; below zero the objects overlap here beyond doubt
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
+  Vec3 point_m = Vec3::Zero();  ///< in the middle between the two surfaces
+  double gap_m = 0;             ///< of the surfaces along the normal, negative in overlap
+  double surely_m = 0;          ///< >= gap_m; below zero the objects overlap here beyond doubt
 };
 
 /// The places of one pair, at most kMaxPatches; none where nothing is nearer than the margin.

@@ -19,7 +19,8 @@ void PatchClusters::Cluster::update() {
 }
 
 double PatchClusters::apart(const Vec3& point_m, const Vec3& normal, const Cluster& cluster) const {
-  return (point_m - cluster.point_m).squaredNorm() * inverse_square_ + (normal - cluster.direction).squaredNorm() * kInverseAngle;
+  return (point_m - cluster.point_m).squaredNorm() * inverse_square_ +
+         (normal - cluster.direction).squaredNorm() * kInverseAngle;
 }
 
 void PatchClusters::add(const NodeContact& contact) {
@@ -38,7 +39,8 @@ void PatchClusters::add(const NodeContact& contact) {
       merge_nearest();
     }
     nearest = &clusters_[count_++];
-    *nearest = {weight * contact.normal, weight * contact.point_m, weight, contact.normal, contact.point_m, contact.gap_m, contact.surely_m};
+    *nearest = {weight * contact.normal, weight * contact.point_m, weight, contact.normal, contact.point_m,
+                contact.gap_m,           contact.surely_m};
     return;
   }
   nearest->normal_m += weight * contact.normal;
@@ -70,7 +72,8 @@ void PatchClusters::merge_nearest() {
   kept.gap_m = std::min(kept.gap_m, gone.gap_m);
   kept.surely_m = std::min(kept.surely_m, gone.surely_m);
   kept.update();
-  std::copy(clusters_.begin() + static_cast<std::ptrdiff_t>(second) + 1, clusters_.begin() + static_cast<std::ptrdiff_t>(count_),
+  std::copy(clusters_.begin() + static_cast<std::ptrdiff_t>(second) + 1,
+            clusters_.begin() + static_cast<std::ptrdiff_t>(count_),
             clusters_.begin() + static_cast<std::ptrdiff_t>(second));
   --count_;
 }

@@ -7,7 +7,8 @@
 namespace poise::collision {
 namespace {
 
-// Of places that span the same but for this share, the one with the least gap is taken, and of those the first in the mesh.
+// Of places that span the same but for this share, the one with the least gap is taken, and of those the first in the
+// mesh.
 constexpr double kClearlyMore = 1e-2;
 // Axes in the plane of contact along which the outermost places are kept when the list is full.
 constexpr std::size_t kAxes = 8;
@@ -96,7 +97,8 @@ void PlaceList::sort_into(double reach_m, Groups& groups) const {
   }
 }
 
-// Of the places that are as deep as the deepest: the one farthest from the middle of all, so that the rest can span from it.
+// Of the places that are as deep as the deepest: the one farthest from the middle of all, so that the rest can span
+// from it.
 std::size_t PlaceList::outermost_of_deepest(const Group& group) const {
   const auto found = [&](std::size_t k) -> const FoundPlace& { return place_[group.member[k]]; };
   Vec3 middle = Vec3::Zero();

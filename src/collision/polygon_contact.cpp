@@ -10,15 +10,17 @@
 namespace poise::collision {
 namespace {
 
-// Triangles of a leaf that are looked at together: as many as a leaf of a well-built tree has, and a bound of a piece's length.
+// Triangles of a leaf that are looked at together: as many as a leaf of a well-built tree has, and a bound of a piece's
+// length.
 constexpr std::uint32_t kBlock = 64;
-// Work of a block in node-pair expansions (docs/method.md): of meeting two leaves, and of their triangles. Later entries of a
-// front are mostly beyond the reach that the first ones leave, so they count one. Measured: 40 to 110 ns a unit so counted.
+// Work of a block in node-pair expansions (docs/method.md): of meeting two leaves, and of their triangles. Later
+// entries of a front are mostly beyond the reach that the first ones leave, so they count one. Measured: 40 to 110 ns a
+// unit so counted.
 constexpr std::uint32_t kUnitsPerBlock = 2;
 constexpr std::uint32_t kTrianglesPerUnit = 8;
 constexpr std::uint32_t kFirstEntries = 64;
-// Share of the smaller radius by which b stands aside, in a direction that no scene is built along: faces and edges that would
-// lie exactly in each other do not, and nothing else can tell.
+// Share of the smaller radius by which b stands aside, in a direction that no scene is built along: faces and edges
+// that would lie exactly in each other do not, and nothing else can tell.
 constexpr double kAside = 1e-9;
 // Leaves are met with this share of both bodies' radii to spare: for standing aside, and for rounding.
 constexpr double kSpare = 4e-9;
@@ -41,7 +43,8 @@ std::span<const std::uint32_t> block_of(std::span<const std::uint32_t> triangles
   return triangles.subspan(begin, std::min<std::size_t>(kBlock, triangles.size() - begin));
 }
 
-// A distance that the two surfaces are not farther apart than: from where the leaves put the contact, to and fro between them.
+// A distance that the two surfaces are not farther apart than: from where the leaves put the contact, to and fro
+// between them.
 double guessed_gap_m(const PolygonProgress& progress, const PairFrame& frame, const Vec3& start) {
   const auto closest = [](const PlacedSurface& on, const Vec3& point) {
     const Vec3 body = on.rotation.transpose() * (point - on.offset_m);
@@ -60,8 +63,10 @@ double guessed_gap_m(const PolygonProgress& progress, const PairFrame& frame, co
   return best;
 }
 
-// Of two leaves that both meet a triangle, the one with the least power owns a point of it. Some leaf holds every point, so the owner does.
-bool owns(const PlacedSurface& placed, const SphereTree& tree, NodeIndex leaf, std::uint32_t triangle, const Vec3& point) {
+// Of two leaves that both meet a triangle, the one with the least power owns a point of it. Some leaf holds every
+// point, so the owner does.
+bool owns(const PlacedSurface& placed, const SphereTree& tree, NodeIndex leaf, std::uint32_t triangle,
+          const Vec3& point) {
   const Vec3 body = placed.rotation.transpose() * (point - placed.offset_m);
   const auto power = [&](NodeIndex node) {
     const Sphere ball = tree.sphere(node);
@@ -80,7 +85,8 @@ struct Ball {
   double radius_m;
 };
 
-// A ball around what two balls have in common; centres `apart` from each other along `toward`, from the first to the second.
+// A ball around what two balls have in common; centres `apart` from each other along `toward`, from the first to the
+// second.
 Ball common_part(const Ball& first, double second_radius_m, const Vec3& toward, double apart) {
   // The circle where they meet lies in a plane so far from the first centre.
   const double to_plane =
@@ -116,10 +122,12 @@ class Block {
     if (apart > ball_a.radius_m + ball_b.radius_m + reach) return;
     // Two points that face each other within reach lie one in each leaf, and each within reach of the other leaf.
     std::array<Boxed, kBlock> a;
-    const std::size_t count_a = near(progress_.on_a, triangles_a, common_part(ball_a, ball_b.radius_m + reach, between, apart), a);
+    const std::size_t count_a =
+        near(progress_.on_a, triangles_a, common_part(ball_a, ball_b.radius_m + reach, between, apart), a);
     if (count_a == 0) return;
     std::array<Boxed, kBlock> b;
-    const std::size_t count_b = near(progress_.on_b, triangles_b, common_part(ball_b, ball_a.radius_m + reach, -between, apart), b);
+    const std::size_t count_b =
+        near(progress_.on_b, triangles_b, common_part(ball_b, ball_a.radius_m + reach, -between, apart), b);
     for (std::size_t i = 0; i < count_a; ++i) {
       const Vec3 low = a[i].low_m.array() - reach;
       const Vec3 high = a[i].high_m.array() + reach;
@@ -149,8 +157,9 @@ class Block {
         const Vec3& corner = progress_.on_a.surface->vertices_m[t.vertex[k]];
         const double gap = frame_.plane_normal.dot(corner) - frame_.plane_height_m;
         if (!(gap < farthest_m())) continue;
-        const FacingFeatures feature{gap, -frame_.plane_normal, corner, corner, t.vertex[k],
-                                     FacingFeatures::Kind::CornerFace, false, false, false};
+        const FacingFeatures feature{
+            gap,  -frame_.plane_normal, corner, corner, t.vertex[k], FacingFeatures::Kind::CornerFace, false, false,
+            false};
         const MetPairs::Answer met = progress_.met.meet(t.vertex[k], 0);
         if (met == MetPairs::Answer::Met) continue;
         if (met == MetPairs::Answer::New || owns(progress_.on_a, frame_.a->tree, entry_.a, triangle, corner)) {
@@ -166,7 +175,9 @@ class Block {
 
  private:
   // Beyond this, nothing counts for anything.
-  [[nodiscard]] double farthest_m() const { return std::max(progress_.reach_m(frame_), progress_.places_reach_m(frame_)); }
+  [[nodiscard]] double farthest_m() const {
+    return std::max(progress_.reach_m(frame_), progress_.places_reach_m(frame_));
+  }
 
   void note(const FacingFeatures& feature, std::uint32_t triangle_a, std::uint32_t triangle_b) {
     if (progress_.rests) note_place(feature, std::uint64_t{triangle_a} << 32U | triangle_b, progress_.places);
@@ -179,7 +190,8 @@ class Block {
     const Vec3 body = on.rotation.transpose() * (ball.center_m - on.offset_m);
     const double radius2 = ball.radius_m * ball.radius_m;
     std::size_t count = 0;
-    // A ball far away is nowhere near, whatever is lost of its place; one nearby loses no more than the surface's own points.
+    // A ball far away is nowhere near, whatever is lost of its place; one nearby loses no more than the surface's own
+    // points.
     const auto x = static_cast<float>(body.x());
     const auto y = static_cast<float>(body.y());
     const auto z = static_cast<float>(body.z());
@@ -197,8 +209,10 @@ class Block {
       Boxed& boxed = out[count++];
       place(on, triangle, boxed.triangle);
       const auto& corner = boxed.triangle.corner_m;
-      boxed.low_m = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).cwiseMax(Vec3(ball.center_m.array() - ball.radius_m));
-      boxed.high_m = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).cwiseMin(Vec3(ball.center_m.array() + ball.radius_m));
+      boxed.low_m =
+          corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).cwiseMax(Vec3(ball.center_m.array() - ball.radius_m));
+      boxed.high_m =
+          corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).cwiseMin(Vec3(ball.center_m.array() + ball.radius_m));
     }
     return count;
   }
@@ -223,11 +237,13 @@ class Block {
     FeatureList features;
     const std::size_t count = facing_features(progress_.on_a, a, progress_.on_b, b, sides, apart, features, beneath_m_);
     for (std::size_t k = 0; k < count; ++k) {
-      if (features[k].gap_m < apart && counts(features[k].point_a_m, features[k].point_b_m)) note(features[k], a.index, b.index);
+      if (features[k].gap_m < apart && counts(features[k].point_a_m, features[k].point_b_m))
+        note(features[k], a.index, b.index);
     }
   }
 
-  void triangle_and_ball(const PlacedSurface& on, const PlacedTriangle& t, const Vec3& center, double radius_m, bool of_b) {
+  void triangle_and_ball(const PlacedSurface& on, const PlacedTriangle& t, const Vec3& center, double radius_m,
+                         bool of_b) {
     const double sign = of_b ? 1.0 : -1.0;
     if (on.surface->solid) {
       const double above = t.normal.dot(center - t.corner_m[0]);
@@ -339,7 +355,8 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(units, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found, PolygonProgress& progress, bool rests) {
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
+                    PolygonProgress& progress, bool rests) {
   progress.reading = pair.front;
   progress.roots = pair.front.none();
   progress.on_a.surface = frame.a->surface.get();
@@ -364,7 +381,8 @@ double PolygonProgress::places_reach_m(const PairFrame& frame) const {
   return collision::places_reach_m(frame, sums.crossed ? 0.0 : std::min(sums.least_gap_m, most_m));
 }
 
-Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress) {
+Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
+                     PolygonProgress& progress) {
   constexpr FrontEntry kRoots[1] = {{0, 0}};
   for (std::uint32_t done = 0; done < units;) {
     FrontSegment segment{0, 1, {}};
@@ -388,11 +406,13 @@ Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, s
   return Quantum::More;
 }
 
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair, LevelContact& found) {
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair,
+                      LevelContact& found) {
   found.contact = finish_polygons(frame, progress.on_a, progress.on_b, progress.sums, found.contact, rotation_a);
   found.patches = {};
   if (progress.rests) {
-    found.patches = patches_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums, found.contact, progress.places);
+    found.patches =
+        patches_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums, found.contact, progress.places);
   }
   ++pair.level;
   pair.apart = !found.contact.present;

@@ -13,8 +13,8 @@
 
 namespace poise::collision {
 
-/// Pairs of numbers that were met before. Invariant: what was once in it stays, so that a pair which is not in it when it is full
-/// never was and never will be.
+/// Pairs of numbers that were met before. Invariant: what was once in it stays, so that a pair which is not in it when
+/// it is full never was and never will be.
 class MetPairs {
  public:
   enum class Answer : std::uint8_t { New, Met, NoRoom };
@@ -31,16 +31,16 @@ class MetPairs {
 
 /// The level of polygons of a pair while it is worked out, by one worker, in bounded pieces. About 32 KB, on the stack.
 struct PolygonProgress {
-  SegmentRef reading;             ///< of the front of leaves
-  bool roots = false;             ///< the front is the two roots
-  std::uint32_t offset = 0;       ///< entries of it that are done
-  std::uint32_t block = 0;        ///< blocks of the entry that are done
-  std::uint32_t place = 0;        ///< of the entry in the whole front
+  SegmentRef reading;        ///< of the front of leaves
+  bool roots = false;        ///< the front is the two roots
+  std::uint32_t offset = 0;  ///< entries of it that are done
+  std::uint32_t block = 0;   ///< blocks of the entry that are done
+  std::uint32_t place = 0;   ///< of the entry in the whole front
   PlacedSurface on_a, on_b;
-  double most_m = 0;              ///< the surfaces are not farther apart than this, or than the margin
+  double most_m = 0;  ///< the surfaces are not farther apart than this, or than the margin
   PolygonSums sums;
   MetPairs met;
-  bool rests = true;              ///< the pair's patches are asked for
+  bool rests = true;  ///< the pair's patches are asked for
   PlaceList places;
 
   /// Beyond this, what faces each other no longer counts for an impact.
@@ -49,21 +49,23 @@ struct PolygonProgress {
   [[nodiscard]] double places_reach_m(const PairFrame& frame) const;
 };
 
-/// Adds the level of polygons to a pair at level 0 whose `deepest` is set, where a shape has a surface and the trees of both end
-/// within `max_level`. b may be a plane.
+/// Adds the level of polygons to a pair at level 0 whose `deepest` is set, where a shape has a surface and the trees of
+/// both end within `max_level`. b may be a plane.
 void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& pair);
 
 /// What the polygons of a front of leaves (none: the two roots) cost, in node-pair expansions; at most 2^32 - 1.
 std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
 
 /// With `rests` false the pair gets no patches, and nothing is done for them.
-void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found, PolygonProgress& progress,
-                    bool rests = true);
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
+                    PolygonProgress& progress, bool rests = true);
 
 /// Goes on for about `units`: at most one block of triangles more. Bounded, allocates nothing. More or Complete.
-Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units, PolygonProgress& progress);
+Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
+                     PolygonProgress& progress);
 
 /// Makes the complete level the pair's own, its patches with it. The front stays that of the leaves.
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair, LevelContact& found);
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair,
+                      LevelContact& found);
 
 }  // namespace poise::collision

@@ -8,8 +8,9 @@
 namespace poise::collision {
 namespace {
 
-// Shares of the smaller body's radius. What is farther than the first beyond the nearest place does not hold the pair yet; what is
-// deeper than the second is looked for along the curve of the crossing. Chosen: what a pair at rest keeps between frames, and its skin.
+// Shares of the smaller body's radius. What is farther than the first beyond the nearest place does not hold the pair
+// yet; what is deeper than the second is looked for along the curve of the crossing. Chosen: what a pair at rest keeps
+// between frames, and its skin.
 constexpr double kReach = 1.5e-2;
 constexpr double kBeneath = 1e-2;
 // Of a deep overlap: how much deeper than the impact's answer a corner may lie, and the deepest that is told at all.
@@ -53,7 +54,8 @@ FewTriangles triangles_at_crossing(const PlacedSurface& on, const PolygonSums& s
 }
 
 // Looks for features as deep as `beneath_m` among the triangles where the surfaces cross.
-void look_deeper(const PlacedSurface& on_a, const PlacedSurface& on_b, const PolygonSums& sums, double beneath_m, PlaceList& places) {
+void look_deeper(const PlacedSurface& on_a, const PlacedSurface& on_b, const PolygonSums& sums, double beneath_m,
+                 PlaceList& places) {
   const FewTriangles of_a = triangles_at_crossing(on_a, sums, true);
   const FewTriangles of_b = triangles_at_crossing(on_b, sums, false);
   std::array<PlacedTriangle, kAgain> b;
@@ -88,13 +90,14 @@ double places_beneath_m(const PairFrame& frame) { return kBeneath * size_m(frame
 
 void note_place(const FacingFeatures& feature, std::uint64_t order, PlaceList& places) {
   std::uint64_t corner = FoundPlace::kNoCorner;
-  if (feature.corner != FacingFeatures::kNoCorner) corner = std::uint64_t{feature.corner} << 1U | (feature.corner_of_b ? 1U : 0U);
+  if (feature.corner != FacingFeatures::kNoCorner)
+    corner = std::uint64_t{feature.corner} << 1U | (feature.corner_of_b ? 1U : 0U);
   places.add({feature.normal, 0.5 * (feature.point_a_m + feature.point_b_m), feature.gap_m, order, corner,
               static_cast<std::uint32_t>(feature.kind), feature.in_groove});
 }
 
-PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const PlacedSurface& on_a, const PlacedSurface& on_b,
-                    const PolygonSums& sums, const PairContact& contact, PlaceList& places) {
+PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const PlacedSurface& on_a,
+                    const PlacedSurface& on_b, const PolygonSums& sums, const PairContact& contact, PlaceList& places) {
   if (!contact.present) return {};
   const double size = size_m(frame);
   const double depth = -contact.likely_m;
@@ -104,13 +107,14 @@ PatchSet patches_of(const PairFrame& frame, const Mat3& rotation_a, const Placed
   }
   const double length = contact.direction.norm();
   const Vec3 normal = length > 0 ? Vec3(rotation_a.transpose() * contact.direction / length) : Vec3(Vec3::UnitZ());
-  // The impact's answer takes the place of features that were not found. Where places overlap in other directions too, its depth
-  // along the mean of them says nothing; nor does it in a shallow overlap, where a normal that leans a little makes much of it.
+  // The impact's answer takes the place of features that were not found. Where places overlap in other directions too,
+  // its depth along the mean of them says nothing; nor does it in a shallow overlap, where a normal that leans a little
+  // makes much of it.
   const bool found = places.count() > 0 && (depth <= 0 || places.least_gap_m() < 0);
   const bool too_shallow = deep && places.least_gap_m() > -kExplained * depth && places.overlaps_only_along(normal);
   if (!found || too_shallow) {
-    places.add({normal, rotation_a.transpose() * contact.arm_m, contact.likely_m, FoundPlace::kNoCorner, FoundPlace::kNoCorner,
-                static_cast<std::uint32_t>(FacingFeatures::Kind::Other) + 1, false});
+    places.add({normal, rotation_a.transpose() * contact.arm_m, contact.likely_m, FoundPlace::kNoCorner,
+                FoundPlace::kNoCorner, static_cast<std::uint32_t>(FacingFeatures::Kind::Other) + 1, false});
   }
   return places.choose(std::max(places_reach_m(frame, places.least_gap_m()), places.least_gap_m() + 1e-6 * size));
 }

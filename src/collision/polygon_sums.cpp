@@ -8,8 +8,9 @@
 namespace poise::collision {
 namespace {
 
-// Share of the smaller body's radius by which a gap must be larger to weigh half. Chosen: as fine as a touch is told apart
-// in docs/method.md (1e-4 of the size), so that two corners count together only where nothing could say which is first.
+// Share of the smaller body's radius by which a gap must be larger to weigh half. Chosen: as fine as a touch is told
+// apart in docs/method.md (1e-4 of the size), so that two corners count together only where nothing could say which is
+// first.
 constexpr double kSoftness = 1e-4;
 // Twenty halvings: what weighs a millionth is left out.
 constexpr double kHalvings = 20;
@@ -21,14 +22,16 @@ constexpr double kOpen = 1e-6;
 constexpr double kOpposed = 1e-3;
 constexpr int kClimbingSteps = 32;
 constexpr std::size_t kClimbs = 2;
-// Of the faces at a crossing: how many are looked at, how near their normals must be to the gradient's (the cosine), from where
-// on two are one, and what share of the gradient's depth theirs must be below. Chosen: round surfaces keep the gradient.
+// Of the faces at a crossing: how many are looked at, how near their normals must be to the gradient's (the cosine),
+// from where on two are one, and what share of the gradient's depth theirs must be below. Chosen: round surfaces keep
+// the gradient.
 constexpr std::size_t kFaces = 6;
 constexpr double kLikely = 0.9;
 constexpr double kSameFace = 1e-6;
 constexpr double kFarSooner = 0.7;
 
-// 2^-x for x >= 0, to 1e-8: products and sums alone, the same bits on every machine, which exp of a library does not promise.
+// 2^-x for x >= 0, to 1e-8: products and sums alone, the same bits on every machine, which exp of a library does not
+// promise.
 double halved(double x) {
   const double whole = std::floor(x);
   if (whole > 60) return 0;
@@ -57,7 +60,8 @@ PairContact contact_of(const PairFrame& frame, const Answer& answer, const Mat3&
   return contact;
 }
 
-// The leaves' answer with a gap that polygons know; where there are no leaves' (trees of one node), the line of the centres.
+// The leaves' answer with a gap that polygons know; where there are no leaves' (trees of one node), the line of the
+// centres.
 PairContact by_leaves(const PairFrame& frame, const PairContact& leaves, double gap_m, const Mat3& rotation_a) {
   PairContact contact = leaves;
   if (!leaves.present) {
@@ -111,7 +115,8 @@ double highest_inside(const PlacedSurface& placed, const PlacedSurface& other, c
 }
 
 // Extent of the overlap along the normal: of the curve, and of the corners of each body beneath it.
-double overlap_depth_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const PolygonSums& sums, const Vec3& normal) {
+double overlap_depth_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const PolygonSums& sums,
+                       const Vec3& normal) {
   const std::span<const KeptSegment> kept =
       std::span(sums.kept).first(std::min<std::size_t>(sums.segments, PolygonSums::kKeptSegments));
   double top = -std::numeric_limits<double>::infinity();
@@ -128,14 +133,16 @@ double overlap_depth_m(const PlacedSurface& on_a, const PlacedSurface& on_b, con
   return high - low;
 }
 
-// Along a normal that leans a little, a face that lies flat seems to overlap by its width. The faces at the crossing are
-// candidates of their own: the one out of which the other body's corner comes soonest, if by far sooner than `depth_m`.
+// Along a normal that leans a little, a face that lies flat seems to overlap by its width. The faces at the crossing
+// are candidates of their own: the one out of which the other body's corner comes soonest, if by far sooner than
+// `depth_m`.
 struct WayOut {
   Vec3 direction;
   double depth_m;
 };
 
-// How deep `other` lies beneath a face of `placed`: of the corners of one of its triangles, and down along its edges from there.
+// How deep `other` lies beneath a face of `placed`: of the corners of one of its triangles, and down along its edges
+// from there.
 double depth_beneath_m(const PlacedSurface& other, std::uint32_t triangle, const Vec3& normal, const Vec3& on_face) {
   const auto depth = [&](std::uint32_t v) { return normal.dot(on_face - other.point(other.surface->vertices_m[v])); };
   std::uint32_t vertex = other.surface->triangles[triangle].vertex[0];
@@ -153,14 +160,15 @@ double depth_beneath_m(const PlacedSurface& other, std::uint32_t triangle, const
   return depth(vertex);
 }
 
-WayOut shortest_way_out(const PlacedSurface& on_a, const PlacedSurface& on_b, const PolygonSums& sums, const WayOut& first) {
+WayOut shortest_way_out(const PlacedSurface& on_a, const PlacedSurface& on_b, const PolygonSums& sums,
+                        const WayOut& first) {
   WayOut best = first;
   best.depth_m *= kFarSooner;
   bool found = false;
   std::array<Vec3, kFaces> seen;
   std::size_t count = 0;
-  const auto look_at = [&](const PlacedSurface& placed, std::uint32_t face, const PlacedSurface& other, std::uint32_t triangle,
-                           double sign) {
+  const auto look_at = [&](const PlacedSurface& placed, std::uint32_t face, const PlacedSurface& other,
+                           std::uint32_t triangle, double sign) {
     const ShapeSurface::Triangle& t = placed.surface->triangles[face];
     const Vec3 normal = placed.rotation * t.normal;
     const Vec3 direction = sign * normal;
@@ -169,7 +177,8 @@ WayOut shortest_way_out(const PlacedSurface& on_a, const PlacedSurface& on_b, co
       if (seen[i].dot(direction) > 1 - kSameFace) return;
     }
     seen[count++] = direction;
-    const double depth = depth_beneath_m(other, triangle, normal, placed.point(placed.surface->vertices_m[t.vertex[0]]));
+    const double depth =
+        depth_beneath_m(other, triangle, normal, placed.point(placed.surface->vertices_m[t.vertex[0]]));
     if (depth >= best.depth_m) return;
     best = {direction, std::max(depth, 0.0)};
     found = true;
@@ -216,7 +225,8 @@ PairContact finish_crossing(const PairFrame& frame, const PlacedSurface& on_a, c
   if (solids) way = shortest_way_out(on_a, on_b, sums, way);
   if (way.direction != answer.direction) {
     // The line of action keeps its place.
-    const Vec3 on_line = answer.direction.cross(answer.moment_m) + answer.place_m.dot(answer.direction) * answer.direction;
+    const Vec3 on_line =
+        answer.direction.cross(answer.moment_m) + answer.place_m.dot(answer.direction) * answer.direction;
     answer.direction = way.direction;
     answer.moment_m = on_line.cross(way.direction);
   }
@@ -264,7 +274,8 @@ void add_feature(const FacingFeatures& feature, PolygonSums& sums) {
   sums.place_m += weight * point;
 }
 
-void add_segment(const CrossingSegment& segment, std::uint32_t triangle_a, std::uint32_t triangle_b, PolygonSums& sums) {
+void add_segment(const CrossingSegment& segment, std::uint32_t triangle_a, std::uint32_t triangle_b,
+                 PolygonSums& sums) {
   if (!sums.crossed) sums.reference_m = segment.from_m;
   sums.crossed = true;
   const Vec3 from = segment.from_m - sums.reference_m;

@@ -7,12 +7,14 @@
 namespace poise::collision {
 namespace {
 
-// How far, as a sine, a direction may lean out of a cone of normals: rounding alone would drop a face that lies on an edge.
+// How far, as a sine, a direction may lean out of a cone of normals: rounding alone would drop a face that lies on an
+// edge.
 constexpr double kLean = 1e-7;
-// The same for places to rest on: faces that lie on each other may lean by this and still have their rims crossed. Chosen.
+// The same for places to rest on: faces that lie on each other may lean by this and still have their rims crossed.
+// Chosen.
 constexpr double kRestingLean = 0.1;
-// Sine of the angle under which two edges count as parallel; their ends speak for them. Where the direction square to both is let
-// lean it must not be rounding alone that it comes from.
+// Sine of the angle under which two edges count as parallel; their ends speak for them. Where the direction square to
+// both is let lean it must not be rounding alone that it comes from.
 constexpr double kParallel = 1e-6;
 constexpr double kRestingParallel = 1e-4;
 // Two points nearer than this share of their coordinates have no direction between them.
@@ -21,8 +23,8 @@ constexpr double kCoinciding = 1e-13;
 // A side of a triangle with what lies on its other side.
 struct Side {
   Vec3 from_m, along;
-  Vec3 into, into_beyond;   // in each face, square to the side, away from it; zero where there is no second face
-  Vec3 outward;             // sum of the normals
+  Vec3 into, into_beyond;  // in each face, square to the side, away from it; zero where there is no second face
+  Vec3 outward;            // sum of the normals
   double length_m;
 };
 
@@ -77,8 +79,8 @@ std::uint32_t vertex_of(const PlacedSurface& on, const PlacedTriangle& t, std::s
 // What the search for facing features writes to; swapped where b's features are looked at from b.
 class Finder {
  public:
-  Finder(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b, const PlacedTriangle& b, double reach_m,
-         FeatureList& out, double beneath_m)
+  Finder(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b, const PlacedTriangle& b,
+         double reach_m, FeatureList& out, double beneath_m)
       : on_a_(on_a), a_(a), on_b_(on_b), b_(b), reach_m_(reach_m), beneath_m_(beneath_m), out_(out) {}
 
   void corners_over_faces(const PlaneSides& sides) {
@@ -160,13 +162,16 @@ class Finder {
     face_each_other(side * face.normal, -height, !over);
   }
 
-  // Is a point that is `beneath_m` under a face past its rim only where the surface turns up, and no farther than it is deep?
-  static bool past_groove(const PlacedSurface& on, const PlacedTriangle& t, const Vec3& point_m, double beneath_m, double up) {
+  // Is a point that is `beneath_m` under a face past its rim only where the surface turns up, and no farther than it is
+  // deep?
+  static bool past_groove(const PlacedSurface& on, const PlacedTriangle& t, const Vec3& point_m, double beneath_m,
+                          double up) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Side side = side_of(on, t, k);
       const double past = -side.into.dot(point_m - side.from_m);
       if (past <= 0) continue;
-      if (past > 2 * beneath_m * side.length_m || !(up * t.normal.dot(side.into_beyond) > kLean * side.length_m)) return false;
+      if (past > 2 * beneath_m * side.length_m || !(up * t.normal.dot(side.into_beyond) > kLean * side.length_m))
+        return false;
     }
     return true;
   }
@@ -201,8 +206,8 @@ class Finder {
     add(gap, normal, point_a, point_b, Kind::Edges).resting = !touching;
   }
 
-  void corner_at_edge(const PlacedSurface& on_corner, const PlacedTriangle& corner, std::size_t k, const PlacedSurface& on_edge,
-                      const Side& side, double sign) {
+  void corner_at_edge(const PlacedSurface& on_corner, const PlacedTriangle& corner, std::size_t k,
+                      const PlacedSurface& on_edge, const Side& side, double sign) {
     const Vec3& point = corner.corner_m[k];
     const double share = (point - side.from_m).dot(side.along);
     if (!(share > 0 && share < side.length_m * side.length_m)) return;
@@ -224,7 +229,8 @@ class Finder {
     if (gap > reach_m_) return;
     const std::uint32_t vertex_a = vertex_of(on_a_, a_, k);
     const std::uint32_t vertex_b = vertex_of(on_b_, b_, m);
-    const Vec3 normal = direction(between, gap, a_.corner_m[k], on_a_.rotation * on_a_.surface->vertex_normal[vertex_a]);
+    const Vec3 normal =
+        direction(between, gap, a_.corner_m[k], on_a_.rotation * on_a_.surface->vertex_normal[vertex_a]);
     if (!leaves(on_a_, vertex_a, normal) || !leaves(on_b_, vertex_b, -normal)) return;
     if (!in_cone(on_a_, vertex_a, normal) || !in_cone(on_b_, vertex_b, -normal)) return;
     add(gap, normal, a_.corner_m[k], b_.corner_m[m], Kind::Other);
@@ -247,7 +253,8 @@ class Finder {
 
 // On which side of the line (p, q) the line (r, s) passes: the sign of the volume of the four points, zero counting as
 // positive. Each line is run through from its lower vertex, so that both triangles at a side get the same number.
-bool passes_left(const PlacedTriangle& a, std::size_t k, bool turn_a, const PlacedTriangle& b, std::size_t m, bool turn_b) {
+bool passes_left(const PlacedTriangle& a, std::size_t k, bool turn_a, const PlacedTriangle& b, std::size_t m,
+                 bool turn_b) {
   const Vec3& p = a.corner_m[turn_a ? (k + 1) % 3 : k];
   const Vec3& q = a.corner_m[turn_a ? k : (k + 1) % 3];
   const Vec3& r = b.corner_m[turn_b ? (m + 1) % 3 : m];
@@ -321,9 +328,11 @@ std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedT
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = (k + 1) % 3;
     const bool through_a = left[k][0] == left[k][1] && left[k][1] == left[k][2];
-    if (through_a && (sides.a_above_b[k] >= 0) != (sides.a_above_b[next] >= 0)) pierce(a, k, turn_a[k], sides.a_above_b);
+    if (through_a && (sides.a_above_b[k] >= 0) != (sides.a_above_b[next] >= 0))
+      pierce(a, k, turn_a[k], sides.a_above_b);
     const bool through_b = left[0][k] == left[1][k] && left[1][k] == left[2][k];
-    if (through_b && (sides.b_above_a[k] >= 0) != (sides.b_above_a[next] >= 0)) pierce(b, k, turn_b[k], sides.b_above_a);
+    if (through_b && (sides.b_above_a[k] >= 0) != (sides.b_above_a[next] >= 0))
+      pierce(b, k, turn_b[k], sides.b_above_a);
   }
   if (count < 2) return std::nullopt;
   // More than two ends come from rounding alone; the two farthest apart stand for them.
@@ -351,14 +360,16 @@ std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, 
   return finder.count();
 }
 
-std::size_t features_facing_point(const PlacedSurface& on_a, const PlacedTriangle& a, const Vec3& point_m, double reach_m,
-                                  FeatureList& out) {
+std::size_t features_facing_point(const PlacedSurface& on_a, const PlacedTriangle& a, const Vec3& point_m,
+                                  double reach_m, FeatureList& out) {
   std::size_t count = 0;
   const auto add = [&](double gap, const Vec3& normal, const Vec3& at) {
-    out[count++] = {gap, normal, at, point_m, FacingFeatures::kNoCorner, FacingFeatures::Kind::Other, false, false, false};
+    out[count++] = {gap,   normal, at,   point_m, FacingFeatures::kNoCorner, FacingFeatures::Kind::Other,
+                    false, false,  false};
   };
   const double above = a.normal.dot(point_m - a.corner_m[0]);
-  if (!a.normal.isZero(0) && std::abs(above) <= reach_m && !(on_a.surface->solid && above < 0) && over_face(a, point_m)) {
+  if (!a.normal.isZero(0) && std::abs(above) <= reach_m && !(on_a.surface->solid && above < 0) &&
+      over_face(a, point_m)) {
     add(std::abs(above), above < 0 ? Vec3(-a.normal) : a.normal, point_m - above * a.normal);
   }
   for (std::size_t k = 0; k < 3; ++k) {

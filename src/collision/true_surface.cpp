@@ -111,7 +111,8 @@ TrueSurface::TrueSurface(const TriangleMesh& mesh, Solidity solidity) : kind_(Ki
 TrueSurface::TrueSurface(std::span<const Sphere> balls)
     : kind_(Kind::Balls), balls_m_(balls.begin(), balls.end()), tree_(balls_m_) {}
 
-TrueSurface::TrueSurface(const Vec3& normal, double offset_m) : kind_(Kind::Plane), normal_(normal), offset_m_(offset_m) {}
+TrueSurface::TrueSurface(const Vec3& normal, double offset_m)
+    : kind_(Kind::Plane), normal_(normal), offset_m_(offset_m) {}
 
 bool TrueSurface::blocks(const Vec3& from, const Vec3& to) const {
   if (kind_ == Kind::Plane) return (normal_.dot(from) > offset_m_) != (normal_.dot(to) > offset_m_);

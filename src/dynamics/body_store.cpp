@@ -12,8 +12,9 @@ BodyId BodyStore::add() {
   std::uint32_t slot = 0;
   if (free_.empty()) {
     slot = static_cast<std::uint32_t>(alive.size());
-    for (auto* column : {&x_m, &y_m, &z_m, &qx, &qy, &qz, &vx_mps, &vy_mps, &vz_mps, &wx_radps, &wy_radps, &wz_radps,
-                         &fx_n, &fy_n, &fz_n, &tx_nm, &ty_nm, &tz_nm, &mass_kg, &inverse_mass}) {
+    for (auto* column :
+         {&x_m,      &y_m,      &z_m,  &qx,   &qy,   &qz,    &vx_mps, &vy_mps, &vz_mps,  &wx_radps,
+          &wy_radps, &wz_radps, &fx_n, &fy_n, &fz_n, &tx_nm, &ty_nm,  &tz_nm,  &mass_kg, &inverse_mass}) {
       column->push_back(0);
     }
     qw.push_back(1);

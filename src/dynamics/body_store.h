@@ -20,19 +20,19 @@ struct BodyStore {
   std::vector<double> qw, qx, qy, qz;
   std::vector<double> vx_mps, vy_mps, vz_mps;
   std::vector<double> wx_radps, wy_radps, wz_radps;
-  std::vector<double> fx_n, fy_n, fz_n;        ///< applied for the next step
-  std::vector<double> tx_nm, ty_nm, tz_nm;     ///< applied for the next step, about the centre of mass
-  std::vector<double> mass_kg, inverse_mass;   ///< 0 for static bodies; the inverse alone for those asleep
-  std::vector<Vec3> principal_kgm2;            ///< moments in the principal frame; 0 for static bodies
+  std::vector<double> fx_n, fy_n, fz_n;       ///< applied for the next step
+  std::vector<double> tx_nm, ty_nm, tz_nm;    ///< applied for the next step, about the centre of mass
+  std::vector<double> mass_kg, inverse_mass;  ///< 0 for static bodies; the inverse alone for those asleep
+  std::vector<Vec3> principal_kgm2;           ///< moments in the principal frame; 0 for static bodies
   std::vector<ShapePtr> shape;
   std::vector<std::uint32_t> material;
   std::vector<std::uint32_t> group, collides_with;
   std::vector<double> importance;
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
-  std::vector<std::uint8_t> dynamic;           ///< alive, not static and awake
-  std::vector<std::uint8_t> asleep;            ///< alive, not static and counted as static for now
-  std::vector<std::uint8_t> pushed;            ///< a force or torque waits
+  std::vector<std::uint8_t> dynamic;  ///< alive, not static and awake
+  std::vector<std::uint8_t> asleep;   ///< alive, not static and counted as static for now
+  std::vector<std::uint8_t> pushed;   ///< a force or torque waits
 
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }

@@ -9,8 +9,9 @@ namespace {
 
 // Angle per part of the midpoint rule. At 0.05 rad the asymmetric top of the tests flips within 0.1 % of its time.
 constexpr double kAnglePerPartRad = 0.05;
-// Bounds the cost of a body that spins absurdly fast: from 3 rad a step on the angle of a part grows, to one radian where
-// Newton's method still converges. Beyond 500 rad a step momentum still holds and energy stays within what the moments allow.
+// Bounds the cost of a body that spins absurdly fast: from 3 rad a step on the angle of a part grows, to one radian
+// where Newton's method still converges. Beyond 500 rad a step momentum still holds and energy stays within what the
+// moments allow.
 constexpr double kMaxFineParts = 64;
 constexpr double kMaxParts = 512;
 

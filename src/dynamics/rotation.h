@@ -13,14 +13,14 @@ struct Rotation {
 
 /// Turns a body freely for `time_s`: no torque, principal moments `moments_kgm2` (all > 0).
 ///
-/// Implicit midpoint in the body frame with the Cayley map for the orientation, in as many parts as the spin asks for. It
-/// keeps energy and the angular momentum vector to rounding (quadratic invariants of the midpoint rule; the Cayley
+/// Implicit midpoint in the body frame with the Cayley map for the orientation, in as many parts as the spin asks for.
+/// It keeps energy and the angular momentum vector to rounding (quadratic invariants of the midpoint rule; the Cayley
 /// map of the same midpoint spin carries the momentum along: e.g. Hairer, Lubich and Wanner, Geometric Numerical
 /// Integration, VII.5), for any step. Equal moments turn by the exact exponential. Any thread.
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s);
 
-/// Turns a body by `turn` (world) without a torque or time: the angular momentum vector stays, so the spin follows; where that would take energy, the
-/// energy stays and the momentum only its direction.
+/// Turns a body by `turn` (world) without a torque or time: the angular momentum vector stays, so the spin follows;
+/// where that would take energy, the energy stays and the momentum only its direction.
 Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn);
 
 /// The rotation by a vector (axis times angle, rad) as a unit quaternion.

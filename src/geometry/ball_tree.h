@@ -9,8 +9,8 @@
 
 namespace poise::geometry {
 
-/// A binary tree of bounding balls over any balls. Invariant: the ball of a node holds all balls below it, each ball is below
-/// exactly one leaf. Immutable once made; any thread may read.
+/// A binary tree of bounding balls over any balls. Invariant: the ball of a node holds all balls below it, each ball is
+/// below exactly one leaf. Immutable once made; any thread may read.
 class BallTree {
  public:
   struct Node {
@@ -30,7 +30,8 @@ class BallTree {
   /// Place -> index of a ball.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
 
-  /// Calls visit(index of a ball) for the balls near a segment, a superset of those that meet it, until it returns true.
+  /// Calls visit(index of a ball) for the balls near a segment, a superset of those that meet it, until it returns
+  /// true.
   template <class Visit>
   bool any_along(const Vec3& from, const Vec3& to, Visit&& visit) const;
 

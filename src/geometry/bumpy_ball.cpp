@@ -16,7 +16,8 @@ using Index = std::uint32_t;
 
 /// Distance of the surface from the middle in a direction, from 0.25 to 0.5 m: horns where the three waves agree.
 double reach_m(const Vec3& direction) {
-  const double waves = std::sin(5 * direction.x() + 0.4) + std::sin(4 * direction.y() + 1.1) + std::sin(6 * direction.z() + 2.3);
+  const double waves =
+      std::sin(5 * direction.x() + 0.4) + std::sin(4 * direction.y() + 1.1) + std::sin(6 * direction.z() + 2.3);
   return 0.375 + 0.125 / 3 * waves;
 }
 
@@ -27,9 +28,21 @@ struct Icosahedron {
 
 Icosahedron icosahedron() {
   const double g = std::numbers::phi;
-  return {{{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}}},
-          {{{0, 11, 5}, {0, 5, 1}, {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-            {3, 9, 4},  {3, 4, 2}, {3, 2, 6},  {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}}};
+  return {{{{-1, g, 0},
+            {1, g, 0},
+            {-1, -g, 0},
+            {1, -g, 0},
+            {0, -1, g},
+            {0, 1, g},
+            {0, -1, -g},
+            {0, 1, -g},
+            {g, 0, -1},
+            {g, 0, 1},
+            {-g, 0, -1},
+            {-g, 0, 1}}},
+          {{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+            {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+            {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}}};
 }
 
 /// Makes each vertex of the cut faces once: those of an edge are shared by two faces, those of a corner by five.
@@ -83,7 +96,8 @@ class Cutter {
   [[nodiscard]] Vec3 inner(const std::array<Index, 3>& face, Index r, Index i) const {
     const double to_c = static_cast<double>(i) / parts_;
     const double to_b = static_cast<double>(r - i) / parts_;
-    return (1 - to_b - to_c) * solid_.corners[face[0]] + to_b * solid_.corners[face[1]] + to_c * solid_.corners[face[2]];
+    return (1 - to_b - to_c) * solid_.corners[face[0]] + to_b * solid_.corners[face[1]] +
+           to_c * solid_.corners[face[2]];
   }
 
   Index parts_;
@@ -95,7 +109,8 @@ class Cutter {
 }  // namespace
 
 Result<TriangleMesh> bumpy_ball(std::size_t triangles) {
-  if (triangles < 1 || triangles > 20000000) return bad_input(fmt::format("triangles = {}, must be from 1 to 20000000", triangles));
+  if (triangles < 1 || triangles > 20000000)
+    return bad_input(fmt::format("triangles = {}, must be from 1 to 20000000", triangles));
   Index parts = 1;
   while (std::size_t{20} * parts * parts < triangles) ++parts;
   return Cutter(parts).cut();

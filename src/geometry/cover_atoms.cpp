@@ -29,7 +29,8 @@ CoverAtoms::CoverAtoms(const SolidAtoms& atoms, const CoverFrame& frame) : begin
 
 float CoverAtoms::reach_from(std::uint32_t atom, const Vec3f& place) const {
   float largest = 0;
-  for (std::size_t i = begin[atom]; i < begin[atom + 1]; ++i) largest = std::max(largest, (points[i] - place).squaredNorm());
+  for (std::size_t i = begin[atom]; i < begin[atom + 1]; ++i)
+    largest = std::max(largest, (points[i] - place).squaredNorm());
   return std::sqrt(largest);
 }
 
@@ -59,7 +60,8 @@ float AtomSet::radius_about(const CoverAtoms& atoms, const Vec3f& center, float 
   // Some point of an atom is at least this far: its middle is within its reach of all of them.
   const float sure = std::sqrt(most) - largest_reach_;
   if (sure > limit) return sure;
-  const auto farthest = static_cast<std::size_t>(std::find(distances_.begin(), distances_.end(), most) - distances_.begin());
+  const auto farthest =
+      static_cast<std::size_t>(std::find(distances_.begin(), distances_.end(), most) - distances_.begin());
   float radius = atoms.reach_from(ids_[farthest], center) + kRounding;
   if (radius > limit) return radius;
   float least = std::max(0.0F, radius - largest_reach_);

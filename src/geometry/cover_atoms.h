@@ -10,8 +10,8 @@
 
 namespace poise::geometry {
 
-/// The frame in which trees are built: the middle of the box is the origin, its diagonal the unit. Single precision is then
-/// good to 1e-7 of the diagonal; what must be exact is reckoned in double from the atoms' own points.
+/// The frame in which trees are built: the middle of the box is the origin, its diagonal the unit. Single precision is
+/// then good to 1e-7 of the diagonal; what must be exact is reckoned in double from the atoms' own points.
 struct CoverFrame {
   Vec3 middle_m = Vec3::Zero();
   double diagonal_m = 1;
@@ -20,11 +20,12 @@ struct CoverFrame {
   [[nodiscard]] Vec3 from(const Vec3f& point) const { return middle_m + diagonal_m * point.cast<double>(); }
 };
 
-/// Atoms as the search sees them, in single precision, each with a ball about the middle of its box. Immutable once made.
+/// Atoms as the search sees them, in single precision, each with a ball about the middle of its box. Immutable once
+/// made.
 struct CoverAtoms {
   PointList middles;
-  std::vector<float> reach;         ///< from the middle to the farthest point
-  std::vector<std::size_t> begin;   ///< first point of each atom, then the number of points
+  std::vector<float> reach;        ///< from the middle to the farthest point
+  std::vector<std::size_t> begin;  ///< first point of each atom, then the number of points
   std::vector<Vec3f> points;
 
   CoverAtoms() = default;
@@ -41,8 +42,8 @@ class AtomSet {
   // Invariant: middles_, reach_ and ids_ are as long as each other, distances_ at least that long.
  public:
   void gather(const CoverAtoms& atoms, const std::vector<std::uint32_t>& ids);
-  /// Radius of the ball about `center` that holds them all, a little more than rounding; once it is sure to be above `limit`, a
-  /// number above the limit. 0 for no atom.
+  /// Radius of the ball about `center` that holds them all, a little more than rounding; once it is sure to be above
+  /// `limit`, a number above the limit. 0 for no atom.
   [[nodiscard]] float radius_about(const CoverAtoms& atoms, const Vec3f& center, float limit);
 
  private:

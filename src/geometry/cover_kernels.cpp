@@ -13,10 +13,11 @@ HWY_BEFORE_NAMESPACE();
 namespace poise::geometry::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next. Sums
-// are of whole numbers, so their order does not matter.
+// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
+// Sums are of whole numbers, so their order does not matter.
 template <class D>
-HWY_INLINE hn::Vec<D> squares(D d, const PointList& points, std::size_t i, const hn::Vec<D>& cx, const hn::Vec<D>& cy, const hn::Vec<D>& cz) {
+HWY_INLINE hn::Vec<D> squares(D d, const PointList& points, std::size_t i, const hn::Vec<D>& cx, const hn::Vec<D>& cy,
+                              const hn::Vec<D>& cz) {
   const auto dx = hn::Sub(hn::LoadU(d, points.x.data() + i), cx);
   const auto dy = hn::Sub(hn::LoadU(d, points.y.data() + i), cy);
   const auto dz = hn::Sub(hn::LoadU(d, points.z.data() + i), cz);
@@ -74,7 +75,8 @@ std::int32_t weight(const PointList& points, const std::int32_t* weights, const 
   return total;
 }
 
-std::int32_t weight_of_balls(const PointList& points, const float* reach, const std::int32_t* weights, const float* c, float radius) {
+std::int32_t weight_of_balls(const PointList& points, const float* reach, const std::int32_t* weights, const float* c,
+                             float radius) {
   const hn::ScalableTag<float> d;
   const hn::RebindToSigned<decltype(d)> di;
   const std::size_t n = points.size();
@@ -113,12 +115,13 @@ float squared_distances(const PointList& points, const Vec3f& center, float* out
   return HWY_DYNAMIC_DISPATCH(distances)(points, center.data(), out);
 }
 
-std::int32_t weight_within(const PointList& points, const std::vector<std::int32_t>& weights, const Vec3f& center, float radius) {
+std::int32_t weight_within(const PointList& points, const std::vector<std::int32_t>& weights, const Vec3f& center,
+                           float radius) {
   return HWY_DYNAMIC_DISPATCH(weight)(points, weights.data(), center.data(), radius);
 }
 
-std::int32_t weight_of_balls_within(const PointList& points, const std::vector<float>& reach, const std::vector<std::int32_t>& weights,
-                                    const Vec3f& center, float radius) {
+std::int32_t weight_of_balls_within(const PointList& points, const std::vector<float>& reach,
+                                    const std::vector<std::int32_t>& weights, const Vec3f& center, float radius) {
   return HWY_DYNAMIC_DISPATCH(weight_of_balls)(points, reach.data(), weights.data(), center.data(), radius);
 }
 

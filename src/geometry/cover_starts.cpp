@@ -19,17 +19,20 @@ constexpr double kNextLargest = 3;
 constexpr float kShellFactor = 1.5F;
 
 /// How well a level would do: what stands out of it, and what would stand out of the level below it.
-double value_of(const CoverScene& scene, const CoverAtoms& atoms, const std::vector<CoverBall>& balls, const LevelScore& score) {
+double value_of(const CoverScene& scene, const CoverAtoms& atoms, const std::vector<CoverBall>& balls,
+                const LevelScore& score) {
   double largest = 0;
   double sum = 0;
   for (const CoverBall& ball : balls) {
     if (ball.own.empty()) continue;
-    const GreedyCover below = cover_greedily(atoms, ball.own, scene.places, ball.center, ball.radius, scene.bvh, scene.frame, scene.seed, kLookahead);
+    const GreedyCover below = cover_greedily(atoms, ball.own, scene.places, ball.center, ball.radius, scene.bvh,
+                                             scene.frame, scene.seed, kLookahead);
     largest = std::max(largest, static_cast<double>(below.stand_off));
     sum += static_cast<double>(below.stand_off) * static_cast<double>(ball.own.size());
   }
   const auto log = [](double x) { return std::log(std::max(x, 1e-12)); };
-  return log(score.largest) + log(score.volume) + kNextLargest * log(largest) + log(sum / static_cast<double>(atoms.size()));
+  return log(score.largest) + log(score.volume) + kNextLargest * log(largest) +
+         log(sum / static_cast<double>(atoms.size()));
 }
 
 }  // namespace
@@ -47,8 +50,9 @@ std::vector<CoverBall> balls_of(const GreedyCover& cover, std::uint32_t parent) 
   return balls;
 }
 
-std::vector<CoverBall> find_start(const CoverScene& scene, const CoverAtoms& atoms, const CoverParent& root, const StartSettings& settings,
-                                  parallel::Executor& executor, const std::function<bool()>& keep_going) {
+std::vector<CoverBall> find_start(const CoverScene& scene, const CoverAtoms& atoms, const CoverParent& root,
+                                  const StartSettings& settings, parallel::Executor& executor,
+                                  const std::function<bool()>& keep_going) {
   struct Try {
     GreedyCover cover;
     std::vector<CoverBall> balls;
@@ -59,17 +63,20 @@ std::vector<CoverBall> find_start(const CoverScene& scene, const CoverAtoms& ato
   parallel::parallel_for(executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t seed = Random::of(scene.seed, i).next();
-      tries[i].cover = cover_greedily(atoms, root.own, scene.places, root.center, root.radius, scene.bvh, scene.frame, seed, kStartGreedy);
+      tries[i].cover = cover_greedily(atoms, root.own, scene.places, root.center, root.radius, scene.bvh, scene.frame,
+                                      seed, kStartGreedy);
     }
   });
   float stand_off = std::numeric_limits<float>::infinity();
   for (const Try& each : tries) stand_off = std::min(stand_off, each.cover.stand_off);
-  const ShellSamples samples = sample_shell(scene.mesh, scene.bvh, scene.frame, kShellFactor * stand_off + 0.002F, settings.samples, scene.seed, executor);
+  const ShellSamples samples = sample_shell(scene.mesh, scene.bvh, scene.frame, kShellFactor * stand_off + 0.002F,
+                                            settings.samples, scene.seed, executor);
   const std::vector<CoverParent> parents{root};
   parallel::parallel_for(executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end && keep_going(); ++i) {
       LevelSettings level = settings.level;
-      // Every second try wants balls of equal size: a level whose balls differ much wastes the places below the small ones.
+      // Every second try wants balls of equal size: a level whose balls differ much wastes the places below the small
+      // ones.
       level.equal_sizes = i % 2 == 1 ? 0.15 + 0.05 * static_cast<double>(i % 5) : 0.0;
       LevelCover cover(atoms, samples, scene.bvh, scene.frame, scene.places, parents);
       cover.improve(balls_of(tries[i].cover, 0), level, keep_going);

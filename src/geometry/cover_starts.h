@@ -26,11 +26,12 @@ struct StartSettings {
   LevelSettings level{.bids = 12, .sweeps = 2};
 };
 
-/// Searches for the balls of level 1 with coarse atoms: several random covers are improved and compared by what they let stand out
-/// and by how far the balls below would stand out, estimated by a quick greedy cover of each; the best is returned, its atoms being those
-/// of `atoms`. Tries run side by side; the result does not depend on the executor.
-std::vector<CoverBall> find_start(const CoverScene& scene, const CoverAtoms& atoms, const CoverParent& root, const StartSettings& settings,
-                                  parallel::Executor& executor, const std::function<bool()>& keep_going);
+/// Searches for the balls of level 1 with coarse atoms: several random covers are improved and compared by what they
+/// let stand out and by how far the balls below would stand out, estimated by a quick greedy cover of each; the best is
+/// returned, its atoms being those of `atoms`. Tries run side by side; the result does not depend on the executor.
+std::vector<CoverBall> find_start(const CoverScene& scene, const CoverAtoms& atoms, const CoverParent& root,
+                                  const StartSettings& settings, parallel::Executor& executor,
+                                  const std::function<bool()>& keep_going);
 
 /// Balls for the places of a greedy cover, below one parent.
 std::vector<CoverBall> balls_of(const GreedyCover& cover, std::uint32_t parent);

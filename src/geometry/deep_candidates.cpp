@@ -28,8 +28,8 @@ DeepPlace shrink(const TriangleBvh& bvh, const CoverFrame& frame, const Vec3& p,
   return {frame.to(center), static_cast<float>(radius_m / frame.diagonal_m)};
 }
 
-/// Moves a place away from the surface point that is closest to it while that makes it deeper. Balls that touch a facet near a
-/// convex edge are shallow however fine the mesh; from there this leads to the middle of the part.
+/// Moves a place away from the surface point that is closest to it while that makes it deeper. Balls that touch a facet
+/// near a convex edge are shallow however fine the mesh; from there this leads to the middle of the part.
 DeepPlace climb(const TriangleBvh& bvh, const CoverFrame& frame, const DeepPlace& from) {
   Vec3 place = frame.from(from.center);
   auto closest = bvh.closest(place);
@@ -47,13 +47,14 @@ DeepPlace climb(const TriangleBvh& bvh, const CoverFrame& frame, const DeepPlace
     }
   }
   const Vec3f center = frame.to(place);
-  return {center, static_cast<float>(std::sqrt(bvh.closest(frame.from(center)).squared_distance_m2) / frame.diagonal_m)};
+  return {center,
+          static_cast<float>(std::sqrt(bvh.closest(frame.from(center)).squared_distance_m2) / frame.diagonal_m)};
 }
 
 }  // namespace
 
-std::vector<DeepPlace> find_deep_places(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, std::size_t count,
-                                        std::uint64_t seed, parallel::Executor& executor) {
+std::vector<DeepPlace> find_deep_places(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame,
+                                        std::size_t count, std::uint64_t seed, parallel::Executor& executor) {
   std::vector<double> area_until;
   double area = 0;
   for (const auto& t : mesh.triangles) {

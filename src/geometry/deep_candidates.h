@@ -17,10 +17,10 @@ struct DeepPlace {
   float depth = 0;
 };
 
-/// Middles of balls that touch the surface from inside at `count` places spread over it by area, by shrinking (Ma, Bae and Choi,
-/// "3D medial axis point approximation using nearest neighbors and the normal field", 2012). Where a mesh has no inside
-/// the places lie on the surface. The result does not depend on the executor.
-std::vector<DeepPlace> find_deep_places(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, std::size_t count,
-                                        std::uint64_t seed, parallel::Executor& executor);
+/// Middles of balls that touch the surface from inside at `count` places spread over it by area, by shrinking (Ma, Bae
+/// and Choi, "3D medial axis point approximation using nearest neighbors and the normal field", 2012). Where a mesh has
+/// no inside the places lie on the surface. The result does not depend on the executor.
+std::vector<DeepPlace> find_deep_places(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame,
+                                        std::size_t count, std::uint64_t seed, parallel::Executor& executor);
 
 }  // namespace poise::geometry

@@ -62,7 +62,9 @@ class Greedy {
     std::int32_t gain;
     std::size_t place;
   };
-  static bool worse(const Candidate& a, const Candidate& b) { return a.gain != b.gain ? a.gain < b.gain : a.place > b.place; }
+  static bool worse(const Candidate& a, const Candidate& b) {
+    return a.gain != b.gain ? a.gain < b.gain : a.place > b.place;
+  }
 
   [[nodiscard]] std::int32_t gain(const DeepPlace& place, float stand_off) const {
     const float radius = place.depth + stand_off;
@@ -90,8 +92,9 @@ class Greedy {
 
 }  // namespace
 
-GreedyCover cover_greedily(const CoverAtoms& atoms, const std::vector<std::uint32_t>& members, const std::vector<DeepPlace>& places,
-                           const Vec3f& center, float radius, const TriangleBvh& bvh, const CoverFrame& frame, std::uint64_t seed,
+GreedyCover cover_greedily(const CoverAtoms& atoms, const std::vector<std::uint32_t>& members,
+                           const std::vector<DeepPlace>& places, const Vec3f& center, float radius,
+                           const TriangleBvh& bvh, const CoverFrame& frame, std::uint64_t seed,
                            const GreedySettings& settings) {
   Random random(seed);
   Greedy greedy(atoms, members, settings.atoms);
@@ -100,7 +103,8 @@ GreedyCover cover_greedily(const CoverAtoms& atoms, const std::vector<std::uint3
     if ((places[i].center - center).squaredNorm() < radius * radius) near.push_back(i);
   }
   const std::size_t taken = std::min(near.size(), settings.places);
-  for (std::size_t i = 0; i < taken; ++i) greedy.add_place(places[near[(i * near.size() + random.below(near.size())) / taken % near.size()]]);
+  for (std::size_t i = 0; i < taken; ++i)
+    greedy.add_place(places[near[(i * near.size() + random.below(near.size())) / taken % near.size()]]);
   // Without a place of its own an atom far from all others may need a huge ball.
   const std::size_t own = std::min(greedy.size(), settings.places / 4 + 1);
   for (std::size_t i = 0; i < own; ++i) {

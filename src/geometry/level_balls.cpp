@@ -12,7 +12,8 @@
 namespace poise::geometry {
 namespace {
 
-/// Share of radius^2 * bound that counts beside the covered samples: it steers where samples are too few to say anything.
+/// Share of radius^2 * bound that counts beside the covered samples: it steers where samples are too few to say
+/// anything.
 constexpr float kBoundShare = 0.05F;
 /// A search ends at this share of its first step.
 constexpr float kLastStep = 0.12F;
@@ -26,7 +27,8 @@ float LevelCover::signed_distance(const Vec3f& at) const {
   return static_cast<float>(bvh_.signed_distance_m(frame_.from(at)) / frame_.diagonal_m);
 }
 
-/// A pattern search for the centre, with the radius that the atoms then need. The ball must not be counted among the samples.
+/// A pattern search for the centre, with the radius that the atoms then need. The ball must not be counted among the
+/// samples.
 void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& atoms, float step) {
   if (atoms.empty()) {
     ball.radius = 0;
@@ -46,7 +48,9 @@ void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& atoms, f
   float radius = start_radius;
   float distance = ball.signed_distance;
   const auto bound_cost = [](float r, float sd) { return kBoundShare * r * r * std::max(0.0F, r + sd); };
-  const auto sample_cost = [&](const Vec3f& c, float r) { return sample_share * static_cast<float>(weight_within(near_, near_weight_, c, r)); };
+  const auto sample_cost = [&](const Vec3f& c, float r) {
+    return sample_share * static_cast<float>(weight_within(near_, near_weight_, c, r));
+  };
   float cost = sample_cost(center, radius) + bound_cost(radius, distance);
   const auto try_center = [&](const Vec3f& place) {
     if ((place - start).norm() > farthest) return false;
@@ -96,8 +100,8 @@ void LevelCover::find_covered(CoverBall& ball, const std::vector<std::uint32_t>&
   }
 }
 
-/// By a plane through the middle of the atoms, across that principal axis whose halves would stand out least. The halves' centres
-/// start from the ball's own, which is deep.
+/// By a plane through the middle of the atoms, across that principal axis whose halves would stand out least. The
+/// halves' centres start from the ball's own, which is deep.
 bool LevelCover::halve(const CoverBall& ball, const std::vector<std::uint32_t>& atoms, Halves& best) {
   if (atoms.size() < 2) return false;
   Vec3f middle = Vec3f::Zero();
@@ -126,7 +130,8 @@ bool LevelCover::halve(const CoverBall& ball, const std::vector<std::uint32_t>& 
     set_.gather(atoms_, halves.first);
     float bound = set_.radius_about(atoms_, halves.first_center, 2.0F) + signed_distance(halves.first_center);
     set_.gather(atoms_, halves.second);
-    bound = std::max(bound, set_.radius_about(atoms_, halves.second_center, 2.0F) + signed_distance(halves.second_center));
+    bound =
+        std::max(bound, set_.radius_about(atoms_, halves.second_center, 2.0F) + signed_distance(halves.second_center));
     if (bound < least) {
       least = bound;
       best = std::move(halves);

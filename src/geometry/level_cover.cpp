@@ -11,24 +11,36 @@ namespace poise::geometry {
 namespace {
 
 // Found by trying them on the meshes of docs/sphere-trees.md.
-constexpr float kPriceStep = 0.15F;     ///< of a ball's stand-off above the mean, each round
-constexpr float kMostPrice = 0.5F;      ///< of the mean stand-off
-constexpr float kMostBound = 2;         ///< of the mean stand-off, for places that are tried
-constexpr float kFirstStep = 0.25F;     ///< of a ball's radius, in the first round of bids
-constexpr float kLastShare = 0.12F;     ///< of the first step, in the last round
+constexpr float kPriceStep = 0.15F;  ///< of a ball's stand-off above the mean, each round
+constexpr float kMostPrice = 0.5F;   ///< of the mean stand-off
+constexpr float kMostBound = 2;      ///< of the mean stand-off, for places that are tried
+constexpr float kFirstStep = 0.25F;  ///< of a ball's radius, in the first round of bids
+constexpr float kLastShare = 0.12F;  ///< of the first step, in the last round
 constexpr float kSmallestStep = 0.02F;
 constexpr float kSweepStep = 0.1F;
 constexpr double kFirstPower = 4;
 constexpr double kPowerStep = 4;
-constexpr double kWorthwhile = 0.997;   ///< a sweep that leaves more than this of the cost is the last at its power
+constexpr double kWorthwhile = 0.997;  ///< a sweep that leaves more than this of the cost is the last at its power
 constexpr int kMostPowers = 3;
 
 }  // namespace
 
-LevelCover::LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
-                       const std::vector<DeepPlace>& places, const std::vector<CoverParent>& parents)
-    : atoms_(atoms), samples_(samples), bvh_(bvh), frame_(frame), places_(places), parents_(parents), family_(parents.size()), held_(atoms.size(), 0),
-      holders_(atoms.size(), 0), least_bid_(atoms.size()), winner_(atoms.size()), count_(samples.size(), 0), weight_(samples.size(), 0) {
+LevelCover::LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh,
+                       const CoverFrame& frame, const std::vector<DeepPlace>& places,
+                       const std::vector<CoverParent>& parents)
+    : atoms_(atoms),
+      samples_(samples),
+      bvh_(bvh),
+      frame_(frame),
+      places_(places),
+      parents_(parents),
+      family_(parents.size()),
+      held_(atoms.size(), 0),
+      holders_(atoms.size(), 0),
+      least_bid_(atoms.size()),
+      winner_(atoms.size()),
+      count_(samples.size(), 0),
+      weight_(samples.size(), 0) {
   for (const CoverParent& parent : parents) {
     if (!parent.closed) continue;
     for (const std::uint32_t atom : parent.allowed) held_[atom] = 1;
@@ -155,7 +167,8 @@ void LevelCover::bid(int round, const LevelSettings& settings) {
   }
   drop_empty();
   split_for_free_places();
-  const float step = std::max(kSmallestStep, kFirstStep * std::pow(kLastShare, static_cast<float>(round) / static_cast<float>(settings.bids)));
+  const float step = std::max(
+      kSmallestStep, kFirstStep * std::pow(kLastShare, static_cast<float>(round) / static_cast<float>(settings.bids)));
   for (CoverBall& ball : balls_) {
     count(ball, -1);
     fit(ball, ball.own, step);
@@ -238,7 +251,8 @@ bool LevelCover::split_in_two(CoverBall& ball, const std::vector<std::uint32_t>&
 void LevelCover::fill_free_places() {
   for (std::size_t p = 0; p < parents_.size(); ++p) {
     while (!family_[p].empty() && family_[p].size() < kTreeBranching) {
-      const auto worst = *std::ranges::max_element(family_[p], {}, [&](std::uint32_t k) { return contribution(balls_[k]); });
+      const auto worst =
+          *std::ranges::max_element(family_[p], {}, [&](std::uint32_t k) { return contribution(balls_[k]); });
       const std::int64_t before = total_;
       const CoverBall kept = balls_[worst];
       CoverBall second;
@@ -260,7 +274,8 @@ void LevelCover::fill_free_places() {
   }
 }
 
-/// Gives the atoms of a ball that matters little to its siblings, and its place to half of the ball that stands out most.
+/// Gives the atoms of a ball that matters little to its siblings, and its place to half of the ball that stands out
+/// most.
 bool LevelCover::swap(std::uint32_t poor, std::uint32_t worst, const std::vector<std::uint32_t>& family) {
   const std::int64_t before = total_;
   std::vector<CoverBall> kept;

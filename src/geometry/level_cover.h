@@ -14,9 +14,9 @@ namespace poise::geometry {
 /// A ball of the level that is being made. In the frame of the cover.
 struct CoverBall {
   Vec3f center = Vec3f::Zero();
-  float radius = 0;                    ///< 0 for a ball that is no longer there
-  float signed_distance = 0;           ///< of the centre, negative inside; radius + this is how far it may stand out
-  float price = 0;                     ///< added to its bids for atoms
+  float radius = 0;           ///< 0 for a ball that is no longer there
+  float signed_distance = 0;  ///< of the centre, negative inside; radius + this is how far it may stand out
+  float price = 0;            ///< added to its bids for atoms
   std::uint32_t parent = 0;
   std::vector<std::uint32_t> own;      ///< the atoms that it answers for, ascending
   std::vector<std::uint32_t> covered;  ///< all that it holds of those that its parent may pass on, ascending
@@ -27,8 +27,9 @@ struct CoverParent {
   Vec3f center = Vec3f::Zero();
   float radius = 0;
   bool closed = false;
-  std::vector<std::uint32_t> own;      ///< the atoms that its children answer for at first, ascending
-  std::vector<std::uint32_t> allowed;  ///< all that it and every node above it hold: what its children may answer for, ascending
+  std::vector<std::uint32_t> own;  ///< the atoms that its children answer for at first, ascending
+  std::vector<std::uint32_t>
+      allowed;  ///< all that it and every node above it hold: what its children may answer for, ascending
 };
 
 struct LevelScore {
@@ -38,24 +39,25 @@ struct LevelScore {
 
 /// How long a level is worked on.
 struct LevelSettings {
-  int bids = 12;            ///< rounds in which atoms go to the ball that bids least, and balls move; at least 1
-  int sweeps = 6;           ///< of shrinking to what no other ball holds, at most
-  int redone = 0;           ///< attempts to make the worst families anew
-  double equal_sizes = 0;   ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
+  int bids = 12;   ///< rounds in which atoms go to the ball that bids least, and balls move; at least 1
+  int sweeps = 6;  ///< of shrinking to what no other ball holds, at most
+  int redone = 0;  ///< attempts to make the worst families anew
+  double equal_sizes =
+      0;  ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
 };
 
-/// Makes the balls of one level, at most kTreeBranching below each parent, so that every atom is held by a ball whose parent may
-/// pass it on, and little stands out: docs/sphere-trees.md, "How a level is made". One thread at a time; several may
-/// share atoms, samples and mesh.
+/// Makes the balls of one level, at most kTreeBranching below each parent, so that every atom is held by a ball whose
+/// parent may pass it on, and little stands out: docs/sphere-trees.md, "How a level is made". One thread at a time;
+/// several may share atoms, samples and mesh.
 class LevelCover {
-  // Invariant: count_[i] is the number of balls (closed parents included) that hold sample i while their radius is above 0, and
-  // total_ the sum of weight_[i] over samples with a count.
+  // Invariant: count_[i] is the number of balls (closed parents included) that hold sample i while their radius is
+  // above 0, and total_ the sum of weight_[i] over samples with a count.
  public:
   LevelCover(const CoverAtoms& atoms, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
              const std::vector<DeepPlace>& places, const std::vector<CoverParent>& parents);
 
-  /// Improves balls, of which each open parent needs at least one. `keep_going` is asked after the first round and before each further
-  /// one; what there is when it says no holds every atom.
+  /// Improves balls, of which each open parent needs at least one. `keep_going` is asked after the first round and
+  /// before each further one; what there is when it says no holds every atom.
   template <class KeepGoing>
   void improve(std::vector<CoverBall> balls, const LevelSettings& settings, KeepGoing&& keep_going) {
     begin(std::move(balls));
@@ -84,7 +86,8 @@ class LevelCover {
 
   // Samples (level_samples.cpp).
   void count(const CoverBall& ball, int change);
-  /// A sample counts 1 + kFarWeight (distance / scale)^power, with the scale a share of the largest distance that is covered now.
+  /// A sample counts 1 + kFarWeight (distance / scale)^power, with the scale a share of the largest distance that is
+  /// covered now.
   void weigh(double power);
   [[nodiscard]] LevelScore score() const;
   [[nodiscard]] double contribution(const CoverBall& ball) const;
@@ -129,7 +132,7 @@ class LevelCover {
   std::vector<std::uint16_t> count_;
   std::vector<std::int32_t> weight_;
   std::int64_t total_ = 0;
-  float most_bound_ = 0;                            ///< of radius + signed distance, for places that are tried
+  float most_bound_ = 0;  ///< of radius + signed distance, for places that are tried
 
   std::vector<CoverBall> best_;
   double best_value_ = 0;

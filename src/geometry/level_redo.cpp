@@ -23,13 +23,15 @@ double LevelCover::largest_of(const CoverBall& ball) const {
   const float square = ball.radius * ball.radius;
   samples_.runs_near(ball.center, ball.radius, [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t i = first; i < last; ++i) {
-      if (samples_.distance[i] > largest && (samples_.points.at(i) - ball.center).squaredNorm() <= square) largest = samples_.distance[i];
+      if (samples_.distance[i] > largest && (samples_.points.at(i) - ball.center).squaredNorm() <= square)
+        largest = samples_.distance[i];
     }
   });
   return static_cast<double>(largest);
 }
 
-/// Makes the balls of one parent anew from another greedy cover, with all others as they are; keeps them if less stands out.
+/// Makes the balls of one parent anew from another greedy cover, with all others as they are; keeps them if less stands
+/// out.
 bool LevelCover::redo(std::uint32_t parent, std::uint64_t seed) {
   const std::int64_t before = total_;
   const std::vector<std::uint32_t> family = family_[parent];
@@ -43,8 +45,8 @@ bool LevelCover::redo(std::uint32_t parent, std::uint64_t seed) {
   }
   std::ranges::sort(needed);
   const CoverParent& above = parents_[parent];
-  std::vector<CoverBall> made =
-      balls_of(cover_greedily(atoms_, needed, places_, above.center, above.radius, bvh_, frame_, seed, kGreedy), parent);
+  std::vector<CoverBall> made = balls_of(
+      cover_greedily(atoms_, needed, places_, above.center, above.radius, bvh_, frame_, seed, kGreedy), parent);
   for (int round = 0; round < kBids && !made.empty(); ++round) {
     for (CoverBall& ball : made) ball.own.clear();
     for (const std::uint32_t atom : needed) {

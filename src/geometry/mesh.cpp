@@ -40,10 +40,12 @@ std::vector<std::uint32_t> weld_targets(const std::vector<Vec3>& vertices_m, dou
   std::vector<std::uint32_t> target(vertices_m.size());
   for (std::uint32_t i = 0; i < vertices_m.size(); ++i) {
     const Vec3 place = ((vertices_m[i] - low) / cell_m).array().floor();
-    const Cell cell{static_cast<std::int64_t>(place.x()), static_cast<std::int64_t>(place.y()), static_cast<std::int64_t>(place.z())};
+    const Cell cell{static_cast<std::int64_t>(place.x()), static_cast<std::int64_t>(place.y()),
+                    static_cast<std::int64_t>(place.z())};
     std::uint32_t best = i;
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
-      const auto found = kept.find({cell.x + neighbour % 3 - 1, cell.y + neighbour / 3 % 3 - 1, cell.z + neighbour / 9 - 1});
+      const auto found =
+          kept.find({cell.x + neighbour % 3 - 1, cell.y + neighbour / 3 % 3 - 1, cell.z + neighbour / 9 - 1});
       if (found == kept.end()) continue;
       for (const std::uint32_t candidate : found->second) {
         if (candidate < best && (vertices_m[candidate] - vertices_m[i]).norm() <= tolerance_m) best = candidate;
@@ -115,7 +117,8 @@ MeshRepair clean_mesh(TriangleMesh& mesh, double weld_relative) {
   });
   repair.triangles_dropped = all - mesh.triangles.size();
   const double diagonal_m = mesh.diagonal_m();
-  const std::vector<std::uint32_t> target = weld_targets(mesh.vertices_m, std::max(0.0, weld_relative) * diagonal_m, diagonal_m);
+  const std::vector<std::uint32_t> target =
+      weld_targets(mesh.vertices_m, std::max(0.0, weld_relative) * diagonal_m, diagonal_m);
   for (std::uint32_t v = 0; v < target.size(); ++v) repair.vertices_welded += target[v] != v ? 1U : 0U;
   for (Triangle& t : mesh.triangles) {
     for (std::uint32_t& v : t) v = target[v];

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <utility>
 
-#include <assimp/Importer.hpp>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <assimp/Importer.hpp>
 
 #include "geometry/mesh_files.h"
 #include "geometry/polygon.h"
@@ -29,7 +29,8 @@ std::string add_mesh(const aiMesh& source, const Transform& transform, TriangleM
   for (unsigned i = 0; i < source.mNumVertices; ++i) {
     const aiVector3D& v = source.mVertices[i];
     const Vec3 point(static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z));
-    if (!point.allFinite()) return fmt::format("vertex {} is ({}, {}, {}), must be finite", i, point.x(), point.y(), point.z());
+    if (!point.allFinite())
+      return fmt::format("vertex {} is ({}, {}, {}), must be finite", i, point.x(), point.y(), point.z());
     mesh.vertices_m.emplace_back((transform * point.homogeneous()).head<3>());
   }
   const bool mirrored = transform.topLeftCorner<3, 3>().determinant() < 0;
@@ -51,7 +52,8 @@ std::string add_mesh(const aiMesh& source, const Transform& transform, TriangleM
 
 /// One line of what a library said.
 std::string one_line(std::string text) {
-  std::ranges::replace_if(text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return text.substr(0, 300);
 }
 
@@ -73,8 +75,8 @@ Result<TriangleMesh> merged(const aiScene* scene, const char* error) {
   return mesh;
 }
 
-/// Calls read(importer) for a scene, and merges it. No post-processing: some of its steps follow indices before anything has
-/// checked them.
+/// Calls read(importer) for a scene, and merges it. No post-processing: some of its steps follow indices before
+/// anything has checked them.
 template <class Read>
 Result<TriangleMesh> import(Read&& read) {
   try {
@@ -95,8 +97,8 @@ Result<TriangleMesh> import_with_assimp(const std::filesystem::path& file) {
 }
 
 Result<TriangleMesh> import_gltf_with_assimp(const std::string& text) {
-  Result<TriangleMesh> mesh =
-      import([&](Assimp::Importer& importer) { return importer.ReadFileFromMemory(text.data(), text.size(), 0, "gltf"); });
+  Result<TriangleMesh> mesh = import(
+      [&](Assimp::Importer& importer) { return importer.ReadFileFromMemory(text.data(), text.size(), 0, "gltf"); });
   // What it says where it has left out every face for an index out of range.
   if (!mesh && mesh.error().message.ends_with("has no faces")) {
     return bad_input(mesh.error().message + " whose corners all exist");

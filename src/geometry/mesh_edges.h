@@ -11,14 +11,14 @@ namespace poise::geometry {
 
 /// One side of one triangle.
 struct EdgeUse {
-  std::uint32_t low, high;   ///< the vertices at its ends, low < high
-  std::uint32_t triangle;    ///< whose side it is
-  std::int32_t direction;    ///< 1 where the triangle runs from low to high, else -1
+  std::uint32_t low, high;  ///< the vertices at its ends, low < high
+  std::uint32_t triangle;   ///< whose side it is
+  std::int32_t direction;   ///< 1 where the triangle runs from low to high, else -1
   [[nodiscard]] std::uint64_t edge() const { return std::uint64_t{low} << 32U | high; }
 };
 
-/// The sides of all triangles, sorted by edge, those of one edge in the order of the triangles. No triangle may name a vertex
-/// twice.
+/// The sides of all triangles, sorted by edge, those of one edge in the order of the triangles. No triangle may name a
+/// vertex twice.
 std::vector<EdgeUse> edge_uses(std::span<const std::array<std::uint32_t, 3>> triangles);
 
 /// Calls visit(uses) with the sides that lie on each edge, edge after edge. `uses` as edge_uses gives them.

@@ -34,13 +34,16 @@ Result<Parts> take_apart(std::string_view bytes) {
   const std::uint32_t version = number_at(bytes, 4);
   if (version != 1 && version != 2) return bad_input(fmt::format("GLB: version {}, must be 1 or 2", version));
   const std::size_t length = number_at(bytes, 12);
-  if (length > bytes.size() - 20) return bad_input(fmt::format("GLB: {} bytes of JSON are announced in {} bytes, must have room", length, bytes.size()));
+  if (length > bytes.size() - 20)
+    return bad_input(
+        fmt::format("GLB: {} bytes of JSON are announced in {} bytes, must have room", length, bytes.size()));
   Parts parts{bytes.substr(20, length), bytes.substr(20 + length)};
   if (version == 1) return parts;
   // Version 2 has chunks; the second one, if it is there, is the binary part.
   if (parts.binary.size() < 8) return Parts{parts.text, {}};
   const std::size_t size = number_at(parts.binary, 0);
-  if (size > parts.binary.size() - 8) return bad_input(fmt::format("GLB: its binary part of {} bytes is cut off", size));
+  if (size > parts.binary.size() - 8)
+    return bad_input(fmt::format("GLB: its binary part of {} bytes is cut off", size));
   return Parts{parts.text, parts.binary.substr(8, size)};
 }
 
@@ -50,7 +53,8 @@ std::string base64(std::string_view bytes) {
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) three = three << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
     for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63U];
   }
   return text;
@@ -103,7 +107,8 @@ Json plain_primitive(const Json& primitive) {
   const auto extensions = primitive.find("extensions");
   if (extensions != primitive.end() && extensions->is_object() && extensions->contains(kDraco)) {
     Json draco = only((*extensions)[kDraco], {"bufferView", "attributes"});
-    if (draco.is_object() && draco.contains("attributes")) draco["attributes"] = only(draco["attributes"], {"POSITION"});
+    if (draco.is_object() && draco.contains("attributes"))
+      draco["attributes"] = only(draco["attributes"], {"POSITION"});
     plain["extensions"][kDraco] = std::move(draco);
   }
   return plain;
@@ -116,17 +121,21 @@ std::uint64_t whole_number(const Json& object, const char* name, std::uint64_t o
 }
 
 /// Whether [offset, offset + length) lies in [0, room).
-bool fits(std::uint64_t offset, std::uint64_t length, std::uint64_t room) { return length <= room && offset <= room - length; }
+bool fits(std::uint64_t offset, std::uint64_t length, std::uint64_t room) {
+  return length <= room && offset <= room - length;
+}
 
-/// Leaves out views that reach beyond their buffers, and of version 1 also the accessors that reach beyond their views, which
-/// the reader does not check there. Who needs one of them is refused by the reader.
+/// Leaves out views that reach beyond their buffers, and of version 1 also the accessors that reach beyond their views,
+/// which the reader does not check there. Who needs one of them is refused by the reader.
 void leave_out_what_is_cut_off(Json& plain) {
   const auto entry_of = [&plain](const char* list, const Json& owner, const char* name) -> const Json* {
     const auto entries = plain.find(list);
     const auto key = owner.find(name);
     if (entries == plain.end() || key == owner.end()) return nullptr;
-    if (entries->is_array() && key->is_number_unsigned() && key->get<std::uint64_t>() < entries->size()) return &(*entries)[key->get<std::size_t>()];
-    if (entries->is_object() && key->is_string() && entries->contains(key->get<std::string>())) return &(*entries)[key->get<std::string>()];
+    if (entries->is_array() && key->is_number_unsigned() && key->get<std::uint64_t>() < entries->size())
+      return &(*entries)[key->get<std::size_t>()];
+    if (entries->is_object() && key->is_string() && entries->contains(key->get<std::string>()))
+      return &(*entries)[key->get<std::string>()];
     return nullptr;
   };
   const auto leave_out = [&plain](const char* list, auto&& stays) {
@@ -145,7 +154,8 @@ void leave_out_what_is_cut_off(Json& plain) {
   };
   leave_out("bufferViews", [&](const Json& view) {
     const Json* buffer = entry_of("buffers", view, "buffer");
-    return buffer != nullptr && fits(whole_number(view, "byteOffset", 0), whole_number(view, "byteLength", 0), whole_number(*buffer, "byteLength", 0));
+    return buffer != nullptr && fits(whole_number(view, "byteOffset", 0), whole_number(view, "byteLength", 0),
+                                     whole_number(*buffer, "byteLength", 0));
   });
   const auto accessors = plain.find("accessors");
   if (accessors == plain.end() || !accessors->is_object()) return;
@@ -159,12 +169,14 @@ void leave_out_what_is_cut_off(Json& plain) {
     const std::uint64_t count = whole_number(accessor, "count", 0);
     constexpr std::uint64_t kMost = std::uint64_t{1} << 31U;
     if (stride > kMost || count > kMost) return false;
-    return fits(whole_number(accessor, "byteOffset", 0), count == 0 ? 0 : (count - 1) * stride + size, whole_number(*view, "byteLength", 0));
+    return fits(whole_number(accessor, "byteOffset", 0), count == 0 ? 0 : (count - 1) * stride + size,
+                whole_number(*view, "byteLength", 0));
   });
 }
 
 /// Puts the bytes of a buffer into its own entry, whether they are in another file or in the container.
-Status embed(Json& buffer, const std::string& name, std::string_view binary, bool owns_binary, const std::filesystem::path& folder) {
+Status embed(Json& buffer, const std::string& name, std::string_view binary, bool owns_binary,
+             const std::filesystem::path& folder) {
   const auto uri = buffer.find("uri");
   const bool has_uri = uri != buffer.end() && uri->is_string();
   std::string bytes;
@@ -176,7 +188,9 @@ Status embed(Json& buffer, const std::string& name, std::string_view binary, boo
     const std::string reference = uri->get<std::string>();
     if (reference.starts_with("data:")) return Done{};
     std::ifstream stream(folder / decoded(reference), std::ios::binary);
-    if (!stream) return bad_input(fmt::format("buffer {} names the file '{}', which cannot be read", name, reference.substr(0, 100)));
+    if (!stream)
+      return bad_input(
+          fmt::format("buffer {} names the file '{}', which cannot be read", name, reference.substr(0, 100)));
     bytes.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
   }
   // Where bytes are missing, what needs them is refused below: often only a picture does.
@@ -199,7 +213,9 @@ Status choose_scene(Json& plain) {
   const bool known = scenes->is_array() ? scene.is_number_unsigned() && scene.get<std::uint64_t>() < scenes->size()
                                         : scene.is_string() && scenes->contains(scene.get<std::string>());
   if (known) return Done{};
-  return bad_input(fmt::format("scene = {}, must be one of {} scenes", scene.dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40), scenes->size()));
+  return bad_input(fmt::format("scene = {}, must be one of {} scenes",
+                               scene.dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40),
+                               scenes->size()));
 }
 
 }  // namespace
@@ -237,14 +253,17 @@ Result<std::string> plain_gltf(const std::string& bytes, const std::filesystem::
     for (const auto& [name, buffer] : plain["buffers"].items()) {
       if (!buffer.is_object()) return bad_input(fmt::format("buffer {}: must be an object", name));
       const bool in_container = !parts.value().binary.empty();
-      const bool owns_binary = in_container && (name == "binary_glTF" || (plain["buffers"].is_array() && first && !buffer.contains("uri")));
-      if (Status embedded = embed(buffer, name, parts.value().binary, owns_binary, folder); !embedded) return embedded.error();
+      const bool owns_binary =
+          in_container && (name == "binary_glTF" || (plain["buffers"].is_array() && first && !buffer.contains("uri")));
+      if (Status embedded = embed(buffer, name, parts.value().binary, owns_binary, folder); !embedded)
+        return embedded.error();
       first = false;
     }
   }
   leave_out_what_is_cut_off(plain);
   const auto used = whole.find("extensionsUsed");
-  if (used != whole.end() && used->is_array() && std::ranges::find(*used, Json(kDraco)) != used->end()) plain["extensionsUsed"] = {kDraco};
+  if (used != whole.end() && used->is_array() && std::ranges::find(*used, Json(kDraco)) != used->end())
+    plain["extensionsUsed"] = {kDraco};
   return plain.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

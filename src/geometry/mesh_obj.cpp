@@ -30,7 +30,8 @@ bool parse_finite(std::string_view word, double& value) {
 }
 
 /// A line that ends in a backslash goes on in the next; the loader does not know that. Puts such lines together, each
-/// line end becoming a blank, and leaves the same number of line ends behind the whole, so that lines keep their numbers.
+/// line end becoming a blank, and leaves the same number of line ends behind the whole, so that lines keep their
+/// numbers.
 std::string joined_lines(const std::string& text) {
   if (text.find('\\') == std::string::npos) return text;
   std::string joined;
@@ -52,8 +53,8 @@ std::string joined_lines(const std::string& text) {
   return joined;
 }
 
-/// The loader reads a word that is no number as 0, and its numbers are off in their last digit, so the coordinates are read
-/// here first. Says what is wrong with one; empty when all are fine.
+/// The loader reads a word that is no number as 0, and its numbers are off in their last digit, so the coordinates are
+/// read here first. Says what is wrong with one; empty when all are fine.
 std::string read_coordinates(std::string_view text, std::vector<Vec3>& vertices) {
   std::size_t line_number = 0;
   while (!text.empty()) {
@@ -66,7 +67,8 @@ std::string read_coordinates(std::string_view text, std::vector<Vec3>& vertices)
     for (int axis = 0; axis < 3; ++axis) {
       const std::string_view word = next_word(line);
       if (!parse_finite(word, vertex[axis])) {
-        return fmt::format("line {}: {} of a vertex is '{}', must be a finite number", line_number, "xyz"[axis], word.substr(0, 40));
+        return fmt::format("line {}: {} of a vertex is '{}', must be a finite number", line_number, "xyz"[axis],
+                           word.substr(0, 40));
       }
     }
   }
@@ -102,7 +104,8 @@ Result<TriangleMesh> parse_obj(const std::string& file_text) {
       for (std::size_t i = 0; i < corner_count; ++i) {
         const int index = shape.mesh.indices[first + i].vertex_index;
         if (index < 0 || static_cast<std::size_t>(index) >= mesh.vertices_m.size()) {
-          return bad_input(fmt::format("face {}: names vertex {} of {}, must exist", face_number, index + 1, mesh.vertices_m.size()));
+          return bad_input(fmt::format("face {}: names vertex {} of {}, must exist", face_number, index + 1,
+                                       mesh.vertices_m.size()));
         }
         corners.push_back(static_cast<std::uint32_t>(index));
       }

@@ -18,8 +18,8 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Uses = std::span<const EdgeUse>;
 
-/// An open piece whose cones close less than this share of area times diagonal is a sheet, which has no outside. Chosen; a
-/// ball has 0.1.
+/// An open piece whose cones close less than this share of area times diagonal is a sheet, which has no outside.
+/// Chosen; a ball has 0.1.
 constexpr double kSheetShare = 0.003;
 /// A closed piece below this share of the cube of its diagonal encloses rounding alone.
 constexpr double kFlatShare = 1e-12;
@@ -81,7 +81,8 @@ std::vector<std::uint8_t> turned_against_neighbours(std::size_t triangles, Uses 
   for (std::uint32_t t = 0; t < triangles; ++t) {
     const std::uint32_t leader = patches.leader(t);
     const std::uint64_t twice = 2 * std::uint64_t{turned_count[leader]};
-    const bool turned_gives_way = twice < patches.size(leader) || (twice == patches.size(leader) && first_turned[leader] == 0);
+    const bool turned_gives_way =
+        twice < patches.size(leader) || (twice == patches.size(leader) && first_turned[leader] == 0);
     if (!turned_gives_way) turned[t] ^= 1;
   }
   return turned;
@@ -117,7 +118,7 @@ struct Piece {
   std::vector<std::uint32_t> triangles;
   Bounds box;
   bool closed = true;
-  double volume_m3 = 0;     ///< signed; of an open one, closed by cones
+  double volume_m3 = 0;  ///< signed; of an open one, closed by cones
   bool inside_out = false;
 };
 
@@ -136,7 +137,8 @@ std::vector<std::uint32_t> piece_of_triangles(std::size_t triangles, Uses uses) 
     for (std::size_t begin = 0; begin < balances.size();) {
       std::size_t end = begin;
       std::int32_t balance = 0;
-      for (; end < balances.size() && balances[end].first == balances[begin].first; ++end) balance += balances[end].second;
+      for (; end < balances.size() && balances[end].first == balances[begin].first; ++end)
+        balance += balances[end].second;
       if (balance != 0) open[balances[begin].first] = 1;
       begin = end;
     }
@@ -241,7 +243,8 @@ std::vector<std::size_t> outermost(const TriangleMesh& mesh, const std::vector<P
     std::erase_if(reaching, [&](std::size_t j) { return pieces[j].box.high.x() < box.low.x(); });
     for (const std::size_t j : reaching) {
       const Bounds& around = pieces[j].box;
-      const bool within = (around.low.array() <= box.low.array()).all() && (around.high.array() >= box.high.array()).all();
+      const bool within =
+          (around.low.array() <= box.low.array()).all() && (around.high.array() >= box.high.array()).all();
       const bool larger = outer[i] == i || std::abs(pieces[j].volume_m3) > std::abs(pieces[outer[i]].volume_m3);
       if (!within || !larger) continue;
       if (made[j] == nullptr) {
@@ -251,7 +254,8 @@ std::vector<std::size_t> outermost(const TriangleMesh& mesh, const std::vector<P
     }
     if (pieces[i].closed) reaching.push_back(i);
   }
-  // Judged by probes, so of three nested pieces the inner two may not name the same one; each step leads to a larger one.
+  // Judged by probes, so of three nested pieces the inner two may not name the same one; each step leads to a larger
+  // one.
   for (std::size_t& outermost_one : outer) {
     while (outer[outermost_one] != outermost_one) outermost_one = outer[outermost_one];
   }

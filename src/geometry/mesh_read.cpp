@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
 }
 
@@ -65,7 +66,8 @@ std::string plain_text(std::string text) {
 
 std::string why_no_triangle(std::size_t vertices) {
   if (vertices == 0) return "has no triangle, and no vertex either";
-  return fmt::format("has no triangle: {} vertices, but no face with three corners; points and lines have no surface", vertices);
+  return fmt::format("has no triangle: {} vertices, but no face with three corners; points and lines have no surface",
+                     vertices);
 }
 
 Result<TriangleMesh> read_unscaled(const fs::path& file) {
@@ -83,14 +85,16 @@ Result<TriangleMesh> read_unscaled(const fs::path& file) {
   for (const char* known : {".stl", ".ply", ".off"}) {
     if (extension == known) return geometry::import_with_assimp(file);
   }
-  return bad_input(fmt::format("extension '{}' is not known, must be one of .obj .stl .ply .off .gltf .glb", extension));
+  return bad_input(
+      fmt::format("extension '{}' is not known, must be one of .obj .stl .ply .off .gltf .glb", extension));
 }
 
 }  // namespace
 
 Result<TriangleMesh> read_mesh(const fs::path& file, const MeshReadOptions& options, MeshRepair* repair) {
   const auto refuse = [&](const std::string& rule) { return bad_input(fmt::format("{}: {}", file.string(), rule)); };
-  if (!(options.scale > 0) || !std::isfinite(options.scale)) return refuse(fmt::format("scale = {}, must be finite and > 0", options.scale));
+  if (!(options.scale > 0) || !std::isfinite(options.scale))
+    return refuse(fmt::format("scale = {}, must be finite and > 0", options.scale));
   if (!(options.weld_relative >= 0 && options.weld_relative <= 0.1)) {
     return refuse(fmt::format("weld_relative = {}, must be from 0 to 0.1", options.weld_relative));
   }
@@ -103,8 +107,8 @@ Result<TriangleMesh> read_mesh(const fs::path& file, const MeshReadOptions& opti
       Vec3& v = mesh.vertices_m[i];
       v *= options.scale;
       if (!v.allFinite() || v.cwiseAbs().maxCoeff() > geometry::kLargestLength_m) {
-        return refuse(fmt::format("vertex {} is at ({}, {}, {}) m, must be finite and within {} m", i, v.x(), v.y(), v.z(),
-                                  geometry::kLargestLength_m));
+        return refuse(fmt::format("vertex {} is at ({}, {}, {}) m, must be finite and within {} m", i, v.x(), v.y(),
+                                  v.z(), geometry::kLargestLength_m));
       }
     }
     if (mesh.triangles.empty()) return refuse(why_no_triangle(mesh.vertices_m.size()));
@@ -112,7 +116,8 @@ Result<TriangleMesh> read_mesh(const fs::path& file, const MeshReadOptions& opti
     if (repair != nullptr) *repair = done;
     if (mesh.triangles.empty()) return refuse("has no triangle with three corners apart, at least one is needed");
     if (mesh.diagonal_m() < geometry::kSmallestLength_m) {
-      return refuse(fmt::format("is {} m across, must be at least {} m", mesh.diagonal_m(), geometry::kSmallestLength_m));
+      return refuse(
+          fmt::format("is {} m across, must be at least {} m", mesh.diagonal_m(), geometry::kSmallestLength_m));
     }
     return mesh;
   } catch (const std::exception& failure) {

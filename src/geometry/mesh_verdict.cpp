@@ -17,8 +17,9 @@ namespace {
 
 using namespace geometry;
 
-/// Of a solid, at least this share of the points inside is inside without doubt; a bent sheet has only points about which
-/// it winds little more than half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet bent by a fifth of its length none.
+/// Of a solid, at least this share of the points inside is inside without doubt; a bent sheet has only points about
+/// which it winds little more than half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet bent by a fifth
+/// of its length none.
 constexpr double kFirmShare = 0.1;
 /// An exact volume that differs from the sampled one by more than this share has pieces that overlap. Chosen.
 constexpr double kOverlapShare = 0.02;
@@ -59,7 +60,8 @@ std::string why_open(const ClosedCheck& edges, std::size_t holes) {
     why = fmt::format("{} with one triangle alone ({})", counted(edges.open_edges, "edge"), counted(holes, "rim"));
   }
   if (edges.inconsistent_edges > 0) {
-    why += fmt::format("{}{} whose triangles disagree on the outside", why.empty() ? "" : ", ", counted(edges.inconsistent_edges, "edge"));
+    why += fmt::format("{}{} whose triangles disagree on the outside", why.empty() ? "" : ", ",
+                       counted(edges.inconsistent_edges, "edge"));
   }
   return why;
 }
@@ -73,7 +75,8 @@ namespace geometry {
 std::string nothing_inside(const TriangleMesh& mesh) {
   const ClosedCheck edges = check_closed(mesh);
   if (edges.closed()) return "closed, but it encloses nothing";
-  return fmt::format("a sheet that encloses nothing to speak of: {}", why_open(edges, count_rims(mesh, edge_uses(mesh.triangles))));
+  return fmt::format("a sheet that encloses nothing to speak of: {}",
+                     why_open(edges, count_rims(mesh, edge_uses(mesh.triangles))));
 }
 
 bool encloses(const SampledMass& sampled) {
@@ -100,15 +103,17 @@ Result<MeshVerdict> assess_mesh(const TriangleMesh& mesh, int threads) {
   verdict.edges = check_closed(mesh);
   verdict.area_m2 = mesh_area_m2(mesh);
   verdict.winding_volume_m3 = sampled.value().mass.volume_m3;
-  const std::string made_of = fmt::format("{} in {}", counted(verdict.triangles, "triangle"), counted(verdict.pieces, "piece"));
+  const std::string made_of =
+      fmt::format("{} in {}", counted(verdict.triangles, "triangle"), counted(verdict.pieces, "piece"));
   if (const Result<MassProperties> exact = mesh_mass_properties(mesh); exact.ok()) {
     verdict.exact_mass = true;
     verdict.volume_m3 = exact.value().volume_m3;
     verdict.text = fmt::format("closed: {}; {:.4g} m^3, and mass from exact integrals", made_of, verdict.volume_m3);
     const double twice_m3 = verdict.volume_m3 - verdict.winding_volume_m3;
     if (std::abs(twice_m3) > std::max(kOverlapShare * verdict.volume_m3, 2 * sampled.value().volume_error_m3)) {
-      verdict.text += fmt::format("; it winds around {:.4g} m^3 alone, so pieces overlap or cross, and overlaps count more than once",
-                                  verdict.winding_volume_m3);
+      verdict.text += fmt::format(
+          "; it winds around {:.4g} m^3 alone, so pieces overlap or cross, and overlaps count more than once",
+          verdict.winding_volume_m3);
     }
     return verdict;
   }
@@ -121,7 +126,8 @@ Result<MeshVerdict> assess_mesh(const TriangleMesh& mesh, int threads) {
   verdict.solidity = Solidity::Shell;
   verdict.volume_m3 = sampled.value().mass.volume_m3;
   verdict.volume_error_m3 = sampled.value().volume_error_m3;
-  verdict.text = fmt::format("{}; {}, {:.4g} m^2; give a thickness to use it as a shell", nothing_inside(mesh), made_of, verdict.area_m2);
+  verdict.text = fmt::format("{}; {}, {:.4g} m^2; give a thickness to use it as a shell", nothing_inside(mesh), made_of,
+                             verdict.area_m2);
   return verdict;
 }
 

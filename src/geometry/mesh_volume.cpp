@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "geometry/bounds.h"
 #include "geometry/rounding.h"
@@ -24,7 +24,8 @@ MassProperties mesh_volume(const TriangleMesh& mesh) {
     const Vec3 a = mesh.vertices_m[triangle[0]] - near;
     const Vec3 b = mesh.vertices_m[triangle[1]] - near;
     const Vec3 c = mesh.vertices_m[triangle[2]] - near;
-    // Moments of the tetrahedron (0, a, b, c) with determinant d: d/6, d/24 (a+b+c), d/120 (aa'+bb'+cc'+(a+b+c)(a+b+c)').
+    // Moments of the tetrahedron (0, a, b, c) with determinant d: d/6, d/24 (a+b+c), d/120
+    // (aa'+bb'+cc'+(a+b+c)(a+b+c)').
     const double determinant = a.dot(b.cross(c));
     const Vec3 sum = a + b + c;
     six_volumes += determinant;
@@ -53,7 +54,8 @@ std::string why_unusable(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return "mesh: there is no triangle";
   for (const auto& triangle : mesh.triangles) {
     for (const std::uint32_t v : triangle) {
-      if (v >= mesh.vertices_m.size()) return fmt::format("mesh: a triangle names vertex {} of {}", v, mesh.vertices_m.size());
+      if (v >= mesh.vertices_m.size())
+        return fmt::format("mesh: a triangle names vertex {} of {}", v, mesh.vertices_m.size());
     }
   }
   for (const Vec3& v : mesh.vertices_m) {
@@ -66,8 +68,9 @@ std::string why_not_closed(const TriangleMesh& mesh) {
   if (std::string wrong = why_unusable(mesh); !wrong.empty()) return wrong;
   const ClosedCheck check = check_closed(mesh);
   if (check.closed()) return {};
-  return fmt::format("mesh is not closed: {} open edges, {} edges whose triangles disagree on the outside; must be closed",
-                     check.open_edges, check.inconsistent_edges);
+  return fmt::format(
+      "mesh is not closed: {} open edges, {} edges whose triangles disagree on the outside; must be closed",
+      check.open_edges, check.inconsistent_edges);
 }
 
 }  // namespace geometry
@@ -75,7 +78,8 @@ std::string why_not_closed(const TriangleMesh& mesh) {
 Result<MassProperties> mesh_mass_properties(const TriangleMesh& mesh) {
   if (std::string wrong = geometry::why_not_closed(mesh); !wrong.empty()) return bad_input(std::move(wrong));
   const MassProperties mass = geometry::mesh_volume(mesh);
-  // Below this share of the cube of the diagonal the volume is rounding; a plate 1 m wide may still be a few picometres thin.
+  // Below this share of the cube of the diagonal the volume is rounding; a plate 1 m wide may still be a few picometres
+  // thin.
   const double smallest_m3 = 1e-12 * std::pow(mesh.diagonal_m(), 3);
   if (!(mass.volume_m3 > smallest_m3) || !mass.inertia_m5.allFinite()) {
     return bad_input(fmt::format("mesh encloses {} m^3, must be > 0 (> {})", mass.volume_m3, smallest_m3));
@@ -85,8 +89,8 @@ Result<MassProperties> mesh_mass_properties(const TriangleMesh& mesh) {
 
 Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double thickness_m) {
   if (!(thickness_m >= geometry::kSmallestLength_m && thickness_m <= geometry::kLargestLength_m)) {
-    return bad_input(fmt::format("shell_thickness_m = {}, must be > 0 (from {} to {} m)", thickness_m, geometry::kSmallestLength_m,
-                                 geometry::kLargestLength_m));
+    return bad_input(fmt::format("shell_thickness_m = {}, must be > 0 (from {} to {} m)", thickness_m,
+                                 geometry::kSmallestLength_m, geometry::kLargestLength_m));
   }
   if (std::string wrong = geometry::why_unusable(mesh); !wrong.empty()) return bad_input(std::move(wrong));
   const Vec3 near = geometry::bounds_of(mesh.vertices_m).center();
@@ -101,7 +105,8 @@ Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double th
     const double doubled_m2 = doubled_normal.norm();
     if (!(doubled_m2 > 0)) continue;
     const Vec3 normal = doubled_normal / doubled_m2;
-    // Moments of a triangle of area A: A, A/3 (a+b+c), A/12 (aa'+bb'+cc'+(a+b+c)(a+b+c)'), and across a plate A t^2/12 nn'.
+    // Moments of a triangle of area A: A, A/3 (a+b+c), A/12 (aa'+bb'+cc'+(a+b+c)(a+b+c)'), and across a plate A t^2/12
+    // nn'.
     const double area = 0.5 * doubled_m2;
     const Vec3 sum = a + b + c;
     area_m2 += area;
@@ -111,7 +116,8 @@ Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double th
                thickness_m * thickness_m * normal * normal.transpose());
   }
   // Below this share of the diagonal squared the area is rounding.
-  if (!(area_m2 > 1e-12 * std::pow(mesh.diagonal_m(), 2))) return bad_input(fmt::format("mesh has an area of {} m^2, must be > 0", area_m2));
+  if (!(area_m2 > 1e-12 * std::pow(mesh.diagonal_m(), 2)))
+    return bad_input(fmt::format("mesh has an area of {} m^2, must be > 0", area_m2));
   MassProperties mass;
   mass.volume_m3 = area_m2 * thickness_m;
   const Vec3 center = first / area_m2;

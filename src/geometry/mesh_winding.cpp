@@ -15,7 +15,8 @@ namespace {
 
 using namespace geometry;
 
-/// Cells of the sampling grid along each axis of the box: 140,608 points. Chosen: the error of a ball's volume is 0.3 %.
+/// Cells of the sampling grid along each axis of the box: 140,608 points. Chosen: the error of a ball's volume is 0.3
+/// %.
 constexpr std::size_t kSide = 52;
 /// A point around which a mesh winds more often than this lies in it without doubt. Chosen.
 constexpr double kFirmly = 0.75;
@@ -40,7 +41,8 @@ class SampleGrid {
 
 enum State : std::uint8_t { kOutside, kInside, kFirm };
 
-/// Cells that differ from a neighbour, or are inside at the edge of the box: at most half a cell's standard deviation each.
+/// Cells that differ from a neighbour, or are inside at the edge of the box: at most half a cell's standard deviation
+/// each.
 std::size_t border_cells(const std::vector<std::uint8_t>& state) {
   constexpr std::size_t kStrides[] = {1, kSide, kSide * kSide};
   std::size_t border = 0;

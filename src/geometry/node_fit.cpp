@@ -16,17 +16,17 @@
 namespace poise::geometry {
 namespace {
 
-// All found by trying (docs/method.md has the figures) on one half of the touches of the study; every one may be doubled or halved
-// for less than a twentieth of the error.
-constexpr double kRoomOfRadius = 2;        ///< depth of the outside that is sampled, in mean radii of the level
-constexpr double kRoomOfDiagonal = 0.3;    ///< and at most, of the object's diagonal
-constexpr double kTowardNode = 0.03;       ///< weight of the node's own sphere beside the mean over the samples
+// All found by trying (docs/method.md has the figures) on one half of the touches of the study; every one may be
+// doubled or halved for less than a twentieth of the error.
+constexpr double kRoomOfRadius = 2;      ///< depth of the outside that is sampled, in mean radii of the level
+constexpr double kRoomOfDiagonal = 0.3;  ///< and at most, of the object's diagonal
+constexpr double kTowardNode = 0.03;     ///< weight of the node's own sphere beside the mean over the samples
 constexpr std::size_t kSamplesANode = 128;
-constexpr std::size_t kSamplesOfMesh = 24000;  ///< a level, at least
-constexpr std::size_t kSamplesOfLeaves = 4000; ///< the same; balls are smoother than meshes
-constexpr std::size_t kFitSamples = 256;       ///< of a node, at most
-constexpr std::size_t kFewSamples = 16;        ///< fewer than this draw less
-constexpr std::size_t kFewestSamples = 4;      ///< a sphere has four unknowns
+constexpr std::size_t kSamplesOfMesh = 24000;   ///< a level, at least
+constexpr std::size_t kSamplesOfLeaves = 4000;  ///< the same; balls are smoother than meshes
+constexpr std::size_t kFitSamples = 256;        ///< of a node, at most
+constexpr std::size_t kFewSamples = 16;         ///< fewer than this draw less
+constexpr std::size_t kFewestSamples = 4;       ///< a sphere has four unknowns
 constexpr int kSteps = 8;
 constexpr std::uint64_t kSeed = 7;
 constexpr double kRounding = 1e-6;
@@ -47,7 +47,8 @@ struct Object {
 
 double mean_radius_m(const SphereTree& tree, std::size_t level) {
   double sum = 0;
-  for (NodeIndex node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) sum += static_cast<double>(tree.radius_m[node]);
+  for (NodeIndex node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node)
+    sum += static_cast<double>(tree.radius_m[node]);
   return sum / static_cast<double>(tree.level_begin[level + 1] - tree.level_begin[level]);
 }
 
@@ -92,7 +93,11 @@ NodeFit stored(const FittedSphere& fit, double core_m) {
   const Eigen::Vector3f center = to_float(fit.center_m);
   // The stored centre, also once it has been moved to a body's frame, is within this of the one that was asked about.
   const double rounding_m = kRounding * (fit.center_m.norm() + std::abs(fit.radius_m));
-  return {center.x(), center.y(), center.z(), static_cast<float>(fit.radius_m), static_cast<float>(fit.variance_m2),
+  return {center.x(),
+          center.y(),
+          center.z(),
+          static_cast<float>(fit.radius_m),
+          static_cast<float>(fit.variance_m2),
           static_cast<float>(core_m - rounding_m)};
 }
 
@@ -133,11 +138,12 @@ void fit_level(SphereTree& tree, std::size_t level, const Object& object, parall
   });
 }
 
-std::vector<SurfaceSample> sample_mesh(const TriangleMesh& mesh, const TriangleBvh& bvh, double room_m, std::size_t target,
-                                       parallel::Executor& executor) {
+std::vector<SurfaceSample> sample_mesh(const TriangleMesh& mesh, const TriangleBvh& bvh, double room_m,
+                                       std::size_t target, parallel::Executor& executor) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const CoverFrame frame{0.5 * (box.low + box.high), mesh.diagonal_m()};
-  const ShellSamples shell = sample_shell(mesh, bvh, frame, static_cast<float>(room_m / frame.diagonal_m), target, kSeed, executor);
+  const ShellSamples shell =
+      sample_shell(mesh, bvh, frame, static_cast<float>(room_m / frame.diagonal_m), target, kSeed, executor);
   std::vector<SurfaceSample> samples(shell.size());
   parallel::parallel_for(executor, shell.size(), 256, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -150,7 +156,8 @@ std::vector<SurfaceSample> sample_mesh(const TriangleMesh& mesh, const TriangleB
   return samples;
 }
 
-/// Leaf spheres are drawn by the volume of the shell about them, and places that another leaf is nearer to are left out.
+/// Leaf spheres are drawn by the volume of the shell about them, and places that another leaf is nearer to are left
+/// out.
 std::vector<SurfaceSample> sample_leaves(const SphereTree& tree, double room_m, std::size_t target) {
   std::vector<NodeIndex> leaves;
   std::vector<double> volume_below;

@@ -36,8 +36,8 @@ void add_cap(TriangleMesh& mesh, const std::vector<Index>& ring, Index tip) {
   for (std::size_t i = 0; i < ring.size(); ++i) mesh.triangles.push_back({ring[i], ring[(i + 1) % ring.size()], tip});
 }
 
-/// A surface of revolution about z from a profile (distance from the axis, height) that starts and ends on the axis and has
-/// the inside on its left.
+/// A surface of revolution about z from a profile (distance from the axis, height) that starts and ends on the axis and
+/// has the inside on its left.
 TriangleMesh lathe(const std::vector<Point2>& profile, int segments) {
   TriangleMesh mesh;
   const Index first = add_vertex(mesh, {0, 0, profile.front().y()});
@@ -46,10 +46,12 @@ TriangleMesh lathe(const std::vector<Point2>& profile, int segments) {
     std::vector<Index> ring;
     for (int s = 0; s < segments; ++s) {
       const double angle = 2 * pi * s / segments;
-      ring.push_back(add_vertex(mesh, {profile[p].x() * std::cos(angle), profile[p].x() * std::sin(angle), profile[p].y()}));
+      ring.push_back(
+          add_vertex(mesh, {profile[p].x() * std::cos(angle), profile[p].x() * std::sin(angle), profile[p].y()}));
     }
     if (below.empty()) {
-      for (std::size_t i = 0; i < ring.size(); ++i) mesh.triangles.push_back({ring[(i + 1) % ring.size()], ring[i], first});
+      for (std::size_t i = 0; i < ring.size(); ++i)
+        mesh.triangles.push_back({ring[(i + 1) % ring.size()], ring[i], first});
     } else {
       add_band(mesh, below, ring);
     }
@@ -59,8 +61,9 @@ TriangleMesh lathe(const std::vector<Point2>& profile, int segments) {
   return mesh;
 }
 
-/// One arm of the jack along +z, to be turned: a cylinder that begins where it meets its neighbours' surfaces (there its height is the
-/// larger of |x| and |y|, because two equal crossed cylinders meet in that plane) and ends in a half ball.
+/// One arm of the jack along +z, to be turned: a cylinder that begins where it meets its neighbours' surfaces (there
+/// its height is the larger of |x| and |y|, because two equal crossed cylinders meet in that plane) and ends in a half
+/// ball.
 void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double length_m, int fineness) {
   const int around = 16 * fineness;
   const int cap_rings = 4 * fineness;
@@ -128,7 +131,8 @@ TriangleMesh make_torus(int fineness) {
 }
 
 /// A prism over a polygon (counter-clockwise, given with its triangles) between z = -depth/2 and depth/2.
-TriangleMesh extrude(const std::vector<Point2>& outline, const std::vector<std::array<Index, 3>>& faces, double depth_m) {
+TriangleMesh extrude(const std::vector<Point2>& outline, const std::vector<std::array<Index, 3>>& faces,
+                     double depth_m) {
   TriangleMesh mesh;
   std::vector<Index> bottom;
   std::vector<Index> top;
@@ -191,7 +195,9 @@ Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness) 
   if (kind == "bowl") mesh = make_bowl(fineness);
   if (kind == "cube") mesh = make_slab(0.7, 0.7, 0.7);
   if (kind == "disc") mesh = make_disc(fineness);
-  if (mesh.triangles.empty()) return bad_input(fmt::format("shape '{}' is not known, must be one of {}", kind, fmt::join(procedural_shapes(), " ")));
+  if (mesh.triangles.empty())
+    return bad_input(
+        fmt::format("shape '{}' is not known, must be one of {}", kind, fmt::join(procedural_shapes(), " ")));
   for (Vec3& v : mesh.vertices_m) {
     // Adding 0 turns -0 into 0, which the file would otherwise show.
     for (double& x : v) x = std::round(x * 1e9) / 1e9 + 0.0;

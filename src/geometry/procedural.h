@@ -20,8 +20,9 @@ std::span<const std::string_view> procedural_shapes();
 ///   bowl   half a hollow ball, outer radius 0.5 m, wall 0.08 m
 ///   cube   edge 0.7 m
 ///   disc   radius 0.5 m, 0.12 m thick
-/// Round parts have 16 (jack, tube of the torus) or 32 edges around, times `fineness`. Coordinates are rounded to 1e-9 m, so
-/// that the mesh is the same as read back from its file. Refused: any other name, a fineness that is not from 1 to kMaxFineness.
+/// Round parts have 16 (jack, tube of the torus) or 32 edges around, times `fineness`. Coordinates are rounded to 1e-9
+/// m, so that the mesh is the same as read back from its file. Refused: any other name, a fineness that is not from 1
+/// to kMaxFineness.
 inline constexpr int kMaxFineness = 16;
 Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness = 1);
 
@@ -32,12 +33,12 @@ inline constexpr double kMostBlockM = 1e5;
 /// A box of 12 triangles around the origin, rounded as above. Refused: an edge out of the range above.
 Result<TriangleMesh> make_box(const Vec3& size_m);
 
-/// A stone of an arch around the y axis: the part of a ring between two radii, `angle_deg` (0.1 to 90) wide about the z axis, with
-/// flat faces, so that its corners lie on the two circles and stones side by side share their faces.
+/// A stone of an arch around the y axis: the part of a ring between two radii, `angle_deg` (0.1 to 90) wide about the z
+/// axis, with flat faces, so that its corners lie on the two circles and stones side by side share their faces.
 struct WedgeSize {
   double inner_m = 0, outer_m = 0;
   double angle_deg = 0;
-  double depth_m = 0;              ///< along y
+  double depth_m = 0;  ///< along y
 };
 /// Refused: lengths and angles out of these ranges, outer_m not above inner_m.
 Result<TriangleMesh> make_wedge(const WedgeSize& size);

@@ -48,20 +48,23 @@ Result<TriangleMesh> make_box(const Vec3& size_m) {
 }
 
 Result<TriangleMesh> make_wedge(const WedgeSize& size) {
-  for (const auto& [name, length_m] : {std::pair{"inner", size.inner_m}, std::pair{"outer", size.outer_m}, std::pair{"depth", size.depth_m}}) {
+  for (const auto& [name, length_m] :
+       {std::pair{"inner", size.inner_m}, std::pair{"outer", size.outer_m}, std::pair{"depth", size.depth_m}}) {
     const Status sound = check_length(name, length_m);
     if (!sound) return sound.error();
   }
   if (!(size.outer_m - size.inner_m >= kLeastBlockM)) {
     return bad_input(fmt::format("outer = {}, must be more than inner = {}", size.outer_m, size.inner_m));
   }
-  if (!(size.angle_deg >= 0.1 && size.angle_deg <= 90)) return bad_input(fmt::format("angle = {}, must be from 0.1 to 90 degrees", size.angle_deg));
+  if (!(size.angle_deg >= 0.1 && size.angle_deg <= 90))
+    return bad_input(fmt::format("angle = {}, must be from 0.1 to 90 degrees", size.angle_deg));
   const double half_rad = 0.5 * size.angle_deg * std::numbers::pi / 180;
   std::array<Vec3, 8> corners;
   for (std::size_t i = 0; i < 8; ++i) {
     const double radius_m = (i & 4U) != 0 ? size.outer_m : size.inner_m;
     const double angle_rad = (i & 1U) != 0 ? half_rad : -half_rad;
-    corners[i] = Vec3(radius_m * std::sin(angle_rad), (i & 2U) != 0 ? 0.5 * size.depth_m : -0.5 * size.depth_m, radius_m * std::cos(angle_rad));
+    corners[i] = Vec3(radius_m * std::sin(angle_rad), (i & 2U) != 0 ? 0.5 * size.depth_m : -0.5 * size.depth_m,
+                      radius_m * std::cos(angle_rad));
   }
   return block_of(corners);
 }

@@ -12,7 +12,8 @@ namespace poise::geometry {
 
 [[gnu::noinline]] float round_up(double value) {
   const auto nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) < value ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;
+  return static_cast<double>(nearest) < value ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+                                              : nearest;
 }
 
 }  // namespace poise::geometry

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 #include "geometry/mesh_verdict.h"
 #include "geometry/mesh_volume.h"
@@ -17,7 +17,8 @@
 namespace poise {
 namespace {
 
-/// Off-diagonal moments below this share of the trace are rounding (of a file, or of ours): the frame of the mesh is principal.
+/// Off-diagonal moments below this share of the trace are rounding (of a file, or of ours): the frame of the mesh is
+/// principal.
 constexpr double kDiagonalShare = 1e-9;
 
 void set_principal(Shape& shape, const Mat3& inertia_m5) {
@@ -118,10 +119,12 @@ Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m) {
   // Two steps of scaling, so that neither a tiny nor a huge normal is lost in its square.
   const double largest = normal.cwiseAbs().maxCoeff();
   if (!normal.allFinite() || !(largest > 0)) {
-    return bad_input(fmt::format("normal = ({}, {}, {}), must be finite and not 0", normal.x(), normal.y(), normal.z()));
+    return bad_input(
+        fmt::format("normal = ({}, {}, {}), must be finite and not 0", normal.x(), normal.y(), normal.z()));
   }
   if (!(std::abs(offset_m) <= geometry::kLargestLength_m)) {
-    return bad_input(fmt::format("offset_m = {}, must be finite and at most {} m from 0", offset_m, geometry::kLargestLength_m));
+    return bad_input(
+        fmt::format("offset_m = {}, must be finite and at most {} m from 0", offset_m, geometry::kLargestLength_m));
   }
   auto shape = std::make_shared<Shape>();
   shape->kind = ShapeKind::Plane;
@@ -158,7 +161,8 @@ Result<ShapePtr> make_tree_shape(const SphereTree& tree) {
 }
 
 Result<ShapePtr> make_mesh_shape(const TriangleMesh& mesh, const TreeBuildOptions& options, double shell_thickness_m) {
-  if (options.solidity == Solidity::Shell && shell_thickness_m == 0) return bad_input("shell_thickness_m = 0, must be > 0 for a shell");
+  if (options.solidity == Solidity::Shell && shell_thickness_m == 0)
+    return bad_input("shell_thickness_m = 0, must be > 0 for a shell");
   const Result<NotedMass> mass = mass_of_mesh(mesh, shell_thickness_m, options.threads);
   if (!mass) return mass.error();
   TreeBuildOptions build = options;

@@ -12,8 +12,8 @@ namespace {
 
 using Triangle = ShapeSurface::Triangle;
 
-// Sine of the angle of an edge that counts as flat. Chosen: far above the rounding of files in single precision, far below
-// the bends of a round mesh of a million triangles (2e-3).
+// Sine of the angle of an edge that counts as flat. Chosen: far above the rounding of files in single precision, far
+// below the bends of a round mesh of a million triangles (2e-3).
 constexpr double kFlat = 1e-6;
 // Spheres are met with this much to spare, as a share of the radius: more than the rounding of a distance.
 constexpr double kSpare = 1e-9;
@@ -34,7 +34,8 @@ void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
     const std::array<double, 3> length2{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto longest = static_cast<std::size_t>(std::ranges::max_element(length2) - length2.begin());
     t.center_m = 0.5 * (surface.vertices_m[t.vertex[longest]] + surface.vertices_m[t.vertex[(longest + 1) % 3]]);
-    for (const std::uint32_t v : t.vertex) t.radius_m = std::max(t.radius_m, (surface.vertices_m[v] - t.center_m).norm());
+    for (const std::uint32_t v : t.vertex)
+      t.radius_m = std::max(t.radius_m, (surface.vertices_m[v] - t.center_m).norm());
     t.radius_m *= 1 + kSpare;
   }
 }
@@ -45,13 +46,15 @@ void set_outlines(ShapeSurface& surface) {
   double farthest = 0;
   for (const Triangle& t : surface.triangles) {
     const Vec3& c = t.center_m;
-    surface.outlines.push_back({{static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())},
-                                static_cast<float>(t.radius_m),
-                                {static_cast<float>(t.normal.x()), static_cast<float>(t.normal.y()), static_cast<float>(t.normal.z())},
-                                0.0F});
+    surface.outlines.push_back(
+        {{static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())},
+         static_cast<float>(t.radius_m),
+         {static_cast<float>(t.normal.x()), static_cast<float>(t.normal.y()), static_cast<float>(t.normal.z())},
+         0.0F});
     farthest = std::max(farthest, c.norm() + t.radius_m);
   }
-  surface.rounding_m = static_cast<float>(kRoundings * static_cast<double>(std::numeric_limits<float>::epsilon()) * farthest);
+  surface.rounding_m =
+      static_cast<float>(kRoundings * static_cast<double>(std::numeric_limits<float>::epsilon()) * farthest);
 }
 
 void set_vertex_normals(ShapeSurface& surface) {
@@ -146,7 +149,8 @@ void set_leaves(const SphereTree& tree, ShapeSurface& surface) {
     near.clear();
     surface.bvh.triangles_near(leaf.center_m, reach_m, near);
     std::erase_if(near, [&](std::uint32_t t) {
-      return (closest_on_triangle(leaf.center_m, surface.bvh.corners(t)) - leaf.center_m).squaredNorm() > reach_m * reach_m;
+      return (closest_on_triangle(leaf.center_m, surface.bvh.corners(t)) - leaf.center_m).squaredNorm() >
+             reach_m * reach_m;
     });
     std::sort(near.begin(), near.end());
     surface.leaf_triangles.insert(surface.leaf_triangles.end(), near.begin(), near.end());

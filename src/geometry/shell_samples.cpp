@@ -16,7 +16,8 @@ struct Sample {
   float distance;
 };
 
-/// Goes down an octree of cubes and leaves out those that are farther from the surface than the shell is thick, or inside.
+/// Goes down an octree of cubes and leaves out those that are farther from the surface than the shell is thick, or
+/// inside.
 class Walk {
   // Invariant: every cube that was entered meets the box of the shell.
  public:
@@ -67,7 +68,8 @@ void sort_into_cells(const std::vector<Sample>& found, const Vec3f& high, ShellS
     std::size_t cell = 0;
     for (int axis = 2; axis >= 0; --axis) {
       const int cells = samples.cells[static_cast<std::size_t>(axis)];
-      const int i = std::clamp(static_cast<int>(std::floor((at[axis] - samples.low[axis]) / samples.cell)), 0, cells - 1);
+      const int i =
+          std::clamp(static_cast<int>(std::floor((at[axis] - samples.low[axis]) / samples.cell)), 0, cells - 1);
       cell = cell * static_cast<std::size_t>(cells) + static_cast<std::size_t>(i);
     }
     return cell;
@@ -86,8 +88,8 @@ void sort_into_cells(const std::vector<Sample>& found, const Vec3f& high, ShellS
 
 }  // namespace
 
-ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, float thickness, std::size_t target,
-                          std::uint64_t seed, parallel::Executor& executor) {
+ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, float thickness,
+                          std::size_t target, std::uint64_t seed, parallel::Executor& executor) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const double area = mesh_area_m2(mesh) / (frame.diagonal_m * frame.diagonal_m);
   // A shell about a closed convex body of unit size has about this volume (Steiner's formula); creases make it smaller.
@@ -112,7 +114,8 @@ ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, cons
   std::vector<std::vector<Sample>> parts(side * side * side);
   parallel::parallel_for(executor, parts.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3f steps(static_cast<float>(i % side), static_cast<float>(i / side % side), static_cast<float>(i / (side * side)));
+      const Vec3f steps(static_cast<float>(i % side), static_cast<float>(i / side % side),
+                        static_cast<float>(i / (side * side)));
       walk.enter(samples.low + top_size * steps, top_size, levels - top, i + 1, parts[i]);
     }
   });

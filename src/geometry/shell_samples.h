@@ -14,13 +14,13 @@
 
 namespace poise::geometry {
 
-/// Places outside an object, evenly spread through everything within `thickness` of it, with their distances: what a union of
-/// balls covers of them is what stands out. In the frame of the cover. Immutable once made.
+/// Places outside an object, evenly spread through everything within `thickness` of it, with their distances: what a
+/// union of balls covers of them is what stands out. In the frame of the cover. Immutable once made.
 struct ShellSamples {
-  PointList points;                 ///< cell after cell of the grid
-  std::vector<float> distance;      ///< to the object
+  PointList points;             ///< cell after cell of the grid
+  std::vector<float> distance;  ///< to the object
   float thickness = 0;
-  float volume = 0;                 ///< that each one stands for
+  float volume = 0;  ///< that each one stands for
 
   Vec3f low = Vec3f::Zero();
   float cell = 1;
@@ -51,8 +51,9 @@ struct ShellSamples {
         const int from = std::max(0, place(0, center.x() - reach_x));
         const int to = std::min(cells[0] - 1, place(0, center.x() + reach_x));
         if (from > to) continue;
-        const auto row = (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells[1]) + static_cast<std::size_t>(y)) *
-                         static_cast<std::size_t>(cells[0]);
+        const auto row =
+            (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells[1]) + static_cast<std::size_t>(y)) *
+            static_cast<std::size_t>(cells[0]);
         const std::uint32_t first = cell_begin[row + static_cast<std::size_t>(from)];
         const std::uint32_t last = cell_begin[row + static_cast<std::size_t>(to) + 1];
         if (first < last) take(first, last);
@@ -63,7 +64,7 @@ struct ShellSamples {
 
 /// About `target` samples (between half and twice as many) within `thickness` (> 0) of the object. The result does not
 /// depend on the executor.
-ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, float thickness, std::size_t target,
-                          std::uint64_t seed, parallel::Executor& executor);
+ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, const CoverFrame& frame, float thickness,
+                          std::size_t target, std::uint64_t seed, parallel::Executor& executor);
 
 }  // namespace poise::geometry

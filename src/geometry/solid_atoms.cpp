@@ -9,7 +9,8 @@
 namespace poise::geometry {
 namespace {
 
-/// Cells that a grid has at most; bounds memory at some 60 MB. Of an open mesh every corner is asked for, hence fewer. Chosen.
+/// Cells that a grid has at most; bounds memory at some 60 MB. Of an open mesh every corner is asked for, hence fewer.
+/// Chosen.
 constexpr double kMostCells = 2e7;
 constexpr double kMostCellsOfOpen = 5e5;
 
@@ -29,9 +30,9 @@ struct Grid {
   [[nodiscard]] std::size_t corner_count() const { return (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); }
 };
 
-/// A grid over the mesh with about `target` cells that meet the solid: volume / cell^3 whole ones, and about three for each
-/// two cell faces' worth of surface. Its planes are shifted by irrational shares of a cell, so that the round coordinates
-/// that meshes like to have do not fall on them.
+/// A grid over the mesh with about `target` cells that meet the solid: volume / cell^3 whole ones, and about three for
+/// each two cell faces' worth of surface. Its planes are shifted by irrational shares of a cell, so that the round
+/// coordinates that meshes like to have do not fall on them.
 Grid choose_grid(const TriangleMesh& mesh, std::size_t target, double most_cells) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const Vec3 size = box.high - box.low;
@@ -60,8 +61,8 @@ Grid choose_grid(const TriangleMesh& mesh, std::size_t target, double most_cells
 
 using Polygon = std::vector<Vec3>;
 
-/// Cuts a convex polygon by the plane x[axis] = at; corners on the plane belong to both parts. The point on an edge is reckoned
-/// from its lower end, so that two triangles that share the edge get the same bits.
+/// Cuts a convex polygon by the plane x[axis] = at; corners on the plane belong to both parts. The point on an edge is
+/// reckoned from its lower end, so that two triangles that share the edge get the same bits.
 void cut(const Polygon& polygon, int axis, double at, Polygon& below, Polygon& above) {
   below.clear();
   above.clear();
@@ -107,7 +108,8 @@ void cut_into_cells(const Grid& grid, Polygon polygon, int axis, std::array<std:
     high = std::max(high, p[axis]);
   }
   const auto a = static_cast<std::size_t>(axis);
-  const double guess = std::clamp(std::floor((low - grid.origin[axis]) / grid.cell_m), 0.0, static_cast<double>(grid.cells[a] - 1));
+  const double guess =
+      std::clamp(std::floor((low - grid.origin[axis]) / grid.cell_m), 0.0, static_cast<double>(grid.cells[a] - 1));
   auto slab = static_cast<std::size_t>(guess);
   // The division may be off by one near a plane; the planes themselves decide.
   while (slab > 0 && grid.plane(axis, slab) >= low) --slab;
@@ -146,10 +148,11 @@ Pieces clip_all(const TriangleMesh& mesh, const Grid& grid, parallel::Executor& 
   return all;
 }
 
-/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the answer for a closed mesh can only
-/// change between two corners whose edge a triangle may cross, so only corners beside cells with triangles are asked for.
-std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std::uint8_t>& has_surface, const TriangleBvh& bvh,
-                                         double near_m, parallel::Executor& executor) {
+/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the answer for a closed mesh
+/// can only change between two corners whose edge a triangle may cross, so only corners beside cells with triangles are
+/// asked for.
+std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std::uint8_t>& has_surface,
+                                         const TriangleBvh& bvh, double near_m, parallel::Executor& executor) {
   std::vector<std::uint8_t> inside(grid.corner_count(), 0);
   const std::size_t lines = (grid.cells[1] + 1) * (grid.cells[2] + 1);
   parallel::parallel_for(executor, lines, 8, [&](std::size_t begin, std::size_t end, int) {
@@ -185,7 +188,9 @@ std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std
   return inside;
 }
 
-bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); }
+bool before(const Vec3& a, const Vec3& b) {
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+}
 
 void close_atom(SolidAtoms& atoms) {
   const std::size_t first = atoms.begin.back();
@@ -199,12 +204,13 @@ void close_atom(SolidAtoms& atoms) {
   atoms.begin.push_back(atoms.points_m.size());
 }
 
-/// Puts the cells' points together: a block of cells that are wholly inside is one atom, since nothing of it is near the surface.
+/// Puts the cells' points together: a block of cells that are wholly inside is one atom, since nothing of it is near
+/// the surface.
 class AtomGatherer {
   // Invariant: atoms_.begin holds the first point of each finished atom, then the number of points.
  public:
-  AtomGatherer(const Grid& grid, const Pieces& pieces, const std::vector<std::uint8_t>& has_surface, const std::vector<std::uint8_t>& inside,
-               bool closed)
+  AtomGatherer(const Grid& grid, const Pieces& pieces, const std::vector<std::uint8_t>& has_surface,
+               const std::vector<std::uint8_t>& inside, bool closed)
       : grid_(grid), pieces_(pieces), has_surface_(has_surface), inside_(inside), closed_(closed) {
     atoms_.begin.push_back(0);
   }
@@ -251,7 +257,8 @@ class AtomGatherer {
       return;
     }
     const std::size_t half = size / 2;
-    for (std::size_t c = 0; c < 8; ++c) gather_block({at[0] + half * (c & 1U), at[1] + half * (c >> 1U & 1U), at[2] + half * (c >> 2U)}, half);
+    for (std::size_t c = 0; c < 8; ++c)
+      gather_block({at[0] + half * (c & 1U), at[1] + half * (c >> 1U & 1U), at[2] + half * (c >> 2U)}, half);
   }
 
   void gather_cell(const Place& at) {
@@ -260,7 +267,8 @@ class AtomGatherer {
     // Around holes of an open mesh the inside may end where there is no triangle; then all of the cell counts.
     const bool has_surface = has_surface_[cell] != 0;
     if (has_surface) {
-      for (auto piece = std::ranges::lower_bound(pieces_.pieces, cell, {}, &Piece::cell); piece != pieces_.pieces.end() && piece->cell == cell; ++piece) {
+      for (auto piece = std::ranges::lower_bound(pieces_.pieces, cell, {}, &Piece::cell);
+           piece != pieces_.pieces.end() && piece->cell == cell; ++piece) {
         const auto first = pieces_.points.begin() + static_cast<std::ptrdiff_t>(piece->first);
         atoms_.points_m.insert(atoms_.points_m.end(), first, first + static_cast<std::ptrdiff_t>(piece->count));
       }
@@ -284,7 +292,8 @@ class AtomGatherer {
 
 }  // namespace
 
-SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target, parallel::Executor& executor) {
+SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target,
+                          parallel::Executor& executor) {
   const Grid grid = choose_grid(mesh, target, bvh.closed() ? kMostCells : kMostCellsOfOpen);
   const Pieces pieces = clip_all(mesh, grid, executor);
   std::vector<std::uint8_t> has_surface(grid.cell_count(), 0);

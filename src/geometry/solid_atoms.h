@@ -13,9 +13,10 @@
 namespace poise::geometry {
 
 /// A solid cut into small pieces by a regular grid. Each atom is a set of points whose convex hull holds all of the
-/// solid that lies in one grid cell: the corners of the triangles clipped to the cell, and those corners of the cell that are
-/// inside. (An extreme point of "solid within cell" lies on the surface, hence on a clipped triangle, or is a corner of the
-/// cell.) So a ball that holds the points of an atom holds that part of the solid, and balls that hold all atoms hold all of it.
+/// solid that lies in one grid cell: the corners of the triangles clipped to the cell, and those corners of the cell
+/// that are inside. (An extreme point of "solid within cell" lies on the surface, hence on a clipped triangle, or is a
+/// corner of the cell.) So a ball that holds the points of an atom holds that part of the solid, and balls that hold
+/// all atoms hold all of it.
 struct SolidAtoms {
   std::vector<Vec3> points_m;
   std::vector<std::size_t> begin;  ///< first point of each atom, then the number of points
@@ -27,8 +28,10 @@ struct SolidAtoms {
   }
 };
 
-/// Cuts a mesh into about `target` atoms (fewer for a thin shape whose box would need too many cells). Blocks of cells that are wholly
-/// inside are one atom. Of an open mesh a cell with a corner inside takes all of its corners. The result does not depend on the executor.
-SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target, parallel::Executor& executor);
+/// Cuts a mesh into about `target` atoms (fewer for a thin shape whose box would need too many cells). Blocks of cells
+/// that are wholly inside are one atom. Of an open mesh a cell with a corner inside takes all of its corners. The
+/// result does not depend on the executor.
+SolidAtoms cut_into_atoms(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target,
+                          parallel::Executor& executor);
 
 }  // namespace poise::geometry

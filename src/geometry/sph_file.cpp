@@ -57,7 +57,8 @@ struct Row {
 
 /// Empty when the row is fine.
 std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
-  if (words.size() != 4 && words.size() != 5) return fmt::format("has {} numbers, must be 'x y z r occupancy'", words.size());
+  if (words.size() != 4 && words.size() != 5)
+    return fmt::format("has {} numbers, must be 'x y z r occupancy'", words.size());
   for (std::size_t i = 0; i < 4; ++i) {
     if (!parse(words[i], row.sphere[i]) || !std::isfinite(row.sphere[i])) {
       return fmt::format("'{}' must be a finite number in single precision", words[i].substr(0, 40));
@@ -71,8 +72,8 @@ std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
   if (!row.used) return {};
   const auto radius_m = static_cast<double>(row.sphere[3]);
   if (radius_m < geometry::kSmallestLength_m || radius_m > geometry::kLargestLength_m) {
-    return fmt::format("radius = {}, must be from {} to {} m, or negative for an unused place", radius_m, geometry::kSmallestLength_m,
-                       geometry::kLargestLength_m);
+    return fmt::format("radius = {}, must be from {} to {} m, or negative for an unused place", radius_m,
+                       geometry::kSmallestLength_m, geometry::kLargestLength_m);
   }
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::abs(static_cast<double>(row.sphere[i])) > geometry::kLargestLength_m) {
@@ -120,7 +121,9 @@ struct Rows {
 
 Result<SphereTree> parse_sph(std::string_view text) {
   Lines lines(text);
-  const auto refuse = [&](const std::string& rule) { return bad_input(fmt::format("line {}: {}", lines.number(), rule)); };
+  const auto refuse = [&](const std::string& rule) {
+    return bad_input(fmt::format("line {}: {}", lines.number(), rule));
+  };
   const auto head = lines.next();
   int levels = 0;
   int branch = 0;
@@ -128,7 +131,8 @@ Result<SphereTree> parse_sph(std::string_view text) {
   if (head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
     return refuse("must be 'levels branch', two whole numbers");
   }
-  if (levels < 1 || levels > kMaxTreeDepth + 1) return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));
+  if (levels < 1 || levels > kMaxTreeDepth + 1)
+    return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));
   if (branch < 1 || branch > static_cast<int>(kTreeBranching)) {
     return refuse(fmt::format("branch = {}, must be from 1 to {}", branch, kTreeBranching));
   }
@@ -155,21 +159,22 @@ Result<SphereTree> parse_sph(std::string_view text) {
   return geometry::lay_out_tree(nodes);
 }
 
-/// Numbers are written with as many digits as a double needs for exactly the stored float: who reads them in double precision finds
-/// no sphere smaller by a rounding.
+/// Numbers are written with as many digits as a double needs for exactly the stored float: who reads them in double
+/// precision finds no sphere smaller by a rounding.
 void append_row(const SphereTree& tree, NodeIndex node, std::string& text) {
   const Sphere sphere = tree.sphere(node);
-  fmt::format_to(std::back_inserter(text), "{} {} {} {} 1\n", sphere.center_m.x(), sphere.center_m.y(), sphere.center_m.z(),
-                 sphere.radius_m);
+  fmt::format_to(std::back_inserter(text), "{} {} {} {} 1\n", sphere.center_m.x(), sphere.center_m.y(),
+                 sphere.center_m.z(), sphere.radius_m);
 }
 
-/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error of its spheres
-/// where these are known.
+/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error
+/// of its spheres where these are known.
 void append_level_figures(const SphereTree& tree, Level level, std::size_t places, std::string& text) {
   fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\n", level, places);
   if (!geometry::protrusions_known(tree)) return;
   const geometry::LevelErrors errors = geometry::level_errors(tree, tree.nodes_at(level));
-  fmt::format_to(std::back_inserter(text), "Best : {}\nWorst : {}\nMean : {}\n", errors.best_m, errors.worst_m, errors.mean_m);
+  fmt::format_to(std::back_inserter(text), "Best : {}\nWorst : {}\nMean : {}\n", errors.best_m, errors.worst_m,
+                 errors.mean_m);
 }
 
 std::string sph_text(const SphereTree& tree) {

@@ -24,23 +24,24 @@ struct Cap {
   double cosine;
 };
 
-/// A spherical triangle of directions from the sphere's centre, smaller than an octant, and what is known of the distance there.
+/// A spherical triangle of directions from the sphere's centre, smaller than an octant, and what is known of the
+/// distance there.
 struct Patch {
   std::array<Vec3, 3> corners;
   Vec3 middle;
-  double cos_reach = 1;      ///< cosine of the angle from the middle to the farthest corner
-  double area = 0;           ///< in steradians
-  std::size_t first_cap = 0; ///< caps that it meets, in PatchSet::met_
-  std::size_t cap_count = 0; ///< none: all of it is exposed
-  double max_m = 0;          ///< the distance is nowhere larger
-  double mean_m = 0;         ///< nor its mean over the patch, nor over any part of it where the patch meets a cap
-  double seen_m = 0;         ///< the distance at one point
-  bool exposed_seen = false; ///< that point is exposed
+  double cos_reach = 1;       ///< cosine of the angle from the middle to the farthest corner
+  double area = 0;            ///< in steradians
+  std::size_t first_cap = 0;  ///< caps that it meets, in PatchSet::met_
+  std::size_t cap_count = 0;  ///< none: all of it is exposed
+  double max_m = 0;           ///< the distance is nowhere larger
+  double mean_m = 0;          ///< nor its mean over the patch, nor over any part of it where the patch meets a cap
+  double seen_m = 0;          ///< the distance at one point
+  bool exposed_seen = false;  ///< that point is exposed
   std::uint32_t piece = TriangleBvh::kNoTriangle;
 };
 
-/// Largest x . way over a patch, at least. A direction of the patch is a sum of shares of the corners, divided by a length from
-/// cos_reach to 1.
+/// Largest x . way over a patch, at least. A direction of the patch is a sum of shares of the corners, divided by a
+/// length from cos_reach to 1.
 double most_along(const Patch& patch, const Vec3& way) {
   const double most = std::max({patch.corners[0].dot(way), patch.corners[1].dot(way), patch.corners[2].dot(way)});
   return most > 0 ? most / patch.cos_reach : most;
@@ -51,7 +52,8 @@ double solid_angle(const std::array<Vec3, 3>& v) {
   return 2 * std::atan2(v[0].dot(v[1].cross(v[2])), 1 + v[0].dot(v[1]) + v[1].dot(v[2]) + v[2].dot(v[0]));
 }
 
-/// Integral of the direction over a spherical triangle: half the sum over its arcs of angle times unit normal of the arc's plane.
+/// Integral of the direction over a spherical triangle: half the sum over its arcs of angle times unit normal of the
+/// arc's plane.
 Vec3 direction_integral(const std::array<Vec3, 3>& v) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < 3; ++i) {
@@ -75,7 +77,8 @@ class PatchSet {
     met_.resize(caps_.size());
     std::iota(met_.begin(), met_.end(), 0U);
     for (unsigned octant = 0; octant < 8; ++octant) {
-      const std::array<double, 3> sign{(octant & 1U) != 0 ? -1.0 : 1.0, (octant & 2U) != 0 ? -1.0 : 1.0, (octant & 4U) != 0 ? -1.0 : 1.0};
+      const std::array<double, 3> sign{(octant & 1U) != 0 ? -1.0 : 1.0, (octant & 2U) != 0 ? -1.0 : 1.0,
+                                       (octant & 4U) != 0 ? -1.0 : 1.0};
       std::array<Vec3, 3> corners{sign[0] * Vec3::UnitX(), sign[1] * Vec3::UnitY(), sign[2] * Vec3::UnitZ()};
       if (sign[0] * sign[1] * sign[2] < 0) std::swap(corners[1], corners[2]);
       cut(corners, 2, 0, caps_.size(), TriangleBvh::kNoTriangle);
@@ -115,7 +118,8 @@ class PatchSet {
   }
 
   /// Adds a triangle, cut into four so many times, but for what is hidden.
-  void cut(const std::array<Vec3, 3>& corners, int times, std::size_t first_cap, std::size_t cap_count, std::uint32_t guess) {
+  void cut(const std::array<Vec3, 3>& corners, int times, std::size_t first_cap, std::size_t cap_count,
+           std::uint32_t guess) {
     if (times == 0) {
       add(corners, first_cap, cap_count, guess);
       return;
@@ -137,7 +141,8 @@ class PatchSet {
     return true;
   }
 
-  /// Whether all of a patch is in a cap. A cap up to half a sphere is convex; for a larger one the circle around the patch is asked.
+  /// Whether all of a patch is in a cap. A cap up to half a sphere is convex; for a larger one the circle around the
+  /// patch is asked.
   static bool hidden_by(const Cap& cap, const Patch& patch) {
     if (cap.cosine >= 0) {
       return std::ranges::all_of(patch.corners, [&](const Vec3& corner) { return corner.dot(cap.axis) > cap.cosine; });
@@ -154,7 +159,8 @@ class PatchSet {
     patch.corners = corners;
     patch.middle = (corners[0] + corners[1] + corners[2]).normalized();
     patch.cos_reach =
-        std::min({corners[0].dot(patch.middle), corners[1].dot(patch.middle), corners[2].dot(patch.middle)}) * (1 - 1e-15);
+        std::min({corners[0].dot(patch.middle), corners[1].dot(patch.middle), corners[2].dot(patch.middle)}) *
+        (1 - 1e-15);
     patch.first_cap = met_.size();
     for (std::size_t i = first_cap; i < first_cap + cap_count; ++i) {
       const std::uint32_t index = met_[i];
@@ -184,7 +190,8 @@ class PatchSet {
     const ObjectBall ball = object_.nearest(point, guess);
     patch.piece = ball.piece;
     patch.seen_m = std::max(0.0, (point - ball.center_m).norm() - ball.radius_m);
-    // The distance to the ball's centre: its largest and least, and the root of the mean of its square (Jensen's inequality).
+    // The distance to the ball's centre: its largest and least, and the root of the mean of its square (Jensen's
+    // inequality).
     const Vec3 from = own_.center_m - ball.center_m;
     const double squares = own_.radius_m * own_.radius_m + from.squaredNorm();
     const auto distance_m = [&](double along) { return std::sqrt(std::max(0.0, squares + 2 * own_.radius_m * along)); };
@@ -198,8 +205,9 @@ class PatchSet {
     if (patch.cap_count > 0) patch.mean_m = patch.max_m;
   }
 
-  /// The distance to a convex piece is convex: over the flat triangle of the corners it is at most what lies linearly between theirs, and the
-  /// sphere is within the sagitta of that. Seen from the centre, the flat triangle has its weights within cos_reach^3.
+  /// The distance to a convex piece is convex: over the flat triangle of the corners it is at most what lies linearly
+  /// between theirs, and the sphere is within the sagitta of that. Seen from the centre, the flat triangle has its
+  /// weights within cos_reach^3.
   void bound_by_piece(Patch& patch) const {
     double most = 0;
     double least = std::numeric_limits<double>::infinity();
@@ -222,7 +230,8 @@ class PatchSet {
     return largest_m;
   }
 
-  /// The largest mean that any hidden shares of the patches that meet a cap allow: those above the mean counted whole, the others not.
+  /// The largest mean that any hidden shares of the patches that meet a cap allow: those above the mean counted whole,
+  /// the others not.
   [[nodiscard]] double mean_bound() const {
     std::vector<std::pair<double, double>> partly;  // mean, area
     double sum = 0;
@@ -259,14 +268,16 @@ class PatchSet {
       area += share;
     }
     const double mean_m = area > 0 ? sum / area : 0;
-    std::vector<std::pair<double, std::size_t>> gaps;  // how much a patch may add to the mean's error, negative so that the largest comes first
+    std::vector<std::pair<double, std::size_t>>
+        gaps;  // how much a patch may add to the mean's error, negative so that the largest comes first
     double gap_sum = 0;
     for (std::size_t i = 0; i < patches_.size(); ++i) {
       const Patch& patch = patches_[i];
       if (patch.cos_reach > smallest_cosine) continue;
       if (patch.max_m > enough_m && patch.max_m >= from_m) chosen[i] = 1;
       double gap = patch.mean_m - patch.seen_m;
-      if (patch.cap_count > 0) gap = 0.5 * std::max(std::abs(patch.seen_m - mean_m), std::max(0.0, patch.mean_m - mean_m));
+      if (patch.cap_count > 0)
+        gap = 0.5 * std::max(std::abs(patch.seen_m - mean_m), std::max(0.0, patch.mean_m - mean_m));
       gaps.emplace_back(-gap * patch.area, i);
       gap_sum += gap * patch.area;
     }
@@ -294,7 +305,8 @@ class PatchSet {
 
 }  // namespace
 
-SphereProtrusion sphere_protrusion(const Sphere& own, std::span<const Sphere> others, const ObjectQueries& object, double tolerance_m) {
+SphereProtrusion sphere_protrusion(const Sphere& own, std::span<const Sphere> others, const ObjectQueries& object,
+                                   double tolerance_m) {
   return PatchSet(own, others, object, tolerance_m).refine();
 }
 

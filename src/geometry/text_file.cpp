@@ -11,7 +11,9 @@ namespace poise::geometry {
 
 Result<std::string> read_text_file(const std::filesystem::path& file, std::uint64_t limit_bytes) {
   std::error_code error;
-  const auto refuse = [&](const std::string& why) { return bad_input(fmt::format("{}: cannot be read: {}", file.string(), why)); };
+  const auto refuse = [&](const std::string& why) {
+    return bad_input(fmt::format("{}: cannot be read: {}", file.string(), why));
+  };
   if (!std::filesystem::is_regular_file(file, error)) return refuse("no such file");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (!error && size > limit_bytes) return refuse(fmt::format("{} bytes, at most {} are accepted", size, limit_bytes));

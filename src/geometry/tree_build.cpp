@@ -17,14 +17,18 @@ namespace poise {
 using namespace geometry;
 
 Result<SphereTree> build_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options) {
-  if (options.depth > kMaxTreeDepth) return bad_input(fmt::format("depth = {}, must be from 0 to {}", options.depth, kMaxTreeDepth));
-  if (options.threads < 0 || options.threads > 256) return bad_input(fmt::format("threads = {}, must be from 0 to 256", options.threads));
+  if (options.depth > kMaxTreeDepth)
+    return bad_input(fmt::format("depth = {}, must be from 0 to {}", options.depth, kMaxTreeDepth));
+  if (options.threads < 0 || options.threads > 256)
+    return bad_input(fmt::format("threads = {}, must be from 0 to 256", options.threads));
   if (std::string wrong = why_unusable(mesh); !wrong.empty()) return bad_input(std::move(wrong));
   const double diagonal_m = mesh.diagonal_m();
   for (const Vec3& v : mesh.vertices_m) {
-    if (v.cwiseAbs().maxCoeff() > kLargestLength_m) return bad_input(fmt::format("mesh: a vertex is farther than {} m from 0", kLargestLength_m));
+    if (v.cwiseAbs().maxCoeff() > kLargestLength_m)
+      return bad_input(fmt::format("mesh: a vertex is farther than {} m from 0", kLargestLength_m));
   }
-  if (diagonal_m < kSmallestLength_m) return bad_input(fmt::format("mesh: {} m across, must be at least {} m", diagonal_m, kSmallestLength_m));
+  if (diagonal_m < kSmallestLength_m)
+    return bad_input(fmt::format("mesh: {} m across, must be at least {} m", diagonal_m, kSmallestLength_m));
 
   const auto executor = parallel::make_executor(ExecutorKind::Tbb, options.threads);
   const TriangleBvh bvh(mesh, options.solidity);

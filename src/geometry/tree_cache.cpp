@@ -46,7 +46,8 @@ fs::path default_tree_cache_folder() {
 }
 
 Result<SphereTree> cached_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options,
-                                      const TreeCacheSettings& settings, TreeCacheOutcome* outcome, std::size_t* evicted) {
+                                      const TreeCacheSettings& settings, TreeCacheOutcome* outcome,
+                                      std::size_t* evicted) {
   TreeCacheOutcome ignored_outcome{};
   std::size_t ignored_count = 0;
   TreeCacheOutcome& became = outcome != nullptr ? *outcome : ignored_outcome;

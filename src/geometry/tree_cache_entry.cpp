@@ -47,7 +47,8 @@ static_assert(sizeof(Head) == 48 && std::has_unique_object_representations_v<Hea
 /// Calls on each array of a tree with the number of its entries in the file.
 template <class Tree, class Visit>
 void each_array(Tree& tree, std::size_t nodes, std::size_t level_bounds, Visit&& visit) {
-  for (auto* array : {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
+  for (auto* array :
+       {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
     visit(*array, nodes);
   }
   visit(tree.fit, nodes);
@@ -80,7 +81,8 @@ bool sound_numbers(const SphereTree& tree, std::size_t node) {
   return std::isfinite(fit.variance_m2) && fit.variance_m2 >= 0;
 }
 
-/// Whether levels and children are laid out as SphereTree says: the children of a level's nodes, in order, are the next level.
+/// Whether levels and children are laid out as SphereTree says: the children of a level's nodes, in order, are the next
+/// level.
 bool sound_layout(const SphereTree& tree, std::size_t nodes) {
   const std::size_t levels = tree.level_begin.size() - 1;
   if (tree.level_begin[0] != 0 || tree.level_begin[1] != 1 || tree.level_begin[levels] != nodes) return false;
@@ -101,16 +103,18 @@ bool sound_layout(const SphereTree& tree, std::size_t nodes) {
 
 }  // namespace
 
-const std::uint64_t kMostEntryBytes = sizeof(Head) + most_nodes() * kNodeBytes + (kMaxTreeDepth + 2) * sizeof(NodeIndex) + kHashBytes;
+const std::uint64_t kMostEntryBytes =
+    sizeof(Head) + most_nodes() * kNodeBytes + (kMaxTreeDepth + 2) * sizeof(NodeIndex) + kHashBytes;
 
 TreeKey tree_key(const TriangleMesh& mesh, const TreeBuildOptions& options) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(mesh.triangles[0]) == 3 * sizeof(std::uint32_t));
   const TreeKey vertices = hash_of(mesh.vertices_m.data(), mesh.vertices_m.size() * sizeof(Vec3));
   const TreeKey triangles = hash_of(mesh.triangles.data(), mesh.triangles.size() * 3 * sizeof(std::uint32_t));
-  const std::string all = fmt::format("poise tree {} {} builder {} order {} mesh {} {} {} {} depth {} preset {} solidity {} seed {}",
-                                      kTreeVersion, kEntryVersion, POISE_BUILD_GEOMETRY, kByteOrder, mesh.vertices_m.size(),
-                                      mesh.triangles.size(), key_text(vertices), key_text(triangles), options.depth,
-                                      static_cast<int>(options.preset), static_cast<int>(options.solidity), options.seed);
+  const std::string all =
+      fmt::format("poise tree {} {} builder {} order {} mesh {} {} {} {} depth {} preset {} solidity {} seed {}",
+                  kTreeVersion, kEntryVersion, POISE_BUILD_GEOMETRY, kByteOrder, mesh.vertices_m.size(),
+                  mesh.triangles.size(), key_text(vertices), key_text(triangles), options.depth,
+                  static_cast<int>(options.preset), static_cast<int>(options.solidity), options.seed);
   return hash_of(all.data(), all.size());
 }
 

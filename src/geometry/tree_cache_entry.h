@@ -22,11 +22,12 @@ TreeKey tree_key(const TriangleMesh& mesh, const TreeBuildOptions& options);
 /// 32 hexadecimal digits.
 std::string key_text(const TreeKey& key);
 
-/// An entry: head (magic word, byte order, versions, sizes, key), the arrays without their padding, checksum of all that.
+/// An entry: head (magic word, byte order, versions, sizes, key), the arrays without their padding, checksum of all
+/// that.
 std::string entry_bytes(const SphereTree& tree, const TreeKey& key);
 
-/// The tree of an entry; none if the bytes are not exactly an entry of this version and key whose every count, index and number
-/// keeps the rules of SphereTree. A matching checksum is not taken for a proof of that.
+/// The tree of an entry; none if the bytes are not exactly an entry of this version and key whose every count, index
+/// and number keeps the rules of SphereTree. A matching checksum is not taken for a proof of that.
 std::optional<SphereTree> entry_tree(std::string_view bytes, const TreeKey& key);
 
 }  // namespace poise::geometry

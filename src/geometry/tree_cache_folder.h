@@ -24,9 +24,9 @@ void touch_entry(const std::filesystem::path& file);
 /// Puts an entry in its place by renaming; makes the folder where it is missing. False if that cannot be.
 bool write_entry(const std::filesystem::path& file, std::string_view bytes);
 
-/// Removes the entries that were not used for longest until all together have at most `limit_bytes`, never `kept`, and what writers
-/// that died left more than an hour before `kept` was written. Files that are not of the cache are not touched. Returns how many
-/// entries went.
+/// Removes the entries that were not used for longest until all together have at most `limit_bytes`, never `kept`, and
+/// what writers that died left more than an hour before `kept` was written. Files that are not of the cache are not
+/// touched. Returns how many entries went.
 std::size_t keep_limit(const std::filesystem::path& kept, std::uint64_t limit_bytes);
 
 }  // namespace poise::geometry

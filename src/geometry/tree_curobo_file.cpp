@@ -23,7 +23,8 @@ Status read_sphere(const YAML::Node& item, std::vector<Sphere>& spheres) {
   bool sound = center.IsSequence() && center.size() == 3;
   for (std::size_t i = 0; sound && i < 3; ++i) sound = read_scalar(center[i], sphere.center_m[static_cast<int>(i)]);
   if (!sound) return bad_input(place_of(center) + ": center must be a list of three numbers");
-  if (!read_scalar(item["radius"], sphere.radius_m)) return bad_input(place_of(item["radius"]) + ": radius must be a number");
+  if (!read_scalar(item["radius"], sphere.radius_m))
+    return bad_input(place_of(item["radius"]) + ": radius must be a number");
   return take_sphere(sphere, place_of(item), spheres);
 }
 
@@ -65,7 +66,8 @@ std::string curobo_text(std::span<const Sphere> spheres, const std::string& name
 Result<std::vector<Sphere>> curobo_spheres(const std::string& text, const SphereChoice& choice) {
   try {
     const YAML::Node links = spheres_node(YAML::Load(text));
-    if (!links.IsDefined() || !links.IsMap()) return bad_input("must have collision_spheres with a list of spheres for each link");
+    if (!links.IsDefined() || !links.IsMap())
+      return bad_input("must have collision_spheres with a list of spheres for each link");
     std::vector<std::string> names;
     for (const auto& link : links) {
       if (!link.first.IsScalar()) return bad_input(place_of(link.first) + ": must be the name of a link");

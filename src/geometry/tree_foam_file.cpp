@@ -67,7 +67,8 @@ Result<std::vector<Sphere>> foam_spheres(const std::string& text, const SphereCh
     // Past "[json.exception...] " the library's message says line and column.
     const std::string message = failure.what();
     constexpr std::size_t kLongest = 160;
-    return bad_input("not valid JSON: " + shown_text(message.substr(std::min(message.find("] ") + 2, message.size())), kLongest));
+    return bad_input("not valid JSON: " +
+                     shown_text(message.substr(std::min(message.find("] ") + 2, message.size())), kLongest));
   }
   if (!root.is_array() || root.empty()) return bad_input("must be a list of levels, each with its spheres");
   const std::size_t level = choice.level ? std::size_t{*choice.level} : root.size() - 1;

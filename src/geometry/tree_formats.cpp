@@ -42,7 +42,8 @@ std::size_t character_length(std::string_view text) {
 /// Empty when the name can stand in every format.
 std::string wrong_name(std::string_view name) {
   if (name.empty()) return "must not be empty";
-  if (name.size() > kLongestName) return fmt::format("has {} bytes, at most {} are accepted", name.size(), kLongestName);
+  if (name.size() > kLongestName)
+    return fmt::format("has {} bytes, at most {} are accepted", name.size(), kLongestName);
   for (std::string_view rest = name; !rest.empty();) {
     const std::size_t length = character_length(rest);
     if (length == 0) return "must be UTF-8";
@@ -90,7 +91,8 @@ Result<std::vector<Sphere>> parse_spheres(TreeFormat format, const std::string& 
 
 std::optional<TreeFormat> tree_format_of(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(ending, ending.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   constexpr std::array<std::pair<std::string_view, TreeFormat>, 5> kEndings{{{".sph", TreeFormat::Sph},
                                                                              {".urdf", TreeFormat::Urdf},
                                                                              {".yml", TreeFormat::CuroboYaml},
@@ -129,7 +131,8 @@ Result<std::vector<Sphere>> read_spheres(const std::filesystem::path& file, cons
     if (*format == TreeFormat::Sph) {
       Result<std::vector<Sphere>> spheres = sph_spheres(file, choice);
       if (spheres && spheres.value().size() > kMaxUnionSpheres) {
-        return bad_input(fmt::format("{}: {} spheres, at most {} are accepted", file.string(), spheres.value().size(), kMaxUnionSpheres));
+        return bad_input(fmt::format("{}: {} spheres, at most {} are accepted", file.string(), spheres.value().size(),
+                                     kMaxUnionSpheres));
       }
       return spheres;
     }
@@ -137,7 +140,8 @@ Result<std::vector<Sphere>> read_spheres(const std::filesystem::path& file, cons
     if (!text) return text.error();
     Result<std::vector<Sphere>> spheres = parse_spheres(*format, text.value(), choice);
     if (!spheres) return bad_input(fmt::format("{}: {}", file.string(), spheres.error().message));
-    if (spheres.value().empty()) return bad_input(fmt::format("{}: has no spheres, at least one is needed", file.string()));
+    if (spheres.value().empty())
+      return bad_input(fmt::format("{}: has no spheres, at least one is needed", file.string()));
     return spheres;
   } catch (const std::exception& failure) {
     return bad_input(fmt::format("{}: {}", file.string(), failure.what()));
@@ -176,11 +180,13 @@ bool read_number(std::string_view text, double& value) {
 Status take_sphere(const Sphere& sphere, const std::string& place, std::vector<Sphere>& spheres) {
   for (int i = 0; i < 3; ++i) {
     if (!(std::abs(sphere.center_m[i]) <= kLargestLength_m)) {
-      return bad_input(fmt::format("{}: coordinate = {}, must be within {} m", place, sphere.center_m[i], kLargestLength_m));
+      return bad_input(
+          fmt::format("{}: coordinate = {}, must be within {} m", place, sphere.center_m[i], kLargestLength_m));
     }
   }
   if (!(sphere.radius_m >= kSmallestLength_m && sphere.radius_m <= kLargestLength_m)) {
-    return bad_input(fmt::format("{}: radius = {}, must be from {} to {} m", place, sphere.radius_m, kSmallestLength_m, kLargestLength_m));
+    return bad_input(fmt::format("{}: radius = {}, must be from {} to {} m", place, sphere.radius_m, kSmallestLength_m,
+                                 kLargestLength_m));
   }
   if (spheres.size() >= kMaxUnionSpheres) {
     return bad_input(fmt::format("{}: one sphere too many, at most {} are accepted", place, kMaxUnionSpheres));
@@ -203,7 +209,8 @@ Result<std::string> chosen_link(const std::vector<std::string>& links, const std
 
 std::string shown_text(std::string_view text, std::size_t longest) {
   std::string shown(text.substr(0, longest));
-  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
   return text.size() > longest ? shown + "..." : shown;
 }
 

@@ -25,13 +25,20 @@ constexpr double kStartShare = 0.25;  ///< of the whole time, for progress
 constexpr double kEndShare = 0.9;
 
 class Grower {
-  // Invariant: parents_ are the nodes that level level_ consists of, node_of_[i] the loose node of parents_[i], and every atom is
-  // in `allowed` of a closed parent or in `own` of exactly one open one.
+  // Invariant: parents_ are the nodes that level level_ consists of, node_of_[i] the loose node of parents_[i], and
+  // every atom is in `allowed` of a closed parent or in `own` of exactly one open one.
  public:
-  Grower(const TriangleMesh& mesh, const TriangleBvh& bvh, const TreeBuildOptions& options, parallel::Executor& executor,
-         const std::function<void(double)>& progress, const std::function<bool()>& keep_going)
-      : mesh_(mesh), bvh_(bvh), options_(options), effort_(effort_of(options.preset)), executor_(executor), progress_(progress),
-        keep_going_(keep_going), frame_{bounds_of(mesh.vertices_m).center(), mesh.diagonal_m()} {}
+  Grower(const TriangleMesh& mesh, const TriangleBvh& bvh, const TreeBuildOptions& options,
+         parallel::Executor& executor, const std::function<void(double)>& progress,
+         const std::function<bool()>& keep_going)
+      : mesh_(mesh),
+        bvh_(bvh),
+        options_(options),
+        effort_(effort_of(options.preset)),
+        executor_(executor),
+        progress_(progress),
+        keep_going_(keep_going),
+        frame_{bounds_of(mesh.vertices_m).center(), mesh.diagonal_m()} {}
 
   std::vector<LooseNode> grow() {
     solid_ = cut_into_atoms(mesh_, bvh_, atom_count(), executor_);
@@ -68,7 +75,8 @@ class Grower {
   }
 
   /// Which of the atoms lie in a node's stored sphere, exactly.
-  [[nodiscard]] std::vector<std::uint32_t> held_by(const LooseNode& node, const std::vector<std::uint32_t>& atoms) const {
+  [[nodiscard]] std::vector<std::uint32_t> held_by(const LooseNode& node,
+                                                   const std::vector<std::uint32_t>& atoms) const {
     const Vec3 center_m = node.center_m.cast<double>();
     const auto radius_m = static_cast<double>(node.radius_m);
     const double square_m2 = radius_m * radius_m * (1 - 1e-12);
@@ -77,7 +85,8 @@ class Grower {
     std::vector<std::uint32_t> held;
     for (const std::uint32_t atom : atoms) {
       if ((atoms_.middles.at(atom) - center).squaredNorm() > radius * radius) continue;
-      if (std::ranges::all_of(solid_.points_of(atom), [&](const Vec3& p) { return (p - center_m).squaredNorm() <= square_m2; })) {
+      if (std::ranges::all_of(solid_.points_of(atom),
+                              [&](const Vec3& p) { return (p - center_m).squaredNorm() <= square_m2; })) {
         held.push_back(atom);
       }
     }
@@ -85,7 +94,8 @@ class Grower {
   }
 
   /// A parent for the next level, and its loose node; `allowed` are the atoms that the nodes above it hold.
-  CoverParent close_ball(const Vec3& center_m, std::vector<std::uint32_t> own, const std::vector<std::uint32_t>& allowed) {
+  CoverParent close_ball(const Vec3& center_m, std::vector<std::uint32_t> own,
+                         const std::vector<std::uint32_t>& allowed) {
     nodes_.push_back(node_about(center_m, own));
     const LooseNode& node = nodes_.back();
     CoverParent parent;
@@ -117,8 +127,8 @@ class Grower {
       root.own.resize(coarse.size());
       std::iota(root.own.begin(), root.own.end(), 0U);
       root.allowed = root.own;
-      std::vector<CoverBall> balls =
-          find_start({mesh_, bvh_, frame_, places_, options_.seed}, coarse, root, effort_.start, executor_, keep_going_);
+      std::vector<CoverBall> balls = find_start({mesh_, bvh_, frame_, places_, options_.seed}, coarse, root,
+                                                effort_.start, executor_, keep_going_);
       for (CoverBall& ball : balls) {
         stand_off = std::max(stand_off, ball.radius + ball.signed_distance);
         ball.own.clear();
@@ -128,12 +138,14 @@ class Grower {
       return balls;
     }
     std::vector<GreedyCover> covers(parents_.size());
-    const GreedySettings greedy{.atoms = level == 2 ? 2500U : 1200U, .places = level == 2 ? 200U : 100U, .halvings = 6, .random_starts = 1};
+    const GreedySettings greedy{
+        .atoms = level == 2 ? 2500U : 1200U, .places = level == 2 ? 200U : 100U, .halvings = 6, .random_starts = 1};
     parallel::parallel_for(executor_, parents_.size(), 1, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end && keep_going_(); ++i) {
         const CoverParent& parent = parents_[i];
         if (parent.closed) continue;
-        covers[i] = cover_greedily(atoms_, parent.own, places_, parent.center, parent.radius, bvh_, frame_, options_.seed + i, greedy);
+        covers[i] = cover_greedily(atoms_, parent.own, places_, parent.center, parent.radius, bvh_, frame_,
+                                   options_.seed + i, greedy);
       }
     });
     std::vector<CoverBall> balls;
@@ -152,9 +164,12 @@ class Grower {
     const double done = kStartShare + (kEndShare - kStartShare) * (level - 1) / options_.depth;
     const double part = (kEndShare - kStartShare) / options_.depth;
     progress_(done);
-    const auto open = static_cast<std::size_t>(std::ranges::count_if(parents_, [](const CoverParent& parent) { return !parent.closed; }));
-    const std::size_t target = std::clamp(effort_.samples_per_ball * kTreeBranching * open, kFewestSamples, kMostSamples);
-    const ShellSamples samples = sample_shell(mesh_, bvh_, frame_, kShellFactor * stand_off + 0.002F, target, options_.seed + level, executor_);
+    const auto open = static_cast<std::size_t>(
+        std::ranges::count_if(parents_, [](const CoverParent& parent) { return !parent.closed; }));
+    const std::size_t target =
+        std::clamp(effort_.samples_per_ball * kTreeBranching * open, kFewestSamples, kMostSamples);
+    const ShellSamples samples =
+        sample_shell(mesh_, bvh_, frame_, kShellFactor * stand_off + 0.002F, target, options_.seed + level, executor_);
     LevelCover cover(atoms_, samples, bvh_, frame_, places_, parents_);
     int round = 0;
     LevelSettings settings = effort_.level;
@@ -201,7 +216,8 @@ class Grower {
       radius = std::max(radius, ball->radius);
       bound = std::max(bound, ball->radius + ball->signed_distance);
     }
-    return !family.empty() && (radius < 0.99F * parent.radius || bound < 0.99F * (parent.radius + signed_distance(parent.center)));
+    return !family.empty() &&
+           (radius < 0.99F * parent.radius || bound < 0.99F * (parent.radius + signed_distance(parent.center)));
   }
 
   const TriangleMesh& mesh_;
@@ -223,7 +239,8 @@ class Grower {
 }  // namespace
 
 TreeEffort effort_of(TreePreset preset) {
-  TreeEffort effort;  if (preset == TreePreset::Fast) {
+  TreeEffort effort;
+  if (preset == TreePreset::Fast) {
     effort.atoms = 20000;
     effort.start_atoms = 3000;
     effort.places = 1000;
@@ -241,8 +258,9 @@ TreeEffort effort_of(TreePreset preset) {
   return effort;
 }
 
-std::vector<LooseNode> grow_tree(const TriangleMesh& mesh, const TriangleBvh& bvh, const TreeBuildOptions& options, parallel::Executor& executor,
-                                 const std::function<void(double)>& progress, const std::function<bool()>& keep_going) {
+std::vector<LooseNode> grow_tree(const TriangleMesh& mesh, const TriangleBvh& bvh, const TreeBuildOptions& options,
+                                 parallel::Executor& executor, const std::function<void(double)>& progress,
+                                 const std::function<bool()>& keep_going) {
   return Grower(mesh, bvh, options, executor, progress, keep_going).grow();
 }
 

@@ -71,7 +71,8 @@ class WeightedDraw {
 };
 
 /// Levels 0 to result - 1 each have a chain of nodes from `node` down that all contain the point.
-std::size_t levels_reached(const SphereTree& tree, NodeIndex node, const Vec3& point, std::size_t level, std::size_t levels) {
+std::size_t levels_reached(const SphereTree& tree, NodeIndex node, const Vec3& point, std::size_t level,
+                           std::size_t levels) {
   const Sphere sphere = tree.sphere(node);
   if ((sphere.center_m - point).squaredNorm() > sphere.radius_m * sphere.radius_m) return level;
   if (tree.child_count[node] == 0) return levels;
@@ -109,7 +110,9 @@ struct Coverage {
 };
 
 Coverage surface_coverage(const SphereTree& tree, const TriangleMesh& mesh, const Sampling& sampling) {
-  const auto corners = [&mesh](std::size_t i, std::size_t corner) -> const Vec3& { return mesh.vertices_m[mesh.triangles[i][corner]]; };
+  const auto corners = [&mesh](std::size_t i, std::size_t corner) -> const Vec3& {
+    return mesh.vertices_m[mesh.triangles[i][corner]];
+  };
   const WeightedDraw by_area(mesh.triangles.size(), [&](std::size_t i) {
     return (corners(i, 1) - corners(i, 0)).cross(corners(i, 2) - corners(i, 0)).norm();
   });
@@ -152,15 +155,18 @@ struct Protrusion {
   }
 };
 
-void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double volume_m3, const Sampling& sampling, TreeLevelFigures& figures) {
+void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double volume_m3, const Sampling& sampling,
+                 TreeLevelFigures& figures) {
   const std::vector<NodeIndex> nodes = tree.nodes_at(figures.level);
   figures.spheres = nodes.size();
   for (const NodeIndex node : nodes) {
-    figures.protrusion_bound_max_m = std::max(figures.protrusion_bound_max_m, static_cast<double>(tree.protrusion_max_m[node]));
+    figures.protrusion_bound_max_m =
+        std::max(figures.protrusion_bound_max_m, static_cast<double>(tree.protrusion_max_m[node]));
   }
   const auto overlapping = overlapping_nodes(tree, nodes);
   const std::uint64_t figure = static_cast<std::uint64_t>(Figure::Levels) + 2ULL * figures.level;
-  const WeightedDraw by_area(nodes.size(), [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 2); });
+  const WeightedDraw by_area(nodes.size(),
+                             [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 2); });
   const auto protrusion = sampling.sum<Protrusion>(figure, [&](Random& random, std::size_t count) {
     Protrusion part;
     for (std::size_t k = 0; k < count; ++k) {
@@ -180,7 +186,8 @@ void judge_level(const SphereTree& tree, const TriangleBvh& bvh, double volume_m
   if (!(volume_m3 > 0)) return;
 
   // The union's volume: every ball's volume, each point counting by one over the number of balls that hold it.
-  const WeightedDraw by_volume(nodes.size(), [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 3); });
+  const WeightedDraw by_volume(
+      nodes.size(), [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 3); });
   const auto shares = sampling.sum<double>(figure + 1, [&](Random& random, std::size_t count) {
     double part = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -206,13 +213,16 @@ Error cancelled() { return {ErrorKind::Cancelled, "judging was asked to end befo
 /// Empty when the tree and the mesh can be judged.
 std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options) {
   if (tree.node_count() == 0) return "tree: there is no node, at least one is needed";
-  if (options.samples < 1 || options.samples > 100000000) return fmt::format("samples = {}, must be from 1 to 100000000", options.samples);
-  if (options.threads < 0 || options.threads > 256) return fmt::format("threads = {}, must be from 0 to 256", options.threads);
+  if (options.samples < 1 || options.samples > 100000000)
+    return fmt::format("samples = {}, must be from 1 to 100000000", options.samples);
+  if (options.threads < 0 || options.threads > 256)
+    return fmt::format("threads = {}, must be from 0 to 256", options.threads);
   if (mesh.triangles.empty()) return "mesh: there is no triangle, at least one is needed";
   for (std::size_t i = 0; i < mesh.vertices_m.size(); ++i) {
     const Vec3& v = mesh.vertices_m[i];
     if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kLargestLength_m) {
-      return fmt::format("mesh: vertex {} = ({}, {}, {}), must be finite and at most {} m from 0", i, v.x(), v.y(), v.z(), kLargestLength_m);
+      return fmt::format("mesh: vertex {} = ({}, {}, {}), must be finite and at most {} m from 0", i, v.x(), v.y(),
+                         v.z(), kLargestLength_m);
     }
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -226,7 +236,8 @@ std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, con
 
 }  // namespace
 
-Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh, const TreeJudgeOptions& options) {
+Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh,
+                                                 const TreeJudgeOptions& options) {
   if (std::string wrong = why_not_judged(tree, mesh, options); !wrong.empty()) return bad_input(std::move(wrong));
   const TriangleBvh bvh(mesh, options.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Tbb, options.threads);
@@ -241,8 +252,9 @@ Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const T
     }
     inside = inside_coverage(tree, box, bvh, sampling);
     const Result<MassProperties> mass = mesh_mass_properties(mesh);
-    volume_m3 = mass ? mass.value().volume_m3
-                     : (box.high - box.low).prod() * static_cast<double>(inside.points) / static_cast<double>(inside.tries);
+    volume_m3 =
+        mass ? mass.value().volume_m3
+             : (box.high - box.low).prod() * static_cast<double>(inside.points) / static_cast<double>(inside.tries);
   }
   std::vector<TreeLevelFigures> levels;
   for (Level level = 0; level <= tree.depth(); ++level) {

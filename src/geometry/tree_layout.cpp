@@ -54,7 +54,8 @@ SphereTree lay_out_tree(const std::vector<LooseNode>& nodes) {
 
 void pad_tree(SphereTree& tree) {
   const std::size_t size = tree.node_count() + kTreeBranching;
-  for (auto* array : {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
+  for (auto* array :
+       {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
     array->resize(size, 0.0F);
   }
   tree.fit.resize(size);
@@ -75,7 +76,8 @@ void recenter_tree(SphereTree& tree, const Vec3& offset_m, bool leaves_are_surfa
     tree.y_m[node] = rounded.y();
     tree.z_m[node] = rounded.z();
     NodeFit& fit = tree.fit[node];
-    const Eigen::Vector3f fitted = to_float(Vec3(static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)) - offset_m);
+    const Eigen::Vector3f fitted = to_float(
+        Vec3(static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)) - offset_m);
     fit.x_m = fitted.x();
     fit.y_m = fitted.y();
     fit.z_m = fitted.z();

@@ -22,8 +22,9 @@ SphereTree lay_out_tree(const std::vector<LooseNode>& nodes);
 /// Adds (or restores) the padding at the end of each array.
 void pad_tree(SphereTree& tree);
 
-/// Moves a tree by -offset_m, such that the rounding of the moved centres never uncovers a point. With `leaves_are_surface`
-/// the leaves keep their radius, because the object is their union, and only nodes above them grow.
+/// Moves a tree by -offset_m, such that the rounding of the moved centres never uncovers a point. With
+/// `leaves_are_surface` the leaves keep their radius, because the object is their union, and only nodes above them
+/// grow.
 void recenter_tree(SphereTree& tree, const Vec3& offset_m, bool leaves_are_surface);
 
 }  // namespace poise::geometry

@@ -43,7 +43,8 @@ Sphere ball_of(std::span<const Sphere> spheres, const Group& group) {
   return geometry::enclosing_ball_of_balls(members);
 }
 
-/// Starts with the sphere farthest from the middle, then always the one farthest from those chosen; ties go to the first.
+/// Starts with the sphere farthest from the middle, then always the one farthest from those chosen; ties go to the
+/// first.
 std::vector<Vec3> spread_seeds(std::span<const Sphere> spheres, const Group& group) {
   std::vector<Vec3> seeds;
   std::vector<double> nearest(group.size(), std::numeric_limits<double>::infinity());
@@ -70,7 +71,8 @@ std::vector<Group> assign(std::span<const Sphere> spheres, const Group& group, c
   for (const std::uint32_t i : group) {
     std::size_t best = 0;
     for (std::size_t k = 1; k < centers.size(); ++k) {
-      if ((spheres[i].center_m - centers[k]).squaredNorm() < (spheres[i].center_m - centers[best]).squaredNorm()) best = k;
+      if ((spheres[i].center_m - centers[k]).squaredNorm() < (spheres[i].center_m - centers[best]).squaredNorm())
+        best = k;
     }
     groups[best].push_back(i);
   }
@@ -116,11 +118,13 @@ std::vector<Group> split(std::span<const Sphere> spheres, const Group& group, st
     }
   }
   std::erase_if(groups, [](const Group& g) { return g.empty(); });
-  const bool fits = groups.size() > 1 && std::ranges::all_of(groups, [&](const Group& g) { return g.size() <= capacity; });
+  const bool fits =
+      groups.size() > 1 && std::ranges::all_of(groups, [&](const Group& g) { return g.size() <= capacity; });
   return fits ? groups : split_evenly(spheres, group);
 }
 
-std::uint32_t add_node(std::span<const Sphere> spheres, const Group& group, Level levels, std::vector<LooseNode>& nodes) {
+std::uint32_t add_node(std::span<const Sphere> spheres, const Group& group, Level levels,
+                       std::vector<LooseNode>& nodes) {
   const auto index = static_cast<std::uint32_t>(nodes.size());
   nodes.emplace_back();
   const Sphere ball = ball_of(spheres, group);
@@ -167,8 +171,8 @@ std::string check_spheres(std::span<const Sphere> spheres) {
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const Vec3& c = spheres[i].center_m;
     if (!c.allFinite() || c.cwiseAbs().maxCoeff() > geometry::kLargestLength_m) {
-      return fmt::format("spheres[{}].center_m = ({}, {}, {}), must be finite and at most {} m from 0", i, c.x(), c.y(), c.z(),
-                         geometry::kLargestLength_m);
+      return fmt::format("spheres[{}].center_m = ({}, {}, {}), must be finite and at most {} m from 0", i, c.x(), c.y(),
+                         c.z(), geometry::kLargestLength_m);
     }
     const double r = spheres[i].radius_m;
     if (!(r >= geometry::kSmallestLength_m && r <= geometry::kLargestLength_m)) {
@@ -193,7 +197,8 @@ Result<SphereTree> tree_of_spheres(std::span<const Sphere> spheres) {
 
   const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);
   const double tolerance_m = kProtrusionWithin * tree.sphere(0).radius_m;
-  geometry::measure_protrusions(tree, leaves_of(tree), {.tolerance_m = tolerance_m, .leaves_are_surface = true}, *serial);
+  geometry::measure_protrusions(tree, leaves_of(tree), {.tolerance_m = tolerance_m, .leaves_are_surface = true},
+                                *serial);
   geometry::fit_nodes_to_leaves(tree);
   return tree;
 }

@@ -17,7 +17,8 @@ constexpr double kRoundingRoom = 1e-8;
 
 std::vector<std::vector<NodeIndex>> overlapping_nodes(const SphereTree& tree, const std::vector<NodeIndex>& nodes) {
   std::vector<double> low_m(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) low_m[i] = tree.sphere(nodes[i]).center_m.x() - tree.sphere(nodes[i]).radius_m;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    low_m[i] = tree.sphere(nodes[i]).center_m.x() - tree.sphere(nodes[i]).radius_m;
   std::vector<std::size_t> by_low(nodes.size());
   std::iota(by_low.begin(), by_low.end(), std::size_t{0});
   std::ranges::stable_sort(by_low, {}, [&](std::size_t i) { return low_m[i]; });
@@ -48,7 +49,8 @@ bool hidden_by(const SphereTree& tree, const std::vector<NodeIndex>& others, con
   });
 }
 
-void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const ProtrusionOptions& options, parallel::Executor& executor) {
+void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const ProtrusionOptions& options,
+                         parallel::Executor& executor) {
   for (Level level = 0; level <= tree.depth(); ++level) {
     const std::vector<NodeIndex> nodes = tree.nodes_at(level);
     const auto overlapping = overlapping_nodes(tree, nodes);
@@ -61,7 +63,9 @@ void measure_protrusions(SphereTree& tree, const ObjectQueries& object, const Pr
         const Sphere own = tree.sphere(nodes[i]);
         const SphereProtrusion bound = sphere_protrusion(own, others, object, options.tolerance_m);
         const double room = kRoundingRoom * own.radius_m * 1e-4;
-        const auto stored = [room](double value_m) { return value_m > 0 ? round_up(value_m * (1 + kRoundingRoom) + room) : 0.0F; };
+        const auto stored = [room](double value_m) {
+          return value_m > 0 ? round_up(value_m * (1 + kRoundingRoom) + room) : 0.0F;
+        };
         float& max_m = tree.protrusion_max_m[nodes[i]];
         float& mean_m = tree.protrusion_mean_m[nodes[i]];
         max_m = std::max(max_m, stored(bound.max_m));

@@ -14,7 +14,9 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-std::string place_of(const XMLElement& element) { return fmt::format("line {}: <{}>", element.GetLineNum(), shown_text(element.Name())); }
+std::string place_of(const XMLElement& element) {
+  return fmt::format("line {}: <{}>", element.GetLineNum(), shown_text(element.Name()));
+}
 
 Status read_origin(const XMLElement& origin, Vec3& center_m) {
   const char* xyz = origin.Attribute("xyz");
@@ -41,7 +43,8 @@ Status read_collision(const XMLElement& collision, std::vector<Sphere>& spheres)
   }
   const char* radius = shape->Attribute("radius");
   if (radius == nullptr || !read_number(radius, sphere.radius_m)) {
-    return bad_input(fmt::format("{}: radius = '{}', must be a number", place_of(*shape), shown_text(radius != nullptr ? radius : "")));
+    return bad_input(fmt::format("{}: radius = '{}', must be a number", place_of(*shape),
+                                 shown_text(radius != nullptr ? radius : "")));
   }
   return take_sphere(sphere, place_of(*shape), spheres);
 }
@@ -83,7 +86,8 @@ Result<std::vector<Sphere>> urdf_spheres(const std::string& text, const SphereCh
   if (robot == nullptr) return bad_input("must be a URDF with a <robot>");
   std::vector<std::string> names;
   std::vector<const XMLElement*> links;
-  for (const XMLElement* link = robot->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
+  for (const XMLElement* link = robot->FirstChildElement("link"); link != nullptr;
+       link = link->NextSiblingElement("link")) {
     if (link->FirstChildElement("collision") == nullptr) continue;
     const char* name = link->Attribute("name");
     if (name == nullptr) return bad_input(place_of(*link) + ": must have a name");

@@ -71,7 +71,8 @@ Vec3 closest_on_triangle(const Vec3& p, const TriangleCorners& t) {
   return t[0] + vb / sum * ab + vc / sum * ac;
 }
 
-TriangleBvh::TriangleBvh(const TriangleMesh& mesh, Solidity solidity) : solidity_(solidity), closed_(check_closed(mesh).closed()) {
+TriangleBvh::TriangleBvh(const TriangleMesh& mesh, Solidity solidity)
+    : solidity_(solidity), closed_(check_closed(mesh).closed()) {
   for (const auto& t : mesh.triangles) {
     for (const std::uint32_t v : t) box_.add(mesh.vertices_m[v]);
   }

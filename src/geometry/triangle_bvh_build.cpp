@@ -58,7 +58,8 @@ class Splitter {
     Eigen::Index axis = 0;
     const float extent = (middles.high - middles.low).maxCoeff(&axis);
     std::uint32_t left = 0;
-    if (range.depth < kHalveFrom && range.count > 2 && extent > 0) left = split_in_bins(range, axis, middles.low[axis], extent);
+    if (range.depth < kHalveFrom && range.count > 2 && extent > 0)
+      left = split_in_bins(range, axis, middles.low[axis], extent);
     if (left == 0 || left == range.count) left = halve(range, axis);
     const std::uint32_t right = range.count - left;
     return {Range{range.first, left, range.depth + 1, box_of(range.first, left)},
@@ -66,7 +67,9 @@ class Splitter {
   }
 
  private:
-  [[nodiscard]] Eigen::Array3f middle_of(std::uint32_t triangle) const { return boxes_[triangle].low + boxes_[triangle].high; }
+  [[nodiscard]] Eigen::Array3f middle_of(std::uint32_t triangle) const {
+    return boxes_[triangle].low + boxes_[triangle].high;
+  }
 
   std::uint32_t halve(const Range& range, Eigen::Index axis) {
     const auto begin = order_.begin() + range.first;
@@ -152,7 +155,8 @@ std::uint32_t add_node(Splitter& splitter, const Range& range, std::vector<BvhNo
       nodes[index].high[axis][static_cast<Eigen::Index>(slot)] = box.high[static_cast<Eigen::Index>(axis)];
     }
     std::uint32_t child = BvhNode::kNone;
-    if (slot < count) child = parts[slot].count == 1 ? parts[slot].first | BvhNode::kTriangle : add_node(splitter, parts[slot], nodes);
+    if (slot < count)
+      child = parts[slot].count == 1 ? parts[slot].first | BvhNode::kTriangle : add_node(splitter, parts[slot], nodes);
     nodes[index].child[slot] = child;
   }
   return index;
@@ -166,8 +170,8 @@ struct Sums {
   std::vector<std::uint32_t> places;
 };
 
-Sums sums_of(std::uint32_t child, std::span<const BvhNode> nodes, std::span<const TriangleCorners> corners_m, const Vec3& origin_m,
-             std::vector<BvhClusters>& clusters) {
+Sums sums_of(std::uint32_t child, std::span<const BvhNode> nodes, std::span<const TriangleCorners> corners_m,
+             const Vec3& origin_m, std::vector<BvhClusters>& clusters) {
   Sums sums;
   if ((child & BvhNode::kTriangle) != 0) {
     const std::uint32_t place = child & ~BvhNode::kTriangle;
@@ -181,7 +185,8 @@ Sums sums_of(std::uint32_t child, std::span<const BvhNode> nodes, std::span<cons
   for (std::size_t slot = 0; slot < 4; ++slot) {
     const auto at = static_cast<Eigen::Index>(slot);
     clusters[child].reach2[at] = -1;
-    for (std::size_t axis = 0; axis < 3; ++axis) clusters[child].middle[axis][at] = clusters[child].area_normal[axis][at] = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      clusters[child].middle[axis][at] = clusters[child].area_normal[axis][at] = 0;
     if (nodes[child].child[slot] == BvhNode::kNone) continue;
     const Sums part = sums_of(nodes[child].child[slot], nodes, corners_m, origin_m, clusters);
     const Vec3 first = corners_m[part.places.front()][0] - origin_m;
@@ -229,7 +234,8 @@ BvhLayout lay_out_bvh(const TriangleMesh& mesh, const Bounds& box) {
   return layout;
 }
 
-std::vector<BvhClusters> clusters_of(std::span<const BvhNode> nodes, std::span<const TriangleCorners> corners_m, const Vec3& origin_m) {
+std::vector<BvhClusters> clusters_of(std::span<const BvhNode> nodes, std::span<const TriangleCorners> corners_m,
+                                     const Vec3& origin_m) {
   std::vector<BvhClusters> clusters(nodes.size());
   if (!nodes.empty()) sums_of(0, nodes, corners_m, origin_m, clusters);
   return clusters;

@@ -36,11 +36,13 @@ struct BvhLayout {
   std::vector<BvhNode> nodes;        ///< the root first, parents before their children; at most 63 levels
 };
 
-/// Splits triangles where the sum of surface times count is least over 16 bins of the longest axis (Wald, "On fast construction of SAH-based
-/// bounding volume hierarchies", 2007); past a depth that only odd meshes reach, in the middle. Deterministic. `box` bounds the mesh.
+/// Splits triangles where the sum of surface times count is least over 16 bins of the longest axis (Wald, "On fast
+/// construction of SAH-based bounding volume hierarchies", 2007); past a depth that only odd meshes reach, in the
+/// middle. Deterministic. `box` bounds the mesh.
 BvhLayout lay_out_bvh(const TriangleMesh& mesh, const Bounds& box);
 
 /// The clusters beside the nodes; corners by place.
-std::vector<BvhClusters> clusters_of(std::span<const BvhNode> nodes, std::span<const TriangleCorners> corners_m, const Vec3& origin_m);
+std::vector<BvhClusters> clusters_of(std::span<const BvhNode> nodes, std::span<const TriangleCorners> corners_m,
+                                     const Vec3& origin_m);
 
 }  // namespace poise::geometry

@@ -15,8 +15,8 @@ constexpr float kDipoleFromNearHalf = 5;
 constexpr double kUnsure = 0.25;
 constexpr std::size_t kMostWaiting = 256;
 
-/// A sum of solid angles. Half of each is the direction of a complex number, and directions are added by multiplying, with whole
-/// turns counted apart: one arc tangent for all triangles together.
+/// A sum of solid angles. Half of each is the direction of a complex number, and directions are added by multiplying,
+/// with whole turns counted apart: one arc tangent for all triangles together.
 class SolidAngles {
  public:
   // Invariant: the sum so far is 2 * (direction of (real_, imaginary_) + 2 pi turns_).
@@ -48,8 +48,8 @@ class SolidAngles {
   int turns_ = 0;
 };
 
-/// Which way an edge a-b crosses the half-line from p along u: up (+1), down (-1) or not. The end that lies above p comes second
-/// whatever the direction, so that both triangles of an edge reckon with the same numbers.
+/// Which way an edge a-b crosses the half-line from p along u: up (+1), down (-1) or not. The end that lies above p
+/// comes second whatever the direction, so that both triangles of an edge reckon with the same numbers.
 int crossing(const Vec3& a, const Vec3& b, const Vec3& p, Eigen::Index u, Eigen::Index v) {
   const bool a_above = a[v] > p[v];
   const bool b_above = b[v] > p[v];
@@ -86,7 +86,8 @@ int TriangleBvh::crossings(const Vec3& point) const {
     const std::uint32_t next = waiting[--count];
     if ((next & BvhNode::kTriangle) == 0) {
       const BvhNode& node = nodes_[next];
-      auto hit = (node.low[ku] <= p[u] && node.high[ku] >= p[u] && node.low[kv] <= p[v] && node.high[kv] >= p[v]).eval();
+      auto hit =
+          (node.low[ku] <= p[u] && node.high[ku] >= p[u] && node.low[kv] <= p[v] && node.high[kv] >= p[v]).eval();
       if (forward) {
         hit = hit && node.high[kk] >= p[k];
       } else {
@@ -98,7 +99,8 @@ int TriangleBvh::crossings(const Vec3& point) const {
       continue;
     }
     const TriangleCorners& t = corners_m_[next & ~BvhNode::kTriangle];
-    const int around = crossing(t[0], t[1], point, u, v) + crossing(t[1], t[2], point, u, v) + crossing(t[2], t[0], point, u, v);
+    const int around =
+        crossing(t[0], t[1], point, u, v) + crossing(t[1], t[2], point, u, v) + crossing(t[2], t[0], point, u, v);
     if (around == 0) continue;
     const Vec3 a = t[0] - point;
     const Vec3 b = t[1] - point;

@@ -15,7 +15,9 @@ using Cells = std::vector<std::string>;
 // The smallest value that the logarithmic axes show.
 constexpr double kLeast = 1e-12;
 
-std::string bound_text(const AccuracyRow& row) { return row.at_most ? fmt::format("{:.4g}", *row.at_most) : std::string("-"); }
+std::string bound_text(const AccuracyRow& row) {
+  return row.at_most ? fmt::format("{:.4g}", *row.at_most) : std::string("-");
+}
 std::string verdict(const AccuracyRow& row) { return !row.ok ? "missed" : row.at_most ? "ok" : "-"; }
 
 // Case names stand once, above their rows.
@@ -23,22 +25,25 @@ std::vector<Cells> cells_of(const AccuracyDocument& document) {
   std::vector<Cells> table{{"case", "figure", "unit", "value", "at most", "published", "ok"}};
   std::string before;
   for (const AccuracyRow& row : document.rows) {
-    table.push_back({row.case_name == before ? "" : row.case_name, row.figure, row.unit, fmt::format("{:.4g}", row.value), bound_text(row),
-                     row.published, verdict(row)});
+    table.push_back({row.case_name == before ? "" : row.case_name, row.figure, row.unit,
+                     fmt::format("{:.4g}", row.value), bound_text(row), row.published, verdict(row)});
     before = row.case_name;
   }
   return table;
 }
 
 std::string made_by(const AccuracyDocument& d) {
-  return fmt::format("{} of {} rows missed; {:.0f} s of CPU time, {} threads; {}, {} cores, {}; poise {} commit {}, {}, {}\n", missed(d), d.rows.size(),
-                     d.cpu_s, d.threads, d.machine.processor, d.machine.cores, d.machine.system, d.version, d.commit, d.compiler, d.flags);
+  return fmt::format(
+      "{} of {} rows missed; {:.0f} s of CPU time, {} threads; {}, {} cores, {}; poise {} commit {}, {}, {}\n",
+      missed(d), d.rows.size(), d.cpu_s, d.threads, d.machine.processor, d.machine.cores, d.machine.system, d.version,
+      d.commit, d.compiler, d.flags);
 }
 
 }  // namespace
 
 std::size_t missed(const AccuracyDocument& document) {
-  return static_cast<std::size_t>(std::count_if(document.rows.begin(), document.rows.end(), [](const AccuracyRow& row) { return !row.ok; }));
+  return static_cast<std::size_t>(
+      std::count_if(document.rows.begin(), document.rows.end(), [](const AccuracyRow& row) { return !row.ok; }));
 }
 
 std::string accuracy_json(const AccuracyDocument& document) {
@@ -57,14 +62,20 @@ std::string accuracy_json(const AccuracyDocument& document) {
   json["missed"] = missed(document);
   json["series"] = Json::array();
   for (const AccuracySeries& series : document.series) {
-    json["series"].push_back(
-        {{"case", series.case_name}, {"time_s", series.time_s}, {"drift_m", series.drift_m}, {"kinetic_j", series.kinetic_j}});
+    json["series"].push_back({{"case", series.case_name},
+                              {"time_s", series.time_s},
+                              {"drift_m", series.drift_m},
+                              {"kinetic_j", series.kinetic_j}});
   }
   json["threads"] = document.threads;
   json["cpu_s"] = document.cpu_s;
-  json["machine"] = {{"system", document.machine.system}, {"processor", document.machine.processor}, {"cores", document.machine.cores}};
-  json["build"] = {
-      {"version", document.version}, {"commit", document.commit}, {"compiler", document.compiler}, {"flags", document.flags}};
+  json["machine"] = {{"system", document.machine.system},
+                     {"processor", document.machine.processor},
+                     {"cores", document.machine.cores}};
+  json["build"] = {{"version", document.version},
+                   {"commit", document.commit},
+                   {"compiler", document.compiler},
+                   {"flags", document.flags}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -76,8 +87,9 @@ std::string accuracy_table(const AccuracyDocument& document) {
   }
   std::string text;
   for (const Cells& row : table) {
-    text += fmt::format("{:<{}}  {:<{}}  {:<{}}  {:>{}}  {:>{}}  {:<6}{}{}\n", row[0], widths[0], row[1], widths[1], row[2], widths[2], row[3],
-                        widths[3], row[4], widths[4], row[6], row[5].empty() ? "" : "  ", row[5]);
+    text +=
+        fmt::format("{:<{}}  {:<{}}  {:<{}}  {:>{}}  {:>{}}  {:<6}{}{}\n", row[0], widths[0], row[1], widths[1], row[2],
+                    widths[2], row[3], widths[3], row[4], widths[4], row[6], row[5].empty() ? "" : "  ", row[5]);
   }
   return text + "\n" + made_by(document);
 }
@@ -96,13 +108,15 @@ std::string accuracy_markdown(const AccuracyDocument& document) {
 std::string accuracy_plot(const AccuracyDocument& document) {
   if (document.series.empty()) return "";
   std::string text =
-      "set terminal pngcairo size 1400,640 font \"sans,13\"\nset logscale y\nset format y \"10^{%L}\"\nset grid xtics ytics lt 1 lw 1 lc rgb \"#cccccc\"\n"
+      "set terminal pngcairo size 1400,640 font \"sans,13\"\nset logscale y\nset format y \"10^{%L}\"\nset grid xtics "
+      "ytics lt 1 lw 1 lc rgb \"#cccccc\"\n"
       "set linetype 9 lc rgb \"#888888\"\nset key outside below maxrows 5\nset xlabel \"time in s\"\n";
   for (std::size_t i = 0; i < document.series.size(); ++i) {
     const AccuracySeries& series = document.series[i];
     text += fmt::format("$case{} << EOD\n", i);
     for (std::size_t k = 0; k < series.time_s.size(); ++k) {
-      text += fmt::format("{:g} {:g} {:g}\n", series.time_s[k], std::max(series.drift_m[k], kLeast), std::max(series.kinetic_j[k], kLeast));
+      text += fmt::format("{:g} {:g} {:g}\n", series.time_s[k], std::max(series.drift_m[k], kLeast),
+                          std::max(series.kinetic_j[k], kLeast));
     }
     text += "EOD\n";
   }
@@ -110,7 +124,8 @@ std::string accuracy_plot(const AccuracyDocument& document) {
   for (const auto& [column, title] : {std::pair{2, "largest drift in m"}, std::pair{3, "kinetic energy in J"}}) {
     text += fmt::format("set title \"{}\"\nplot ", title);
     for (std::size_t i = 0; i < document.series.size(); ++i) {
-      text += fmt::format("{}$case{} using 1:{} with lines lw 2 title \"{}\"", i == 0 ? "" : ", ", i, column, document.series[i].case_name);
+      text += fmt::format("{}$case{} using 1:{} with lines lw 2 title \"{}\"", i == 0 ? "" : ", ", i, column,
+                          document.series[i].case_name);
     }
     text += "\n";
   }

@@ -13,9 +13,9 @@ namespace poise::io {
 struct AccuracyRow {
   std::string case_name, figure, unit;  ///< the unit is "1" for shares and "" for counts
   double value = 0;
-  std::optional<double> at_most;        ///< none: reported, not judged
-  std::string published;                ///< what others reached; may be empty
-  bool ok = true;                       ///< finite and within the bound
+  std::optional<double> at_most;  ///< none: reported, not judged
+  std::string published;          ///< what others reached; may be empty
+  bool ok = true;                 ///< finite and within the bound
 };
 
 /// How far the bodies of a case have moved and how much they still do; the three lists are equally long.
@@ -26,10 +26,10 @@ struct AccuracySeries {
 
 /// What `poise study accuracy` found.
 struct AccuracyDocument {
-  std::vector<AccuracyRow> rows;        ///< case after case
+  std::vector<AccuracyRow> rows;  ///< case after case
   std::vector<AccuracySeries> series;
   int threads = 1;
-  double cpu_s = 0;                     ///< CPU time of the whole study
+  double cpu_s = 0;  ///< CPU time of the whole study
   Machine machine;
   std::string version, commit, compiler, flags;
 };
@@ -42,7 +42,8 @@ std::string accuracy_json(const AccuracyDocument& document);
 /// A table for a terminal, and the same for docs.
 std::string accuracy_table(const AccuracyDocument& document);
 std::string accuracy_markdown(const AccuracyDocument& document);
-/// A script for gnuplot 5 that writes a PNG to its standard output: drift and kinetic energy over time, a line a case. Empty without series.
+/// A script for gnuplot 5 that writes a PNG to its standard output: drift and kinetic energy over time, a line a case.
+/// Empty without series.
 std::string accuracy_plot(const AccuracyDocument& document);
 
 }  // namespace poise::io

@@ -119,7 +119,9 @@ const char* kept_word(PairExplanation::Kept kept) {
   return "-";
 }
 
-NamedBody body_of(const ExplainedFrame& e, const BodyId& id) { return id.slot < e.bodies.size() ? e.bodies[id.slot] : NamedBody{}; }
+NamedBody body_of(const ExplainedFrame& e, const BodyId& id) {
+  return id.slot < e.bodies.size() ? e.bodies[id.slot] : NamedBody{};
+}
 
 std::string shown(const ExplainedFrame& e, const BodyId& id) {
   constexpr std::size_t kLongest = 12;
@@ -130,8 +132,8 @@ std::string shown(const ExplainedFrame& e, const BodyId& id) {
 
 std::string cue_cells(const PairExplanation& pair) {
   const scheduler::PairCues& c = pair.cues;
-  return fmt::format("{:>8.3g} {:>7.2f} {:>8.4f} {:>7.1f} {:>11.3g} {:>6} {:>7.3g}", pair.weight, c.visibility, c.angle_radpm, c.eccentricity_rad * kDegrees,
-                     c.closing_mps, c.frames_waited, c.importance);
+  return fmt::format("{:>8.3g} {:>7.2f} {:>8.4f} {:>7.1f} {:>11.3g} {:>6} {:>7.3g}", pair.weight, c.visibility,
+                     c.angle_radpm, c.eccentricity_rad * kDegrees, c.closing_mps, c.frames_waited, c.importance);
 }
 
 constexpr const char* kCueHeads = "  weight visible    rad/m ecc deg closing m/s waited  import";
@@ -145,19 +147,26 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   const auto ms = [](Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; };
   std::vector<bool> served(e.explanation.pairs.size(), false);
   for (const Turn& turn : turns) served[turn.level->pair] = true;
-  std::string text = fmt::format("frame {}: {} active pairs, {} levels of {} pairs completed\n", f.decisions.frame, e.explanation.pairs.size(), turns.size(),
-                                 std::count(served.begin(), served.end(), true));
+  std::string text =
+      fmt::format("frame {}: {} active pairs, {} levels of {} pairs completed\n", f.decisions.frame,
+                  e.explanation.pairs.size(), turns.size(), std::count(served.begin(), served.end(), true));
   if (e.wall_clock) {
-    text += fmt::format("time: {:.3f} ms from the start to the deadline, {:.3f} ms for refinement, {:.3f} ms kept for what came after it, late by {:.3f} ms\n",
-                        ms(f.budget), ms(f.refine_available), ms(f.reserve), ms(f.lateness));
+    text += fmt::format(
+        "time: {:.3f} ms from the start to the deadline, {:.3f} ms for refinement, {:.3f} ms kept for what came after "
+        "it, late by {:.3f} ms\n",
+        ms(f.budget), ms(f.refine_available), ms(f.reserve), ms(f.lateness));
   }
-  if (f.decisions.visits > 0) text += fmt::format("resting contact had time for {} visits of places in a substep\n", f.decisions.visits);
-  if (f.decisions.substeps > 0) text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
+  if (f.decisions.visits > 0)
+    text += fmt::format("resting contact had time for {} visits of places in a substep\n", f.decisions.visits);
+  if (f.decisions.substeps > 0)
+    text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   const scheduler::Policy& p = e.explanation.policy;
   text += fmt::format("policy: {}", policy_name(p.kind));
   if (p.kind == scheduler::PolicyKind::Perceptual) {
-    text += fmt::format("; exponents of the cues: frustum {:g}, size {:g}, eccentricity {:g}, closing {:g}, waiting {:g}, importance {:g}", p.frustum, p.size,
-                        p.eccentricity, p.closing, p.waiting, p.importance);
+    text += fmt::format(
+        "; exponents of the cues: frustum {:g}, size {:g}, eccentricity {:g}, closing {:g}, waiting {:g}, importance "
+        "{:g}",
+        p.frustum, p.size, p.eccentricity, p.closing, p.waiting, p.importance);
   }
   return text + "\n";
 }
@@ -165,13 +174,15 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
 std::string refined_table(const ExplainedFrame& e, const std::vector<Turn>& turns, std::size_t limit) {
   const std::size_t rows = limit == 0 ? turns.size() : std::min(limit, turns.size());
   std::string text = fmt::format("\nrefined, in the order in which levels ended ({})\n", shares(rows, turns.size()));
-  text += fmt::format("{:>6} {:>6}  {:<18} {:<18} {:>5} {:>6} {:>10} {}  then\n", "order", "thread", "body", "body", "level", "units", "score", kCueHeads);
+  text += fmt::format("{:>6} {:>6}  {:<18} {:<18} {:>5} {:>6} {:>10} {}  then\n", "order", "thread", "body", "body",
+                      "level", "units", "score", kCueHeads);
   for (std::size_t k = 0; k < rows; ++k) {
     const LevelExplanation& level = *turns[k].level;
     const PairExplanation& pair = e.explanation.pairs[level.pair];
     const bool polygons = pair.polygons && level.level == pair.deepest;
-    text += fmt::format("{:>6} {:>6}  {:<18} {:<18} {:>5} {:>6} {:>10.4g} {}  {}\n", turns[k].order, turns[k].worker, shown(e, pair.a), shown(e, pair.b),
-                        polygons ? "poly" : fmt::format("{}", level.level), level.units, level.score, cue_cells(pair), level.ended ? "apart" : "contact");
+    text += fmt::format("{:>6} {:>6}  {:<18} {:<18} {:>5} {:>6} {:>10.4g} {}  {}\n", turns[k].order, turns[k].worker,
+                        shown(e, pair.a), shown(e, pair.b), polygons ? "poly" : fmt::format("{}", level.level),
+                        level.units, level.score, cue_cells(pair), level.ended ? "apart" : "contact");
   }
   return text;
 }
@@ -181,13 +192,15 @@ std::string left_table(const ExplainedFrame& e, const std::vector<Fate>& fates, 
   const std::size_t rows = limit == 0 ? left.size() : std::min(limit, left.size());
   std::string text = fmt::format("\nleft coarse, the highest score first ({})\n", shares(rows, left.size()));
   if (left.empty()) return text;
-  text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10} {}  why\n", "body", "body", "level", "deepest", "kept", "units", "score", kCueHeads);
+  text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10} {}  why\n", "body", "body", "level", "deepest",
+                      "kept", "units", "score", kCueHeads);
   for (std::size_t k = 0; k < rows; ++k) {
     const PairExplanation& pair = e.explanation.pairs[left[k]];
     const Fate fate = fates[left[k]];
     const char* why = fate == Fate::CutOff ? "begun, cut off" : fate == Fate::NoRoom ? "no room" : "budget used up";
-    text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10.4g} {}  {}\n", shown(e, pair.a), shown(e, pair.b), pair.level, pair.deepest,
-                        kept_word(pair.kept), pair.next_units, pair.next_score, cue_cells(pair), why);
+    text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10.4g} {}  {}\n", shown(e, pair.a), shown(e, pair.b),
+                        pair.level, pair.deepest, kept_word(pair.kept), pair.next_units, pair.next_score,
+                        cue_cells(pair), why);
   }
   return text;
 }
@@ -227,7 +240,8 @@ std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
     NamedBody& body = named[slot];
     body.index = i;
     if (i < scene.bodies.size()) body.name = scene.bodies[i].name;
-    if (body.name.empty()) body.name = bodies[i].shape < scene.shapes.size() ? scene.shapes[bodies[i].shape].name : "tray";
+    if (body.name.empty())
+      body.name = bodies[i].shape < scene.shapes.size() ? scene.shapes[bodies[i].shape].name : "tray";
   }
   return named;
 }
@@ -248,14 +262,18 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
   Json refined = Json::array();
   for (const Turn& turn : turns_of(e)) {
     const LevelExplanation& level = *turn.level;
-    Json row = {{"order", turn.order}, {"worker", turn.worker}, {"level", level.level}, {"units", level.units}, {"score", level.score}, {"apart", level.ended}};
+    Json row = {{"order", turn.order},  {"worker", turn.worker}, {"level", level.level},
+                {"units", level.units}, {"score", level.score},  {"apart", level.ended}};
     row.update(pair_json(e, e.explanation.pairs[level.pair]));
     refined.push_back(std::move(row));
   }
   Json left = Json::array();
   for (const std::size_t i : left_by_score(e, fates)) {
     const PairExplanation& pair = e.explanation.pairs[i];
-    Json row = {{"why", text_of(fates[i]).key}, {"level", pair.level}, {"next_units", pair.next_units}, {"next_score", pair.next_score}};
+    Json row = {{"why", text_of(fates[i]).key},
+                {"level", pair.level},
+                {"next_units", pair.next_units},
+                {"next_score", pair.next_score}};
     row.update(pair_json(e, pair));
     left.push_back(std::move(row));
   }

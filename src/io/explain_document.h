@@ -28,7 +28,8 @@ struct ExplainedFrame {
   bool wall_clock = true;
 };
 
-/// For a person: what was refined, in which order and for which cues, and what was left. At most `limit` rows a list, 0 = all.
+/// For a person: what was refined, in which order and for which cues, and what was left. At most `limit` rows a list, 0
+/// = all.
 std::string explain_table(const ExplainedFrame& frame, std::size_t limit);
 
 /// The same as JSON, whole (docs/record.md).

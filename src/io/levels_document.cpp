@@ -110,22 +110,29 @@ std::string levels_json(const LevelsDocument& document) {
                                 {"dv_mean", row.dv.mean},
                                 {"dv_mean_before", setback.before}});
   }
-  json["machine"] = {{"system", document.machine.system}, {"processor", document.machine.processor}, {"cores", document.machine.cores}};
-  json["build"] = {
-      {"version", document.version}, {"commit", document.commit}, {"compiler", document.compiler}, {"flags", document.flags}};
+  json["machine"] = {{"system", document.machine.system},
+                     {"processor", document.machine.processor},
+                     {"cores", document.machine.cores}};
+  json["build"] = {{"version", document.version},
+                   {"commit", document.commit},
+                   {"compiler", document.compiler},
+                   {"flags", document.flags}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string levels_csv(const LevelsDocument& document) {
   std::string text =
-      "shape_a,shape_b,group,model,level,touches,dv_mean,dv_median,dv_p90,dw_mean,dw_median,dw_p90,toc_ms_mean,toc_early_ms_mean,"
-      "late_share,unseen_share,ns_per_pair,overlap_ns_per_pair,response_ns_per_pair,judge_uncertainty,judge_uncertainty_3mm\n";
+      "shape_a,shape_b,group,model,level,touches,dv_mean,dv_median,dv_p90,dw_mean,dw_median,dw_p90,toc_ms_mean,toc_"
+      "early_ms_mean,"
+      "late_share,unseen_share,ns_per_pair,overlap_ns_per_pair,response_ns_per_pair,judge_uncertainty,judge_"
+      "uncertainty_3mm\n";
   for (const LevelsRow& row : document.rows) {
     const LevelsPair& pair = document.pairs[row.pair];
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(pair.shape_a), quoted(pair.shape_b),
-                        pair.group, row.model, level_name(row.level), pair.touches, row.dv.mean, row.dv.median, row.dv.p90, row.dw.mean,
-                        row.dw.median, row.dw.p90, row.toc_ms_mean, row.toc_early_ms_mean, row.late_share, row.unseen_share,
-                        row.cost.refine_ns, row.cost.overlap_ns, row.cost.response_ns, pair.uncertainty, pair.uncertainty_three);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(pair.shape_a),
+                        quoted(pair.shape_b), pair.group, row.model, level_name(row.level), pair.touches, row.dv.mean,
+                        row.dv.median, row.dv.p90, row.dw.mean, row.dw.median, row.dw.p90, row.toc_ms_mean,
+                        row.toc_early_ms_mean, row.late_share, row.unseen_share, row.cost.refine_ns,
+                        row.cost.overlap_ns, row.cost.response_ns, pair.uncertainty, pair.uncertainty_three);
   }
   return text;
 }

@@ -26,7 +26,8 @@ std::vector<Panel> panels_of(const LevelsDocument& document, const std::vector<L
   for (const LevelsSummary& s : all) {
     if (panels.empty() || panels.back().group != s.group) panels.push_back({s.group, {}, s.pairs, 0, false});
     Panel& panel = panels.back();
-    if (std::find(panel.models.begin(), panel.models.end(), s.model) == panel.models.end()) panel.models.push_back(s.model);
+    if (std::find(panel.models.begin(), panel.models.end(), s.model) == panel.models.end())
+      panel.models.push_back(s.model);
     panel.targets = panel.targets || s.target;
   }
   for (Panel& panel : panels) {
@@ -42,7 +43,8 @@ int shown(int place, int deepest) { return place > kMaxTreeDepth ? deepest + 1 :
 
 std::string tics(const std::vector<LevelsSummary>& all, int deepest) {
   std::string text;
-  for (int level = 0; level <= deepest; ++level) text += fmt::format("{}\"{}\" {}", level == 0 ? "" : ", ", level, level);
+  for (int level = 0; level <= deepest; ++level)
+    text += fmt::format("{}\"{}\" {}", level == 0 ? "" : ", ", level, level);
   if (std::any_of(all.begin(), all.end(), [](const LevelsSummary& s) { return s.level.polygons; })) {
     text += fmt::format(", \"polygons\" {}", deepest + 1);
   }
@@ -57,10 +59,12 @@ std::string levels_plot(const LevelsDocument& document) {
   const bool polygons = std::any_of(all.begin(), all.end(), [](const LevelsSummary& s) { return s.level.polygons; });
   int deepest = 0;
   for (const LevelsSummary& s : all) deepest = std::max(deepest, s.level.polygons ? 0 : int{s.level.level});
-  std::string text = fmt::format("set terminal pngcairo size {},640 font \"sans,13\"\nset multiplot layout 1,{}\n", 700 * std::max<std::size_t>(panels.size(), 1),
-                                 std::max<std::size_t>(panels.size(), 1));
+  std::string text =
+      fmt::format("set terminal pngcairo size {},640 font \"sans,13\"\nset multiplot layout 1,{}\n",
+                  700 * std::max<std::size_t>(panels.size(), 1), std::max<std::size_t>(panels.size(), 1));
   text += fmt::format(
-      "set logscale y\nset yrange [{}:2]\nset xrange [-0.3:{:g}]\nset xtics ({})\nset grid xtics ytics lt 1 lw 1 lc rgb \"#cccccc\"\nset key bottom left\n"
+      "set logscale y\nset yrange [{}:2]\nset xrange [-0.3:{:g}]\nset xtics ({})\nset grid xtics ytics lt 1 lw 1 lc "
+      "rgb \"#cccccc\"\nset key bottom left\n"
       "set xlabel \"level\"\nset ylabel \"mean error of dv\"\n",
       kLeast, deepest + (polygons ? 1.3 : 0.3), tics(all, deepest));
   for (const Panel& panel : panels) {
@@ -74,17 +78,20 @@ std::string levels_plot(const LevelsDocument& document) {
         data += fmt::format("{} {:g}\n", shown(place_of(s.level), deepest), std::max(s.dv.mean, kLeast));
       }
       data += "EOD\n";
-      plots += fmt::format("$model{0} using 1:2 with linespoints lw 2 pt {1} title \"{2}\", ", i, i + 5, panel.models[i]);
+      plots +=
+          fmt::format("$model{0} using 1:2 with linespoints lw 2 pt {1} title \"{2}\", ", i, i + 5, panel.models[i]);
     }
     if (panel.targets) {
       data += "$target << EOD\n";
       for (const LevelsSummary& s : all) {
-        if (s.group == panel.group && s.model == panel.models[0] && s.target) data += fmt::format("{} {:g}\n", shown(place_of(s.level), deepest), *s.target);
+        if (s.group == panel.group && s.model == panel.models[0] && s.target)
+          data += fmt::format("{} {:g}\n", shown(place_of(s.level), deepest), *s.target);
       }
       data += "EOD\n";
       plots += "$target using 1:2 with points pt 2 ps 2 lc rgb \"black\" title \"to reach\", ";
     }
-    plots += fmt::format("{:g} with lines dt 2 lc rgb \"#888888\" title \"the judge's own uncertainty (1 mm)\"", std::max(panel.uncertainty, kLeast));
+    plots += fmt::format("{:g} with lines dt 2 lc rgb \"#888888\" title \"the judge's own uncertainty (1 mm)\"",
+                         std::max(panel.uncertainty, kLeast));
     text += data + "plot " + plots + "\n";
   }
   return text + "unset multiplot\n";

@@ -60,7 +60,8 @@ std::vector<LevelsSummary> summaries(const LevelsDocument& document) {
     const auto pairs = static_cast<double>(s.pairs);
     divide(pairs, s.dv);
     divide(pairs, s.dw);
-    for (double* sum : {&s.toc_ms_mean, &s.late_share, &s.unseen_share, &s.cost.refine_ns, &s.cost.overlap_ns, &s.cost.response_ns}) {
+    for (double* sum :
+         {&s.toc_ms_mean, &s.late_share, &s.unseen_share, &s.cost.refine_ns, &s.cost.overlap_ns, &s.cost.response_ns}) {
       *sum /= pairs;
     }
   }
@@ -73,7 +74,8 @@ std::vector<LevelsSetback> setbacks(const LevelsDocument& document) {
     const LevelsRow& before = document.rows[i - 1];
     const LevelsRow& row = document.rows[i];
     if (before.pair != row.pair || before.model != row.model) continue;
-    if (row.dv.mean > before.dv.mean + kSetback + document.pairs[row.pair].uncertainty) found.push_back({i, before.dv.mean});
+    if (row.dv.mean > before.dv.mean + kSetback + document.pairs[row.pair].uncertainty)
+      found.push_back({i, before.dv.mean});
   }
   return found;
 }

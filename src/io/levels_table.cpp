@@ -34,7 +34,8 @@ Table pair_table(const LevelsDocument& document) {
     const LevelsPair& pair = document.pairs[first.pair];
     Cells cells{pair.shape_a + " " + pair.shape_b, pair.group, first.model};
     cells.resize(3 + levels.size(), "-");
-    for (; i < document.rows.size() && document.rows[i].pair == first.pair && document.rows[i].model == first.model; ++i) {
+    for (; i < document.rows.size() && document.rows[i].pair == first.pair && document.rows[i].model == first.model;
+         ++i) {
       const auto column = std::find(levels.begin(), levels.end(), document.rows[i].level) - levels.begin();
       cells[3 + static_cast<std::size_t>(column)] = fmt::format("{:.3f}", document.rows[i].dv.mean);
     }
@@ -46,12 +47,14 @@ Table pair_table(const LevelsDocument& document) {
 
 // Means over the pairs of a group: a line a model and level.
 Table summary_table(const LevelsDocument& document) {
-  Table table{{"group", "model", "level", "dv mean", "to reach", "dv median", "dv p90", "dw mean", "toc ms", "late %", "unseen %",
-               "refine ns", "overlap ns", "response ns"}};
+  Table table{{"group", "model", "level", "dv mean", "to reach", "dv median", "dv p90", "dw mean", "toc ms", "late %",
+               "unseen %", "refine ns", "overlap ns", "response ns"}};
   for (const LevelsSummary& s : summaries(document)) {
-    const std::string target = s.target ? fmt::format("{:.2f}{}", *s.target, s.dv.mean <= *s.target ? "" : " missed") : "-";
-    table.push_back({s.group, s.model, heading(s.level), fmt::format("{:.3f}", s.dv.mean), target, fmt::format("{:.3f}", s.dv.median),
-                     fmt::format("{:.3f}", s.dv.p90), fmt::format("{:.3f}", s.dw.mean), fmt::format("{:.1f}", s.toc_ms_mean),
+    const std::string target =
+        s.target ? fmt::format("{:.2f}{}", *s.target, s.dv.mean <= *s.target ? "" : " missed") : "-";
+    table.push_back({s.group, s.model, heading(s.level), fmt::format("{:.3f}", s.dv.mean), target,
+                     fmt::format("{:.3f}", s.dv.median), fmt::format("{:.3f}", s.dv.p90),
+                     fmt::format("{:.3f}", s.dw.mean), fmt::format("{:.1f}", s.toc_ms_mean),
                      fmt::format("{:.1f}", 100 * s.late_share), fmt::format("{:.1f}", 100 * s.unseen_share),
                      fmt::format("{:.0f}", s.cost.refine_ns), fmt::format("{:.0f}", s.cost.overlap_ns),
                      fmt::format("{:.0f}", s.cost.response_ns)});
@@ -69,7 +72,8 @@ struct Limits {
 std::vector<Limits> limits_of(const LevelsDocument& document) {
   std::vector<Limits> all;
   for (const LevelsSummary& s : summaries(document)) {
-    if (all.empty() || all.back().group != s.group || all.back().model != s.model) all.push_back({s.group, s.model, {}, {}, 0, 0});
+    if (all.empty() || all.back().group != s.group || all.back().model != s.model)
+      all.push_back({s.group, s.model, {}, {}, 0, 0});
     Limits& limits = all.back();
     if (s.level == simulation::ProbeLevel{3, false}) {
       limits.toc_ms = s.toc_ms_mean;
@@ -83,7 +87,8 @@ std::vector<Limits> limits_of(const LevelsDocument& document) {
 }
 
 Table limits_table(const LevelsDocument& document) {
-  Table table{{"group", "model", "toc ms at L3, <= 8", "late % at L3, <= 1", "response ns, <= 100", "refine / overlap, <= 1.5"}};
+  Table table{{"group", "model", "toc ms at L3, <= 8", "late % at L3, <= 1", "response ns, <= 100",
+               "refine / overlap, <= 1.5"}};
   const auto judged = [](std::optional<double> value, double most, double scale) {
     return value ? fmt::format("{:.1f}{}", scale * *value, *value <= most ? "" : " missed") : std::string("-");
   };
@@ -96,22 +101,24 @@ Table limits_table(const LevelsDocument& document) {
 
 std::string setback_text(const LevelsDocument& document) {
   const std::vector<LevelsSetback> found = setbacks(document);
-  if (found.empty()) return "No level of any pair is worse than the one before by more than 2 % and the judge's own uncertainty.\n";
+  if (found.empty())
+    return "No level of any pair is worse than the one before by more than 2 % and the judge's own uncertainty.\n";
   std::string text = "Levels worse than the one before by more than 2 % and the judge's own uncertainty:\n";
   for (const LevelsSetback& setback : found) {
     const LevelsRow& row = document.rows[setback.row];
     const LevelsPair& pair = document.pairs[row.pair];
-    text += fmt::format("- {} {}, {}, {}: {:.3f} after {:.3f}\n", pair.shape_a, pair.shape_b, row.model, heading(row.level), row.dv.mean,
-                        setback.before);
+    text += fmt::format("- {} {}, {}, {}: {:.3f} after {:.3f}\n", pair.shape_a, pair.shape_b, row.model,
+                        heading(row.level), row.dv.mean, setback.before);
   }
   return text;
 }
 
 std::string made_by(const LevelsDocument& d) {
   return fmt::format(
-      "{} touches a pair, half: {}, seed {}, {:g} m/s, e = {:g}, trees of depth {}, fineness {}; {}, {} cores, {}; poise {} commit {}, {}\n", d.touches,
-      d.half, d.seed, d.speed_mps, d.restitution, d.depth, d.fineness, d.machine.processor, d.machine.cores, d.machine.system, d.version, d.commit,
-      d.compiler);
+      "{} touches a pair, half: {}, seed {}, {:g} m/s, e = {:g}, trees of depth {}, fineness {}; {}, {} cores, {}; "
+      "poise {} commit {}, {}\n",
+      d.touches, d.half, d.seed, d.speed_mps, d.restitution, d.depth, d.fineness, d.machine.processor, d.machine.cores,
+      d.machine.system, d.version, d.commit, d.compiler);
 }
 
 // The first `words` columns are words, the others figures.
@@ -123,7 +130,8 @@ std::string as_columns(const Table& table, std::size_t words) {
   std::string text;
   for (const Cells& row : table) {
     std::string line = fmt::format("{:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) line += i < words ? fmt::format("  {:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
+    for (std::size_t i = 1; i < row.size(); ++i)
+      line += i < words ? fmt::format("  {:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
     text += line + "\n";
   }
   return text;
@@ -140,9 +148,11 @@ std::string as_markdown(const Table& table) {
   return text;
 }
 
-constexpr const char* kPairTitle = "Mean error of dv as a share of the exact answer's mean, and how much that moves with the pose:";
+constexpr const char* kPairTitle =
+    "Mean error of dv as a share of the exact answer's mean, and how much that moves with the pose:";
 constexpr const char* kSummaryTitle =
-    "Means over the pairs of a group. refine: from the roots to the contact of the level; overlap: its overlap tests alone; response: "
+    "Means over the pairs of a group. refine: from the roots to the contact of the level; overlap: its overlap tests "
+    "alone; response: "
     "from the contact to both bodies' velocities:";
 constexpr const char* kLimitsTitle = "What else is to be reached; the last two are the most of any level:";
 
@@ -150,14 +160,14 @@ constexpr const char* kLimitsTitle = "What else is to be reached; the last two a
 
 std::string levels_table(const LevelsDocument& document) {
   return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", kPairTitle, as_columns(pair_table(document), 3), kSummaryTitle,
-                     as_columns(summary_table(document), 3), kLimitsTitle, as_columns(limits_table(document), 2), setback_text(document),
-                     made_by(document));
+                     as_columns(summary_table(document), 3), kLimitsTitle, as_columns(limits_table(document), 2),
+                     setback_text(document), made_by(document));
 }
 
 std::string levels_markdown(const LevelsDocument& document) {
-  return fmt::format("{}\n\n{}\n{}\n\n{}\n{}\n\n{}\n{}\n{}", kPairTitle, as_markdown(pair_table(document)), kSummaryTitle,
-                     as_markdown(summary_table(document)), kLimitsTitle, as_markdown(limits_table(document)), setback_text(document),
-                     made_by(document));
+  return fmt::format("{}\n\n{}\n{}\n\n{}\n{}\n\n{}\n{}\n{}", kPairTitle, as_markdown(pair_table(document)),
+                     kSummaryTitle, as_markdown(summary_table(document)), kLimitsTitle,
+                     as_markdown(limits_table(document)), setback_text(document), made_by(document));
 }
 
 }  // namespace poise::io

@@ -38,7 +38,8 @@ PanelRaster::PanelRaster(const ParallelView& view, int width, int height)
     : view_(view),
       width_(width),
       height_(height),
-      depth_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), std::numeric_limits<float>::infinity()),
+      depth_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+             std::numeric_limits<float>::infinity()),
       item_(depth_.size(), kNothing) {}
 
 Vec3 PanelRaster::in_samples(const Vec3& point_m) const {

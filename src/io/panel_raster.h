@@ -12,15 +12,17 @@ namespace poise::io {
 
 /// A view from infinitely far: the same scale everywhere, so that pictures beside one another can be compared.
 struct ParallelView {
-  Mat3 to_eye = Mat3::Identity();   ///< rows: right, up, forward; unit vectors
-  Vec3 center_m = Vec3::Zero();     ///< the point in the middle of the panel
-  double samples_per_m = 1;         ///< > 0
+  Mat3 to_eye = Mat3::Identity();  ///< rows: right, up, forward; unit vectors
+  Vec3 center_m = Vec3::Zero();    ///< the point in the middle of the panel
+  double samples_per_m = 1;        ///< > 0
 };
 
-/// Towards where an object usually looks when `up` (a unit vector along an axis) is upward: -y with z upward, z with y upward.
+/// Towards where an object usually looks when `up` (a unit vector along an axis) is upward: -y with z upward, z with y
+/// upward.
 Vec3 usual_front(const Vec3& up);
 
-/// A view from the front, turned to one side and from above, with `up` upward in the picture; unit vectors square to each other.
+/// A view from the front, turned to one side and from above, with `up` upward in the picture; unit vectors square to
+/// each other.
 Mat3 three_quarter_view(const Vec3& up, const Vec3& front);
 
 /// What is seen in each sample of a panel. Invariant: depth_m and item have width x height entries, rows from the top.

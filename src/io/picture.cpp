@@ -127,17 +127,21 @@ void draw_ball(const Ball& ball, const Eye& eye, int width, int height, std::vec
   const double reach = eye.focal_samples * ball.radius_m / (ball.center_m.z() - ball.radius_m) + 1;
   const double x = eye.center_x + eye.focal_samples * ball.center_m.x() / ball.center_m.z();
   const double y = eye.center_y - eye.focal_samples * ball.center_m.y() / ball.center_m.z();
-  const auto clipped = [](double value, int most) { return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most))); };
+  const auto clipped = [](double value, int most) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(most)));
+  };
   const double c = ball.center_m.squaredNorm() - ball.radius_m * ball.radius_m;
   for (int row = clipped(y - 2 * reach, height); row < clipped(y + 2 * reach + 1, height); ++row) {
     for (int column = clipped(x - 2 * reach, width); column < clipped(x + 2 * reach + 1, width); ++column) {
-      const Vec3 ray((column + 0.5 - eye.center_x) / eye.focal_samples, (eye.center_y - row - 0.5) / eye.focal_samples, 1);
+      const Vec3 ray((column + 0.5 - eye.center_x) / eye.focal_samples, (eye.center_y - row - 0.5) / eye.focal_samples,
+                     1);
       const double a = ray.squaredNorm();
       const double b = ray.dot(ball.center_m);
       const double discriminant = b * b - a * c;
       if (discriminant < 0) continue;
       const double depth = (b - std::sqrt(discriminant)) / a;
-      Sample& sample = samples[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+      Sample& sample =
+          samples[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
       if (depth >= sample.depth_m) continue;
       sample.depth_m = depth;
       sample.color = shaded(ball.color, (depth * ray - ball.center_m) / ball.radius_m);
@@ -200,10 +204,11 @@ Image draw_run(const SceneRun& run, std::uint32_t width_px, std::uint32_t height
       for (int sub = 0; sub < kSamplesAcross * kSamplesAcross; ++sub) {
         const int x = static_cast<int>(column) * kSamplesAcross + sub % kSamplesAcross;
         const int y = static_cast<int>(row) * kSamplesAcross + sub / kSamplesAcross;
-        const Sample& sample = samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+        const Sample& sample =
+            samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
         const Vec3 ray((x + 0.5 - eye.center_x) / eye.focal_samples, (eye.center_y - y - 0.5) / eye.focal_samples, 1);
-        const Color color = std::isfinite(sample.depth_m) ? sample.color
-                                                          : background(eye.to_eye.transpose() * ray, eye, grounds);
+        const Color color =
+            std::isfinite(sample.depth_m) ? sample.color : background(eye.to_eye.transpose() * ray, eye, grounds);
         for (std::size_t k = 0; k < 3; ++k) sum[k] += color[k] / (kSamplesAcross * kSamplesAcross);
       }
       for (std::size_t k = 0; k < 3; ++k) {

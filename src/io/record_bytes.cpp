@@ -20,7 +20,9 @@ void put(std::uint64_t value, std::string& out) {
   out.push_back(static_cast<char>(value));
 }
 
-void put(Nanoseconds time, std::string& out) { put(static_cast<std::uint64_t>(std::max<std::int64_t>(time.count(), 0)), out); }
+void put(Nanoseconds time, std::string& out) {
+  put(static_cast<std::uint64_t>(std::max<std::int64_t>(time.count(), 0)), out);
+}
 
 void put_fixed(std::uint64_t value, std::string& out) {
   for (int byte = 0; byte < 8; ++byte) out.push_back(static_cast<char>(value >> (8 * byte)));
@@ -93,8 +95,8 @@ class Reader {
   bool sound_ = true;
 };
 
-// Each step against the one before it of the same worker, which goes up through the pairs within a band; who did it stands apart, since
-// that compresses to next to nothing.
+// Each step against the one before it of the same worker, which goes up through the pairs within a band; who did it
+// stands apart, since that compresses to next to nothing.
 void put_steps(const std::vector<RefinementStep>& steps, std::string& out) {
   put(steps.size(), out);
   std::array<std::uint32_t, kMostWorkers> before{};
@@ -124,7 +126,9 @@ void take_steps(std::uint32_t pairs, Reader& reader, std::vector<RefinementStep>
     RefinementStep& step = steps[i];
     const std::uint64_t kind = words[i] & ((1U << kKindBits) - 1U);
     const std::int64_t pair = static_cast<std::int64_t>(before[step.worker]) + unfolded(words[i] >> kKindBits);
-    if (kind > static_cast<std::uint64_t>(RefinementStep::Kind::Full) || pair < 0 || pair >= static_cast<std::int64_t>(pairs)) return reader.refuse();
+    if (kind > static_cast<std::uint64_t>(RefinementStep::Kind::Full) || pair < 0 ||
+        pair >= static_cast<std::int64_t>(pairs))
+      return reader.refuse();
     step.kind = static_cast<RefinementStep::Kind>(kind);
     step.pair = before[step.worker] = static_cast<std::uint32_t>(pair);
   }
@@ -154,7 +158,8 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
   FrameDecisions& d = frame.decisions;
   d.frame = reader.number();
   frame.state_hash = reader.fixed();
-  for (Nanoseconds* time : {&frame.budget, &frame.refine_available, &frame.reserve, &frame.lateness}) *time = reader.time();
+  for (Nanoseconds* time : {&frame.budget, &frame.refine_available, &frame.reserve, &frame.lateness})
+    *time = reader.time();
   d.active_pairs = reader.number32();
   d.substeps = reader.number32();
   d.visits = reader.number32();

@@ -7,8 +7,8 @@
 #include "io/record.h"
 #include "poise/result.h"
 
-/// The parts of a record as bytes (docs/record.md). Reading refuses bytes that no writer makes, reads no byte beyond them and takes no more
-/// memory than they do, whatever they are.
+/// The parts of a record as bytes (docs/record.md). Reading refuses bytes that no writer makes, reads no byte beyond
+/// them and takes no more memory than they do, whatever they are.
 namespace poise::io {
 
 /// Appends a frame.

@@ -14,8 +14,8 @@
 namespace poise::io {
 namespace {
 
-// A file is kMagic and then blocks: kind, size before squeezing, size as stored, stored bytes, CRC-32 of all of that. Sizes and CRC have
-// four bytes, the lowest first.
+// A file is kMagic and then blocks: kind, size before squeezing, size as stored, stored bytes, CRC-32 of all of that.
+// Sizes and CRC have four bytes, the lowest first.
 constexpr std::string_view kMagic = "poise.record/2\n";
 constexpr std::string_view kMagicOfAny = "poise.record/";
 constexpr std::size_t kHeadBytes = 9;
@@ -36,7 +36,8 @@ void put32(std::uint32_t value, std::string& out) {
 
 std::uint32_t get32(const char* bytes) {
   std::uint32_t value = 0;
-  for (int byte = 0; byte < 4; ++byte) value |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[byte])) << (8 * byte);
+  for (int byte = 0; byte < 4; ++byte)
+    value |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[byte])) << (8 * byte);
   return value;
 }
 
@@ -125,10 +126,12 @@ Result<RecordWriter> RecordWriter::open(const std::filesystem::path& path) {
 
 Status RecordWriter::block(char kind, std::string_view raw) {
   stored_.assign(1, kind);
-  if (raw.size() > kMostBlockBytes) return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: a frame has more than 256 MiB"};
+  if (raw.size() > kMostBlockBytes)
+    return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: a frame has more than 256 MiB"};
   put32(static_cast<std::uint32_t>(raw.size()), stored_);
   put32(0, stored_);
-  if (!squeeze_->pack(raw, stored_)) return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: it cannot be compressed"};
+  if (!squeeze_->pack(raw, stored_))
+    return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: it cannot be compressed"};
   std::string size;
   put32(static_cast<std::uint32_t>(stored_.size() - kHeadBytes), size);
   std::copy(size.begin(), size.end(), stored_.begin() + 5);
@@ -207,13 +210,17 @@ Result<RecordReader::Block> RecordReader::block() {
   if (!stream_.read(stored_.data(), kHeadBytes)) return bad_input("the file cannot be read");
   const std::uint32_t raw_bytes = get32(stored_.data() + 1);
   const std::uint32_t stored_bytes = get32(stored_.data() + 5);
-  if (stored_bytes > left - kHeadBytes - kTailBytes) return bad_input("the file ends within a block, or the block's length is damaged");
+  if (stored_bytes > left - kHeadBytes - kTailBytes)
+    return bad_input("the file ends within a block, or the block's length is damaged");
   if (raw_bytes > kMostBlockBytes || stored_bytes > kMostBlockBytes) return bad_input("the block's length is damaged");
   stored_.resize(kHeadBytes + stored_bytes + kTailBytes);
-  if (!stream_.read(stored_.data() + kHeadBytes, static_cast<std::streamsize>(stored_bytes + kTailBytes))) return bad_input("the file cannot be read");
+  if (!stream_.read(stored_.data() + kHeadBytes, static_cast<std::streamsize>(stored_bytes + kTailBytes)))
+    return bad_input("the file cannot be read");
   const std::string_view checked = std::string_view(stored_).substr(0, kHeadBytes + stored_bytes);
-  if (crc_of(checked) != get32(stored_.data() + checked.size())) return bad_input("the block's checksum is not that of its bytes");
-  if (!squeeze_->unpack(checked.substr(kHeadBytes), raw_bytes, raw_)) return bad_input("the block cannot be decompressed");
+  if (crc_of(checked) != get32(stored_.data() + checked.size()))
+    return bad_input("the block's checksum is not that of its bytes");
+  if (!squeeze_->unpack(checked.substr(kHeadBytes), raw_bytes, raw_))
+    return bad_input("the block cannot be decompressed");
   at_ += stored_.size();
   return Block{stored_[0], raw_};
 }
@@ -236,14 +243,16 @@ RecordReader::Next RecordReader::next(RecordedFrame& frame) {
   if (found.value().kind == kFrame) {
     const Status read = read_frame(found.value().raw, frame);
     if (!read) return refuse(read.error().message);
-    if (frame.decisions.frame != frames_) return refuse(fmt::format("frame {} stands where frame {} should", frame.decisions.frame, frames_));
+    if (frame.decisions.frame != frames_)
+      return refuse(fmt::format("frame {} stands where frame {} should", frame.decisions.frame, frames_));
     ++frames_;
     return Next::Frame;
   }
   if (found.value().kind != kEnd) return refuse("a block of no known kind");
   const Status read = read_end(found.value().raw, end_);
   if (!read) return refuse(read.error().message);
-  if (end_.frames != frames_) return refuse(fmt::format("the end counts {} frames, {} are there", end_.frames, frames_));
+  if (end_.frames != frames_)
+    return refuse(fmt::format("the end counts {} frames, {} are there", end_.frames, frames_));
   if (at_ != size_) return damaged("something stands behind the end");
   ended_ = true;
   return Next::End;

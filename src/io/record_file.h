@@ -18,8 +18,8 @@ namespace poise::io {
 /// Squeezes or restores blocks that follow each other as one stream of zlib, each to its last byte.
 class Squeeze;
 
-/// Writes a record as its run goes. The file appears when it is whole; a program that is killed leaves a part beside its place whose name
-/// ends in `.part` and that replays. One thread at a time.
+/// Writes a record as its run goes. The file appears when it is whole; a program that is killed leaves a part beside
+/// its place whose name ends in `.part` and that replays. One thread at a time.
 class RecordWriter {
  public:
   /// Refused as AtomicFile refuses.
@@ -84,9 +84,9 @@ class RecordReader {
   std::ifstream stream_;
   std::unique_ptr<Squeeze> squeeze_;
   std::string raw_, stored_;
-  std::uint64_t size_ = 0;       ///< of the file
-  std::uint64_t at_ = 0;         ///< the next block
-  std::uint64_t frames_ = 0;     ///< read
+  std::uint64_t size_ = 0;    ///< of the file
+  std::uint64_t at_ = 0;      ///< the next block
+  std::uint64_t frames_ = 0;  ///< read
   RecordHeader header_;
   RecordEnd end_;
   bool ended_ = false;

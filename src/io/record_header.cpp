@@ -22,7 +22,8 @@ struct PolicyName {
   const char* name;
   scheduler::PolicyKind kind;
 };
-constexpr std::array kPolicies{PolicyName{"perceptual", scheduler::PolicyKind::Perceptual}, PolicyName{"fifo", scheduler::PolicyKind::Fifo},
+constexpr std::array kPolicies{PolicyName{"perceptual", scheduler::PolicyKind::Perceptual},
+                               PolicyName{"fifo", scheduler::PolicyKind::Fifo},
                                PolicyName{"random", scheduler::PolicyKind::Random}};
 struct ExecutorName {
   const char* name;
@@ -34,9 +35,12 @@ struct WeightName {
   const char* name;
   double scheduler::Policy::*weight;
 };
-constexpr std::array kWeights{WeightName{"frustum", &scheduler::Policy::frustum}, WeightName{"size", &scheduler::Policy::size},
-                              WeightName{"eccentricity", &scheduler::Policy::eccentricity}, WeightName{"closing", &scheduler::Policy::closing},
-                              WeightName{"waiting", &scheduler::Policy::waiting}, WeightName{"importance", &scheduler::Policy::importance}};
+constexpr std::array kWeights{WeightName{"frustum", &scheduler::Policy::frustum},
+                              WeightName{"size", &scheduler::Policy::size},
+                              WeightName{"eccentricity", &scheduler::Policy::eccentricity},
+                              WeightName{"closing", &scheduler::Policy::closing},
+                              WeightName{"waiting", &scheduler::Policy::waiting},
+                              WeightName{"importance", &scheduler::Policy::importance}};
 
 Json optional_number(const std::optional<std::uint64_t>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -44,7 +48,8 @@ Json shapes_json(const std::vector<RecordedShape>& shapes) {
   Json list = Json::array();
   for (const RecordedShape& shape : shapes) {
     Json files = Json::array();
-    for (const RecordedFile& file : shape.files) files.push_back({{"path", file.path}, {"bytes", file.bytes}, {"xxh64", hex(file.hash)}});
+    for (const RecordedFile& file : shape.files)
+      files.push_back({{"path", file.path}, {"bytes", file.bytes}, {"xxh64", hex(file.hash)}});
     list.push_back({{"name", shape.name}, {"files", files}, {"xxh64", hex(shape.hash)}});
   }
   return list;
@@ -87,7 +92,8 @@ void read_hex(const ObjectReader& reader, std::string_view key, std::uint64_t& t
   if (value == nullptr) return;
   const std::string& text = value->text;
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), target, 16);
-  if (value->kind != JsonValue::Kind::String || text.size() != 16 || failure != std::errc{} || stop != text.data() + text.size()) {
+  if (value->kind != JsonValue::Kind::String || text.size() != 16 || failure != std::errc{} ||
+      stop != text.data() + text.size()) {
     reader.problems().refuse(reader.path(key), *value, "must be 16 hexadecimal digits");
   }
 }
@@ -105,7 +111,8 @@ void read_text(const ObjectReader& reader, std::string_view key, std::string& ta
   reader.text(key, target);
 }
 
-void read_whole_of(const ObjectReader& reader, std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t& target) {
+void read_whole_of(const ObjectReader& reader, std::string_view key, std::uint64_t min, std::uint64_t max,
+                   std::uint64_t& target) {
   reader.require(key);
   reader.whole(key, min, max, target);
 }
@@ -128,12 +135,18 @@ void read_shape(const JsonValue& value, const std::string& path, Problems& probl
 
 void read_world(const JsonValue& value, Problems& problems, WorldSettings& world) {
   const ObjectReader reader(value, "world", problems,
-                            {"contact", "policy", "weights", "executor", "threads", "sleeping", "substeps", "max_partners", "max_front_entries"});
-  if (const auto* named = named_in(reader, "contact", std::span<const simulation::NamedContactModel>(simulation::kContactModels))) world.contact = named->model;
-  if (const auto* named = named_in(reader, "policy", std::span<const PolicyName>(kPolicies))) world.policy.kind = named->kind;
-  if (const auto* named = named_in(reader, "executor", std::span<const ExecutorName>(kExecutors))) world.executor = named->kind;
+                            {"contact", "policy", "weights", "executor", "threads", "sleeping", "substeps",
+                             "max_partners", "max_front_entries"});
+  if (const auto* named =
+          named_in(reader, "contact", std::span<const simulation::NamedContactModel>(simulation::kContactModels)))
+    world.contact = named->model;
+  if (const auto* named = named_in(reader, "policy", std::span<const PolicyName>(kPolicies)))
+    world.policy.kind = named->kind;
+  if (const auto* named = named_in(reader, "executor", std::span<const ExecutorName>(kExecutors)))
+    world.executor = named->kind;
   if (const JsonValue* weights = reader.require("weights")) {
-    const ObjectReader each(*weights, reader.path("weights"), problems, {"frustum", "size", "eccentricity", "closing", "waiting", "importance"});
+    const ObjectReader each(*weights, reader.path("weights"), problems,
+                            {"frustum", "size", "eccentricity", "closing", "waiting", "importance"});
     for (const WeightName& named : kWeights) {
       each.require(named.name);
       each.number(named.name, kNotNegative, world.policy.*named.weight);
@@ -155,7 +168,8 @@ void read_world(const JsonValue& value, Problems& problems, WorldSettings& world
 void read_made_by(const ObjectReader& top, RecordHeader& header) {
   const JsonValue* value = top.require("made_by");
   if (value == nullptr) return;
-  const ObjectReader reader(*value, "made_by", top.problems(), {"version", "commit", "compiler", "flags", "system", "processor", "cores"});
+  const ObjectReader reader(*value, "made_by", top.problems(),
+                            {"version", "commit", "compiler", "flags", "system", "processor", "cores"});
   read_text(reader, "version", header.version);
   read_text(reader, "commit", header.commit);
   read_text(reader, "compiler", header.compiler);
@@ -170,7 +184,8 @@ void read_made_by(const ObjectReader& top, RecordHeader& header) {
 void read_scene_part(const ObjectReader& top, RecordHeader& header) {
   const JsonValue* value = top.require("scene");
   if (value == nullptr) return;
-  const ObjectReader reader(*value, "scene", top.problems(), {"name", "file", "folder", "bodies", "seed", "start_hash", "shapes"});
+  const ObjectReader reader(*value, "scene", top.problems(),
+                            {"name", "file", "folder", "bodies", "seed", "start_hash", "shapes"});
   read_text(reader, "name", header.scene_name);
   read_text(reader, "file", header.scene_source);
   read_text(reader, "folder", header.scene_folder);
@@ -188,14 +203,16 @@ void read_scene_part(const ObjectReader& top, RecordHeader& header) {
 void read_step_part(const ObjectReader& top, RecordHeader& header) {
   const JsonValue* value = top.require("step");
   if (value == nullptr) return;
-  const ObjectReader reader(*value, "step", top.problems(),
-                            {"dt_s", "max_level", "polygons", "backtracking", "frames", "clock", "paced", "deadline_ms", "budget_work"});
+  const ObjectReader reader(
+      *value, "step", top.problems(),
+      {"dt_s", "max_level", "polygons", "backtracking", "frames", "clock", "paced", "deadline_ms", "budget_work"});
   reader.require("dt_s");
   reader.number("dt_s", Range{0, kMaxTimeStepS, true}, header.dt_s);
   std::uint64_t level = 0;
   read_whole_of(reader, "max_level", 0, kMaxTreeDepth, level);
   header.max_level = static_cast<Level>(level);
-  for (const auto& [key, flag] : {std::pair("polygons", &header.polygons), std::pair("backtracking", &header.backtracking), std::pair("paced", &header.paced)}) {
+  for (const auto& [key, flag] : {std::pair("polygons", &header.polygons),
+                                  std::pair("backtracking", &header.backtracking), std::pair("paced", &header.paced)}) {
     reader.require(key);
     reader.flag(key, *flag);
   }

@@ -37,13 +37,17 @@ std::uint64_t hash_of(const Shape& shape) {
   const SphereTree& tree = shape.tree;
   const std::size_t nodes = tree.node_count();
   sum.number(static_cast<std::uint64_t>(shape.kind));
-  for (const auto* array : {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) sum.add(*array, nodes);
+  for (const auto* array :
+       {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m})
+    sum.add(*array, nodes);
   sum.add(tree.fit, nodes);
   sum.add(tree.first_child, nodes);
   sum.add(tree.child_count, nodes);
   sum.add(tree.level_begin, tree.level_begin.size());
   for (const double value : {shape.bounding_radius_m, shape.volume_m3, shape.plane_offset_m}) sum.number(value);
-  for (const Vec3& v : {shape.origin_offset_m, shape.principal_m5, shape.plane_normal, Vec3(shape.principal_axes.vec())}) sum.vector(v);
+  for (const Vec3& v :
+       {shape.origin_offset_m, shape.principal_m5, shape.plane_normal, Vec3(shape.principal_axes.vec())})
+    sum.vector(v);
   sum.number(shape.principal_axes.w());
   sum.number(std::uint64_t{shape.surface ? 1U : 0U});
   return sum.value();
@@ -60,7 +64,8 @@ std::vector<std::string> files_of(const SceneShape& shape) {
 }
 
 Result<RecordedFile> read_again(const Scene& scene, const std::string& file) {
-  const std::filesystem::path path = std::filesystem::path(file).is_absolute() ? std::filesystem::path(file) : scene.base / file;
+  const std::filesystem::path path =
+      std::filesystem::path(file).is_absolute() ? std::filesystem::path(file) : scene.base / file;
   const Result<std::string> bytes = geometry::read_text_file(path, std::numeric_limits<std::uint64_t>::max());
   if (!bytes) return bytes.error();
   return RecordedFile{file, bytes.value().size(), XXH64(bytes.value().data(), bytes.value().size(), 0)};
@@ -94,8 +99,10 @@ Status check_files(const Scene& scene, std::span<const RecordedShape> recorded) 
       const std::string place = scene.source + ": " + member_path("shapes", scene.shapes[i].name);
       if (!is) return bad_input(place + ": " + is.error().message);
       if (is.value().hash == was.hash && is.value().bytes == was.bytes) continue;
-      return bad_input(fmt::format("{}: {} is another file than when the run was recorded: {} bytes, xxHash64 {:016x}, must be {} bytes, {:016x}", place,
-                                   (scene.base / was.path).string(), is.value().bytes, is.value().hash, was.bytes, was.hash));
+      return bad_input(
+          fmt::format("{}: {} is another file than when the run was recorded: {} bytes, xxHash64 {:016x}, must be {} "
+                      "bytes, {:016x}",
+                      place, (scene.base / was.path).string(), is.value().bytes, is.value().hash, was.bytes, was.hash));
     }
   }
   return Done{};
@@ -108,9 +115,11 @@ Status check_shapes(const Scene& scene, std::span<const ShapePtr> shapes, std::s
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const std::uint64_t hash = hash_of(*shapes[i]);
     if (hash == recorded[i].hash) continue;
-    return bad_input(fmt::format("{}: {}: its sphere tree or mass comes out as {:016x}, the record has {:016x}: this program builds shapes otherwise than the one "
-                                 "that recorded",
-                                 scene.source, member_path("shapes", name_of(scene, i)), hash, recorded[i].hash));
+    return bad_input(
+        fmt::format("{}: {}: its sphere tree or mass comes out as {:016x}, the record has {:016x}: this program builds "
+                    "shapes otherwise than the one "
+                    "that recorded",
+                    scene.source, member_path("shapes", name_of(scene, i)), hash, recorded[i].hash));
   }
   return Done{};
 }

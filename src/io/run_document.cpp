@@ -163,7 +163,8 @@ void add_figures(const RunDocument& d, Json& json) {
   json["misses"] = misses_json(f);
   json["refinement_used"] = optional_number(f.refinement_used);
   json["refinement_used_all"] = optional_number(f.refinement_used_all);
-  json["levels"] = {{"mean", optional_number(f.level_mean)}, {"histogram", f.level_histogram}, {"polygons", f.polygon_contacts}};
+  json["levels"] = {
+      {"mean", optional_number(f.level_mean)}, {"histogram", f.level_histogram}, {"polygons", f.polygon_contacts}};
   json["levels"].update(reached_json(f.levels));
   json["contacts_mean"] = f.contacts_mean;
   json["energy_j"] = energy_json(d);
@@ -183,7 +184,10 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
   json["swept"] = {{"pairs", f.swept.pairs}, {"hits", f.swept.hits}, {"cut", f.swept.cut}};
-  json["sleep"] = {{"asleep_end", f.sleep.asleep_end}, {"asleep_mean", f.sleep.asleep_mean}, {"fell_asleep", f.sleep.fell_asleep}, {"woken", f.sleep.woken}};
+  json["sleep"] = {{"asleep_end", f.sleep.asleep_end},
+                   {"asleep_mean", f.sleep.asleep_mean},
+                   {"fell_asleep", f.sleep.fell_asleep},
+                   {"woken", f.sleep.woken}};
   json["reference"] = reference_json(d);
   json["warm_up"] = {{"frames", f.warm_up_frames}, {"misses", f.warm_up_misses}};
   json["release_delay_ms"] = of(f.release_delay_ms);

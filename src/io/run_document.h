@@ -39,10 +39,10 @@ struct RunDocument {
   double spin_us = 0;
   bool paced = false;
   std::optional<double> deadline_ms;
-  double host_work_ms = 0;         ///< kept free, unless it is learned
+  double host_work_ms = 0;  ///< kept free, unless it is learned
   bool host_work_learned = false;
   double render_load_ms = 0, render_load_jitter_ms = 0;
-  double alpha = 0.01;             ///< WorldSettings::alpha
+  double alpha = 0.01;                   ///< WorldSettings::alpha
   std::uint64_t time_priors_frames = 0;  ///< of earlier runs that the time forecasts began from; 0: from nothing
   std::optional<std::uint64_t> budget_work;
   int max_level = 0;

@@ -62,7 +62,8 @@ void parse_host_work(const JsonValue& value, Problems& problems, Scene& scene) {
   SceneHostWork work;
   reader.number("load_ms", kHostWork, work.load_ms);
   reader.number("jitter_ms", kHostWork, work.jitter_ms);
-  if (work.jitter_ms > work.load_ms) problems.refuse("host_work.jitter_ms", *reader.find("jitter_ms"), "must be at most load_ms");
+  if (work.jitter_ms > work.load_ms)
+    problems.refuse("host_work.jitter_ms", *reader.find("jitter_ms"), "must be at most load_ms");
   if (reader.has("reserve_ms")) {
     double reserve_ms = 0;
     reader.number("reserve_ms", kHostWork, reserve_ms);
@@ -77,7 +78,8 @@ void parse_max_level(const ObjectReader& top, Scene& scene) {
   if (value->kind == JsonValue::Kind::String) {
     scene.polygons = value->text == "polygons";
     if (!scene.polygons) {
-      top.problems().refuse("max_level", *value, fmt::format("must be a whole number from 0 to {}, or \"polygons\"", kMaxTreeDepth));
+      top.problems().refuse("max_level", *value,
+                            fmt::format("must be a whole number from 0 to {}, or \"polygons\"", kMaxTreeDepth));
     }
     return;
   }
@@ -104,9 +106,11 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 }
 
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
-  const ObjectReader top(root, "", problems,
-                         {"name", "description", "gravity_mps2", "dt_s", "frames", "seed", "deadline_ms", "alpha", "host_work", "max_level", "backtracking", "sleeping", "policy",
-                          "camera", "gaze_px", "materials", "shapes", "bodies", "tray", "generators"});
+  const ObjectReader top(
+      root, "", problems,
+      {"name",    "description", "gravity_mps2", "dt_s",         "frames",   "seed",      "deadline_ms",
+       "alpha",   "host_work",   "max_level",    "backtracking", "sleeping", "policy",    "camera",
+       "gaze_px", "materials",   "shapes",       "bodies",       "tray",     "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);

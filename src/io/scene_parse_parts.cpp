@@ -71,7 +71,8 @@ void parse_tree(const JsonValue& value, const std::string& path, Problems& probl
   reader.number("shell_thickness_m", kLength, source.shell_thickness_m);
   for (const char* key : {"allow_leaks", "shell_thickness_m"}) {
     const JsonValue* given = reader.find(key);
-    if (given != nullptr && reader.find("mesh") == nullptr) problems.refuse(reader.path(key), *given, "needs a mesh beside it");
+    if (given != nullptr && reader.find("mesh") == nullptr)
+      problems.refuse(reader.path(key), *given, "needs a mesh beside it");
   }
   shape.source = std::move(source);
 }

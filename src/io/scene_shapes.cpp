@@ -70,7 +70,8 @@ struct Loader {
     if (!report) return report.error();
     const std::string measured = source.file.string() + " on " + source.mesh.string() + ": " + report.value().summary();
     if (!report.value().covers_surface() && !source.allow_leaks) {
-      return bad_input(measured + "; contacts where it leaks would be missed (\"allow_leaks\": true uses it all the same)");
+      return bad_input(measured +
+                       "; contacts where it leaks would be missed (\"allow_leaks\": true uses it all the same)");
     }
     Result<ShapePtr> made = make_mesh_shape_with_tree(mesh, tree, source.shell_thickness_m);
     if (!made || (report.value().covers_surface() && report.value().inside_coverage >= 1)) return made;
@@ -101,8 +102,9 @@ struct Loader {
 };
 
 void add(const TreeCacheUse& more, TreeCacheUse& sum) {
-  for (std::size_t TreeCacheUse::*part : {&TreeCacheUse::off, &TreeCacheUse::hits, &TreeCacheUse::built, &TreeCacheUse::rebuilt,
-                                          &TreeCacheUse::not_writable, &TreeCacheUse::evicted}) {
+  for (std::size_t TreeCacheUse::*part :
+       {&TreeCacheUse::off, &TreeCacheUse::hits, &TreeCacheUse::built, &TreeCacheUse::rebuilt,
+        &TreeCacheUse::not_writable, &TreeCacheUse::evicted}) {
     sum.*part += more.*part;
   }
 }
@@ -138,13 +140,15 @@ SphereTree scaled_tree(SphereTree tree, double scale, bool leaves_are_surface) {
          {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
       (*values)[i] = scaled((*values)[i]);
     }
-    if (tree.child_count[i] > 0 || !leaves_are_surface) tree.radius_m[i] += 4 * std::numeric_limits<float>::epsilon() * scaled(reach);
+    if (tree.child_count[i] > 0 || !leaves_are_surface)
+      tree.radius_m[i] += 4 * std::numeric_limits<float>::epsilon() * scaled(reach);
   }
   return tree;
 }
 
 Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& settings) {
-  // Side by side, each on one thread, where there is more than one to build: the roots of trees are split by one thread.
+  // Side by side, each on one thread, where there is more than one to build: the roots of trees are split by one
+  // thread.
   const auto meshes = std::count_if(scene.shapes.begin(), scene.shapes.end(), [](const SceneShape& shape) {
     return std::holds_alternative<MeshSource>(shape.source);
   });

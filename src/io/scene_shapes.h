@@ -26,7 +26,8 @@ Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& setting
 /// The notes of shapes that load_shapes made, with scene file and field.
 std::vector<std::string> shape_warnings(const Scene& scene, std::span<const ShapePtr> shapes);
 
-/// A tree `scale` times as large. Spheres are rounded outward, so that they still cover; leaves only where they are not the surface.
+/// A tree `scale` times as large. Spheres are rounded outward, so that they still cover; leaves only where they are not
+/// the surface.
 SphereTree scaled_tree(SphereTree tree, double scale, bool leaves_are_surface);
 
 }  // namespace poise::io

@@ -38,7 +38,8 @@ std::string study_json(const StudyTable& table);
 std::string study_text(const StudyTable& table);
 std::string study_markdown(const StudyTable& table);
 
-/// A data block for gnuplot with two columns of the rows where both are numbers, in order, `only` those whose first-named column has this text.
+/// A data block for gnuplot with two columns of the rows where both are numbers, in order, `only` those whose
+/// first-named column has this text.
 struct StudyFilter {
   std::string column, text;
 };

@@ -20,7 +20,8 @@ constexpr const char* kSchema = "poise.times/2";
 constexpr double kMostUs = 1e9;
 
 std::string text_of(const TimePriorsKey& key) {
-  return fmt::format("{}; {} cores, {} threads, {}, {}, alpha {}", key.machine, key.cores, key.threads, key.executor, key.contact, key.alpha);
+  return fmt::format("{}; {} cores, {} threads, {}, {}, alpha {}", key.machine, key.cores, key.threads, key.executor,
+                     key.contact, key.alpha);
 }
 
 bool read_list(const Json& json, scheduler::TailForecast::Features& into) {
@@ -49,21 +50,28 @@ std::filesystem::path time_priors_file(const std::filesystem::path& folder, cons
 
 std::optional<scheduler::TimePriors> read_time_priors(const std::filesystem::path& folder, const TimePriorsKey& key) {
   std::string bytes;
-  if (geometry::read_entry(time_priors_file(folder, key), kMostBytes, bytes) != geometry::EntryRead::Found) return std::nullopt;
+  if (geometry::read_entry(time_priors_file(folder, key), kMostBytes, bytes) != geometry::EntryRead::Found)
+    return std::nullopt;
   const Json json = Json::parse(bytes, nullptr, false);
-  if (!json.is_object() || json.value("schema", Json()) != kSchema || json.value("key", Json()) != text_of(key)) return std::nullopt;
+  if (!json.is_object() || json.value("schema", Json()) != kSchema || json.value("key", Json()) != text_of(key))
+    return std::nullopt;
   scheduler::TimePriors priors;
   double frames = 0;
-  const bool sound = read_list(json.value("tail_us", Json()), priors.tail_us) && read_list(json.value("head_us", Json()), priors.head_us) &&
-                     read_number(json, "log_quantile", scheduler::TrackedQuantile::kLow, scheduler::TrackedQuantile::kHigh, priors.log_quantile) &&
-                     read_number(json, "spread", 0, scheduler::TrackedQuantile::kHigh - scheduler::TrackedQuantile::kLow, priors.spread) &&
-                     read_number(json, "unit_cost_ns", 0, kMostUs, priors.unit_cost_ns) && read_number(json, "frames", 1, 1e15, frames);
+  const bool sound = read_list(json.value("tail_us", Json()), priors.tail_us) &&
+                     read_list(json.value("head_us", Json()), priors.head_us) &&
+                     read_number(json, "log_quantile", scheduler::TrackedQuantile::kLow,
+                                 scheduler::TrackedQuantile::kHigh, priors.log_quantile) &&
+                     read_number(json, "spread", 0,
+                                 scheduler::TrackedQuantile::kHigh - scheduler::TrackedQuantile::kLow, priors.spread) &&
+                     read_number(json, "unit_cost_ns", 0, kMostUs, priors.unit_cost_ns) &&
+                     read_number(json, "frames", 1, 1e15, frames);
   if (!sound) return std::nullopt;
   priors.frames = static_cast<std::uint64_t>(frames);
   return priors;
 }
 
-bool write_time_priors(const std::filesystem::path& folder, const TimePriorsKey& key, const scheduler::TimePriors& priors) {
+bool write_time_priors(const std::filesystem::path& folder, const TimePriorsKey& key,
+                       const scheduler::TimePriors& priors) {
   if (folder.empty() || priors.frames == 0) return false;
   const Json json = {{"schema", kSchema},
                      {"key", text_of(key)},

@@ -48,13 +48,15 @@ struct KeptDocument {
   std::string scene;
   std::uint64_t bodies = 0;
   std::uint64_t frames_kept = 0, frames_anew = 0;
-  double kept_pairs = 0;                       ///< that needed no refinement, a frame
-  double levels_kept = 0, levels_anew = 0;     ///< completed a frame
-  std::vector<KeptRow> rows;                   ///< the last two: finding pairs and refining them, and all stages
+  double kept_pairs = 0;                    ///< that needed no refinement, a frame
+  double levels_kept = 0, levels_anew = 0;  ///< completed a frame
+  std::vector<KeptRow> rows;                ///< the last two: finding pairs and refining them, and all stages
   MeasuredBy by;
   /// What a kept pair saves of finding and refining.
   [[nodiscard]] double saved_ns_per_pair() const {
-    return kept_pairs > 0 && rows.size() > 1 ? 1e6 * (rows[rows.size() - 2].anew_ms - rows[rows.size() - 2].kept_ms) / kept_pairs : 0;
+    return kept_pairs > 0 && rows.size() > 1
+               ? 1e6 * (rows[rows.size() - 2].anew_ms - rows[rows.size() - 2].kept_ms) / kept_pairs
+               : 0;
   }
 };
 /// `poise.kept/1`, and a table for docs.
@@ -64,15 +66,15 @@ std::string kept_markdown(const KeptDocument& document);
 /// Refinement on a number of threads.
 struct ScalingRow {
   int threads = 1;
-  double units_per_us = 0;         ///< node-pair expansions, median over frames
-  double p10 = 0, p90 = 0;         ///< of the same
-  double times_one = 0;            ///< over the same with the first number of threads
+  double units_per_us = 0;  ///< node-pair expansions, median over frames
+  double p10 = 0, p90 = 0;  ///< of the same
+  double times_one = 0;     ///< over the same with the first number of threads
   std::uint64_t frames = 0;
 };
 struct ScalingDocument {
   std::string scene;
   std::uint64_t bodies = 0;
-  double units_a_frame = 0;        ///< expansions, median
+  double units_a_frame = 0;  ///< expansions, median
   std::vector<ScalingRow> rows;
   MeasuredBy by;
 };
@@ -83,10 +85,11 @@ std::string scaling_markdown(const ScalingDocument& document);
 struct FreeRow {
   std::string feature, off_options, on_options;
   double off_instructions = 0, on_instructions = 0;  ///< a step, mean
-  bool absent = false;                ///< not in this program; nothing else is said
-  std::vector<std::string> called_off;  ///< functions of the feature that were called though it is off; has none to be right
-  std::size_t functions_on = 0;       ///< functions of the feature that are called when it is on
-  bool inside_kernels = false;        ///< it has no functions of its own to look for
+  bool absent = false;                               ///< not in this program; nothing else is said
+  std::vector<std::string>
+      called_off;                ///< functions of the feature that were called though it is off; has none to be right
+  std::size_t functions_on = 0;  ///< functions of the feature that are called when it is on
+  bool inside_kernels = false;   ///< it has no functions of its own to look for
   [[nodiscard]] bool ok() const { return absent || inside_kernels || (called_off.empty() && functions_on > 0); }
 };
 struct FreeDocument {

@@ -46,8 +46,8 @@ void add_tree(const JudgedTree& tree, const TreeDocument& document, Json& json) 
 
 std::size_t bytes_of(const SphereTree& tree) {
   const auto of = [](const auto& array) { return array.size() * sizeof(array[0]); };
-  return of(tree.x_m) + of(tree.y_m) + of(tree.z_m) + of(tree.radius_m) + of(tree.protrusion_max_m) + of(tree.protrusion_mean_m) +
-         of(tree.fit) + of(tree.first_child) + of(tree.child_count) + of(tree.level_begin);
+  return of(tree.x_m) + of(tree.y_m) + of(tree.z_m) + of(tree.radius_m) + of(tree.protrusion_max_m) +
+         of(tree.protrusion_mean_m) + of(tree.fit) + of(tree.first_child) + of(tree.child_count) + of(tree.level_begin);
 }
 
 bool leaks(const TreeLevelFigures& figures, Solidity solidity) {
@@ -89,9 +89,13 @@ std::string tree_json(const TreeDocument& document) {
       json["trees"].push_back(std::move(one));
     }
   }
-  json["machine"] = {{"system", document.machine.system}, {"processor", document.machine.processor}, {"cores", document.machine.cores}};
-  json["build"] = {
-      {"version", document.version}, {"commit", document.commit}, {"compiler", document.compiler}, {"flags", document.flags}};
+  json["machine"] = {{"system", document.machine.system},
+                     {"processor", document.machine.processor},
+                     {"cores", document.machine.cores}};
+  json["build"] = {{"version", document.version},
+                   {"commit", document.commit},
+                   {"compiler", document.compiler},
+                   {"flags", document.flags}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -16,18 +16,18 @@ namespace poise::io {
 /// What building a tree took.
 struct TreeBuildCost {
   double wall_ms = 0;
-  double cpu_ms = 0;  ///< of all threads
+  double cpu_ms = 0;             ///< of all threads
   std::uint64_t peak_bytes = 0;  ///< largest resident memory of the process meanwhile, the mesh included; 0 = unknown
 };
 
 /// A tree and what was found when it was judged against its mesh.
 struct JudgedTree {
-  std::string file;                   ///< empty for a tree that was built here
-  Level depth = 0;                    ///< that was asked for; of a tree from a file, its own
+  std::string file;                         ///< empty for a tree that was built here
+  Level depth = 0;                          ///< that was asked for; of a tree from a file, its own
   TreePreset preset = TreePreset::Default;  ///< of a tree that was built here
-  std::optional<TreeBuildCost> cost;  ///< of a tree that was built here
+  std::optional<TreeBuildCost> cost;        ///< of a tree that was built here
   std::size_t nodes = 0;
-  std::size_t bytes = 0;              ///< of all its arrays, padding included
+  std::size_t bytes = 0;  ///< of all its arrays, padding included
   std::vector<TreeLevelFigures> levels;
 };
 
@@ -52,14 +52,15 @@ struct TreeDocument {
 /// Bytes that the arrays of a tree hold.
 std::size_t bytes_of(const SphereTree& tree);
 
-/// Whether some sampled point of the object has no chain of nodes down to this level. Of a shell only the surface counts.
+/// Whether some sampled point of the object has no chain of nodes down to this level. Of a shell only the surface
+/// counts.
 bool leaks(const TreeLevelFigures& figures, Solidity solidity);
 bool leaks(const JudgedTree& tree, Solidity solidity);
 
 std::string preset_name(TreePreset preset);
 
-/// The document as `poise.tree/1` JSON, ending in a newline: the first tree's figures beside the mesh's, and where two are compared
-/// each of them in `trees`.
+/// The document as `poise.tree/1` JSON, ending in a newline: the first tree's figures beside the mesh's, and where two
+/// are compared each of them in `trees`.
 std::string tree_json(const TreeDocument& document);
 
 }  // namespace poise::io

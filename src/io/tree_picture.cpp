@@ -146,12 +146,14 @@ struct Painter {
 
 void put(Image& image, std::uint32_t x, std::uint32_t y, const Color& color) {
   const std::size_t at = 3 * (std::size_t{y} * image.width_px + x);
-  for (std::size_t k = 0; k < 3; ++k) image.rgb[at + k] = static_cast<std::uint8_t>(std::clamp(255 * color[k] + 0.5, 0.0, 255.0));
+  for (std::size_t k = 0; k < 3; ++k)
+    image.rgb[at + k] = static_cast<std::uint8_t>(std::clamp(255 * color[k] + 0.5, 0.0, 255.0));
 }
 
 void draw_panel(const Panel& panel, const Frame& frame, const Painter& painter, std::uint32_t left, std::uint32_t top,
                 parallel::Executor& executor, Image& image) {
-  PanelRaster raster(frame.view, static_cast<int>(frame.width_px) * kSamplesAcross, static_cast<int>(frame.height_px) * kSamplesAcross);
+  PanelRaster raster(frame.view, static_cast<int>(frame.width_px) * kSamplesAcross,
+                     static_cast<int>(frame.height_px) * kSamplesAcross);
   std::vector<Ball> balls;
   if (panel.tree == nullptr) {
     raster.draw_mesh(painter.mesh);
@@ -175,7 +177,8 @@ void draw_legend(Image& image, std::uint32_t top, std::uint32_t scale) {
   const std::uint32_t left = 2 * kPanelGap;
   draw_text(image, text, left, top, scale, kInk);
   const std::uint32_t bar_left = left + text_width_px(text, scale) + 40 * scale / 2;
-  const std::uint32_t bar_width = std::min(150 * scale, image.width_px > bar_left + 60 ? image.width_px - bar_left - 60 : 0);
+  const std::uint32_t bar_width =
+      std::min(150 * scale, image.width_px > bar_left + 60 ? image.width_px - bar_left - 60 : 0);
   for (std::uint32_t x = 0; x < bar_width; ++x) {
     const Color color = protrusion_color(kLeast * std::pow(kMost / kLeast, (x + 0.5) / bar_width));
     for (std::uint32_t y = 0; y < kTextHeight * scale; ++y) put(image, bar_left + x, top + y, color);
@@ -191,7 +194,8 @@ void draw_legend(Image& image, std::uint32_t top, std::uint32_t scale) {
 }  // namespace
 
 std::array<double, 3> protrusion_color(double share_of_diagonal) {
-  constexpr Color kColors[] = {{0.36, 0.56, 0.72}, {0.50, 0.74, 0.68}, {0.95, 0.86, 0.52}, {0.93, 0.57, 0.30}, {0.74, 0.20, 0.18}};
+  constexpr Color kColors[] = {
+      {0.36, 0.56, 0.72}, {0.50, 0.74, 0.68}, {0.95, 0.86, 0.52}, {0.93, 0.57, 0.30}, {0.74, 0.20, 0.18}};
   const double along = 4 * std::log(std::max(share_of_diagonal, 1e-30) / kLeast) / std::log(kMost / kLeast);
   const double place = std::clamp(along, 0.0, 4.0);
   const auto first = std::min(static_cast<std::size_t>(place), std::size_t{3});
@@ -201,17 +205,20 @@ std::array<double, 3> protrusion_color(double share_of_diagonal) {
   return color;
 }
 
-Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> trees, const TreePictureSettings& settings) {
+Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> trees,
+                         const TreePictureSettings& settings) {
   if (mesh.triangles.empty()) return bad_input("picture: the mesh has no triangle, at least one is needed");
   if (trees.empty()) return bad_input("picture: there is no tree, at least one is needed");
   for (const DrawnTree& drawn : trees) {
-    if (drawn.tree == nullptr || drawn.tree->node_count() == 0) return bad_input("picture: a tree has no node, at least one is needed");
+    if (drawn.tree == nullptr || drawn.tree->node_count() == 0)
+      return bad_input("picture: a tree has no node, at least one is needed");
   }
   if (settings.width_px < 200 || settings.width_px > 10000) {
     return bad_input(fmt::format("picture: width = {}, must be from 200 to 10000 pixels", settings.width_px));
   }
   const Vec3 front = settings.front.value_or(usual_front(settings.up));
-  if (std::abs(settings.up.norm() - 1) > 1e-6 || std::abs(front.norm() - 1) > 1e-6 || std::abs(front.dot(settings.up)) > 1e-6) {
+  if (std::abs(settings.up.norm() - 1) > 1e-6 || std::abs(front.norm() - 1) > 1e-6 ||
+      std::abs(front.dot(settings.up)) > 1e-6) {
     return bad_input("picture: up and front must be unit vectors square to each other");
   }
   const std::vector<Panel> panels = panels_of(trees);
@@ -220,7 +227,8 @@ Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> tr
   const std::uint32_t columns = most <= kMostColumns ? most : (most + 1) / 2;
   const std::uint32_t text = std::max(1U, settings.width_px / 800);
   const std::uint32_t title_px = (kTextHeight + 6) * text;
-  const Frame frame = frame_of(mesh, trees, three_quarter_view(settings.up, front), settings.width_px / columns - kPanelGap);
+  const Frame frame =
+      frame_of(mesh, trees, three_quarter_view(settings.up, front), settings.width_px / columns - kPanelGap);
 
   // Each tree begins a row of its own.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> places;  // column and row of each panel
@@ -235,7 +243,8 @@ Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> tr
   const std::uint32_t legend_top = (row + 1) * row_px + kPanelGap;
   Image image{settings.width_px, legend_top + 24 * text, {}};
   image.rgb.resize(std::size_t{3} * image.width_px * image.height_px);
-  for (std::uint32_t i = 0; i < image.width_px * image.height_px; ++i) put(image, i % image.width_px, i / image.width_px, kPaper);
+  for (std::uint32_t i = 0; i < image.width_px * image.height_px; ++i)
+    put(image, i % image.width_px, i / image.width_px, kPaper);
 
   const geometry::TriangleBvh bvh(mesh, settings.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Threads, settings.threads);
@@ -245,8 +254,8 @@ Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> tr
     const std::uint32_t top = places[i].second * row_px + kPanelGap;
     draw_panel(panels[i], frame, painter, left, top, *executor, image);
     const std::uint32_t width = text_width_px(panels[i].title, text);
-    draw_text(image, panels[i].title, std::int64_t{left} + (std::int64_t{frame.width_px} - width) / 2, top + frame.height_px + text, text,
-              kInk);
+    draw_text(image, panels[i].title, std::int64_t{left} + (std::int64_t{frame.width_px} - width) / 2,
+              top + frame.height_px + text, text, kInk);
   }
   draw_legend(image, legend_top, text);
   return image;

@@ -56,8 +56,8 @@ std::vector<Cells> all_cells(const TreesDocument& document) {
 }
 
 std::string made_by(const TreesDocument& d) {
-  return fmt::format("{} samples a figure, seed {}; {}, {} cores, {}; poise {} commit {}, {}", d.samples, d.seed, d.machine.processor,
-                     d.machine.cores, d.machine.system, d.version, d.commit, d.compiler);
+  return fmt::format("{} samples a figure, seed {}; {}, {} cores, {}; poise {} commit {}, {}", d.samples, d.seed,
+                     d.machine.processor, d.machine.cores, d.machine.system, d.version, d.commit, d.compiler);
 }
 
 Json level_json(const TreeLevelFigures& f, double diagonal_m) {
@@ -144,9 +144,13 @@ std::string trees_json(const TreesDocument& document) {
   json["threads"] = document.threads;
   json["rows"] = Json::array();
   for (const TreesRow& row : document.rows) json["rows"].push_back(row_json(row));
-  json["machine"] = {{"system", document.machine.system}, {"processor", document.machine.processor}, {"cores", document.machine.cores}};
-  json["build"] = {
-      {"version", document.version}, {"commit", document.commit}, {"compiler", document.compiler}, {"flags", document.flags}};
+  json["machine"] = {{"system", document.machine.system},
+                     {"processor", document.machine.processor},
+                     {"cores", document.machine.cores}};
+  json["build"] = {{"version", document.version},
+                   {"commit", document.commit},
+                   {"compiler", document.compiler},
+                   {"flags", document.flags}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -164,10 +168,13 @@ std::string trees_table(const TreesDocument& document) {
   std::string text;
   for (const Cells& row : rows) {
     std::string line = fmt::format("{:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) line += row.size() == 2 ? "  " + row[i] : fmt::format("  {:>{}}", row[i], widths[i]);
+    for (std::size_t i = 1; i < row.size(); ++i)
+      line += row.size() == 2 ? "  " + row[i] : fmt::format("  {:>{}}", row[i], widths[i]);
     text += line + "\n";
   }
-  return text + "\nLevels: largest / mean protrusion in % of the diagonal / volume of the balls over that of the mesh.\n" + made_by(document) + "\n";
+  return text +
+         "\nLevels: largest / mean protrusion in % of the diagonal / volume of the balls over that of the mesh.\n" +
+         made_by(document) + "\n";
 }
 
 std::string trees_markdown(const TreesDocument& document) {
@@ -186,15 +193,17 @@ std::string trees_markdown(const TreesDocument& document) {
 
 std::string trees_csv(const TreesDocument& document) {
   std::string text =
-      "mesh,triangles,preset,depth,cpu_s,wall_s,peak_bytes,nodes,level,spheres,protrusion_max_percent,protrusion_mean_percent,"
+      "mesh,triangles,preset,depth,cpu_s,wall_s,peak_bytes,nodes,level,spheres,protrusion_max_percent,protrusion_mean_"
+      "percent,"
       "volume_ratio,surface_coverage,inside_coverage\n";
   for (const TreesRow& row : document.rows) {
     const TreeBuildCost cost = row.tree.cost.value_or(TreeBuildCost{});
     for (const TreeLevelFigures& f : row.tree.levels) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.mesh), row.triangles, preset_name(row.tree.preset),
-                          row.tree.depth, cost.cpu_ms / 1000, cost.wall_ms / 1000, cost.peak_bytes, row.tree.nodes, f.level, f.spheres,
-                          100 * f.protrusion_max_m / row.diagonal_m, 100 * f.protrusion_mean_m / row.diagonal_m, f.volume_ratio,
-                          f.surface_coverage, f.inside_coverage);
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.mesh), row.triangles,
+                          preset_name(row.tree.preset), row.tree.depth, cost.cpu_ms / 1000, cost.wall_ms / 1000,
+                          cost.peak_bytes, row.tree.nodes, f.level, f.spheres,
+                          100 * f.protrusion_max_m / row.diagonal_m, 100 * f.protrusion_mean_m / row.diagonal_m,
+                          f.volume_ratio, f.surface_coverage, f.inside_coverage);
     }
   }
   return text;

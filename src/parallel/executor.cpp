@@ -48,7 +48,8 @@ Result<std::unique_ptr<Executor>> make_executor(const ExecutorSettings& asked) {
   if (!sound) return sound.error();
   ExecutorSettings settings = asked;
   settings.threads = std::clamp(asked.threads > 0 ? asked.threads : available_threads(), 1, kMaxThreads);
-  if (settings.kind == ExecutorKind::Serial || settings.threads == 1) return std::unique_ptr<Executor>(std::make_unique<SerialExecutor>());
+  if (settings.kind == ExecutorKind::Serial || settings.threads == 1)
+    return std::unique_ptr<Executor>(std::make_unique<SerialExecutor>());
 #ifdef POISE_HAVE_TBB
   if (settings.kind == ExecutorKind::Tbb) {
     if (auto executor = make_tbb_executor(settings.threads, settings.spin)) return executor;

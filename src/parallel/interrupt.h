@@ -7,9 +7,9 @@
 
 namespace poise::parallel {
 
-/// Turns Ctrl-C (SIGINT) into a stop token while it lives, and puts back what was there before. A second Ctrl-C ends the
-/// process at once. One may live at a time; it is made and destroyed on the same thread. Where the system gives it no
-/// pipe, Ctrl-C keeps its meaning and the token is never stopped.
+/// Turns Ctrl-C (SIGINT) into a stop token while it lives, and puts back what was there before. A second Ctrl-C ends
+/// the process at once. One may live at a time; it is made and destroyed on the same thread. Where the system gives it
+/// no pipe, Ctrl-C keeps its meaning and the token is never stopped.
 class Interrupt {
  public:
   Interrupt();

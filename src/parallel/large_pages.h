@@ -8,12 +8,13 @@
 
 namespace poise::parallel {
 
-/// Asks the system to hold this memory in large pages, so that going through much of it in no order does not wait for page tables. A wish: where
-/// there are none (Linux has them, transparent, on request) the pages stay small. Any thread.
+/// Asks the system to hold this memory in large pages, so that going through much of it in no order does not wait for
+/// page tables. A wish: where there are none (Linux has them, transparent, on request) the pages stay small. Any
+/// thread.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
-/// Allocator for arrays that a step goes through. Those of kFromBytes and more begin at a large page: the first touch of one takes some milliseconds,
-/// so that arrays of scenes which are stepped in that time have small ones.
+/// Allocator for arrays that a step goes through. Those of kFromBytes and more begin at a large page: the first touch
+/// of one takes some milliseconds, so that arrays of scenes which are stepped in that time have small ones.
 template <class T>
 struct LargePages {
   using value_type = T;
@@ -38,7 +39,9 @@ struct LargePages {
   }
 
  private:
-  static std::align_val_t alignment(std::size_t n) { return std::align_val_t{n * sizeof(T) >= kFromBytes ? kPageBytes : alignof(T)}; }
+  static std::align_val_t alignment(std::size_t n) {
+    return std::align_val_t{n * sizeof(T) >= kFromBytes ? kPageBytes : alignof(T)};
+  }
 };
 
 template <class T>

@@ -21,12 +21,14 @@ Status check_processor(int processor) {
   CPU_ZERO(&allowed);
   const bool known = processor >= 0 && processor < CPU_SETSIZE && sched_getaffinity(0, sizeof(allowed), &allowed) == 0;
   if (known && CPU_ISSET(static_cast<std::size_t>(processor), &allowed)) return Done{};
-  return bad_input(fmt::format("processors = {}, must be processors that this process may use (there are {} of them)", processor, available_threads()));
+  return bad_input(fmt::format("processors = {}, must be processors that this process may use (there are {} of them)",
+                               processor, available_threads()));
 }
 
 Status refused_priority(int priority, int failure) {
-  return bad_input(fmt::format("realtime_priority = {}, must be granted by the system: {} (CAP_SYS_NICE, or a limit `ulimit -r` of at least {})", priority,
-                               std::strerror(failure), priority));
+  return bad_input(fmt::format(
+      "realtime_priority = {}, must be granted by the system: {} (CAP_SYS_NICE, or a limit `ulimit -r` of at least {})",
+      priority, std::strerror(failure), priority));
 }
 
 // On a thread that ends with it, so that nothing else changes.
@@ -49,7 +51,9 @@ Status place_thread(pthread_t thread, int processor, int realtime_priority) {
     CPU_ZERO(&one);
     CPU_SET(static_cast<std::size_t>(processor), &one);
     const int failure = pthread_setaffinity_np(thread, sizeof(one), &one);
-    if (failure != 0) return bad_input(fmt::format("processors = {}, must be processors that this process may use: {}", processor, std::strerror(failure)));
+    if (failure != 0)
+      return bad_input(fmt::format("processors = {}, must be processors that this process may use: {}", processor,
+                                   std::strerror(failure)));
   }
   if (realtime_priority > 0) {
     sched_param parameters{};
@@ -60,7 +64,9 @@ Status place_thread(pthread_t thread, int processor, int realtime_priority) {
   return Done{};
 }
 
-Status place_this_thread(int processor, int realtime_priority) { return place_thread(pthread_self(), processor, realtime_priority); }
+Status place_this_thread(int processor, int realtime_priority) {
+  return place_thread(pthread_self(), processor, realtime_priority);
+}
 
 Status check_executor(const ExecutorSettings& settings) {
   if (settings.spin.count() < 0 || settings.spin > kMaxSpin) {
@@ -68,10 +74,14 @@ Status check_executor(const ExecutorSettings& settings) {
   }
   const int priority = settings.realtime_priority;
   if (priority != 0 && (priority < kLowestPriority || priority > kHighestPriority)) {
-    return bad_input(fmt::format("realtime_priority = {}, must be 0 or in [{}, {}]", priority, kLowestPriority, kHighestPriority));
+    return bad_input(
+        fmt::format("realtime_priority = {}, must be 0 or in [{}, {}]", priority, kLowestPriority, kHighestPriority));
   }
   if (settings.kind == ExecutorKind::Tbb && (priority != 0 || !settings.processors.empty())) {
-    return bad_input(fmt::format("{}: must be left out with the executor tbb, whose threads belong to the whole process; the executor threads can", priority != 0 ? "realtime_priority" : "processors"));
+    return bad_input(
+        fmt::format("{}: must be left out with the executor tbb, whose threads belong to the whole process; the "
+                    "executor threads can",
+                    priority != 0 ? "realtime_priority" : "processors"));
   }
   for (const int processor : settings.processors) {
     const Status allowed = check_processor(processor);

@@ -56,7 +56,8 @@ class PriorityBands {
 
   /// Is there nothing to take? One thread, no worker running.
   [[nodiscard]] bool empty() const {
-    return std::all_of(std::begin(heads_), std::end(heads_), [](const auto& head) { return item_of(head.load(std::memory_order_relaxed)) == kNone; });
+    return std::all_of(std::begin(heads_), std::end(heads_),
+                       [](const auto& head) { return item_of(head.load(std::memory_order_relaxed)) == kNone; });
   }
 
  private:

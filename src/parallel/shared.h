@@ -22,9 +22,9 @@ class Tickets {
   alignas(64) std::atomic<std::size_t> next_{0};
 };
 
-/// Hands out the numbers 0 to count - 1 to any number of workers, each number once: to each worker those of its own share first, lowest first, and
-/// then what others have left of theirs. The shares depend on the count and the workers alone, so that what a worker wrote in one loop is in its own
-/// cache in the next. Orders nothing else, like Tickets.
+/// Hands out the numbers 0 to count - 1 to any number of workers, each number once: to each worker those of its own
+/// share first, lowest first, and then what others have left of theirs. The shares depend on the count and the workers
+/// alone, so that what a worker wrote in one loop is in its own cache in the next. Orders nothing else, like Tickets.
 class Shares {
  public:
   static constexpr std::size_t kNone = ~std::size_t{0};

@@ -17,7 +17,8 @@
 namespace poise::parallel {
 namespace {
 
-/// What the visits of oneTBB's threads share with the executor that asked for them. A visit may begin when the executor is gone.
+/// What the visits of oneTBB's threads share with the executor that asked for them. A visit may begin when the executor
+/// is gone.
 struct Visits {
   struct alignas(64) Slot {
     std::uint64_t last_run = 0;
@@ -47,8 +48,8 @@ struct Visits {
 
   WorkerGate gate;
   std::chrono::nanoseconds spin;
-  std::vector<Slot> slots;                           ///< one a slot of the arena, used by the thread that is in it
-  alignas(64) std::atomic<int> asked{0};             ///< visits that were asked for and are not over
+  std::vector<Slot> slots;                ///< one a slot of the arena, used by the thread that is in it
+  alignas(64) std::atomic<int> asked{0};  ///< visits that were asked for and are not over
   std::atomic<bool> stopping{false};
 };
 
@@ -68,11 +69,12 @@ class TbbExecutor final : public Executor {
   ~TbbExecutor() override {
     visits_->stopping.store(true, std::memory_order_release);
     visits_->gate.settle();
-    // Visits that were asked for and have not begun hold what they share, and for good if the program ends first. They end as soon as they begin; a process
-    // that gets no thread for them is not waited for longer.
+    // Visits that were asked for and have not begun hold what they share, and for good if the program ends first. They
+    // end as soon as they begin; a process that gets no thread for them is not waited for longer.
     constexpr std::chrono::seconds kPatience{2};
     const auto until = std::chrono::steady_clock::now() + kPatience;
-    while (visits_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+    while (visits_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until)
+      std::this_thread::yield();
   }
 
   [[nodiscard]] int concurrency() const override { return threads_; }

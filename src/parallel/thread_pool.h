@@ -11,8 +11,8 @@
 
 namespace poise::parallel {
 
-/// Work on threads of our own, handed out at a WorkerGate. run() neither locks nor allocates, and makes no system call while all
-/// workers are up.
+/// Work on threads of our own, handed out at a WorkerGate. run() neither locks nor allocates, and makes no system call
+/// while all workers are up.
 ///
 /// A worker without work spins for a bounded time and then sleeps, having left the caller's processor to the caller:
 /// some kernels wake a thread on the processor of its waker although others idle, and there it would come too late. One
@@ -41,7 +41,7 @@ class ThreadPool final : public Executor {
 
   WorkerGate gate_;
   std::chrono::nanoseconds spin_;
-  bool follow_caller_;                               ///< stay away from the caller's processor
+  bool follow_caller_;  ///< stay away from the caller's processor
   Status placed_ = Done{};
   alignas(64) std::atomic<std::uint32_t> calls_{0};  ///< sleepers wait for it to change
   std::atomic<std::uint32_t> sleepers_{0};           ///< who sleep, or are about to

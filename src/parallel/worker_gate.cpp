@@ -45,7 +45,8 @@ std::size_t WorkerGate::close(const Patience& patience) {
   for (int w = 1; w < workers_; ++w) {
     Worker& worker = hands_[static_cast<std::size_t>(w)];
     const auto empty = [&] { return worker.hand.load(std::memory_order_seq_cst) == kEmpty; };
-    const auto left = std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(end - std::chrono::steady_clock::now()));
+    const auto left =
+        std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(end - std::chrono::steady_clock::now()));
     if (spin_until(std::min(left, spin_), empty)) continue;
     // The processor goes to whoever needs it, perhaps to that worker itself.
     while (!empty() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
@@ -78,7 +79,8 @@ void WorkerGate::leave(Worker& worker) {
 
 WorkerGate::Sight WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
   gate = gate_.load(std::memory_order_seq_cst);
-  // Held up before that, it may have been given up in the run before and see the next one, which waits for no one who was.
+  // Held up before that, it may have been given up in the run before and see the next one, which waits for no one who
+  // was.
   if (worker.hand.load(std::memory_order_seq_cst) == kGivenUp) return Sight::GivenUp;
   return has_work(gate, last_run) ? Sight::Open : Sight::Nothing;
 }

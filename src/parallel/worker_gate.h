@@ -28,13 +28,15 @@ bool spin_until(std::chrono::nanoseconds most, Done&& done) {
   return false;
 }
 
-/// Where workers find the work of a run, and its caller finds out who has some in hand. No locks, no allocation, and no system call but where
-/// somebody sleeps. Invariant: a run's step is called only by workers who said so before they saw the run open.
+/// Where workers find the work of a run, and its caller finds out who has some in hand. No locks, no allocation, and no
+/// system call but where somebody sleeps. Invariant: a run's step is called only by workers who said so before they saw
+/// the run open.
 ///
-/// Every worker has a word of its own that says whether it has an item in hand. It says so *before* it looks whether the run is open, and
-/// the caller looks at the words *after* it has closed the run (Dekker's handshake, both sides sequentially consistent), so
-/// either the worker sees the run closed or the caller sees the item. Between two items a worker is nowhere, and nobody waits for it.
-/// A worker that was given up begins nothing before it has been nowhere again: no later run would wait for it.
+/// Every worker has a word of its own that says whether it has an item in hand. It says so *before* it looks whether
+/// the run is open, and the caller looks at the words *after* it has closed the run (Dekker's handshake, both sides
+/// sequentially consistent), so either the worker sees the run closed or the caller sees the item. Between two items a
+/// worker is nowhere, and nobody waits for it. A worker that was given up begins nothing before it has been nowhere
+/// again: no later run would wait for it.
 class WorkerGate {
  public:
   /// Numbers 1 to workers - 1 are served; `workers` in [1, 256].
@@ -44,13 +46,14 @@ class WorkerGate {
   void open(WorkerFunction step, bool may_give_up);
   /// No item begins from now on; waits for those in hand.
   void close();
-  /// No item begins from now on; waits for those in hand while patience lasts, gives up the others and returns how many.
+  /// No item begins from now on; waits for those in hand while patience lasts, gives up the others and returns how
+  /// many.
   std::size_t close(const Patience& patience);
   /// Until no worker has an item in hand, not even one that was given up.
   void settle();
 
-  /// Worker's side: does items of the open run, if there is one that it has not found exhausted. False if there was nothing to do.
-  /// `last_run` is the worker's own and 0 at first.
+  /// Worker's side: does items of the open run, if there is one that it has not found exhausted. False if there was
+  /// nothing to do. `last_run` is the worker's own and 0 at first.
   bool take_part(int worker, std::uint64_t& last_run);
   [[nodiscard]] bool commit(int worker);
 
@@ -60,11 +63,14 @@ class WorkerGate {
   struct alignas(64) Worker {
     std::atomic<std::uint32_t> hand{kEmpty};
   };
-  /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was given up meanwhile.
+  /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was given up
+  /// meanwhile.
   enum class Sight : std::uint8_t { Open, Nothing, GivenUp };
   static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
   [[nodiscard]] Sight look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
-  static bool has_work(std::uint64_t gate, std::uint64_t last_run) { return (gate & kOpen) != 0 && gate / kOneRun != last_run; }
+  static bool has_work(std::uint64_t gate, std::uint64_t last_run) {
+    return (gate & kOpen) != 0 && gate / kOneRun != last_run;
+  }
   void leave(Worker& worker);
   void wait_while(Worker& worker, bool given_up_too);
 

@@ -11,8 +11,8 @@ namespace {
 
 // A residual that grows to this many times the square of the last one says that what was learnt no longer holds.
 constexpr double kGrown = 4;
-// Keeps the small system solvable where steps repeat each other, and the next point near where they hardly differ: stresses that bodies have among
-// each other without moving would else wander until a place slips.
+// Keeps the small system solvable where steps repeat each other, and the next point near where they hardly differ:
+// stresses that bodies have among each other without moving would else wander until a place slips.
 constexpr double kRidge = 1e-6;
 
 double dot(std::span<const double> a, std::span<const double> b) {
@@ -53,14 +53,16 @@ bool AndersonMixing::mix(std::span<const double> before, std::span<double> after
   if (!learnt) return false;
   next_ = (next_ + 1) % kDepth;
   count_ = std::min(count_ + 1, kDepth);
-  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, static_cast<int>(kDepth), static_cast<int>(kDepth)>;
+  using Small =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, static_cast<int>(kDepth), static_cast<int>(kDepth)>;
   using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, static_cast<int>(kDepth), 1>;
   const auto count = static_cast<Eigen::Index>(count_);
   const auto place = [&](std::size_t k) { return (next_ + kDepth - 1 - k) % kDepth; };
   const auto of = [&](const std::vector<double>& v) { return std::span(v).first(size_); };
   const std::size_t fresh = place(0);
   for (std::size_t k = 0; k < count_; ++k) {
-    products_[fresh][place(k)] = products_[place(k)][fresh] = dot(of(steps_[fresh].residual), of(steps_[place(k)].residual));
+    products_[fresh][place(k)] = products_[place(k)][fresh] =
+        dot(of(steps_[fresh].residual), of(steps_[place(k)].residual));
   }
   Small products(count, count);
   Few right(count);

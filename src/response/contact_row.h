@@ -13,45 +13,47 @@ namespace poise::response {
 struct SolverBody {
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 spin_radps = Vec3::Zero();
-  Vec3 moved_m = Vec3::Zero();        ///< in the step so far
-  Vec3 turned_rad = Vec3::Zero();     ///< in the step so far
-  double inverse_mass = 0;            ///< 0 for bodies that do not yield; these are never written
-  bool answered = false;              ///< resting contact held or pushed it in this step
-  bool pulled = false;                ///< something accelerates it
+  Vec3 moved_m = Vec3::Zero();     ///< in the step so far
+  Vec3 turned_rad = Vec3::Zero();  ///< in the step so far
+  double inverse_mass = 0;         ///< 0 for bodies that do not yield; these are never written
+  bool answered = false;           ///< resting contact held or pushed it in this step
+  bool pulled = false;             ///< something accelerates it
 };
 
 /// One sphere contact of a pair, world frame, for the model that answers each on its own.
 struct PointContact {
-  Vec3 normal = Vec3::UnitZ();        ///< from a to b
-  Vec3 arm_a_m = Vec3::Zero();        ///< point - x_a
-  Vec3 arm_b_m = Vec3::Zero();        ///< point - x_b
+  Vec3 normal = Vec3::UnitZ();  ///< from a to b
+  Vec3 arm_a_m = Vec3::Zero();  ///< point - x_a
+  Vec3 arm_b_m = Vec3::Zero();  ///< point - x_b
   double gap_m = 0;
 };
 
-/// One pair that is answered: a single constraint along the wrench (l, t_a, t_b), see docs/method.md. What every row of a step has comes first, what
-/// an impact needs after it: most rows of a scene at rest never get that far.
+/// One pair that is answered: a single constraint along the wrench (l, t_a, t_b), see docs/method.md. What every row of
+/// a step has comes first, what an impact needs after it: most rows of a scene at rest never get that far.
 struct ContactRow {
-  std::uint32_t a = 0, b = 0;         ///< solver bodies; a pair's order, not that of slots
-  std::uint32_t pair = 0;             ///< place of the pair in canonical order
-  bool bounces = false;               ///< comes in fast enough to rebound: left to the impact phase
-  double gap_m = 0;                   ///< likely gap of the two surfaces
+  std::uint32_t a = 0, b = 0;  ///< solver bodies; a pair's order, not that of slots
+  std::uint32_t pair = 0;      ///< place of the pair in canonical order
+  bool bounces = false;        ///< comes in fast enough to rebound: left to the impact phase
+  double gap_m = 0;            ///< likely gap of the two surfaces
   double restitution = 0;
-  double friction = 0;                ///< Coulomb's coefficient
-  double total_ns = 0;                ///< all that b received along l from impacts
+  double friction = 0;                   ///< Coulomb's coefficient
+  double total_ns = 0;                   ///< all that b received along l from impacts
   Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
 
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
   std::uint32_t places_begin = 0, places_end = 0;  ///< of the places where the pair rests, if it has more than one
-  Vec3 direction = Vec3::Zero();      ///< l
+  Vec3 direction = Vec3::Zero();                   ///< l
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
   Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
   double inverse_mass_a = 0, inverse_mass_b = 0;
-  double effective_mass = 0;          ///< 1 / K; 0 when degenerate: the row answers nothing
-  Vec3 arm_m = Vec3::Zero();          ///< mean place of contact, from the centre of mass of a
-  Vec3 a_to_b_m = Vec3::Zero();       ///< between the centres of mass
+  double effective_mass = 0;     ///< 1 / K; 0 when degenerate: the row answers nothing
+  Vec3 arm_m = Vec3::Zero();     ///< mean place of contact, from the centre of mass of a
+  Vec3 a_to_b_m = Vec3::Zero();  ///< between the centres of mass
 
   /// What impacts gave to b, N s. A row that was never filled has no direction, and gave nothing along it.
-  [[nodiscard]] Vec3 impact_ns() const { return total_ns == 0 ? point_impulse_ns : Vec3(total_ns * direction + point_impulse_ns); }
+  [[nodiscard]] Vec3 impact_ns() const {
+    return total_ns == 0 ? point_impulse_ns : Vec3(total_ns * direction + point_impulse_ns);
+  }
 };
 
 /// Fills turn, inverse masses and effective mass from l and t; true unless K is not positive and finite
@@ -77,8 +79,9 @@ inline void apply_impulse(const ContactRow& row, double lambda_ns, SolverBody& a
   }
 }
 
-/// Order of rows such that no two rows of one colour share a body that yields; within a colour by rank, the highest first. Deterministic for the rows' order.
-/// Invariant: begin has one more entry than there are colours; rows of the last stretch, if `serial`, share bodies.
+/// Order of rows such that no two rows of one colour share a body that yields; within a colour by rank, the highest
+/// first. Deterministic for the rows' order. Invariant: begin has one more entry than there are colours; rows of the
+/// last stretch, if `serial`, share bodies.
 class Coloring {
  public:
   static constexpr std::uint32_t kColors = 64;
@@ -86,7 +89,7 @@ class Coloring {
   struct Edge {
     std::uint32_t a = 0, b = 0;
     bool yields_a = true, yields_b = true;
-    std::uint8_t rank = 0;              ///< below kRanks
+    std::uint8_t rank = 0;  ///< below kRanks
   };
   void color(std::span<const Edge> edges, std::size_t bodies);
   void reserve(std::size_t edges) {

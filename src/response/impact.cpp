@@ -8,8 +8,8 @@
 namespace poise::response {
 namespace {
 
-// Is this step the one whose start is nearest to the moment when the surfaces meet? Waiting for overlap would answer half
-// a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
+// Is this step the one whose start is nearest to the moment when the surfaces meet? Waiting for overlap would answer
+// half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
 bool meets_now(double gap_m, double closing_mps, double dt_s) { return gap_m <= 0.5 * closing_mps * dt_s; }
 
 // DO eq. 1-3, contact by contact in canonical order, each with the approach speed taken anew.
@@ -20,8 +20,8 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
   for (std::uint32_t p = row.points_begin; p < row.points_end; ++p) {
     const PointContact& point = system.points[p];
     const Vec3& n = point.normal;
-    const Vec3 velocity = a.velocity_mps + a.spin_radps.cross(point.arm_a_m) - b.velocity_mps -
-                          b.spin_radps.cross(point.arm_b_m);
+    const Vec3 velocity =
+        a.velocity_mps + a.spin_radps.cross(point.arm_a_m) - b.velocity_mps - b.spin_radps.cross(point.arm_b_m);
     const double closing = n.dot(velocity);
     if (closing <= still_mps || !meets_now(point.gap_m, closing, dt_s)) continue;
     ContactRow single = row;
@@ -41,7 +41,8 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
   return answered;
 }
 
-// Coulomb friction of one impulse along the wrench: what stops the slip at the place of contact, or as much as the cone allows.
+// Coulomb friction of one impulse along the wrench: what stops the slip at the place of contact, or as much as the cone
+// allows.
 void rub(const System& system, ContactRow& row, double lambda_ns) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
@@ -55,7 +56,9 @@ void rub(const System& system, ContactRow& row, double lambda_ns) {
   across.direction = -slip / speed;
   across.moment_a_m = row.arm_m.cross(across.direction);
   across.moment_b_m = arm_b.cross(across.direction);
-  if (!prepare_row(across, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b, system.inverse_inertia[row.b])) return;
+  if (!prepare_row(across, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
+                   system.inverse_inertia[row.b]))
+    return;
   const double given_ns = std::min(speed * across.effective_mass, row.friction * lambda_ns * row.direction.norm());
   apply_impulse(across, given_ns, a, b);
   row.point_impulse_ns += given_ns * across.direction;
@@ -95,7 +98,9 @@ bool answer_places(const System& system, ContactRow& row, double still_mps) {
     single.moment_b_m = (place.arm_m - row.a_to_b_m).cross(place.normal);
     const double closing = approach_mps(single, a, b);
     if (row.restitution * closing <= still_mps) continue;
-    if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b, system.inverse_inertia[row.b])) continue;
+    if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
+                     system.inverse_inertia[row.b]))
+      continue;
     const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
     apply_impulse(single, lambda, a, b);
     row.point_impulse_ns += lambda * place.normal;
@@ -131,7 +136,8 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
     if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
     parallel::Shared<int> answered(0);
     sweep(system, executor, [&](std::size_t i) {
-      // What neither body's velocity has changed since the last round needs no other look, and at first only what is fast.
+      // What neither body's velocity has changed since the last round needs no other look, and at first only what is
+      // fast.
       RowGate& gate = gates[i];
       const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
       if (round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched) return;
@@ -146,7 +152,8 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       const bool here = row.points_begin < row.points_end
                             ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
                             : answer_wrench(system, row, settings.dt_s, still_mps);
-      const bool there = row.restitution > 0 && row.places_begin < row.places_end && answer_places(system, row, still_mps);
+      const bool there =
+          row.restitution > 0 && row.places_begin < row.places_end && answer_places(system, row, still_mps);
       if (!here && !there) return;
       if (row.inverse_mass_a > 0) changed[row.a] = round;
       if (row.inverse_mass_b > 0) changed[row.b] = round;
@@ -158,8 +165,8 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       break;
     }
   }
-  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's. The
-  // first sweep has noted it; what impulses have changed since is looked at again.
+  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's.
+  // The first sweep has noted it; what impulses have changed since is looked at again.
   sweep(system, executor, [&](std::size_t i) {
     if (changed[gates[i].a] == 0 && changed[gates[i].b] == 0) return;
     if (gates[i].ready) note_rebound(system, system.rows[i], still_mps);

@@ -14,29 +14,32 @@
 namespace poise::response {
 namespace {
 
-// Share of a certain overlap that a substep takes back, and the greatest speed of that. Faster, and a pair that has just
-// been refined pops.
+// Share of a certain overlap that a substep takes back, and the greatest speed of that. Faster, and a pair that has
+// just been refined pops.
 constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
 
-// Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no approach by more than a
-// share of what counts as still. So small scenes converge, and the cost of large ones is linear in their places.
+// Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no
+// approach by more than a share of what counts as still. So small scenes converge, and the cost of large ones is linear
+// in their places.
 constexpr std::uint32_t kMostSweeps = 60;
 constexpr double kSettledOfStill = 3e-5;
-// So many while places, by what they bear, are farther from their answer than a share of what counts as still: heavy bodies on light ones.
+// So many while places, by what they bear, are farther from their answer than a share of what counts as still: heavy
+// bodies on light ones.
 constexpr std::uint32_t kMostHardSweeps = 600;
 constexpr double kFarOfStill = 0.01;
-// Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of plain ones. Plain
-// ones in single precision are fewer than that.
+// Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of
+// plain ones. Plain ones in single precision are fewer than that.
 constexpr std::uint32_t kMixedSweeps = 20;
-// A leap led astray if the bodies that touch then have so many times the energy that they had, or would have without contacts.
+// A leap led astray if the bodies that touch then have so many times the energy that they had, or would have without
+// contacts.
 constexpr double kAstray = 2;
 
 // How often a substep may go over its places.
 struct SweepLimit {
   std::uint32_t most = 1;
-  std::uint32_t hard = 1;     // while they are far from their answer
-  bool mixed = false;         // sped up
+  std::uint32_t hard = 1;  // while they are far from their answer
+  bool mixed = false;      // sped up
   [[nodiscard]] std::uint32_t sweeps(bool far) const { return far ? hard : most; }
 };
 
@@ -54,19 +57,21 @@ SweepLimit limit_of(const RestSystem& system, const SolveSettings& settings, std
   return {most, weighs ? std::min(sped_up, kMostHardSweeps) : most, true};
 }
 
-Vec3 normal_of(const PatchLanes<double>& patch, std::size_t lane) { return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]}; }
+Vec3 normal_of(const PatchLanes<double>& patch, std::size_t lane) {
+  return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]};
+}
 
 }  // namespace
 
 struct RestSolver::Buffers {
   parallel::LargeVector<RestBlock> blocks;
-  std::vector<std::size_t> block_begin;   // per colour, then the serial ones, then the end
+  std::vector<std::size_t> block_begin;      // per colour, then the serial ones, then the end
   std::vector<SweepChange<double>> changes;  // one a block, where sweeps converge
   AndersonMixing mixing;
-  std::vector<double> before, after;         // impulses of all lanes, in roots of energy
-  std::vector<double> swept;                 // impulses of all lanes as the last sweep left them
+  std::vector<double> before, after;  // impulses of all lanes, in roots of energy
+  std::vector<double> swept;          // impulses of all lanes as the last sweep left them
   TouchingEnergy energy;
-  double alone_j = 0;                        // in this substep without contacts: these only take from it
+  double alone_j = 0;  // in this substep without contacts: these only take from it
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -79,7 +84,8 @@ struct RestSolver::Buffers {
     }
   }
 
-  void add_blocks(const RestSystem& system, std::size_t begin, std::size_t end, std::size_t width, std::uint32_t& lanes);
+  void add_blocks(const RestSystem& system, std::size_t begin, std::size_t end, std::size_t width,
+                  std::uint32_t& lanes);
   std::uint32_t make_blocks(const RestSystem& system);
   template <class Visit>
   void sweep(parallel::Executor& executor, Visit&& visit);
@@ -89,7 +95,8 @@ struct RestSolver::Buffers {
   void mix(parallel::Executor& executor);
   void take_back(const RestSystem& system, double h_s);
   template <class T>
-  Convergence solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit, parallel::Executor& executor);
+  Convergence solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit,
+                    parallel::Executor& executor);
 };
 
 // Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
@@ -114,7 +121,8 @@ std::size_t RestSolver::Buffers::read_impulses(std::vector<double>& into) {
   return at;
 }
 
-// Goes from what the last sweep came to, to what the last few together let expect, within the cones; back if that makes energy.
+// Goes from what the last sweep came to, to what the last few together let expect, within the cones; back if that makes
+// energy.
 void RestSolver::Buffers::mix(parallel::Executor& executor) {
   read_impulses(after);
   if (!mixing.mix(before, after)) return;
@@ -128,13 +136,16 @@ void RestSolver::Buffers::mix(parallel::Executor& executor) {
     impulse = wanted - impulse;
     after[kept++] = wanted;
   };
-  const auto impulse_of = [](double value, double newton_s, double mass) { return mass > 0 && newton_s > 0 ? value / std::sqrt(newton_s / mass) : 0.0; };
+  const auto impulse_of = [](double value, double newton_s, double mass) {
+    return mass > 0 && newton_s > 0 ? value / std::sqrt(newton_s / mass) : 0.0;
+  };
   for_impulses([&](bool rubs, const PairLanes<double>& shared, PatchLanes<double>& patch, std::size_t lane) {
     const double newton_s = shared.newton_s[lane];
     const double normal = std::max(0.0, impulse_of(after[at++], newton_s, patch.mass[lane]));
     Vec3 across = Vec3::Zero();
     for (Eigen::Index k = 0; k < 3 && rubs; ++k) across[k] = impulse_of(after[at++], newton_s, patch.across[lane]);
-    // Friction along the normal and as much less along the normal itself would change nothing, so no sweep would ever take it back.
+    // Friction along the normal and as much less along the normal itself would change nothing, so no sweep would ever
+    // take it back.
     const Vec3 along = normal_of(patch, lane);
     across -= across.dot(along) * along;
     const double most = shared.friction[lane] * normal;
@@ -142,7 +153,9 @@ void RestSolver::Buffers::mix(parallel::Executor& executor) {
     change_to(patch.impulse[lane], normal);
     for (std::size_t k = 0; k < 3 && rubs; ++k) change_to(patch.rubbed[k][lane], across[static_cast<Eigen::Index>(k)]);
   });
-  sweep(executor, [&](std::size_t i) { warm_block(blocks[i], twofold.pairs[i], twofold.patches_of(blocks[i]), twofold.bodies()); });
+  sweep(executor, [&](std::size_t i) {
+    warm_block(blocks[i], twofold.pairs[i], twofold.patches_of(blocks[i]), twofold.bodies());
+  });
   const bool astray = !(energy.joules(twofold.motions) <= kAstray * std::max(swept_j, alone_j));
   if (astray) {
     energy.restore(twofold.motions);
@@ -156,7 +169,8 @@ void RestSolver::Buffers::mix(parallel::Executor& executor) {
   });
 }
 
-// Places that part under their load push bodies that nothing pushes. Takes back what share of all impulses makes energy.
+// Places that part under their load push bodies that nothing pushes. Takes back what share of all impulses makes
+// energy.
 void RestSolver::Buffers::take_back(const RestSystem& system, double h_s) {
   const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
   if (share == 1) return;
@@ -168,14 +182,16 @@ void RestSolver::Buffers::take_back(const RestSystem& system, double h_s) {
 }
 
 // Blocks of the pairs at some places of the colouring, those with most places first.
-void RestSolver::Buffers::add_blocks(const RestSystem& system, std::size_t begin, std::size_t end, std::size_t width, std::uint32_t& lanes) {
+void RestSolver::Buffers::add_blocks(const RestSystem& system, std::size_t begin, std::size_t end, std::size_t width,
+                                     std::uint32_t& lanes) {
   const std::span<const std::uint32_t> order = system.coloring.order();
   for (; begin < end; begin += width) {
     RestBlock block;
     block.begin = static_cast<std::uint32_t>(begin);
     block.count = static_cast<std::uint8_t>(std::min(width, end - begin));
     block.first = lanes;
-    for (std::size_t k = begin; k < begin + block.count; ++k) block.patches = std::max(block.patches, system.pairs[order[k]].place_count);
+    for (std::size_t k = begin; k < begin + block.count; ++k)
+      block.patches = std::max(block.patches, system.pairs[order[k]].place_count);
     lanes += block.patches;
     blocks.push_back(block);
   }
@@ -201,9 +217,10 @@ void RestSolver::Buffers::sweep(parallel::Executor& executor, Visit&& visit) {
   constexpr std::size_t kGrain = 16;
   for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
     const std::size_t first = block_begin[color];
-    parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = first + begin; i < first + end; ++i) visit(i);
-    });
+    parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain,
+                           [&](std::size_t begin, std::size_t end, int) {
+                             for (std::size_t i = first + begin; i < first + end; ++i) visit(i);
+                           });
   }
   for (std::size_t i = block_begin[block_begin.size() - 2]; i < block_begin.back(); ++i) visit(i);
 }
@@ -258,7 +275,8 @@ void fly(const RestSystem& system, std::size_t i, double dt_s) {
 }  // namespace
 
 template <class T>
-Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit, parallel::Executor& executor) {
+Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSettings& settings, const SweepLimit& limit,
+                                       parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   constexpr std::size_t kBlocksAtOnce = 16;
   const Stopping& stopping = settings.stopping;
@@ -336,9 +354,12 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
       ++ended.sweeps;
       if (limit.mixed) read_impulses(before);
       sweep(executor, [&](std::size_t i) {
-        const SweepChange<T> change = solve_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), terms, round == 0, bodies);
-        if (terms.watch) changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns), static_cast<double>(change.change_mps),
-                                       static_cast<double>(change.load_ns), static_cast<double>(change.strayed_j)};
+        const SweepChange<T> change =
+            solve_block(blocks[i], all.pairs[i], all.patches_of(blocks[i]), terms, round == 0, bodies);
+        if (terms.watch)
+          changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
+                        static_cast<double>(change.change_mps), static_cast<double>(change.load_ns),
+                        static_cast<double>(change.strayed_j)};
         // While its lanes are at hand.
         if (last && !terms.watch) give(i);
       });
@@ -370,8 +391,10 @@ Convergence RestSolver::Buffers::solve(const RestSystem& system, const SolveSett
     end_substep(i, h_s, all);
     SolverBody& body = system.bodies[i];
     const Motion<T>& motion = all.motions[i];
-    body.moved_m += Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
-    body.turned_rad += Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
+    body.moved_m +=
+        Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
+    body.turned_rad +=
+        Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
   });
   if (terms.watch) sweep(executor, give);
   return ended;
@@ -385,7 +408,8 @@ RestSolver& RestSolver::operator=(RestSolver&&) noexcept = default;
 Convergence RestSolver::solve(const RestSystem& system, const SolveSettings& settings, parallel::Executor& executor) {
   const SweepLimit limit = limit_of(system, settings, std::min(settings.visits, kMostVisits));
   const bool twofold = settings.stopping.converges() || limit.mixed;
-  return twofold ? buffers_->solve<double>(system, settings, limit, executor) : buffers_->solve<float>(system, settings, limit, executor);
+  return twofold ? buffers_->solve<double>(system, settings, limit, executor)
+                 : buffers_->solve<float>(system, settings, limit, executor);
 }
 
 }  // namespace poise::response

@@ -20,7 +20,8 @@ Vec3 get(const T (&from)[3][kLanes], std::size_t lane) {
 
 // What of a pair all its places share.
 template <class T>
-void fill_pair(const RestSystem& system, const RestPair& pair, std::size_t lane, RestBlock& block, PairLanes<T>& shared, StartLanes<T>& start) {
+void fill_pair(const RestSystem& system, const RestPair& pair, std::size_t lane, RestBlock& block, PairLanes<T>& shared,
+               StartLanes<T>& start) {
   const SolverBody& a = system.bodies[pair.a];
   const SolverBody& b = system.bodies[pair.b];
   const double unit_kg = 1.0 / (a.inverse_mass + b.inverse_mass);
@@ -39,7 +40,8 @@ void fill_pair(const RestSystem& system, const RestPair& pair, std::size_t lane,
 }
 
 template <class T>
-void fill_place(const RestSystem& system, const RestPair& pair, double per_unit, std::size_t place, std::size_t lane, PatchLanes<T>& into) {
+void fill_place(const RestSystem& system, const RestPair& pair, double per_unit, std::size_t place, std::size_t lane,
+                PatchLanes<T>& into) {
   const PlaceNow now = place_now(system.poses[pair.a], system.poses[pair.b], system.places[place]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
@@ -54,7 +56,8 @@ void fill_place(const RestSystem& system, const RestPair& pair, double per_unit,
 }  // namespace
 
 void fetch_pairs(const RestSystem& system, const RestBlock& block) {
-  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) hwy::Prefetch(&system.pairs[name]);
+  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count))
+    hwy::Prefetch(&system.pairs[name]);
 }
 
 void fetch_places(const RestSystem& system, const RestBlock& block) {
@@ -91,7 +94,8 @@ Gyration<T> gyration(const SolverBody& body, const Mat3& inverse_inertia) {
   Gyration<T> made;
   if (body.inverse_mass == 0) return made;
   const double kg = 1.0 / body.inverse_mass;
-  const double parts[6] = {inverse_inertia(0, 0), inverse_inertia(1, 1), inverse_inertia(2, 2), inverse_inertia(0, 1), inverse_inertia(0, 2), inverse_inertia(1, 2)};
+  const double parts[6] = {inverse_inertia(0, 0), inverse_inertia(1, 1), inverse_inertia(2, 2),
+                           inverse_inertia(0, 1), inverse_inertia(0, 2), inverse_inertia(1, 2)};
   for (std::size_t k = 0; k < 6; ++k) made.inertia[k] = static_cast<T>(kg * parts[k]);
   return made;
 }
@@ -118,7 +122,8 @@ void fill_block(const RestSystem& system, double still_mps, RestBlock& block, Pa
     const SolverBody& b = system.bodies[pair.b];
     // Without a pull, what held the pair last time would add energy.
     const double per_unit = a.pulled || b.pulled ? a.inverse_mass + b.inverse_mass : 0.0;
-    for (std::size_t p = 0; p < pair.place_count; ++p) fill_place(system, pair, per_unit, pair.place_begin + p, lane, patches[p]);
+    for (std::size_t p = 0; p < pair.place_count; ++p)
+      fill_place(system, pair, per_unit, pair.place_begin + p, lane, patches[p]);
   }
   prepare_block(block, shared, start, static_cast<T>(still_mps), patches, lanes.gyrations.data());
 }
@@ -127,7 +132,8 @@ template <class T>
 void add_totals(const RestBlock& block, Lanes<T>& lanes) {
   for (PatchLanes<T>& patch : lanes.patches_of(block)) {
     for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) patch.total[k][lane] += patch.impulse[lane] * patch.normal[k][lane] + patch.rubbed[k][lane];
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        patch.total[k][lane] += patch.impulse[lane] * patch.normal[k][lane] + patch.rubbed[k][lane];
     }
   }
 }

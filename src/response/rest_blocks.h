@@ -13,13 +13,15 @@ namespace poise::response {
 // Lanes and motions in one precision.
 template <class T>
 struct Lanes {
-  parallel::LargeVector<PairLanes<T>> pairs;       // one a block
+  parallel::LargeVector<PairLanes<T>> pairs;  // one a block
   parallel::LargeVector<PatchLanes<T>> patches;
-  parallel::LargeVector<Motion<T>> motions;        // one a body
-  parallel::LargeVector<Motion<T>> begun;          // velocities and spins when the substep began
-  parallel::LargeVector<Gyration<T>> gyrations;    // one a body
+  parallel::LargeVector<Motion<T>> motions;      // one a body
+  parallel::LargeVector<Motion<T>> begun;        // velocities and spins when the substep began
+  parallel::LargeVector<Gyration<T>> gyrations;  // one a body
 
-  std::span<PatchLanes<T>> patches_of(const RestBlock& block) { return std::span(patches).subspan(block.first, block.patches); }
+  std::span<PatchLanes<T>> patches_of(const RestBlock& block) {
+    return std::span(patches).subspan(block.first, block.patches);
+  }
   BodyLanes<T> bodies() { return {motions.data(), gyrations.data()}; }
 };
 
@@ -31,7 +33,8 @@ Gyration<T> gyration(const SolverBody& body, const Mat3& inverse_inertia);
 template <class T>
 void fill_block(const RestSystem& system, double still_mps, RestBlock& block, PairLanes<T>& shared, Lanes<T>& lanes);
 
-/// Asks for what fill_block and give_block will read of a block's pairs, some blocks before it is their turn: pairs of a colour lie far apart.
+/// Asks for what fill_block and give_block will read of a block's pairs, some blocks before it is their turn: pairs of
+/// a colour lie far apart.
 void fetch_pairs(const RestSystem& system, const RestBlock& block);
 void fetch_places(const RestSystem& system, const RestBlock& block);
 void fetch_loads(const RestSystem& system, const RestBlock& block);
@@ -40,8 +43,8 @@ void fetch_loads(const RestSystem& system, const RestBlock& block);
 template <class T>
 void add_totals(const RestBlock& block, Lanes<T>& lanes);
 
-/// Gives the bodies of a block what its places came to in the step, in double precision and at one point for both bodies of each, and the places what
-/// the next step starts with.
+/// Gives the bodies of a block what its places came to in the step, in double precision and at one point for both
+/// bodies of each, and the places what the next step starts with.
 template <class T>
 void give_block(const RestSystem& system, const RestBlock& block, const PairLanes<T>& shared, Lanes<T>& lanes);
 

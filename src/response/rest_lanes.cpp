@@ -73,7 +73,8 @@ HWY_INLINE Columns<hn::Vec<D>> gather_singly(D d, const S* of, const std::uint32
 
 // The way back, for the bodies that yield.
 template <class D, class S>
-HWY_INLINE void scatter_singly(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies, std::size_t offset) {
+HWY_INLINE void scatter_singly(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of,
+                               const std::uint32_t* bodies, std::size_t offset) {
   using T = hn::TFromD<D>;
   alignas(64) T at[4][kLanes];
   for (std::size_t k = 0; k < 4; ++k) hn::Store(from.at[k], d, at[k]);
@@ -90,21 +91,26 @@ HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bod
   return gather_singly(d, of, bodies, offset);
 }
 template <class D, class S>
-HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies, std::size_t offset) {
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies,
+                        std::size_t offset) {
   scatter_singly(d, from, yields, of, bodies, offset);
 }
 #else
 template <class D>
 HWY_INLINE Columns<hn::Vec<D>> transposed(D d, const Columns<hn::Vec<D>>& rows) {
   const hn::RepartitionToWide<hn::RebindToUnsigned<D>> wide;
-  const auto low = [&](const auto& a, const auto& b) HWY_ATTR { return hn::BitCast(wide, hn::InterleaveLower(d, a, b)); };
-  const auto up = [&](const auto& a, const auto& b) HWY_ATTR { return hn::BitCast(wide, hn::InterleaveUpper(d, a, b)); };
+  const auto low = [&](const auto& a, const auto& b)
+                       HWY_ATTR { return hn::BitCast(wide, hn::InterleaveLower(d, a, b)); };
+  const auto up = [&](const auto& a, const auto& b)
+                      HWY_ATTR { return hn::BitCast(wide, hn::InterleaveUpper(d, a, b)); };
   const auto ab_low = low(rows.at[0], rows.at[1]);
   const auto ab_up = up(rows.at[0], rows.at[1]);
   const auto cd_low = low(rows.at[2], rows.at[3]);
   const auto cd_up = up(rows.at[2], rows.at[3]);
-  return {{hn::BitCast(d, hn::InterleaveLower(wide, ab_low, cd_low)), hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, cd_low)),
-           hn::BitCast(d, hn::InterleaveLower(wide, ab_up, cd_up)), hn::BitCast(d, hn::InterleaveUpper(wide, ab_up, cd_up))}};
+  return {{hn::BitCast(d, hn::InterleaveLower(wide, ab_low, cd_low)),
+           hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, cd_low)),
+           hn::BitCast(d, hn::InterleaveLower(wide, ab_up, cd_up)),
+           hn::BitCast(d, hn::InterleaveUpper(wide, ab_up, cd_up))}};
 }
 
 // Four bodies at a time: their figures are read whole and transposed in registers.
@@ -113,12 +119,13 @@ HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bod
   using T = hn::TFromD<D>;
   if constexpr (sizeof(T) == sizeof(float)) {
     const hn::FixedTag<T, 4> four;
-    const auto row = [&](std::size_t lane) HWY_ATTR { return hn::Load(four, reinterpret_cast<const T*>(of + bodies[lane]) + offset); };
+    const auto row = [&](std::size_t lane)
+                         HWY_ATTR { return hn::Load(four, reinterpret_cast<const T*>(of + bodies[lane]) + offset); };
     const auto first = transposed(four, {{row(0), row(1), row(2), row(3)}});
     if constexpr (hn::MaxLanes(D()) == 8) {
       const auto second = transposed(four, {{row(4), row(5), row(6), row(7)}});
-      return {{hn::Combine(d, second.at[0], first.at[0]), hn::Combine(d, second.at[1], first.at[1]), hn::Combine(d, second.at[2], first.at[2]),
-               hn::Combine(d, second.at[3], first.at[3])}};
+      return {{hn::Combine(d, second.at[0], first.at[0]), hn::Combine(d, second.at[1], first.at[1]),
+               hn::Combine(d, second.at[2], first.at[2]), hn::Combine(d, second.at[3], first.at[3])}};
     } else {
       return first;
     }
@@ -127,7 +134,8 @@ HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bod
   }
 }
 template <class D, class S>
-HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies, std::size_t offset) {
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yields, S* of, const std::uint32_t* bodies,
+                        std::size_t offset) {
   using T = hn::TFromD<D>;
   if constexpr (sizeof(T) == sizeof(float)) {
     const hn::FixedTag<T, 4> four;
@@ -135,12 +143,17 @@ HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t yiel
     const auto quad = [&](const Four& columns, std::size_t lane) HWY_ATTR {
       const Four rows = transposed(four, columns);
       for (std::size_t k = 0; k < 4; ++k) {
-        if ((yields >> (lane + k) & 1U) != 0) hn::Store(rows.at[k], four, reinterpret_cast<T*>(of + bodies[lane + k]) + offset);
+        if ((yields >> (lane + k) & 1U) != 0)
+          hn::Store(rows.at[k], four, reinterpret_cast<T*>(of + bodies[lane + k]) + offset);
       }
     };
     if constexpr (hn::MaxLanes(D()) == 8) {
-      quad(Four{{hn::LowerHalf(four, from.at[0]), hn::LowerHalf(four, from.at[1]), hn::LowerHalf(four, from.at[2]), hn::LowerHalf(four, from.at[3])}}, 0);
-      quad(Four{{hn::UpperHalf(four, from.at[0]), hn::UpperHalf(four, from.at[1]), hn::UpperHalf(four, from.at[2]), hn::UpperHalf(four, from.at[3])}}, 4);
+      quad(Four{{hn::LowerHalf(four, from.at[0]), hn::LowerHalf(four, from.at[1]), hn::LowerHalf(four, from.at[2]),
+                 hn::LowerHalf(four, from.at[3])}},
+           0);
+      quad(Four{{hn::UpperHalf(four, from.at[0]), hn::UpperHalf(four, from.at[1]), hn::UpperHalf(four, from.at[2]),
+                 hn::UpperHalf(four, from.at[3])}},
+           4);
     } else {
       quad(from, 0);
     }
@@ -159,14 +172,25 @@ struct Side {
 };
 
 template <class D, class T>
-HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<D>& yield, const BodyLanes<T>& bodies, bool moves) {
+HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<D>& yield, const BodyLanes<T>& bodies,
+                                 bool moves) {
   using V = hn::Vec<D>;
   const auto turn = [&](const V& figure) HWY_ATTR { return hn::Mul(yield, figure); };
   const Columns<V> first = gather(d, bodies.gyrations, slots, 0);
   const Columns<V> last = gather(d, bodies.gyrations, slots, 4);
   const V zero = hn::Zero(d);
   const Triple<V> none = {zero, zero, zero};
-  Side<V> made = {none, none, none, none, yield, turn(first.at[0]), turn(first.at[1]), turn(first.at[2]), turn(first.at[3]), turn(last.at[0]), turn(last.at[1])};
+  Side<V> made = {none,
+                  none,
+                  none,
+                  none,
+                  yield,
+                  turn(first.at[0]),
+                  turn(first.at[1]),
+                  turn(first.at[2]),
+                  turn(first.at[3]),
+                  turn(last.at[0]),
+                  turn(last.at[1])};
   if (!moves) return made;
   const Columns<V> one = gather(d, bodies.motions, slots, 0);
   const Columns<V> two = gather(d, bodies.motions, slots, 4);
@@ -179,7 +203,8 @@ HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<
 }
 
 template <class D, class T, class V>
-HWY_INLINE void keep(D d, const Side<V>& side, std::uint32_t yields, const std::uint32_t* slots, bool pushed, const BodyLanes<T>& bodies) {
+HWY_INLINE void keep(D d, const Side<V>& side, std::uint32_t yields, const std::uint32_t* slots, bool pushed,
+                     const BodyLanes<T>& bodies) {
   scatter(d, {{side.v.x, side.v.y, side.v.z, side.w.x}}, yields, bodies.motions, slots, 0);
   scatter(d, {{side.w.y, side.w.z, side.x.x, side.x.y}}, yields, bodies.motions, slots, 4);
   if (pushed) scatter(d, {{side.x.z, side.q.x, side.q.y, side.q.z}}, yields, bodies.motions, slots, 8);
@@ -187,7 +212,8 @@ HWY_INLINE void keep(D d, const Side<V>& side, std::uint32_t yields, const std::
 
 template <class V>
 HWY_INLINE Triple<V> turned(const Side<V>& side, const Triple<V>& t) {
-  return {dot(Triple<V>{side.xx, side.xy, side.xz}, t), dot(Triple<V>{side.xy, side.yy, side.yz}, t), dot(Triple<V>{side.xz, side.yz, side.zz}, t)};
+  return {dot(Triple<V>{side.xx, side.xy, side.xz}, t), dot(Triple<V>{side.xy, side.yy, side.yz}, t),
+          dot(Triple<V>{side.xz, side.yz, side.zz}, t)};
 }
 
 // Some lanes of a block, and one place of each.
@@ -228,20 +254,22 @@ HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pa
 }
 
 template <class D, class T>
-HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PatchLanes<T>& patch, const Triple<hn::Vec<D>>& a_to_b, std::size_t lane) {
+HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PatchLanes<T>& patch, const Triple<hn::Vec<D>>& a_to_b,
+                                    std::size_t lane) {
   const auto arm = load(d, patch.arm, lane);
   return {arm, difference(arm, a_to_b)};
 }
 
 // By how much one unit along l changes the speed along m: l . K m.
 template <class V>
-HWY_INLINE V yields(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<V>& tb_l, const Triple<V>& ta_m, const Triple<V>& tb_m) {
+HWY_INLINE V yields(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<V>& tb_l, const Triple<V>& ta_m,
+                    const Triple<V>& tb_m) {
   return hn::Add(dot(ta_l, turned(pairs.a, ta_m)), dot(tb_l, turned(pairs.b, tb_m)));
 }
 
 template <class T>
-void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps, std::span<PatchLanes<T>> patches,
-             const Gyration<T>* gyrations) {
+void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps,
+             std::span<PatchLanes<T>> patches, const Gyration<T>* gyrations) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
@@ -256,15 +284,16 @@ void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLane
     for (PatchLanes<T>& patch : patches) {
       const Triple<V> n = load(d, patch.normal, lane);
       const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
-      const Triple<V> rate = sum(load(d, start.velocity, lane),
-                                 difference(cross(load(d, start.spin_a, lane), arms.a), cross(load(d, start.spin_b, lane), arms.b)));
+      const Triple<V> rate = sum(load(d, start.velocity, lane), difference(cross(load(d, start.spin_a, lane), arms.a),
+                                                                           cross(load(d, start.spin_b, lane), arms.b)));
       const Triple<V> ta = cross(arms.a, n);
       const Triple<V> tb = cross(arms.b, n);
       const V k = hn::Add(moving, yields(pairs, ta, tb, ta, tb));
       // The inverse masses make a sum of 1, so 1 / M is at least that.
       auto counts = hn::And(hn::Gt(newton_s, zero), hn::Ge(k, hn::Set(d, T(0.5))));
       counts = hn::And(counts, hn::Gt(hn::Load(d, patch.mass + lane), zero));
-      counts = hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
+      counts =
+          hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
       store(d, rate, patch.rate, lane);
       hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, patch.mass + lane);
       hn::Store(hn::IfThenElseZero(counts, hn::Load(d, patch.impulse + lane)), d, patch.impulse + lane);
@@ -278,7 +307,8 @@ void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLane
       const V sign = hn::CopySign(one, n.z);
       const V p = hn::Neg(hn::Div(one, hn::IfThenElse(counts, hn::Add(sign, n.z), one)));
       const V q = hn::Mul(hn::Mul(n.x, n.y), p);
-      const Triple<V> first = {hn::Add(one, hn::Mul(hn::Mul(sign, hn::Mul(n.x, n.x)), p)), hn::Mul(sign, q), hn::Neg(hn::Mul(sign, n.x))};
+      const Triple<V> first = {hn::Add(one, hn::Mul(hn::Mul(sign, hn::Mul(n.x, n.x)), p)), hn::Mul(sign, q),
+                               hn::Neg(hn::Mul(sign, n.x))};
       const Triple<V> second = {q, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), p)), hn::Neg(n.y)};
       const Triple<V> ta1 = cross(arms.a, first);
       const Triple<V> tb1 = cross(arms.b, first);
@@ -289,29 +319,38 @@ void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLane
       const V mixed = yields(pairs, ta1, tb1, ta2, tb2);
       const V half = hn::Set(d, T(0.5));
       const V apart = hn::Mul(half, hn::Sub(k1, k2));
-      // Both count with one mass, that of the direction which yields most: so friction points against the slip and never overshoots.
-      const V most = hn::Add(hn::Mul(half, hn::Add(k1, k2)), hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
+      // Both count with one mass, that of the direction which yields most: so friction points against the slip and
+      // never overshoots.
+      const V most =
+          hn::Add(hn::Mul(half, hn::Add(k1, k2)), hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
       hn::Store(hn::IfThenElseZero(rubs, hn::Div(one, hn::IfThenElse(rubs, most, one))), d, patch.across + lane);
       // What it bore is across the normal of now.
       const Triple<V> rubbed = load(d, patch.rubbed, lane);
       const Triple<V> across = difference(rubbed, scaled(dot(rubbed, n), n));
-      store(d, Triple<V>{hn::IfThenElseZero(rubs, across.x), hn::IfThenElseZero(rubs, across.y), hn::IfThenElseZero(rubs, across.z)}, patch.rubbed, lane);
+      store(d,
+            Triple<V>{hn::IfThenElseZero(rubs, across.x), hn::IfThenElseZero(rubs, across.y),
+                      hn::IfThenElseZero(rubs, across.z)},
+            patch.rubbed, lane);
     }
   }
 }
 
 template <class D, class T>
-HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const RestBlock& block, const PairLanes<T>& shared, std::size_t lane, const BodyLanes<T>& bodies) {
-  return {side(d, block.a + lane, hn::Load(d, shared.yield_a + lane), bodies, true), side(d, block.b + lane, hn::Load(d, shared.yield_b + lane), bodies, true)};
+HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const RestBlock& block, const PairLanes<T>& shared, std::size_t lane,
+                                      const BodyLanes<T>& bodies) {
+  return {side(d, block.a + lane, hn::Load(d, shared.yield_a + lane), bodies, true),
+          side(d, block.b + lane, hn::Load(d, shared.yield_b + lane), bodies, true)};
 }
 template <class D, class T, class V>
-HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const RestBlock& block, std::size_t lane, bool pushed, const BodyLanes<T>& bodies) {
+HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const RestBlock& block, std::size_t lane, bool pushed,
+                           const BodyLanes<T>& bodies) {
   keep(d, pairs.a, std::uint32_t{block.yields_a} >> lane, block.a + lane, pushed, bodies);
   keep(d, pairs.b, std::uint32_t{block.yields_b} >> lane, block.b + lane, pushed, bodies);
 }
 
 template <class T>
-void warm(const RestBlock& block, const PairLanes<T>& shared, std::span<const PatchLanes<T>> patches, const BodyLanes<T>& bodies) {
+void warm(const RestBlock& block, const PairLanes<T>& shared, std::span<const PatchLanes<T>> patches,
+          const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
@@ -335,8 +374,8 @@ HWY_INLINE void note(D d, const V& value, T& largest) {
 
 // Friction at one place, clamped to the cone of the impulse along the normal; the size of what changed.
 template <class D, class T, class V>
-HWY_INLINE V rub(D d, PatchLanes<T>& patch, const V& friction, const Triple<V>& n, const Triple<V>& rate, const Arms<V>& arms, const V& impulse,
-                 std::size_t lane, Pairs<V>& pairs) {
+HWY_INLINE V rub(D d, PatchLanes<T>& patch, const V& friction, const Triple<V>& n, const Triple<V>& rate,
+                 const Arms<V>& arms, const V& impulse, std::size_t lane, Pairs<V>& pairs) {
   const V one = hn::Set(d, T(1));
   const V across = hn::Load(d, patch.across + lane);
   const Triple<V> before = load(d, patch.rubbed, lane);
@@ -355,8 +394,8 @@ HWY_INLINE V rub(D d, PatchLanes<T>& patch, const V& friction, const Triple<V>& 
 }
 
 template <class T>
-SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<PatchLanes<T>> patches, const SubstepTerms<T>& terms, bool push,
-                     const BodyLanes<T>& bodies) {
+SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<PatchLanes<T>> patches,
+                     const SubstepTerms<T>& terms, bool push, const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
@@ -391,7 +430,8 @@ SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<Pat
       if (terms.watch) {
         const V newton_s = load_at(shared.newton_s);
         const auto counts = hn::Gt(mass, zero);
-        const V change_mps = hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1)))));
+        const V change_mps =
+            hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1)))));
         const V load_ns = hn::Mul(newton_s, after);
         note(d, change_mps, changed.change_mps);
         note(d, hn::Mul(newton_s, change), changed.change_ns);
@@ -407,7 +447,8 @@ SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<Pat
       if (!push) continue;
       const V overlap = hn::Sub(closed, load_at(patch.surely));
       // A pair that parts by itself need not be pushed.
-      const auto may = hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
+      const auto may =
+          hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
       if (hn::AllFalse(d, may)) continue;
       const V length = hn::Min(hn::Mul(overlap, hn::Set(d, terms.push_share)), hn::Set(d, terms.most_push_m));
       give<true>(arms, scaled(hn::IfThenElseZero(may, hn::Mul(mass, length)), n), pairs);
@@ -428,26 +469,29 @@ SweepChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<Pat
   return changed;
 }
 
-void prepare_float(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start, float still_mps, std::span<PatchLanes<float>> patches,
-                   const Gyration<float>* gyrations) {
+void prepare_float(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+                   float still_mps, std::span<PatchLanes<float>> patches, const Gyration<float>* gyrations) {
   prepare(block, pairs, start, still_mps, patches, gyrations);
 }
-void prepare_double(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start, double still_mps,
-                    std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations) {
+void prepare_double(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+                    double still_mps, std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations) {
   prepare(block, pairs, start, still_mps, patches, gyrations);
 }
-void warm_float(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches, const BodyLanes<float>& bodies) {
+void warm_float(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches,
+                const BodyLanes<float>& bodies) {
   warm(block, pairs, patches, bodies);
 }
-void warm_double(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches, const BodyLanes<double>& bodies) {
+void warm_double(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches,
+                 const BodyLanes<double>& bodies) {
   warm(block, pairs, patches, bodies);
 }
-SweepChange<float> solve_float(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches, const SubstepTerms<float>& terms,
-                               bool push, const BodyLanes<float>& bodies) {
+SweepChange<float> solve_float(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches,
+                               const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
   return solve(block, pairs, patches, terms, push, bodies);
 }
-SweepChange<double> solve_double(RestBlock& block, const PairLanes<double>& pairs, std::span<PatchLanes<double>> patches,
-                                 const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies) {
+SweepChange<double> solve_double(RestBlock& block, const PairLanes<double>& pairs,
+                                 std::span<PatchLanes<double>> patches, const SubstepTerms<double>& terms, bool push,
+                                 const BodyLanes<double>& bodies) {
   return solve(block, pairs, patches, terms, push, bodies);
 }
 
@@ -464,26 +508,28 @@ HWY_EXPORT(warm_double);
 HWY_EXPORT(solve_float);
 HWY_EXPORT(solve_double);
 
-void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start, float still_mps, std::span<PatchLanes<float>> patches,
-                   const Gyration<float>* gyrations) {
+void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+                   float still_mps, std::span<PatchLanes<float>> patches, const Gyration<float>* gyrations) {
   HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, still_mps, patches, gyrations);
 }
-void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start, double still_mps,
-                   std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations) {
+void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+                   double still_mps, std::span<PatchLanes<double>> patches, const Gyration<double>* gyrations) {
   HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, still_mps, patches, gyrations);
 }
-void warm_block(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches, const BodyLanes<float>& bodies) {
+void warm_block(const RestBlock& block, const PairLanes<float>& pairs, std::span<const PatchLanes<float>> patches,
+                const BodyLanes<float>& bodies) {
   HWY_DYNAMIC_DISPATCH(warm_float)(block, pairs, patches, bodies);
 }
-void warm_block(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches, const BodyLanes<double>& bodies) {
+void warm_block(const RestBlock& block, const PairLanes<double>& pairs, std::span<const PatchLanes<double>> patches,
+                const BodyLanes<double>& bodies) {
   HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, patches, bodies);
 }
-SweepChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches, const SubstepTerms<float>& terms,
-                               bool push, const BodyLanes<float>& bodies) {
+SweepChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs, std::span<PatchLanes<float>> patches,
+                               const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, patches, terms, push, bodies);
 }
-SweepChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs, std::span<PatchLanes<double>> patches, const SubstepTerms<double>& terms,
-                                bool push, const BodyLanes<double>& bodies) {
+SweepChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs, std::span<PatchLanes<double>> patches,
+                                const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, patches, terms, push, bodies);
 }
 

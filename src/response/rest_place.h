@@ -6,27 +6,27 @@
 
 namespace poise::response {
 
-/// A place of contact as a pair keeps it: a point of each surface and the direction between them, fixed to the bodies. While both move little,
-/// the gap there is n . (p_b - p_a) to second order in what they turn.
+/// A place of contact as a pair keeps it: a point of each surface and the direction between them, fixed to the bodies.
+/// While both move little, the gap there is n . (p_b - p_a) to second order in what they turn.
 struct RestPlace {
-  Vec3 normal = Vec3::UnitZ();     ///< unit, from a to b, in the frame of b
-  Vec3 on_a_m = Vec3::Zero();      ///< in the frame of a
-  Vec3 on_b_m = Vec3::Zero();      ///< in the frame of b
-  double sureness_m = 0;           ///< the gap that is certain is larger by this, >= 0
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b, in the frame of b
+  Vec3 on_a_m = Vec3::Zero();   ///< in the frame of a
+  Vec3 on_b_m = Vec3::Zero();   ///< in the frame of b
+  double sureness_m = 0;        ///< the gap that is certain is larger by this, >= 0
 };
 
 /// What a place bore in the last substep, world frame: what the next step starts from.
 struct RestLoad {
-  double impulse_ns = 0;           ///< along the normal, >= 0
-  Vec3 friction_ns = Vec3::Zero(); ///< across it
+  double impulse_ns = 0;            ///< along the normal, >= 0
+  Vec3 friction_ns = Vec3::Zero();  ///< across it
 };
 
 /// A place where it is now, world frame.
 struct PlaceNow {
-  Vec3 normal = Vec3::UnitZ();     ///< unit, from a to b
-  Vec3 arm_m = Vec3::Zero();       ///< in the middle between the surfaces, from the centre of mass of a
-  double gap_m = 0;                ///< of the surfaces, negative in overlap
-  double surely_m = 0;             ///< >= gap_m; below zero they overlap there beyond doubt
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
+  Vec3 arm_m = Vec3::Zero();    ///< in the middle between the surfaces, from the centre of mass of a
+  double gap_m = 0;             ///< of the surfaces, negative in overlap
+  double surely_m = 0;          ///< >= gap_m; below zero they overlap there beyond doubt
 };
 
 inline PlaceNow place_now(const collision::Pose& a, const collision::Pose& b, const RestPlace& place) {

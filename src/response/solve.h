@@ -15,22 +15,24 @@ namespace poise::response {
 /// When sweeps end. By default after the few that a frame can pay for. With a share above 0 they are repeated until no
 /// impulse changes by more than that share of the largest one, and at most max_sweeps times in a row.
 struct Stopping {
-  double share = 0;                   ///< >= 0
-  std::uint32_t max_sweeps = 1;       ///< >= 1; of the impacts, and of each substep
+  double share = 0;              ///< >= 0
+  std::uint32_t max_sweeps = 1;  ///< >= 1; of the impacts, and of each substep
   [[nodiscard]] bool converges() const { return share > 0; }
 };
 
 /// How sweeps ended.
 struct Convergence {
-  bool reached = true;                ///< false: some sweeps were cut off at max_sweeps
-  std::uint32_t sweeps = 0;           ///< over the velocities of rows, in all
-  std::uint64_t visits = 0;           ///< of places by resting contact, in all; one that is sped up counts kMixedVisitCost times
-  bool cut_short = false;             ///< SolveSettings::visits ended sweeps of resting contact that more would have gone on
+  bool reached = true;       ///< false: some sweeps were cut off at max_sweeps
+  std::uint32_t sweeps = 0;  ///< over the velocities of rows, in all
+  std::uint64_t visits = 0;  ///< of places by resting contact, in all; one that is sped up counts kMixedVisitCost times
+  bool cut_short = false;    ///< SolveSettings::visits ended sweeps of resting contact that more would have gone on
 };
 
-/// What a visit costs that is sped up and in double precision, in plain visits in single precision: 90 ns instead of 13 (docs/scheduling.md).
+/// What a visit costs that is sped up and in double precision, in plain visits in single precision: 90 ns instead of 13
+/// (docs/scheduling.md).
 inline constexpr std::uint32_t kMixedVisitCost = 7;
-/// Resting contact visits places in a substep at most so often, but each once: 60,000 times plainly, or a third of that sped up.
+/// Resting contact visits places in a substep at most so often, but each once: 60,000 times plainly, or a third of that
+/// sped up.
 inline constexpr std::uint32_t kPlainVisits = 60000;
 inline constexpr std::uint32_t kMixedVisits = kPlainVisits / 3;
 /// The same at their cost.
@@ -42,10 +44,12 @@ struct SolveSettings {
   Vec3 gravity_mps2 = Vec3::Zero();
   int substeps = 2;
   Stopping stopping;
-  std::uint32_t visits = kMostVisits; ///< of a substep at most, at their cost, but for one sweep; not where `stopping` converges
+  std::uint32_t visits =
+      kMostVisits;  ///< of a substep at most, at their cost, but for one sweep; not where `stopping` converges
 };
 
-/// Speeds up to this do not count as motion of a contact: what gravity adds in a step, and rounding where there is none.
+/// Speeds up to this do not count as motion of a contact: what gravity adds in a step, and rounding where there is
+/// none.
 inline double still_mps(const SolveSettings& settings) {
   constexpr double kRoundingMps = 1e-12;
   return std::max(settings.gravity_mps2.norm() * settings.dt_s, kRoundingMps);
@@ -61,8 +65,8 @@ struct Acceleration {
 /// What a sweep looks at before it touches a row: small, because most sweeps leave most rows alone.
 struct RowGate {
   std::uint32_t a = 0, b = 0;
-  bool fast = true;                   ///< its bodies move fast enough against each other that it may need an answer
-  bool ready = true;                  ///< the row holds what an impact needs
+  bool fast = true;   ///< its bodies move fast enough against each other that it may need an answer
+  bool ready = true;  ///< the row holds what an impact needs
 };
 
 /// Fills a row with what an impact needs when it is first looked at. Called by any worker, once a row.
@@ -74,9 +78,9 @@ class RowSource {
 
 /// Buffers of the solver. Invariant: they only grow.
 struct SolveScratch {
-  std::vector<RowGate> gates;         ///< one a row; made by solve_impacts where there is no RowSource
-  std::vector<std::uint32_t> changed; ///< one a body: the last round of impacts that changed its velocity, from 1
-  std::vector<double> change_ns;      ///< one a row, where sweeps converge: by how much the last one changed its impulse
+  std::vector<RowGate> gates;          ///< one a row; made by solve_impacts where there is no RowSource
+  std::vector<std::uint32_t> changed;  ///< one a body: the last round of impacts that changed its velocity, from 1
+  std::vector<double> change_ns;  ///< one a row, where sweeps converge: by how much the last one changed its impulse
 };
 
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `places` are those of the rows.
@@ -85,21 +89,22 @@ struct System {
   std::span<ContactRow> rows;
   std::span<const PointContact> points;
   std::span<const RestPlace> places;
-  std::span<const collision::Pose> poses;       ///< one a body; read for places only
-  std::span<const Mat3> inverse_inertia;        ///< one a body, world frame; read for point contacts and friction only
+  std::span<const collision::Pose> poses;  ///< one a body; read for places only
+  std::span<const Mat3> inverse_inertia;   ///< one a body, world frame; read for point contacts and friction only
   const Coloring& coloring;
   SolveScratch& scratch;
-  const RowSource* source = nullptr;            ///< of rows whose gate is not ready; without it all are
+  const RowSource* source = nullptr;  ///< of rows whose gate is not ready; without it all are
 };
 
-/// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that closes
-/// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to this step's
-/// start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets later in the step
-/// and does not rebound is slowed so that it just touches. Rows with point contacts answer these one by one instead (DO eq. 1-3). Sweeps are repeated while
-/// an impulse was needed, at most kImpactSweeps times or as `stopping` says. Linear and angular momentum are kept; energy never
-/// grows. Point contacts are answered in the first sweep alone.
-/// Interlocked bodies may close at one place while their mean parts: a place that overlaps beyond doubt and closes fast enough to rebound gets an impulse of its own.
-/// With friction an impulse lambda brings one across it, against the slip at the place of contact and at most the coefficient times lambda.
+/// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that
+/// closes faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to
+/// this step's start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets
+/// later in the step and does not rebound is slowed so that it just touches. Rows with point contacts answer these one
+/// by one instead (DO eq. 1-3). Sweeps are repeated while an impulse was needed, at most kImpactSweeps times or as
+/// `stopping` says. Linear and angular momentum are kept; energy never grows. Point contacts are answered in the first
+/// sweep alone. Interlocked bodies may close at one place while their mean parts: a place that overlaps beyond doubt
+/// and closes fast enough to rebound gets an impulse of its own. With friction an impulse lambda brings one across it,
+/// against the slip at the place of contact and at most the coefficient times lambda.
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 inline constexpr std::uint32_t kImpactSweeps = 8;
 

@@ -26,7 +26,8 @@ void TouchingEnergy::begin(const RestSystem& system, std::span<const RestBlock> 
   bodies_.clear();
   for (const std::uint32_t name : names_) {
     const SolverBody& body = system.bodies[name];
-    bodies_.push_back({name, 1 / body.inverse_mass, system.inverse_inertia[name].inverse(), body.velocity_mps, body.spin_radps});
+    bodies_.push_back(
+        {name, 1 / body.inverse_mass, system.inverse_inertia[name].inverse(), body.velocity_mps, body.spin_radps});
   }
 }
 
@@ -34,7 +35,8 @@ TouchingEnergy::Speed TouchingEnergy::speed(const Body& body, const Motion<doubl
   return {body.velocity_mps + of(change.v), body.spin_radps + of(change.w)};
 }
 
-TouchingEnergy::Speed TouchingEnergy::speed_alone(const RestSystem& system, const Body& body, const Motion<double>& begun, double h_s) {
+TouchingEnergy::Speed TouchingEnergy::speed_alone(const RestSystem& system, const Body& body,
+                                                  const Motion<double>& begun, double h_s) {
   const Acceleration& pull = system.accelerations[body.name];
   const Speed before = speed(body, begun);
   return {before.velocity_mps + h_s * pull.linear_mps2, before.spin_radps + h_s * pull.angular_radps2};

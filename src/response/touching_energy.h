@@ -10,8 +10,9 @@
 
 namespace poise::response {
 
-/// Kinetic energy of the bodies that touch, while their impulses are sought. Inelastic contacts add none to what the bodies would have without them, and what a
-/// sweep of plain steps does adds none: more is the sign of a leap that led astray. Invariant: buffers only grow.
+/// Kinetic energy of the bodies that touch, while their impulses are sought. Inelastic contacts add none to what the
+/// bodies would have without them, and what a sweep of plain steps does adds none: more is the sign of a leap that led
+/// astray. Invariant: buffers only grow.
 class TouchingEnergy {
  public:
   /// Before forces act on `system`.
@@ -21,11 +22,14 @@ class TouchingEnergy {
   /// The same with what the accelerations add in `h_s`, and no contact.
   [[nodiscard]] double joules_alone(const RestSystem& system, std::span<const Motion<double>> begun, double h_s) const;
 
-  /// What share of the impulses takes most energy from the bodies, at most all: with `changes` they have all, with `begun` and what accelerations add in `h_s`, none.
-  /// It is 1 for the answer itself, where no place parts under its load.
-  [[nodiscard]] double best_share(const RestSystem& system, std::span<const Motion<double>> begun, double h_s, std::span<const Motion<double>> changes) const;
+  /// What share of the impulses takes most energy from the bodies, at most all: with `changes` they have all, with
+  /// `begun` and what accelerations add in `h_s`, none. It is 1 for the answer itself, where no place parts under its
+  /// load.
+  [[nodiscard]] double best_share(const RestSystem& system, std::span<const Motion<double>> begun, double h_s,
+                                  std::span<const Motion<double>> changes) const;
   /// Leaves the bodies with this share.
-  void scale(const RestSystem& system, std::span<const Motion<double>> begun, double h_s, double share, std::span<Motion<double>> changes) const;
+  void scale(const RestSystem& system, std::span<const Motion<double>> begun, double h_s, double share,
+             std::span<Motion<double>> changes) const;
 
   /// Keeps the velocities of these bodies; `restore` brings them back to the bit.
   void keep(std::span<const Motion<double>> changes);

@@ -23,8 +23,8 @@ std::optional<Error> check_state(const BodyState& state, bool is_static) {
   const Quat& q = state.orientation;
   const double norm = q.norm();
   if (!std::isfinite(norm) || !(norm > 1e-9)) {
-    return bad_input(fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite and not zero", q.w(), q.x(),
-                                 q.y(), q.z()));
+    return bad_input(
+        fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite and not zero", q.w(), q.x(), q.y(), q.z()));
   }
   if (auto bad = check_vector("velocity_mps", state.velocity_mps, kMaxSpeedMps)) return bad;
   if (auto bad = check_vector("angular_velocity_radps", state.angular_velocity_radps, kMaxSpinRadps)) return bad;
@@ -37,10 +37,11 @@ std::optional<Error> check_state(const BodyState& state, bool is_static) {
 }
 
 std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape) {
-  if (shape.kind == ShapeKind::Plane && !definition.is_static) return bad_input("static = false, a plane must be static");
-  if (auto bad = check_state({definition.position_m, definition.orientation, definition.velocity_mps,
-                              definition.angular_velocity_radps},
-                             definition.is_static)) {
+  if (shape.kind == ShapeKind::Plane && !definition.is_static)
+    return bad_input("static = false, a plane must be static");
+  if (auto bad = check_state(
+          {definition.position_m, definition.orientation, definition.velocity_mps, definition.angular_velocity_radps},
+          definition.is_static)) {
     return bad;
   }
   if (auto bad = check_range("importance", definition.importance, 0, kMaxImportance)) return bad;
@@ -53,8 +54,8 @@ std::optional<Error> check_body(const BodyDefinition& definition, const Shape& s
   const Vec3& inertia = definition.inertia_kgm2;
   if (inertia.isZero(0)) return std::nullopt;
   if (!inertia.allFinite() || !(inertia.minCoeff() > 0)) {
-    return bad_input(fmt::format("inertia_kgm2 = [{}, {}, {}], each must be finite and > 0", inertia.x(), inertia.y(),
-                                 inertia.z()));
+    return bad_input(
+        fmt::format("inertia_kgm2 = [{}, {}, {}], each must be finite and > 0", inertia.x(), inertia.y(), inertia.z()));
   }
   // No mass distribution has a principal moment above the sum of the other two.
   const double largest = inertia.maxCoeff();
@@ -70,7 +71,8 @@ Result<BodyMass> mass_of(const BodyDefinition& definition, const Shape& shape, d
   BodyMass mass;
   if (definition.is_static) return mass;
   mass.mass_kg = definition.mass_kg != 0 ? definition.mass_kg : density_kgpm3 * shape.volume_m3;
-  if (auto bad = check_range("mass from density and volume, mass_kg", mass.mass_kg, kMinMassKg, kMaxMassKg)) return *bad;
+  if (auto bad = check_range("mass from density and volume, mass_kg", mass.mass_kg, kMinMassKg, kMaxMassKg))
+    return *bad;
   mass.principal_kgm2 = definition.inertia_kgm2;
   if (definition.inertia_kgm2.isZero(0)) mass.principal_kgm2 = shape.principal_m5 * (mass.mass_kg / shape.volume_m3);
   if (!mass.principal_kgm2.allFinite() || !(mass.principal_kgm2.minCoeff() > 1e-60) ||

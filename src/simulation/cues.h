@@ -8,9 +8,9 @@ namespace poise::simulation {
 
 /// Where and how a pair meets, for the viewer's sake.
 struct PairSighting {
-  Vec3 point_m = Vec3::Zero();          ///< world frame
-  Vec3 normal = Vec3::UnitZ();          ///< about unit
-  double extent_m = 0;                  ///< radius of the smaller body
+  Vec3 point_m = Vec3::Zero();  ///< world frame
+  Vec3 normal = Vec3::UnitZ();  ///< about unit
+  double extent_m = 0;          ///< radius of the smaller body
   double closing_mps = 0;
   double importance = 1;
   std::uint32_t frames_waited = 0;

@@ -62,13 +62,14 @@ class Again {
     if (input_.explain != nullptr) {
       explain(*input_.explain);
     } else {
-      parallel::parallel_for(*world_.executor, left_.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
-        for (std::size_t i = begin; i < end; ++i) {
-          while (left_[i] > 0 && complete(i, worker)) {
-          }
-          forget_front(i, worker);
-        }
-      });
+      parallel::parallel_for(*world_.executor, left_.size(), kGrain,
+                             [&](std::size_t begin, std::size_t end, int worker) {
+                               for (std::size_t i = begin; i < end; ++i) {
+                                 while (left_[i] > 0 && complete(i, worker)) {
+                                 }
+                                 forget_front(i, worker);
+                               }
+                             });
       if (keeps_fronts()) find_room();
     }
     return fits_ && std::all_of(left_.begin(), left_.end(), [](std::uint8_t left) { return left == 0; });
@@ -168,7 +169,8 @@ void log_degraded(const WorldState& world, const Degraded& degraded, DecisionLog
   for (std::size_t k = 0; k < degraded.pairs_reused; ++k) log.reused(world.buffers.least_seen[k].pair);
 }
 
-bool refine_as_decided(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts, FrameReport& report) {
+bool refine_as_decided(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts,
+                       FrameReport& report) {
   const bool left_out = degrade_as_decided(world, *input.replay, report.degraded);
   return Again(world, input, facts).run() && left_out;
 }

@@ -10,10 +10,11 @@
 
 namespace poise::simulation {
 
-/// The steps of refinement of one frame, as the workers note them. Invariant: each worker's steps stand in the order of time.
+/// The steps of refinement of one frame, as the workers note them. Invariant: each worker's steps stand in the order of
+/// time.
 ///
-/// Each worker writes to its own list and to no other; the lists have room for everything that a frame can do, so that noting
-/// allocates nothing once a frame of that size has begun.
+/// Each worker writes to its own list and to no other; the lists have room for everything that a frame can do, so that
+/// noting allocates nothing once a frame of that size has begun.
 class DecisionLog {
  public:
   /// Forgets the last frame. `most_steps` is how many one worker may come to note.
@@ -28,8 +29,8 @@ class DecisionLog {
   /// For work that goes in rounds: from the thread that chooses them, in their order.
   void note_round(std::uint32_t pair, RefinementStep::Kind kind) { note(0, pair, kind, SteadyClock::time_point{}); }
 
-  /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that answered by what it
-  /// kept though that was too old. From the thread of the step, after begin.
+  /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that
+  /// answered by what it kept though that was too old. From the thread of the step, after begin.
   void substeps(std::uint32_t count) { substeps_ = count; }
   /// Likewise the visits that a substep may make (0: as many as the solver does by itself).
   void visits(std::uint32_t most) { visits_ = most; }

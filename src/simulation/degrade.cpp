@@ -8,16 +8,19 @@
 namespace poise::simulation {
 namespace {
 
-// How far two bodies may have moved against each other since, in radii of the smaller one: beyond it, what touched is elsewhere.
+// How far two bodies may have moved against each other since, in radii of the smaller one: beyond it, what touched is
+// elsewhere.
 constexpr double kReusePlaces = 1.0;
-// A pair that was apart must not sink in so far that it cannot be told from one that passes through. Chosen, as kHold in pairs.cpp.
+// A pair that was apart must not sink in so far that it cannot be told from one that passes through. Chosen, as kHold
+// in pairs.cpp.
 constexpr double kReuseApart = 0.5;
 
 bool reusable(const WorldState& world, const ActivePair& pair) {
   // Without a reach nothing was found out, or the caller has put a body elsewhere since.
   if (pair.kept != Kept::Nothing || pair.memory.reach_m <= 0 || !pair.refinable() || pair.exact) return false;
   const double radius_m = std::min(world.buffers.glances[pair.a].radius_m,
-                                   world.buffers.glances[pair.b].plane ? world.buffers.glances[pair.a].radius_m : world.buffers.glances[pair.b].radius_m);
+                                   world.buffers.glances[pair.b].plane ? world.buffers.glances[pair.a].radius_m
+                                                                       : world.buffers.glances[pair.b].radius_m);
   if (pair.memory.apart) return pair.memory.moved_m <= kReuseApart * radius_m;
   // Balls roll, and the normal that they met with rolls along.
   return pair.memory.level > 0 && pair.memory.place_count > 0 && pair.memory.moved_m <= kReusePlaces * radius_m;
@@ -40,7 +43,8 @@ double list_reusable(WorldState& world, double apart_ns, double places_ns) {
     for (std::size_t i = buffers.begin_of(chunk); i < buffers.end_of(chunk); ++i) {
       const ActivePair& pair = buffers.pairs[i];
       if (!reusable(world, pair)) continue;
-      buffers.least_seen.push_back({seen(world.settings.policy, buffers.cues[i]), static_cast<std::uint32_t>(i), pair.memory.apart ? apart_ns : places_ns});
+      buffers.least_seen.push_back({seen(world.settings.policy, buffers.cues[i]), static_cast<std::uint32_t>(i),
+                                    pair.memory.apart ? apart_ns : places_ns});
       all_ns += buffers.least_seen.back().saves_ns;
     }
   }

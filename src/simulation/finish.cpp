@@ -16,9 +16,8 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
   const response::SolverBody& solved = world.buffers.solver_bodies[i];
   const response::Acceleration& pull = world.buffers.accelerations[i];
   // A body that no resting contact held flies on a parabola, exactly: h (v+ + v_next) / 2.
-  const Vec3 moved = solved.answered
-                         ? solved.moved_m
-                         : Vec3(h_s * solved.velocity_mps - (0.5 * h_s * h_s) * pull.linear_mps2);
+  const Vec3 moved =
+      solved.answered ? solved.moved_m : Vec3(h_s * solved.velocity_mps - (0.5 * h_s * h_s) * pull.linear_mps2);
   bodies.set_position(i, bodies.position(i) + moved);
   bodies.set_velocity(i, solved.velocity_mps);
   const Quat before = bodies.orientation(i);
@@ -26,7 +25,8 @@ void integrate_body(WorldState& world, std::size_t i, double h_s) {
   dynamics::Rotation rotation{bodies.orientation(i) * axes, solved.spin_radps};
   rotation = dynamics::turned_freely(rotation, bodies.principal_kgm2[i], h_s);
   if (solved.answered) {
-    // What contacts turned the body beyond its spin, as where they pushed it out of an overlap. Its angular momentum stays.
+    // What contacts turned the body beyond its spin, as where they pushed it out of an overlap. Its angular momentum
+    // stays.
     const Quat turn = dynamics::rotation_by(solved.turned_rad - h_s * solved.spin_radps);
     rotation = dynamics::turned_by(rotation, bodies.principal_kgm2[i], turn);
   }
@@ -70,7 +70,8 @@ PairMemory remembered(const FrameBuffers& buffers, const ActivePair& pair) {
     memory.level = pair.level.level;
     memory.apart = pair.level.apart;
     memory.reach_m = pair.reach_m;
-    if (pair.level.apart && pair.level.front_entries == 0 && !pair.level.nearly && !pair.exact) memory.reach_m += wide_m(pair);
+    if (pair.level.apart && pair.level.front_entries == 0 && !pair.level.nearly && !pair.exact)
+      memory.reach_m += wide_m(pair);
     memory.moved_m = 0;
   } else if (pair.kept == Kept::Nothing) {
     // The one place of level 0 is kept like others; that nothing is answered there is no knowledge.
@@ -124,7 +125,8 @@ void forget_parted(WorldState& world) {
   for (auto at = recalled.begin(); (at = std::find(at, recalled.end(), std::uint8_t{0})) != recalled.end(); ++at) {
     const PairMemory& pair = world.memory[static_cast<std::size_t>(at - recalled.begin())];
     world.places.give_back(pair.room);
-    if (pair.touching) world.events.push_back({ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+    if (pair.touching)
+      world.events.push_back({ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
   }
 }
 
@@ -136,12 +138,14 @@ void make_events(WorldState& world) {
   const std::vector<std::uint8_t>& turned = buffers.turned;
   for (auto at = turned.begin(); (at = std::find(at, turned.end(), std::uint8_t{1})) != turned.end(); ++at) {
     const PairMemory& pair = world.next_memory[static_cast<std::size_t>(at - turned.begin())];
-    world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+    world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End,
+                            world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
   }
   if (parted == 0) return;
   // A pair has one event at most.
-  std::sort(world.events.begin(), world.events.end(),
-            [](const ContactEvent& x, const ContactEvent& y) { return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot); });
+  std::sort(world.events.begin(), world.events.end(), [](const ContactEvent& x, const ContactEvent& y) {
+    return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot);
+  });
 }
 
 // Does the pair of the k-th row touch? Impulses make a touch of what is apart.
@@ -161,13 +165,14 @@ bool touches(const WorldState& world, std::size_t k) {
 
 void integrate(WorldState& world, const StepInput& input) {
   world.buffers.motions.assign(world.bodies.slot_count(), StepMotion{});
-  parallel::parallel_for(*world.executor, world.bodies.slot_count(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (world.bodies.dynamic[i] == 0) continue;
-      if (input.backtracking && place_stopped(world, static_cast<std::uint32_t>(i))) continue;
-      integrate_body(world, i, input.dt_s);
-    }
-  });
+  parallel::parallel_for(*world.executor, world.bodies.slot_count(), kGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t i = begin; i < end; ++i) {
+                             if (world.bodies.dynamic[i] == 0) continue;
+                             if (input.backtracking && place_stopped(world, static_cast<std::uint32_t>(i))) continue;
+                             integrate_body(world, i, input.dt_s);
+                           }
+                         });
 }
 
 void publish(WorldState& world) {
@@ -179,20 +184,22 @@ void publish(WorldState& world) {
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());
   buffers.turned.resize(buffers.pairs.size());
-  parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
-      buffers.turned[i] = buffers.pairs[i].memory.touching ? 1 : 0;
-    }
-  });
-  parallel::parallel_for(*world.executor, buffers.rest_pairs.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      if (!touches(world, k)) continue;
-      const std::uint32_t i = buffers.rest_pairs[buffers.coloring.order()[k]].pair;
-      world.next_memory[i].touching = true;
-      buffers.turned[i] ^= 1U;
-    }
-  });
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t i = begin; i < end; ++i) {
+                             world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
+                             buffers.turned[i] = buffers.pairs[i].memory.touching ? 1 : 0;
+                           }
+                         });
+  parallel::parallel_for(*world.executor, buffers.rest_pairs.size(), 4 * kGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t k = begin; k < end; ++k) {
+                             if (!touches(world, k)) continue;
+                             const std::uint32_t i = buffers.rest_pairs[buffers.coloring.order()[k]].pair;
+                             world.next_memory[i].touching = true;
+                             buffers.turned[i] ^= 1U;
+                           }
+                         });
   for (const SweptHit& hit : buffers.swept.hits) {
     bool& touching = world.next_memory[hit.pair].touching;
     if (!touching) buffers.turned[hit.pair] ^= 1U;
@@ -209,7 +216,8 @@ void list_contacts(WorldState& world) {
   world.contacts.resize(buffers.rest_pairs.size());
   for (std::size_t k = 0; k < buffers.rest_pairs.size(); ++k) {
     const std::uint32_t place = buffers.coloring.order()[k];
-    world.contacts[place] = contact_of(world, buffers.rest_pairs[place].pair, row_of(buffers, k), buffers.given_ns[place]);
+    world.contacts[place] =
+        contact_of(world, buffers.rest_pairs[place].pair, row_of(buffers, k), buffers.given_ns[place]);
   }
   add_swept_contacts(world);
   world.contacts_listed = true;

@@ -28,7 +28,9 @@ struct Tracker {
     if (!visits) work.patch_visits = work.coarse_contacts = 0;
     return work;
   }
-  [[nodiscard]] Nanoseconds point(const RecordedTail& frame) const { return tail.forecast(work_of(frame.forecast_for)); }
+  [[nodiscard]] Nanoseconds point(const RecordedTail& frame) const {
+    return tail.forecast(work_of(frame.forecast_for));
+  }
   void learn(const RecordedTail& frame) {
     margin.observe(frame.actual, point(frame));
     scheduler::TailWork work = frame.forecast_for;
@@ -93,12 +95,14 @@ std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, do
   scores.push_back(judge(tracked("the same without last frame's visits", without), tails, alpha, skip));
   scores.back().beyond_clip = without.margin.beyond_clip();
   Tracker bare{{}, scheduler::TrackedQuantile(alpha), true};
-  scores.push_back(judge({"linear forecast, no margin", [&](const RecordedTail& frame) { return ns_of(bare.point(frame)); },
-                          [&](const RecordedTail& frame) { bare.learn(frame); }},
-                         tails, alpha, skip));
+  scores.push_back(
+      judge({"linear forecast, no margin", [&](const RecordedTail& frame) { return ns_of(bare.point(frame)); },
+             [&](const RecordedTail& frame) { bare.learn(frame); }},
+            tails, alpha, skip));
   for (const double deviations : {0.0, 3.0}) {
     Moments moments;
-    scores.push_back(judge({deviations > 0 ? "mean + 3 sigma" : "mean", [&](const RecordedTail&) { return moments.mean + deviations * moments.deviation(); },
+    scores.push_back(judge({deviations > 0 ? "mean + 3 sigma" : "mean",
+                            [&](const RecordedTail&) { return moments.mean + deviations * moments.deviation(); },
                             [&](const RecordedTail& frame) { moments.add(ns_of(frame.actual)); }},
                            tails, alpha, skip));
   }

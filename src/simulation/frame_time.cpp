@@ -39,8 +39,8 @@ void count_pairs(WorldState& world, FramePlan& plan) {
   world.times.tail_work = tail_work(world, plan.expected);
 }
 
-// Of the time that is left when all else of the tail is done, resting contact is kept at most so much for what it visits beyond one sweep a substep; the
-// rest is refinement's. After that it may use what is left. Chosen.
+// Of the time that is left when all else of the tail is done, resting contact is kept at most so much for what it
+// visits beyond one sweep a substep; the rest is refinement's. After that it may use what is left. Chosen.
 constexpr double kShareOfVisits = 0.5;
 
 double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
@@ -48,12 +48,14 @@ double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
 // With a margin, what a visit of a place costs.
 double visit_ns(const WorldState& world) {
   constexpr double kLeastNs = 0.01;  // no division by nothing
-  return std::max(kLeastNs, world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits] * world.margin.factor());
+  return std::max(kLeastNs,
+                  world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits] * world.margin.factor());
 }
 
 // Without a margin.
 Nanoseconds visits_forecast(const WorldState& world, std::uint64_t visits) {
-  return Nanoseconds(static_cast<std::int64_t>(static_cast<double>(visits) * world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits]));
+  return Nanoseconds(static_cast<std::int64_t>(static_cast<double>(visits) *
+                                               world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits]));
 }
 
 // The visits of a substep that time is kept for.
@@ -67,17 +69,20 @@ double visits_kept(const WorldState& world, scheduler::TailWork work, int subste
 }
 
 // The budget with so many substeps.
-void set_budget(WorldState& world, const StepInput& input, int substeps, Nanoseconds host, TimePoint now, FramePlan& plan) {
+void set_budget(WorldState& world, const StepInput& input, int substeps, Nanoseconds host, TimePoint now,
+                FramePlan& plan) {
   scheduler::TailWork& work = world.times.tail_work;
   const Nanoseconds left = input.budget.deadline - host - now;
   work.patch_visits = static_cast<std::uint64_t>(visits_kept(world, work, substeps, left) * substeps);
-  plan.budget = scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin, work, world.unit_cost_ns);
+  plan.budget =
+      scheduler::make_frame_budget(input.budget.deadline, host, world.tail, world.margin, work, world.unit_cost_ns);
 }
 
 }  // namespace
 
 std::uint64_t likely_answered(const WorldState& world, std::int64_t present) {
-  return static_cast<std::uint64_t>(std::ceil(world.answered_share * static_cast<double>(std::max<std::int64_t>(present, 0))));
+  return static_cast<std::uint64_t>(
+      std::ceil(world.answered_share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
 void begin_frame_time(WorldState& world, const StepInput& input, TimePoint start, FrameReport& report) {
@@ -104,9 +109,12 @@ FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, F
   FramePlan plan;
   count_pairs(world, plan);
   set_budget(world, input, world.substeps, host, now, plan);
-  // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing is left out either. Leaving out for the
-  // margin's sake kept frames coarse that took half of their time, and coarse frames have more to answer.
-  const auto late = [&] { return now + world.times.planning + plan.budget.tail_forecast(plan.expected) + host - input.budget.deadline; };
+  // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing
+  // is left out either. Leaving out for the margin's sake kept frames coarse that took half of their time, and coarse
+  // frames have more to answer.
+  const auto late = [&] {
+    return now + world.times.planning + plan.budget.tail_forecast(plan.expected) + host - input.budget.deadline;
+  };
   if (late().count() > 0) {
     report.infeasible_forecast = true;
     Degraded degraded;
@@ -141,11 +149,13 @@ std::uint32_t visits_in_time(const WorldState& world, const StepInput& input, co
   const double rest_ns = std::max(0.0, world.margin.factor() * ns_of(world.tail.forecast(work)) - ns_of(spent));
   const double left_ns = ns_of(input.budget.deadline - report.host_reserved - now) - rest_ns;
   // To the nearest whole sweep.
-  const double visits = left_ns / (visit_ns(world) * world.substeps) + 0.5 * static_cast<double>(world.buffers.rest_places);
+  const double visits =
+      left_ns / (visit_ns(world) * world.substeps) + 0.5 * static_cast<double>(world.buffers.rest_places);
   return static_cast<std::uint32_t>(std::clamp(visits, 1.0, static_cast<double>(response::kMostVisits)));
 }
 
-void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nanoseconds cpu_before, FrameReport& report) {
+void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nanoseconds cpu_before,
+                FrameReport& report) {
   report.times.total = SteadyClock::now() - start;
   if (input.budget.kind != Budget::Kind::Deadline) return;
   const StageTimes& times = report.times;
@@ -159,13 +169,15 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   const Nanoseconds of_refinement = world.buffers.tallies.empty() ? Nanoseconds(0) : world.buffers.tallies[0].off_cpu;
   const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement);
   // Nor is what resting contact did beyond one sweep a substep.
-  const std::uint64_t least_visits = std::min<std::uint64_t>(report.patch_visits, world.buffers.rest_places * static_cast<std::uint64_t>(substeps));
+  const std::uint64_t least_visits =
+      std::min<std::uint64_t>(report.patch_visits, world.buffers.rest_places * static_cast<std::uint64_t>(substeps));
   const Nanoseconds of_sweeps = std::min(times.response, visits_forecast(world, report.patch_visits - least_visits));
   report.mandatory = times.total - (times.refine - report.planning) - of_rest - of_sweeps + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
-  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee. But visits beyond those that were
-  // expected were made in time that was left over.
-  report.tail_left_over = visits_forecast(world, report.patch_visits - std::min(report.patch_visits, report.tail_work.patch_visits));
+  // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
+  // But visits beyond those that were expected were made in time that was left over.
+  report.tail_left_over =
+      visits_forecast(world, report.patch_visits - std::min(report.patch_visits, report.tail_work.patch_visits));
   report.tail_forecast += report.tail_left_over;
   report.reserve_at_cut += Nanoseconds(static_cast<std::int64_t>(report.cut_margin * ns_of(report.tail_left_over)));
   world.margin.observe(report.tail_actual, report.tail_forecast);
@@ -173,7 +185,8 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   const std::uint64_t known = world.buffers.known_of_chunk.back().present;
   const std::uint64_t present = known - std::min<std::uint64_t>(known, report.pairs_separated);
   if (present > 0) {
-    world.answered_share += 0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
+    world.answered_share +=
+        0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - world.answered_share);
   }
   scheduler::TailWork done = tail_work(world, report.contact_pairs);
   done.patch_visits = report.patch_visits;
@@ -185,7 +198,8 @@ void judge_time(WorldState& world, const StepInput& input, TimePoint start, Nano
   facts.rest_places = world.buffers.rest_places;
   facts.visits_a_substep = static_cast<double>(report.patch_visits) / substeps;
   // What it would have wanted is not known. Chosen.
-  if (report.degraded.visits > 0) facts.visits_a_substep = std::min(2 * facts.visits_a_substep, double{response::kMostVisits});
+  if (report.degraded.visits > 0)
+    facts.visits_a_substep = std::min(2 * facts.visits_a_substep, double{response::kMostVisits});
   // Choosing what is left out takes longer than making a reserve, and who chooses must know how long.
   if (report.infeasible_forecast) facts.planning = report.planning;
   ++facts.frames;
@@ -203,11 +217,16 @@ void forget_times(WorldState& world, const scheduler::TimePriors& priors) {
   const bool known = priors.frames > 0;
   world.tail = known ? scheduler::TailForecast(priors.tail_us) : scheduler::TailForecast();
   world.head = known ? scheduler::TailForecast(priors.head_us) : scheduler::TailForecast();
-  // A margin that is too small is mended by a few late frames, one that is too large (that run may have had the machine to share) takes hundreds to forget.
-  const double log_quantile = known && std::isfinite(priors.log_quantile) ? std::min(priors.log_quantile, first_log_quantile(alpha)) : first_log_quantile(alpha);
-  world.margin = scheduler::TrackedQuantile(alpha, scheduler::TrackedQuantile::eta_for(known ? priors.spread : 0), log_quantile);
+  // A margin that is too small is mended by a few late frames, one that is too large (that run may have had the machine
+  // to share) takes hundreds to forget.
+  const double log_quantile = known && std::isfinite(priors.log_quantile)
+                                  ? std::min(priors.log_quantile, first_log_quantile(alpha))
+                                  : first_log_quantile(alpha);
+  world.margin =
+      scheduler::TrackedQuantile(alpha, scheduler::TrackedQuantile::eta_for(known ? priors.spread : 0), log_quantile);
   world.host_work = scheduler::DurationForecast(alpha);
-  world.unit_cost_ns = known && std::isfinite(priors.unit_cost_ns) && priors.unit_cost_ns > 0 ? priors.unit_cost_ns : kUnknownUnitCostNs;
+  world.unit_cost_ns =
+      known && std::isfinite(priors.unit_cost_ns) && priors.unit_cost_ns > 0 ? priors.unit_cost_ns : kUnknownUnitCostNs;
   world.answered_share = 1;
   world.times = {};
 }

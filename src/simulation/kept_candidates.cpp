@@ -9,20 +9,25 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kGrain = 512;
-// Bounds are kept larger by this share, chosen: bodies at rest stay inside for seconds, and there are a sixth more pairs.
+// Bounds are kept larger by this share, chosen: bodies at rest stay inside for seconds, and there are a sixth more
+// pairs.
 constexpr double kWider = 0.05;
 // A scene is calm when at most this share of its bodies has moved by a quarter of that since the bounds were kept.
 constexpr double kRestless = 0.05;
 
 bool same(const collision::PlaneBound& a, const collision::PlaneBound& b) {
-  return a.normal == b.normal && a.height_m == b.height_m && a.slot == b.slot && a.group == b.group && a.collides_with == b.collides_with;
+  return a.normal == b.normal && a.height_m == b.height_m && a.slot == b.slot && a.group == b.group &&
+         a.collides_with == b.collides_with;
 }
 
 }  // namespace
 
-KeptCandidates::Look KeptCandidates::look(std::span<const collision::MotionBound> bounds, std::span<const collision::PlaneBound> planes,
+KeptCandidates::Look KeptCandidates::look(std::span<const collision::MotionBound> bounds,
+                                          std::span<const collision::PlaneBound> planes,
                                           parallel::Executor& executor) const {
-  if (bounds.size() != bounds_.size() || !std::equal(planes.begin(), planes.end(), planes_.begin(), planes_.end(), same)) return {};
+  if (bounds.size() != bounds_.size() ||
+      !std::equal(planes.begin(), planes.end(), planes_.begin(), planes_.end(), same))
+    return {};
   parallel::Tickets outside;
   parallel::Tickets restless;
   parallel::parallel_for(executor, bounds.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -32,8 +37,8 @@ KeptCandidates::Look KeptCandidates::look(std::span<const collision::MotionBound
       const collision::MotionBound& now = bounds[i];
       const collision::MotionBound& kept = bounds_[i];
       const double away_m = (now.center_m - kept.center_m).norm();
-      const bool fits = now.slot == kept.slot && now.group == kept.group && now.collides_with == kept.collides_with && now.dynamic == kept.dynamic &&
-                        away_m + now.radius_m <= kept.radius_m;
+      const bool fits = now.slot == kept.slot && now.group == kept.group && now.collides_with == kept.collides_with &&
+                        now.dynamic == kept.dynamic && away_m + now.radius_m <= kept.radius_m;
       left += fits ? 0U : 1U;
       moved += away_m + now.radius_m - radius_m_[i] > 0.25 * kWider * radius_m_[i] ? 1U : 0U;
     }
@@ -44,8 +49,10 @@ KeptCandidates::Look KeptCandidates::look(std::span<const collision::MotionBound
   return {outside.take(0) == 0, restless.take(0) <= most};
 }
 
-collision::BroadPhase::Result KeptCandidates::find(collision::BroadPhase& broad_phase, std::span<const collision::MotionBound> bounds,
-                                                   std::span<const collision::PlaneBound> planes, std::span<const collision::SweptBound> swept,
+collision::BroadPhase::Result KeptCandidates::find(collision::BroadPhase& broad_phase,
+                                                   std::span<const collision::MotionBound> bounds,
+                                                   std::span<const collision::PlaneBound> planes,
+                                                   std::span<const collision::SweptBound> swept,
                                                    std::uint32_t max_partners, parallel::Executor& executor) {
   if (!swept.empty()) {
     bounds_.clear();

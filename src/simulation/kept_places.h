@@ -26,8 +26,8 @@ response::RestPlace keep(const PlacedPair& pair, const collision::Patch& patch);
 inline constexpr std::size_t kPlacesOfPair = collision::kMaxPatches + 1;
 inline constexpr std::uint32_t kNoRoom = 0xffffffffU;
 
-/// Places and what they bear, a room for kPlacesOfPair of each pair that has some. A pair keeps its room for as long as it is known, so that
-/// what is kept stays where it is. Invariant: a room is either free or one pair's.
+/// Places and what they bear, a room for kPlacesOfPair of each pair that has some. A pair keeps its room for as long as
+/// it is known, so that what is kept stays where it is. Invariant: a room is either free or one pair's.
 struct PlaceStore {
   parallel::LargeVector<response::RestPlace> places;
   parallel::LargeVector<response::RestLoad> loads;
@@ -45,8 +45,12 @@ struct PlaceStore {
   }
 
   [[nodiscard]] static std::size_t begin(std::uint32_t room) { return room * kPlacesOfPair; }
-  [[nodiscard]] std::span<response::RestPlace> places_of(std::uint32_t room, std::size_t count) { return std::span(places).subspan(begin(room), count); }
-  [[nodiscard]] std::span<response::RestLoad> loads_of(std::uint32_t room, std::size_t count) { return std::span(loads).subspan(begin(room), count); }
+  [[nodiscard]] std::span<response::RestPlace> places_of(std::uint32_t room, std::size_t count) {
+    return std::span(places).subspan(begin(room), count);
+  }
+  [[nodiscard]] std::span<response::RestLoad> loads_of(std::uint32_t room, std::size_t count) {
+    return std::span(loads).subspan(begin(room), count);
+  }
 };
 
 }  // namespace poise::simulation

@@ -17,7 +17,8 @@ PlacedPair placed_pair(const WorldState& world, const ActivePair& pair) {
   const FrameBuffers& buffers = world.buffers;
   const Shape& shape_b = *world.bodies.shape[pair.b];
   PlacedPair made{buffers.poses[pair.a], buffers.poses[pair.b], shape_b.kind == ShapeKind::Plane, 0};
-  if (made.plane) made.height_m = (made.b.rotation * shape_b.plane_normal).dot(made.b.position_m) + shape_b.plane_offset_m;
+  if (made.plane)
+    made.height_m = (made.b.rotation * shape_b.plane_normal).dot(made.b.position_m) + shape_b.plane_offset_m;
   return made;
 }
 
@@ -34,7 +35,8 @@ collision::PairContact coarsest_contact_of(const WorldState& world, const Active
   return collision::coarsest_plane_contact(placed(pair.a), normal, height);
 }
 
-// How many places a pair has in this frame. The first answers impacts; it rests at the others, or at the first where that is alone.
+// How many places a pair has in this frame. The first answers impacts; it rests at the others, or at the first where
+// that is alone.
 std::uint8_t count_places(const WorldState& world, const ActivePair& pair, const collision::LevelContact& found) {
   if (pair.apart()) return 0;
   if (pair.by_kept()) return pair.memory.place_count;
@@ -76,22 +78,27 @@ void find_places(WorldState& world, const ActivePair& pair, collision::LevelCont
   std::array<response::RestPlace, kPlacesOfPair> old;
   std::array<response::RestLoad, kPlacesOfPair> borne;
   const std::size_t olds = pair.memory.place_count;
-  std::copy_n(world.places.places.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.memory.room)), olds, old.begin());
-  std::copy_n(world.places.loads.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.memory.room)), olds, borne.begin());
+  std::copy_n(world.places.places.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.memory.room)), olds,
+              old.begin());
+  std::copy_n(world.places.loads.begin() + static_cast<std::ptrdiff_t>(PlaceStore::begin(pair.memory.room)), olds,
+              borne.begin());
   const PlacedPair where = placed_pair(world, pair);
   if (pair.level.level == 0 && !pair.exact) found.contact = coarsest_contact_of(world, pair);
   places[0] = keep(where, collision::lone_patch(found.contact, where.a.rotation));
   for (std::size_t k = 1; k < places.size(); ++k) places[k] = keep(where, found.patches.patch[k - 1]);
   std::fill(loads.begin(), loads.end(), response::RestLoad{});
-  hand_over(resting(std::span<const response::RestPlace>(old).first(olds)), resting(std::span<const response::RestLoad>(borne).first(olds)),
-            kSameOfSkin * pair.skin_m, resting(std::span<const response::RestPlace>(places)), resting(loads));
+  hand_over(resting(std::span<const response::RestPlace>(old).first(olds)),
+            resting(std::span<const response::RestLoad>(borne).first(olds)), kSameOfSkin * pair.skin_m,
+            resting(std::span<const response::RestPlace>(places)), resting(loads));
 }
 
-// May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says so.
+// May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says
+// so.
 bool may_be_fast(const WorldState& world, const ActivePair& pair, double dt_s, double still_mps) {
   double closing_m = pair.margin_m - pair.skin_m;
   if (pair.exact) return true;  // its margin is another
-  if (world.bodies.dynamic[pair.a] == 0 || world.bodies.dynamic[pair.b] == 0) closing_m -= world.settings.gravity_mps2.norm() * dt_s * dt_s;
+  if (world.bodies.dynamic[pair.a] == 0 || world.bodies.dynamic[pair.b] == 0)
+    closing_m -= world.settings.gravity_mps2.norm() * dt_s * dt_s;
   return closing_m > still_mps * dt_s;
 }
 
@@ -166,7 +173,8 @@ void lay_out_places(WorldState& world, double dt_s, double still_mps) {
     }
   });
   std::uint32_t rooms = 0;
-  for (AnsweredCount& count : buffers.answered_of_chunk) count.new_rooms = std::exchange(rooms, rooms + count.new_rooms);
+  for (AnsweredCount& count : buffers.answered_of_chunk)
+    count.new_rooms = std::exchange(rooms, rooms + count.new_rooms);
   // A pair may gain places in any later frame; room for these costs no memory until it is used.
   world.places.reserve(2 * buffers.pairs.capacity());
   world.places.make_room(rooms);
@@ -205,7 +213,8 @@ void list_answered(WorldState& world, FrameReport& report) {
     report.pairs_left += count.left;
     report.kept_apart += count.kept_apart;
     report.kept_contacts += count.kept_contacts;
-    for (std::size_t level = 0; level < count.levels.size(); ++level) report.level_histogram[level] += count.levels[level];
+    for (std::size_t level = 0; level < count.levels.size(); ++level)
+      report.level_histogram[level] += count.levels[level];
   }
   // All grow with the pairs, so that later frames whose share of answered pairs is larger need no room of their own.
   const std::size_t room = buffers.pairs.capacity();
@@ -218,14 +227,16 @@ void list_answered(WorldState& world, FrameReport& report) {
   buffers.rest_pairs.resize(answered);
   buffers.edges.resize(answered);
   buffers.given_ns.resize(answered);
-  buffers.impacts = std::any_of(buffers.answered_of_chunk.begin(), buffers.answered_of_chunk.end(), [](const AnsweredCount& count) { return count.any_fast; });
+  buffers.impacts = std::any_of(buffers.answered_of_chunk.begin(), buffers.answered_of_chunk.end(),
+                                [](const AnsweredCount& count) { return count.any_fast; });
   parallel::parallel_for(*world.executor, buffers.chunks(), 2, [&](std::size_t first, std::size_t past, int) {
     for (std::size_t chunk = first; chunk < past; ++chunk) {
       const AnsweredCount& count = buffers.answered_of_chunk[chunk];
       for (std::uint32_t k = 0; k < count.answered; ++k) {
         const response::RestPair& rest = buffers.rest_of_chunk[buffers.begin_of(chunk) + k];
         buffers.rest_pairs[count.before + k] = rest;
-        buffers.edges[count.before + k] = {rest.a, rest.b, world.bodies.dynamic[rest.a] != 0, world.bodies.dynamic[rest.b] != 0, rest.place_count};
+        buffers.edges[count.before + k] = {rest.a, rest.b, world.bodies.dynamic[rest.a] != 0,
+                                           world.bodies.dynamic[rest.b] != 0, rest.place_count};
       }
     }
   });

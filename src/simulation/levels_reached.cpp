@@ -47,7 +47,8 @@ LevelsReached levels_reached(WorldState& world, const View& view) {
     const std::size_t place = place_of(world, contact);
     reached.weight[place] += weight_of(world, view, contact);
     for (const BodyId body : {contact.a, contact.b}) {
-      if (world.bodies.dynamic[body.slot] != 0) least[body.slot] = std::min(least[body.slot], static_cast<std::uint8_t>(place));
+      if (world.bodies.dynamic[body.slot] != 0)
+        least[body.slot] = std::min(least[body.slot], static_cast<std::uint8_t>(place));
     }
   }
   for (const std::uint8_t place : least) {
@@ -56,7 +57,8 @@ LevelsReached levels_reached(WorldState& world, const View& view) {
   for (const ActivePair& pair : world.buffers.pairs) {
     if (pair.apart() || !pair.refinable()) continue;
     ++(pair.full ? reached.left_for_room : reached.left_for_time);
-    reached.longest_wait = std::max(reached.longest_wait, pair.answered_level() > 0 ? 0U : pair.memory.frames_waited + 1);
+    reached.longest_wait =
+        std::max(reached.longest_wait, pair.answered_level() > 0 ? 0U : pair.memory.frames_waited + 1);
   }
   return reached;
 }

@@ -42,7 +42,8 @@ class OverlapTests {
   }
   void run(const WorldState& world, Level max_level) {
     for (const ActivePair& pair : world.buffers.pairs) {
-      const Level deepest = collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], max_level);
+      const Level deepest =
+          collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], max_level);
       fronts_[0][0] = {0, 0};
       std::size_t count = 1;
       for (std::size_t k = 0; k < deepest && count > 0; ++k) {
@@ -93,7 +94,9 @@ Result<std::vector<PairCost>> PairProbe::costs(const PairSettings& settings, std
   if (!many || !few) return many ? few.error() : many.error();
   WorldState& refined = *many.value().state_;
   WorldState& answered = *few.value().state_;
-  const auto pairs_of = [](const WorldState& world) { return static_cast<double>(std::max<std::size_t>(world.buffers.pairs.size(), 1)); };
+  const auto pairs_of = [](const WorldState& world) {
+    return static_cast<double>(std::max<std::size_t>(world.buffers.pairs.size(), 1));
+  };
   OverlapTests overlaps;
   std::vector<Readings> readings(levels.size());
   for (int round = 0; round < rounds; ++round) {

@@ -15,12 +15,15 @@ namespace {
 // Gaps below this share of the smaller body count as touching. Chosen: half a percent is below what a coarse level can
 // tell apart, and keeps resting contacts from flickering.
 constexpr double kSkin = 5e-3;
-// Refinement looks this much of the smaller body beyond what may touch in the step, so that what it finds holds while the bodies move so far.
+// Refinement looks this much of the smaller body beyond what may touch in the step, so that what it finds holds while
+// the bodies move so far.
 constexpr double kKeep = 6e-3;
-// Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one. Measured on a frictionless pile whose
-// budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up again, at a half it stays within 2 % of its height.
+// Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one.
+// Measured on a frictionless pile whose budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up
+// again, at a half it stays within 2 % of its height.
 constexpr double kHold = 0.5;
-// Where no two nodes come within this much of the smaller body more, a pair that was found apart stays so for that much longer.
+// Where no two nodes come within this much of the smaller body more, a pair that was found apart stays so for that much
+// longer.
 constexpr double kWide = 4 * kKeep;
 constexpr std::size_t kGrain = 128;
 
@@ -35,8 +38,12 @@ double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput
 // Goes through last frame's pairs beside this frame's, both in canonical order, and marks those that it meets.
 class Recollection {
  public:
-  Recollection(const parallel::LargeVector<PairMemory>& memory, std::vector<std::uint8_t>& recalled, std::uint32_t low, std::uint32_t high)
-      : begin_(memory.begin()), at_(std::lower_bound(memory.begin(), memory.end(), std::pair(low, high), before)), end_(memory.end()), recalled_(recalled) {}
+  Recollection(const parallel::LargeVector<PairMemory>& memory, std::vector<std::uint8_t>& recalled, std::uint32_t low,
+               std::uint32_t high)
+      : begin_(memory.begin()),
+        at_(std::lower_bound(memory.begin(), memory.end(), std::pair(low, high), before)),
+        end_(memory.end()),
+        recalled_(recalled) {}
   PairMemory of(std::uint32_t low, std::uint32_t high) {
     while (at_ != end_ && before(*at_, {low, high})) ++at_;
     if (at_ != end_ && at_->low == low && at_->high == high) {
@@ -221,21 +228,24 @@ void predict(WorldState& world, const StepInput& input) {
       buffers.glances[i] = glance(world, i, input);
     }
   });
-  parallel::parallel_for(*world.executor, buffers.bounds.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      collision::MotionBound& bound = buffers.bounds[k];
-      const std::size_t i = bound.slot;
-      bound = {buffers.glances[i].position_m, buffers.glances[i].bound_m, bound.slot, bodies.group[i], bodies.collides_with[i], bodies.dynamic[i] != 0};
-    }
-  });
+  parallel::parallel_for(
+      *world.executor, buffers.bounds.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) {
+          collision::MotionBound& bound = buffers.bounds[k];
+          const std::size_t i = bound.slot;
+          bound = {buffers.glances[i].position_m, buffers.glances[i].bound_m, bound.slot, bodies.group[i],
+                   bodies.collides_with[i],       bodies.dynamic[i] != 0};
+        }
+      });
   for (std::size_t i = 0; i < slots; ++i) {
     if (bodies.alive[i] == 0 || bodies.shape[i]->kind != ShapeKind::Plane) continue;
-    buffers.planes.push_back({buffers.glances[i].position_m, buffers.glances[i].bound_m, static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]});
+    buffers.planes.push_back({buffers.glances[i].position_m, buffers.glances[i].bound_m, static_cast<std::uint32_t>(i),
+                              bodies.group[i], bodies.collides_with[i]});
   }
 }
 
-// What a frame keeps of pairs grows with the room of these. Were it made when a heap forms, that frame would copy all there is and wait for new pages: 10 ms
-// at 2,000 bodies. Made beforehand it costs no memory until it is used.
+// What a frame keeps of pairs grows with the room of these. Were it made when a heap forms, that frame would copy all
+// there is and wait for new pages: 10 ms at 2,000 bodies. Made beforehand it costs no memory until it is used.
 void make_room_for_pairs(FrameBuffers& buffers, std::size_t bodies) {
   constexpr std::size_t kPairsOfBody = 12;
   constexpr std::size_t kMostRoom = std::size_t{1} << 19U;
@@ -254,7 +264,8 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
   make_room_for_pairs(buffers, buffers.bounds.size());
   const collision::BroadPhase::Result found =
       world.candidates.find(world.broad_phase, buffers.bounds, buffers.planes,
-                            input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds) : std::span<const collision::SweptBound>{},
+                            input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds)
+                                               : std::span<const collision::SweptBound>{},
                             world.settings.max_partners, *world.executor);
   report.times.broad_phase = SteadyClock::now() - start;
   report.pairs_dropped = found.dropped;
@@ -280,7 +291,8 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
     }
     buffers.known_of_chunk[begin / kGrain + 1].begin = active;
   });
-  for (std::size_t chunk = 1; chunk <= chunks; ++chunk) buffers.known_of_chunk[chunk].begin += buffers.known_of_chunk[chunk - 1].begin;
+  for (std::size_t chunk = 1; chunk <= chunks; ++chunk)
+    buffers.known_of_chunk[chunk].begin += buffers.known_of_chunk[chunk - 1].begin;
   buffers.pairs.resize(buffers.known_of_chunk[chunks].begin);
   buffers.found.resize(buffers.pairs.size());
   buffers.cues.resize(buffers.pairs.size());
@@ -309,7 +321,8 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       const Glance& b = buffers.glances[pair.b];
       pair.level.deepest = std::min(input.max_level, std::max(a.depth, b.depth));
       if (input.polygons && (a.meshed || b.meshed)) {
-        collision::allow_polygons(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level, pair.level);
+        collision::allow_polygons(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level,
+                                  pair.level);
       }
       recall(world, pair);
       count_known(pair, fast(pair.a) || fast(pair.b), known);

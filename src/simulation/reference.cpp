@@ -12,17 +12,17 @@
 namespace poise::simulation {
 namespace {
 
-// Settled is what changes by less than 1e-10 of the largest impulse. The bound on sweeps is chosen: a pile of 2,000 meshes
-// needs 400 to 1,200.
+// Settled is what changes by less than 1e-10 of the largest impulse. The bound on sweeps is chosen: a pile of 2,000
+// meshes needs 400 to 1,200.
 constexpr response::Stopping kConverged{1e-10, 50000};
 
 using Column = std::vector<double> dynamics::BodyStore::*;
 using dynamics::BodyStore;
 constexpr std::array<Column, Reference::kColumns> kColumnsOfState = {
-    &BodyStore::x_m,    &BodyStore::y_m,    &BodyStore::z_m,      &BodyStore::qw,       &BodyStore::qx,
-    &BodyStore::qy,     &BodyStore::qz,     &BodyStore::vx_mps,   &BodyStore::vy_mps,   &BodyStore::vz_mps,
-    &BodyStore::wx_radps, &BodyStore::wy_radps, &BodyStore::wz_radps, &BodyStore::fx_n, &BodyStore::fy_n,
-    &BodyStore::fz_n,   &BodyStore::tx_nm,  &BodyStore::ty_nm,    &BodyStore::tz_nm};
+    &BodyStore::x_m,      &BodyStore::y_m,      &BodyStore::z_m,      &BodyStore::qw,     &BodyStore::qx,
+    &BodyStore::qy,       &BodyStore::qz,       &BodyStore::vx_mps,   &BodyStore::vy_mps, &BodyStore::vz_mps,
+    &BodyStore::wx_radps, &BodyStore::wy_radps, &BodyStore::wz_radps, &BodyStore::fx_n,   &BodyStore::fy_n,
+    &BodyStore::fz_n,     &BodyStore::tx_nm,    &BodyStore::ty_nm,    &BodyStore::tz_nm};
 
 // Puts the start of the frame in place of its end while it lives: state, memory of pairs, buffers.
 class StartOfFrame {
@@ -44,7 +44,8 @@ class StartOfFrame {
  private:
   void exchange() {
     Reference& reference = *world_.reference;
-    for (std::size_t i = 0; i < Reference::kColumns; ++i) std::swap(world_.bodies.*kColumnsOfState[i], reference.columns[i]);
+    for (std::size_t i = 0; i < Reference::kColumns; ++i)
+      std::swap(world_.bodies.*kColumnsOfState[i], reference.columns[i]);
     std::swap(world_.bodies.pushed, reference.pushed);
     // The step has left the memory that it started from where the next one will write.
     std::swap(world_.memory, world_.next_memory);
@@ -76,8 +77,7 @@ void prepare_surfaces(WorldState& world) {
     if (world.bodies.alive[slot] == 0) continue;
     const std::uint32_t shape = world.shape_of[slot];
     if (surfaces[shape]) continue;
-    surfaces[shape] =
-        std::make_unique<collision::TrueSurface>(collision::true_surface_of(*world.shapes[shape].shape));
+    surfaces[shape] = std::make_unique<collision::TrueSurface>(collision::true_surface_of(*world.shapes[shape].shape));
   }
 }
 
@@ -91,9 +91,12 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
     pairs[i].a = run.pairs[i].a;
     pairs[i].b = run.pairs[i].b;
   }
-  const auto pair_of = [](const FrameBuffers& frame, std::size_t k) { return frame.rest_pairs[frame.coloring.order()[k]].pair; };
+  const auto pair_of = [](const FrameBuffers& frame, std::size_t k) {
+    return frame.rest_pairs[frame.coloring.order()[k]].pair;
+  };
   for (std::size_t k = 0; k < run.rest_pairs.size(); ++k) pairs[pair_of(run, k)].run_ns = size_of_impulse(run, k);
-  for (std::size_t k = 0; k < full.rest_pairs.size(); ++k) pairs[pair_of(full, k)].reference_ns = size_of_impulse(full, k);
+  for (std::size_t k = 0; k < full.rest_pairs.size(); ++k)
+    pairs[pair_of(full, k)].reference_ns = size_of_impulse(full, k);
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, pairs.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -103,7 +106,8 @@ std::vector<JudgedPair> judged_pairs(WorldState& world, const View& view) {
                                                  surface_of(world, pair.b), full.poses[pair.b]);
       if (!view.present) continue;
       const response::RestPlace& place = world.reference->places.places[PlaceStore::begin(run.pairs[i].memory.room)];
-      const Vec3 point = full.poses[pair.a].position_m + response::place_now(full.poses[pair.a], full.poses[pair.b], place).arm_m;
+      const Vec3 point =
+          full.poses[pair.a].position_m + response::place_now(full.poses[pair.a], full.poses[pair.b], place).arm_m;
       pair.gap_px = length_px(view, point, pair.gap_m);
     }
   });
@@ -132,7 +136,8 @@ class Sight {
       if (other == slot) return false;
       const collision::Pose& pose = world_.buffers.poses[other];
       const Mat3 back = pose.rotation.transpose();
-      return surface_of(world_, other).blocks(back * (view_.position_m - pose.position_m), back * (center - pose.position_m));
+      return surface_of(world_, other)
+          .blocks(back * (view_.position_m - pose.position_m), back * (center - pose.position_m));
     };
     return std::any_of(planes_.begin(), planes_.end(), blocks) ||
            tree_.any_along(view_.position_m, center, [&](std::uint32_t ball) { return blocks(slots_[ball]); });
@@ -171,7 +176,8 @@ std::vector<JudgedBody> touched_bodies(WorldState& world, std::span<const Judged
   parallel::parallel_for(*world.executor, judged.size(), 16, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t slot = judged[i].slot;
-      judged[i].weight = judging_weight(view, bodies.position(slot), bodies.shape[slot]->bounding_radius_m, sight.hidden(slot));
+      judged[i].weight =
+          judging_weight(view, bodies.position(slot), bodies.shape[slot]->bounding_radius_m, sight.hidden(slot));
     }
   });
   return judged;

@@ -10,7 +10,8 @@
 
 namespace poise::simulation {
 
-/// The references of a run, put together: percentiles over the frames in which a figure is defined, empty where it is in none.
+/// The references of a run, put together: percentiles over the frames in which a figure is defined, empty where it is
+/// in none.
 struct ReferenceRunFigures {
   std::uint64_t frames = 0;            ///< that have a reference
   std::uint64_t not_converged = 0;     ///< of them
@@ -20,7 +21,7 @@ struct ReferenceRunFigures {
   std::optional<Percentiles> false_rate, missed_rate;  ///< of single frames
   std::optional<Percentiles> bodies_touched, sweeps, time_ms;
   std::uint64_t run_contacts = 0, reference_contacts = 0, false_contacts = 0, missed_contacts = 0, contacts_apart = 0;
-  std::optional<double> false_share, missed_share;     ///< of the contacts of all frames together
+  std::optional<double> false_share, missed_share;  ///< of the contacts of all frames together
 };
 
 /// In the order of the frames.

@@ -12,7 +12,8 @@ namespace {
 
 // The same for a pair that nobody else looks at.
 Outcome complete_own_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
-  const Outcome outcome = complete_level(world, world.buffers.pools, pair, pair.level, found, worker, [](std::uint64_t) { return true; });
+  const Outcome outcome =
+      complete_level(world, world.buffers.pools, pair, pair.level, found, worker, [](std::uint64_t) { return true; });
   if (outcome == Outcome::Full) pair.full = true;
   return outcome;
 }
@@ -30,8 +31,8 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
   for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
     if (buffers.pairs[i].refinable()) world.rounds.add(candidate(i));
   }
-  // Whether there is room is decided from worst cases before a round, not by whose pool fills up first: an answer must not
-  // depend on threads.
+  // Whether there is room is decided from worst cases before a round, not by whose pool fills up first: an answer must
+  // not depend on threads.
   std::uint64_t room = world.settings.max_front_entries;
   for (;;) {
     const std::span<const scheduler::Candidate> round = world.rounds.next_round();
@@ -50,31 +51,35 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
         if (!pair.full) worst += could_make;
       }
       const std::span<const scheduler::Candidate> slice = round.subspan(first, end - first);
-      parallel::parallel_for(*world.executor, slice.size(), kGrain, [&](std::size_t begin, std::size_t past, int worker) {
-        for (std::size_t i = begin; i < past; ++i) {
-          ActivePair& pair = buffers.pairs[slice[i].pair];
-          const std::uint64_t units = pair.level.next_units;
-          const Outcome outcome =
-              pair.full ? Outcome::Full : complete_own_level(world, pair, buffers.found[slice[i].pair], worker);
-          note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
-        }
-      });
+      parallel::parallel_for(
+          *world.executor, slice.size(), kGrain, [&](std::size_t begin, std::size_t past, int worker) {
+            for (std::size_t i = begin; i < past; ++i) {
+              ActivePair& pair = buffers.pairs[slice[i].pair];
+              const std::uint64_t units = pair.level.next_units;
+              const Outcome outcome =
+                  pair.full ? Outcome::Full : complete_own_level(world, pair, buffers.found[slice[i].pair], worker);
+              note_outcome(pair, units, outcome, refinement.tallies[static_cast<std::size_t>(worker)]);
+            }
+          });
       for (const scheduler::Candidate& chosen : slice) {
         const ActivePair& pair = buffers.pairs[chosen.pair];
-        const bool kept = !pair.level.by_polygons() && (pair.level.refinable() || world.settings.contact == ContactModel::Paper);
+        const bool kept =
+            !pair.level.by_polygons() && (pair.level.refinable() || world.settings.contact == ContactModel::Paper);
         if (!pair.full && kept) room -= std::min<std::uint64_t>(room, pair.level.front_entries);
       }
       first = end;
     }
     for (const scheduler::Candidate& chosen : round) {
       const ActivePair& pair = buffers.pairs[chosen.pair];
-      if (refinement.log != nullptr) refinement.log->note_round(chosen.pair, kind_of(pair.full ? Outcome::Full : Outcome::Completed));
+      if (refinement.log != nullptr)
+        refinement.log->note_round(chosen.pair, kind_of(pair.full ? Outcome::Full : Outcome::Completed));
       if (!pair.full && pair.refinable()) world.rounds.add(candidate(chosen.pair));
     }
   }
 }
 
-// No limit, and nobody reads fronts afterwards: each pair to its end, in any order, its front forgotten as soon as it is done.
+// No limit, and nobody reads fronts afterwards: each pair to its end, in any order, its front forgotten as soon as it
+// is done.
 void refine_everything(Refinement& refinement) {
   WorldState& world = refinement.world;
   FrameBuffers& buffers = world.buffers;
@@ -88,7 +93,8 @@ void refine_everything(Refinement& refinement) {
         const std::uint64_t units = pair.level.next_units;
         const Outcome outcome = complete_own_level(world, pair, buffers.found[i], worker);
         note_outcome(pair, units, outcome, tally);
-        if (refinement.log != nullptr) refinement.log->note(worker, static_cast<std::uint32_t>(i), kind_of(outcome), SteadyClock::now());
+        if (refinement.log != nullptr)
+          refinement.log->note(worker, static_cast<std::uint32_t>(i), kind_of(outcome), SteadyClock::now());
       }
       buffers.pools[static_cast<std::size_t>(worker)].clear();
       pair.level.front = {};
@@ -114,7 +120,8 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
 
 scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input) {
   scheduler::FrameFacts facts;
-  for (const ShapeFacts& shape : world.shapes) facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  for (const ShapeFacts& shape : world.shapes)
+    facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
   if (input.polygons) ++facts.deepest_level;
   facts.frame = world.frame;
   facts.seed = world.settings.seed;
@@ -122,13 +129,15 @@ scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& inpu
   return facts;
 }
 
-double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair, std::uint32_t index) {
+double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair,
+                std::uint32_t index) {
   std::array<float, kPolygonPlace + 1> error_m{};
   const auto& error_a = world.shapes[world.shape_of[pair.a]].error_m;
   const auto& error_b = world.shapes[world.shape_of[pair.b]].error_m;
   for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
   // Levels up to the one that is kept bring nothing that is not known.
-  for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level) error_m[level] = error_m[pair.memory.level];
+  for (std::size_t level = 0; pair.kept == Kept::Places && level < pair.memory.level; ++level)
+    error_m[level] = error_m[pair.memory.level];
   if (pair.level.polygons) error_m[pair.level.deepest] = 0;
   const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
                                    pair.level.next_units};

@@ -24,8 +24,8 @@ enum class Outcome : std::uint8_t { Completed, Cut, Full };
 
 /// The polygons of a pair, in bounded pieces, as below.
 template <class GoOn>
-Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair, collision::PairLevel& level,
-                          collision::LevelContact& found, GoOn&& go_on) {
+Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair,
+                          collision::PairLevel& level, collision::LevelContact& found, GoOn&& go_on) {
   const collision::PairFrame frame = frame_of(world, pair);
   const Mat3 rotation = world.buffers.poses[pair.a].rotation;
   collision::PolygonProgress progress;
@@ -41,17 +41,19 @@ Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPoo
   return Outcome::Completed;
 }
 
-/// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the pair is known by goes on
-/// in `level` and `found`, which are its own or copies of them; of the pair itself nothing changes.
+/// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the
+/// pair is known by goes on in `level` and `found`, which are its own or copies of them; of the pair itself nothing
+/// changes.
 template <class GoOn>
-Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair, collision::PairLevel& level,
-                       collision::LevelContact& found, int worker, GoOn&& go_on) {
+Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair,
+                       collision::PairLevel& level, collision::LevelContact& found, int worker, GoOn&& go_on) {
   if (level.next_is_polygons()) return complete_polygons(world, pools, pair, level, found, go_on);
   collision::PairFrame frame = frame_of(world, pair);
   const Mat3 rotation = world.buffers.poses[pair.a].rotation;
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
-    collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next], world.shapes[world.shape_of[pair.b]].deviation_m[next],
+    collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next],
+                           world.shapes[world.shape_of[pair.b]].deviation_m[next],
                            level.level > 0 ? found.contact.likely_m : 0.0, frame);
   }
   collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];

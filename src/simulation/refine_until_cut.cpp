@@ -14,10 +14,11 @@ std::uint64_t answered_of(double share, std::int64_t present) {
   return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
-// Puts pairs where their turn is, and no more of them than a part of the time until the cut allows: then those of every k-th chunk, others in the
-// next frame. False where that time would not do for any.
+// Puts pairs where their turn is, and no more of them than a part of the time until the cut allows: then those of every
+// k-th chunk, others in the next frame. False where that time would not do for any.
 bool put_into_bands(Refinement& refinement, TimePoint start, TimePoint cut) {
-  // Chosen: with all pairs ranked in every frame, a pile of 10,000 whose refinement had 2 ms ended late in one frame of ten.
+  // Chosen: with all pairs ranked in every frame, a pile of 10,000 whose refinement had 2 ms ended late in one frame of
+  // ten.
   constexpr double kShare = 0.25;
   WorldState& world = refinement.world;
   const FrameBuffers& buffers = world.buffers;
@@ -46,7 +47,8 @@ bool put_into_bands(Refinement& refinement, TimePoint start, TimePoint cut) {
     ranked.add(put);
   });
   if (ranked.get() >= 100) {
-    const double measured_ns = static_cast<double>((SteadyClock::now() - start).count()) / static_cast<double>(ranked.get());
+    const double measured_ns =
+        static_cast<double>((SteadyClock::now() - start).count()) / static_cast<double>(ranked.get());
     world.rank_cost_ns += 0.2 * (measured_ns - world.rank_cost_ns);
   }
   return true;
@@ -74,7 +76,8 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   report.planning = planned - start;
   if (first_cut <= planned || !put_into_bands(refinement, planned, first_cut)) return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(scheduler::kQuantumUnits));
-  // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to do.
+  // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
+  // do.
   do {
     report.jobs_given_up += world.executor->run_with({first_cut, patience}, open);
   } while (report.jobs_given_up == 0 && open.cut.get() == 0 && !world.bands.empty());
@@ -108,7 +111,9 @@ bool OpenRefinement::operator()(int worker) {
     tally.begun = now;
     tally.cpu_before = thread_cpu_time();
   }
-  const auto admits = [&](std::uint64_t units) { return budget.admits(now, units, answered_of(answered_share, contacts.get())); };
+  const auto admits = [&](std::uint64_t units) {
+    return budget.admits(now, units, answered_of(answered_share, contacts.get()));
+  };
   const auto end = [&](bool more) {
     tally.ended = now;
     if (!more) tally.off_cpu = std::max(Nanoseconds(0), now - tally.begun - (thread_cpu_time() - tally.cpu_before));
@@ -117,8 +122,9 @@ bool OpenRefinement::operator()(int worker) {
   };
   const std::uint32_t item = world->bands.take();
   std::uint64_t piece_units = 0;
-  const bool begins = item != parallel::PriorityBands::kNone &&
-                      admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units, scheduler::kQuantumUnits));
+  const bool begins =
+      item != parallel::PriorityBands::kNone &&
+      admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units, scheduler::kQuantumUnits));
   if (!begins) {
     if (!world->executor->commit(worker)) return false;
     if (item != parallel::PriorityBands::kNone) cut.set(1);
@@ -138,11 +144,12 @@ bool OpenRefinement::operator()(int worker) {
     tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
     piece_begun = now;
   };
-  const Outcome outcome = complete_level(*world, buffers.pools, pair, level, found, worker, [&](std::uint64_t next_units) {
-    note_piece();
-    piece_units = next_units;
-    return admits(next_units);
-  });
+  const Outcome outcome =
+      complete_level(*world, buffers.pools, pair, level, found, worker, [&](std::uint64_t next_units) {
+        note_piece();
+        piece_units = next_units;
+        return admits(next_units);
+      });
   note_piece();
   if (!world->executor->commit(worker)) return false;
   ActivePair& mine = buffers.pairs[item];

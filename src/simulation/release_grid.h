@@ -8,12 +8,14 @@
 
 namespace poise::simulation {
 
-/// Releases of a paced run: number k is at begin + k dt, with k exact, so rounding does not drift. A late frame does not move the grid: the next
-/// one has what is left of its period, and no lateness goes farther than that. No clock: the caller says what time it is.
+/// Releases of a paced run: number k is at begin + k dt, with k exact, so rounding does not drift. A late frame does
+/// not move the grid: the next one has what is left of its period, and no lateness goes farther than that. No clock:
+/// the caller says what time it is.
 class ReleaseGrid {
  public:
   /// `dt_s` > 0; a frame's deadline counts from its release.
-  ReleaseGrid(SteadyClock::time_point begin, double dt_s, Nanoseconds deadline) : begin_(begin), dt_s_(dt_s), deadline_(deadline) {}
+  ReleaseGrid(SteadyClock::time_point begin, double dt_s, Nanoseconds deadline)
+      : begin_(begin), dt_s_(dt_s), deadline_(deadline) {}
 
   [[nodiscard]] SteadyClock::time_point release() const { return at(number_); }
   [[nodiscard]] SteadyClock::time_point deadline() const { return release() + deadline_; }

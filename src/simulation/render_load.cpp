@@ -10,7 +10,8 @@ namespace poise::simulation {
 
 Nanoseconds load_of(const RenderLoad& load, std::uint64_t frame) {
   const double off = geometry::Random::of(load.seed, frame).symmetric();
-  return load.mean + Nanoseconds(static_cast<std::int64_t>(off * static_cast<double>(std::min(load.jitter, load.mean).count())));
+  return load.mean +
+         Nanoseconds(static_cast<std::int64_t>(off * static_cast<double>(std::min(load.jitter, load.mean).count())));
 }
 
 LoadTime burn(Nanoseconds cpu_time) {

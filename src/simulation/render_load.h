@@ -7,7 +7,8 @@
 
 namespace poise::simulation {
 
-/// Work of a host that draws or plays, simulated: after each step it keeps the processor busy, and the frame's deadline counts it in.
+/// Work of a host that draws or plays, simulated: after each step it keeps the processor busy, and the frame's deadline
+/// counts it in.
 struct RenderLoad {
   Nanoseconds mean{0};    ///< time on the CPU, >= 0
   Nanoseconds jitter{0};  ///< each frame's differs from the mean by up to this, evenly distributed; at most the mean

@@ -102,7 +102,8 @@ class PairRows final : public response::RowSource {
       row.moment_b_m = contact.moment_b_m;
     }
     const auto& inverse_mass = world_.bodies.inverse_mass;
-    if (!response::prepare_row(row, inverse_mass[pair.a], buffers.inverse_inertia[pair.a], inverse_mass[pair.b], buffers.inverse_inertia[pair.b])) {
+    if (!response::prepare_row(row, inverse_mass[pair.a], buffers.inverse_inertia[pair.a], inverse_mass[pair.b],
+                               buffers.inverse_inertia[pair.b])) {
       degenerate_.take(1);
     }
     if (world_.settings.contact == ContactModel::Paper) fill_points(world_, pair, place, row);
@@ -138,7 +139,8 @@ void leave_bouncing(WorldState& world) {
   }
 }
 
-// How many places a substep may visit: as many as the solver does by itself, or before a deadline as many as fit, or as another run decided.
+// How many places a substep may visit: as many as the solver does by itself, or before a deadline as many as fit, or as
+// another run decided.
 std::uint32_t visits_of_step(WorldState& world, const StepInput& input, const FrameReport& report) {
   std::uint32_t most = response::kMostVisits;
   if (input.replay != nullptr) {
@@ -153,13 +155,15 @@ std::uint32_t visits_of_step(WorldState& world, const StepInput& input, const Fr
 }  // namespace
 
 response::PlaceNow lone_place(const WorldState& world, const ActivePair& pair) {
-  return response::place_now(world.buffers.poses[pair.a], world.buffers.poses[pair.b], world.places.places[PlaceStore::begin(pair.memory.room)]);
+  return response::place_now(world.buffers.poses[pair.a], world.buffers.poses[pair.b],
+                             world.places.places[PlaceStore::begin(pair.memory.room)]);
 }
 
 double answered_gap_m(const WorldState& world, std::uint32_t pair) {
   const ActivePair& active = world.buffers.pairs[pair];
   // The paper answers the spheres themselves; the others answer the surfaces that are likely inside them.
-  if (world.settings.contact == ContactModel::Paper && !active.by_kept()) return world.buffers.found[pair].contact.spheres_m;
+  if (world.settings.contact == ContactModel::Paper && !active.by_kept())
+    return world.buffers.found[pair].contact.spheres_m;
   return lone_place(world, active).gap_m;
 }
 
@@ -172,8 +176,10 @@ void list_contact_pairs(WorldState& world, double dt_s, double still_mps, FrameR
 
 response::System impact_system(WorldState& world) {
   FrameBuffers& buffers = world.buffers;
-  return {buffers.solver_bodies, std::span(buffers.rows).first(buffers.rest_pairs.size()), buffers.points, world.places.places, buffers.poses,
-          buffers.inverse_inertia, buffers.coloring, buffers.scratch};
+  return {buffers.solver_bodies, std::span(buffers.rows).first(buffers.rest_pairs.size()),
+          buffers.points,        world.places.places,
+          buffers.poses,         buffers.inverse_inertia,
+          buffers.coloring,      buffers.scratch};
 }
 
 void fill_rows(WorldState& world) {
@@ -200,8 +206,9 @@ response::Convergence respond(WorldState& world, const StepInput& input, FrameRe
     leave_bouncing(world);
   }
   if (!stopping.converges()) settings.visits = visits_of_step(world, input, report);
-  const response::RestSystem system{buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia, buffers.poses, buffers.rest_pairs,
-                                    world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring, buffers.rest_places};
+  const response::RestSystem system{
+      buffers.solver_bodies, buffers.accelerations, buffers.inverse_inertia, buffers.poses,    buffers.rest_pairs,
+      world.places.places,   world.places.loads,    buffers.given_ns,        buffers.coloring, buffers.rest_places};
   const response::Convergence rest = world.rest_solver.solve(system, settings, *world.executor);
   report.patch_visits = rest.visits;
   if (rest.cut_short) report.degraded.visits = settings.visits;

@@ -258,7 +258,8 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   figures.tail = tail_figures(frames, terms.alpha);
   figures.levels = level_figures(frames);
   const auto stage = [&](const StageMember& of) {
-    return StageFigures{of.name, percentiles(collect(frames, [&](const RunFrame& frame) { return ms(frame.report.times.*of.time); }))};
+    return StageFigures{
+        of.name, percentiles(collect(frames, [&](const RunFrame& frame) { return ms(frame.report.times.*of.time); }))};
   };
   std::transform(kStages.begin(), kStages.end(), figures.stages.begin(), stage);
   figures.stages.back() = stage({"total", &StageTimes::total});

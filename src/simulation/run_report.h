@@ -60,11 +60,12 @@ struct TailFigures {
   double reserve_over_actual = 0;    ///< mean
   double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
   Percentiles actual_over_forecast;  ///< of the point forecast, without margin
-  /// Mean pinball loss of the reserve as a forecast of the (1 - alpha) quantile of the tail (Koenker and Bassett, "Regression quantiles",
-  /// Econometrica 1978): (1 - alpha) of what it was too short by, alpha of what it was too long by.
+  /// Mean pinball loss of the reserve as a forecast of the (1 - alpha) quantile of the tail (Koenker and Bassett,
+  /// "Regression quantiles", Econometrica 1978): (1 - alpha) of what it was too short by, alpha of what it was too long
+  /// by.
   double pinball_loss_ms = 0;
   double margin_last = 1;
-  std::uint64_t beyond_clip = 0;     ///< frames whose actual / forecast the bound on misses does not speak of
+  std::uint64_t beyond_clip = 0;  ///< frames whose actual / forecast the bound on misses does not speak of
 };
 
 /// Frames that left something out because it was forecast not to fit, and what.
@@ -76,13 +77,15 @@ struct DegradedFigures {
   std::uint64_t infeasible_forecast = 0;  ///< frames of which what every frame must do was forecast not to fit
 };
 
-/// How deep frames got, over those that were looked at (StepInput::measure_levels); places are levels, the last one is polygons.
+/// How deep frames got, over those that were looked at (StepInput::measure_levels); places are levels, the last one is
+/// polygons.
 struct LevelFigures {
   std::uint64_t frames = 0;
   std::array<std::uint64_t, kPolygonPlace + 1> bodies{};  ///< by the least level of their contacts
-  std::array<double, kPolygonPlace + 1> weight{};         ///< share of what a viewer can notice, by the level of the contact; sums to 1 unless there is none
+  std::array<double, kPolygonPlace + 1>
+      weight{};  ///< share of what a viewer can notice, by the level of the contact; sums to 1 unless there is none
   double left_for_time_mean = 0, left_for_room_mean = 0;  ///< pairs
-  std::uint32_t longest_wait = 0;                         ///< starvation: frames since a pair that was left coarse was answered beyond level 0
+  std::uint32_t longest_wait = 0;  ///< starvation: frames since a pair that was left coarse was answered beyond level 0
 };
 
 struct StageFigures {
@@ -101,8 +104,8 @@ struct WorkFigures {
 
 /// Bodies that slept (WorldSettings::sleeping).
 struct SleepFigures {
-  std::uint64_t asleep_end = 0;  ///< after the last frame
-  double asleep_mean = 0;        ///< after a frame
+  std::uint64_t asleep_end = 0;              ///< after the last frame
+  double asleep_mean = 0;                    ///< after a frame
   std::uint64_t fell_asleep = 0, woken = 0;  ///< sums over the frames
 };
 
@@ -120,8 +123,8 @@ struct RunFigures {
   std::uint64_t frames = 0;  ///< without warm-up
   std::uint64_t warm_up_frames = 0;
   std::uint64_t warm_up_misses = 0;
-  Percentiles frame_ms;          ///< StageTimes::total
-  double low_1_percent_fps = 0;  ///< frames a second over the slowest hundredth (at least one frame)
+  Percentiles frame_ms;            ///< StageTimes::total
+  double low_1_percent_fps = 0;    ///< frames a second over the slowest hundredth (at least one frame)
   double low_0_1_percent_fps = 0;  ///< likewise the slowest thousandth
   Percentiles release_delay_ms;
   std::optional<MissFigures> misses;  ///< not defined on the work clock

@@ -46,7 +46,9 @@ void sort_memory(WorldState& world) {
   Sleep& sleep = world.sleep;
   sleep.next_awake.clear();
   sleep.next_aside.clear();
-  const auto move = [&](const PairMemory& pair) { (sleeps(world, pair) ? sleep.next_aside : sleep.next_awake).push_back(pair); };
+  const auto move = [&](const PairMemory& pair) {
+    (sleeps(world, pair) ? sleep.next_aside : sleep.next_awake).push_back(pair);
+  };
   const auto key = [](const PairMemory& pair) { return std::pair(pair.low, pair.high); };
   auto aside = sleep.aside.begin();
   for (const PairMemory& pair : world.memory) {
@@ -168,13 +170,16 @@ void wake_stirred(WorldState& world) {
   if (!sleep.any_roused && sleep.stirred.empty()) return;
   std::sort(sleep.stirred.begin(), sleep.stirred.end());
   sleep.stirred.erase(std::unique(sleep.stirred.begin(), sleep.stirred.end()), sleep.stirred.end());
-  const auto stirred = [&](std::uint32_t slot) { return std::binary_search(sleep.stirred.begin(), sleep.stirred.end(), slot); };
+  const auto stirred = [&](std::uint32_t slot) {
+    return std::binary_search(sleep.stirred.begin(), sleep.stirred.end(), slot);
+  };
   for (const PairMemory& pair : sleep.aside) {
     if (world.bodies.asleep[pair.low] != 0 && stirred(pair.high)) rouse(world, pair.low);
     if (world.bodies.asleep[pair.high] != 0 && stirred(pair.low)) rouse(world, pair.high);
   }
   for (const std::uint32_t slot : sleep.stirred) {
-    if (world.bodies.asleep_count() > 0 && world.bodies.alive[slot] != 0 && world.bodies.dynamic[slot] == 0) rouse_around(world, slot);
+    if (world.bodies.asleep_count() > 0 && world.bodies.alive[slot] != 0 && world.bodies.dynamic[slot] == 0)
+      rouse_around(world, slot);
   }
   sleep.stirred.clear();
   if (sleep.any_roused) wake_roused(world);
@@ -195,7 +200,8 @@ bool wake_touched(WorldState& world) {
 void fall_asleep(WorldState& world, double dt_s, FrameReport& report) {
   Sleep& sleep = world.sleep;
   // The room that an island will need, before it sleeps.
-  for (parallel::LargeVector<PairMemory>* kept : {&sleep.aside, &sleep.next_awake, &sleep.next_aside}) kept->reserve(world.memory.capacity());
+  for (parallel::LargeVector<PairMemory>* kept : {&sleep.aside, &sleep.next_awake, &sleep.next_aside})
+    kept->reserve(world.memory.capacity());
   sleep.parent.reserve(world.bodies.slot_count());
   sleep.restless.reserve(world.bodies.slot_count());
   if (count_still(world, dt_s)) {

@@ -30,11 +30,13 @@ void refine(WorldState& world, const StepInput& input, FrameReport& report);
 /// What a policy may know of the frame.
 scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input);
 /// What decides when the next level of an active pair has its turn; `index` is its place among them.
-double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair, std::uint32_t index);
+double score_of(const WorldState& world, const scheduler::FrameFacts& facts, const ActivePair& pair,
+                std::uint32_t index);
 /// The next level of an active pair on one worker, whatever that costs; false when its front had no room.
 bool refine_level(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 
-/// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room. `found` is that of the pair.
+/// Brings one active pair to its deepest level on one worker, whatever that costs; false when its front had no room.
+/// `found` is that of the pair.
 bool refine_pair(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker);
 
 /// Gives all pairs their places, and finds those that are answered. What is slower than `still_mps` is no impact.
@@ -42,7 +44,8 @@ void lay_out_places(WorldState& world, double dt_s, double still_mps);
 /// Lists the answered ones in canonical order and colours them by the bodies that yield.
 void list_answered(WorldState& world, FrameReport& report);
 
-/// Where the pairs are that are answered, and the velocities of the bodies: the first half of respond. What is slower than `still_mps` is no impact.
+/// Where the pairs are that are answered, and the velocities of the bodies: the first half of respond. What is slower
+/// than `still_mps` is no impact.
 void list_contact_pairs(WorldState& world, double dt_s, double still_mps, FrameReport& report);
 /// Fills all rows with what impacts need; respond does so as they are looked at.
 void fill_rows(WorldState& world);
@@ -50,10 +53,11 @@ void fill_rows(WorldState& world);
 response::System impact_system(WorldState& world);
 /// The place of an answered pair that answers impacts, where it was at the start of the frame.
 response::PlaceNow lone_place(const WorldState& world, const ActivePair& pair);
-/// The likely gap of its surfaces there; in the paper's model that of its spheres. `pair` is its place among the active pairs.
+/// The likely gap of its surfaces there; in the paper's model that of its spheres. `pair` is its place among the active
+/// pairs.
 double answered_gap_m(const WorldState& world, std::uint32_t pair);
-/// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which answers no
-/// front. Counts pairs whose front had no room.
+/// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which
+/// answers no front. Counts pairs whose front had no room.
 std::size_t refine_to_the_end(WorldState& world);
 
 /// Impulses at the deepest completed level of each pair, and forces; velocities are those after the step.

@@ -10,7 +10,8 @@
 namespace poise::simulation {
 namespace {
 
-// Gaps below this share of the smaller extent count as touching. Chosen: a hundredth of a percent of a bullet's way, and far above rounding.
+// Gaps below this share of the smaller extent count as touching. Chosen: a hundredth of a percent of a bullet's way,
+// and far above rounding.
 constexpr double kToleranceOfExtent = 1e-3;
 // Pairs within this many tolerances at the start make a row: a hit stands at half a tolerance to one.
 constexpr double kTouching = 1.5;
@@ -21,7 +22,9 @@ constexpr double kHitOfGap = 0.75;
 // Room around a swept bound for skin and rounding, as a share of the radius.
 constexpr double kRoom = 5e-3;
 
-bool is_lone_ball(const Shape& shape) { return shape.kind == ShapeKind::Tree && !shape.surface && shape.tree.node_count() == 1; }
+bool is_lone_ball(const Shape& shape) {
+  return shape.kind == ShapeKind::Tree && !shape.surface && shape.tree.node_count() == 1;
+}
 
 Vec3 acceleration_of(const WorldState& world, std::size_t i) {
   Vec3 acceleration = world.settings.gravity_mps2;
@@ -38,7 +41,8 @@ collision::Mover standing_mover(const WorldState& world, std::uint32_t slot) {
 }
 
 // A row by the one contact that is there. What a hit leaves between the surfaces is no gap to close.
-void touch_exactly(const WorldState& world, const collision::ConvexGap& gap, double near_m, ActivePair& pair, collision::LevelContact& found) {
+void touch_exactly(const WorldState& world, const collision::ConvexGap& gap, double near_m, ActivePair& pair,
+                   collision::LevelContact& found) {
   const collision::Pose& pose = world.buffers.poses[pair.a];
   collision::PairLevel& level = pair.level;
   level.level = level.deepest;
@@ -58,10 +62,12 @@ void touch_exactly(const WorldState& world, const collision::ConvexGap& gap, dou
 void send(WorldState& world, SweptPair& swept, int worker) {
   ActivePair& pair = world.buffers.pairs[swept.pair];
   collision::LevelContact& found = world.buffers.found[swept.pair];
-  const double extent = std::min(world.shapes[world.shape_of[pair.a]].least_extent_m, world.shapes[world.shape_of[pair.b]].least_extent_m);
+  const double extent = std::min(world.shapes[world.shape_of[pair.a]].least_extent_m,
+                                 world.shapes[world.shape_of[pair.b]].least_extent_m);
   swept.tolerance_m = kToleranceOfExtent * extent;
   const double near_m = kTouching * swept.tolerance_m;
-  const collision::ConvexGap gap = collision::surface_gap(standing_mover(world, pair.a), standing_mover(world, pair.b), near_m);
+  const collision::ConvexGap gap =
+      collision::surface_gap(standing_mover(world, pair.a), standing_mover(world, pair.b), near_m);
   // Whatever is known of it, its way is not the margin's business.
   pair.margin_m = pair.reach_m = pair.skin_m;
   pair.kept = Kept::Nothing;
@@ -134,9 +140,11 @@ bool place_stopped(WorldState& world, std::uint32_t slot) {
   if (!course.stopped) return false;
   dynamics::BodyStore& bodies = world.bodies;
   const double sine = (course.stands.rotation.orientation * course.start.rotation.orientation.conjugate()).vec().norm();
-  world.buffers.motions[slot] = {course.stands.position_m - course.start.position_m, 2.0 * bodies.shape[slot]->bounding_radius_m * sine};
+  world.buffers.motions[slot] = {course.stands.position_m - course.start.position_m,
+                                 2.0 * bodies.shape[slot]->bounding_radius_m * sine};
   bodies.set_position(slot, course.stands.position_m);
-  bodies.set_orientation(slot, (course.stands.rotation.orientation * bodies.shape[slot]->principal_axes.conjugate()).normalized());
+  bodies.set_orientation(
+      slot, (course.stands.rotation.orientation * bodies.shape[slot]->principal_axes.conjugate()).normalized());
   bodies.set_velocity(slot, course.velocity_mps);
   bodies.set_spin(slot, course.stands.rotation.spin_radps);
   bodies.set_force(slot, Vec3::Zero());

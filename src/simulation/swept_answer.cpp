@@ -31,8 +31,8 @@ Vec3 velocity_at_mps(const WorldState& world, std::size_t i, double time_s, doub
   return solved.velocity_mps - (h_s - time_s) * world.buffers.accelerations[i].linear_mps2;
 }
 
-// When a body has to stop so that it does not leave what was swept for it: a slow one its slack (and what forces move it), a fast one its
-// slack about its way.
+// When a body has to stop so that it does not leave what was swept for it: a slow one its slack (and what forces move
+// it), a fast one its slack about its way.
 double limit_of_s(const WorldState& world, std::size_t i, double h_s) {
   const SweptFrame& swept = world.buffers.swept;
   const Vec3 motion = planned_motion_m(world, i, h_s);
@@ -230,7 +230,8 @@ class Events {
     row.direction = contact.direction;
     row.moment_a_m = contact.moment_a_m;
     row.moment_b_m = contact.moment_b_m;
-    if (!response::prepare_row(row, bodies.inverse_mass[pair.a], inverse_inertia(a), bodies.inverse_mass[pair.b], inverse_inertia(b))) {
+    if (!response::prepare_row(row, bodies.inverse_mass[pair.a], inverse_inertia(a), bodies.inverse_mass[pair.b],
+                               inverse_inertia(b))) {
       ++report_.degenerate;
       return;
     }

@@ -45,7 +45,9 @@ class OtherPoses {
 
 }  // namespace
 
-double swept_slack_m(const WorldState& world, std::size_t slot) { return 0.5 * world.shapes[world.shape_of[slot]].least_extent_m; }
+double swept_slack_m(const WorldState& world, std::size_t slot) {
+  return 0.5 * world.shapes[world.shape_of[slot]].least_extent_m;
+}
 
 void refine_whole(WorldState& world, ActivePair& pair, collision::LevelContact& found, int worker) {
   collision::FrontPool& pool = world.buffers.pools[static_cast<std::size_t>(worker)];

@@ -49,7 +49,8 @@ void trace_frame(const WorldState& world, const FrameReport& report, Trace& trac
   for (std::size_t w = 0; w < world.buffers.tallies.size(); ++w) {
     const WorkerTally& tally = world.buffers.tallies[w];
     if (tally.begun == SteadyClock::time_point{} || tally.ended < tally.begun) continue;
-    trace.add({tally.begun, tally.ended, report.frame, static_cast<std::uint32_t>(tally.jobs), static_cast<std::int16_t>(w), TraceStage::Worker});
+    trace.add({tally.begun, tally.ended, report.frame, static_cast<std::uint32_t>(tally.jobs),
+               static_cast<std::int16_t>(w), TraceStage::Worker});
   }
 }
 

@@ -50,10 +50,12 @@ simulation::ShapeFacts facts_of(ShapePtr shape) {
   return facts;
 }
 
-bool is_static(const dynamics::BodyStore& bodies, std::size_t slot) { return bodies.dynamic[slot] == 0 && bodies.asleep[slot] == 0; }
+bool is_static(const dynamics::BodyStore& bodies, std::size_t slot) {
+  return bodies.dynamic[slot] == 0 && bodies.asleep[slot] == 0;
+}
 
-// A quaternion that is of unit length but for rounding stays as it is, so that a state that is read and set again is the
-// same to the bit.
+// A quaternion that is of unit length but for rounding stays as it is, so that a state that is read and set again is
+// the same to the bit.
 Quat unit(const Quat& turn) {
   constexpr double kRounding = 1e-14;
   return std::abs(turn.squaredNorm() - 1.0) <= kRounding ? turn : Quat(turn.normalized());
@@ -289,9 +291,7 @@ void World::decisions(FrameDecisions& decisions) const {
     simulation::DecisionLog().merge(decisions);
   }
 }
-Conserved World::conserved() const {
-  return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
-}
+Conserved World::conserved() const { return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2); }
 
 std::uint64_t World::state_hash() const {
   const dynamics::BodyStore& bodies = state_->bodies;
@@ -300,10 +300,10 @@ std::uint64_t World::state_hash() const {
     hash = XXH64(column.data(), column.size() * sizeof(column[0]), hash);
   };
   for (const auto* column :
-       {&bodies.x_m, &bodies.y_m, &bodies.z_m, &bodies.qw, &bodies.qx, &bodies.qy, &bodies.qz, &bodies.vx_mps,
-        &bodies.vy_mps, &bodies.vz_mps, &bodies.wx_radps, &bodies.wy_radps, &bodies.wz_radps, &bodies.fx_n,
-        &bodies.fy_n, &bodies.fz_n, &bodies.tx_nm, &bodies.ty_nm, &bodies.tz_nm, &bodies.mass_kg,
-        &bodies.importance}) {
+       {&bodies.x_m,      &bodies.y_m,     &bodies.z_m,       &bodies.qw,     &bodies.qx,       &bodies.qy,
+        &bodies.qz,       &bodies.vx_mps,  &bodies.vy_mps,    &bodies.vz_mps, &bodies.wx_radps, &bodies.wy_radps,
+        &bodies.wz_radps, &bodies.fx_n,    &bodies.fy_n,      &bodies.fz_n,   &bodies.tx_nm,    &bodies.ty_nm,
+        &bodies.tz_nm,    &bodies.mass_kg, &bodies.importance}) {
     mix(*column);
   }
   mix(bodies.generation);
@@ -313,10 +313,16 @@ std::uint64_t World::state_hash() const {
   const auto mix_pairs = [&](const parallel::LargeVector<simulation::PairMemory>& memory) {
     for (const simulation::PairMemory& pair : memory) {
       // Field by field: padding has no defined bits.
-      const std::uint64_t words[8] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_waited,
-                                      std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U | (pair.answered ? 4U : 0U) | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
-                                      std::bit_cast<std::uint64_t>(pair.reach_m), std::bit_cast<std::uint64_t>(pair.moved_m),
-                                      std::bit_cast<std::uint64_t>(pair.nearest_m), std::bit_cast<std::uint64_t>(pair.lone_m), std::bit_cast<std::uint64_t>(pair.looked_m)};
+      const std::uint64_t words[8] = {std::uint64_t{pair.low} << 32U | pair.high,
+                                      pair.frames_waited,
+                                      std::uint64_t{pair.level} << 16U | std::uint64_t{pair.place_count} << 8U |
+                                          (pair.answered ? 4U : 0U) | (pair.touching ? 2U : 0U) |
+                                          (pair.apart ? 1U : 0U),
+                                      std::bit_cast<std::uint64_t>(pair.reach_m),
+                                      std::bit_cast<std::uint64_t>(pair.moved_m),
+                                      std::bit_cast<std::uint64_t>(pair.nearest_m),
+                                      std::bit_cast<std::uint64_t>(pair.lone_m),
+                                      std::bit_cast<std::uint64_t>(pair.looked_m)};
       hash = XXH64(words, sizeof(words), hash);
       if (pair.place_count == 0) continue;
       const std::size_t first = simulation::PlaceStore::begin(pair.room);
@@ -324,7 +330,8 @@ std::uint64_t World::state_hash() const {
       hash = XXH64(state_->places.loads.data() + first, pair.place_count * sizeof(response::RestLoad), hash);
     }
   };
-  static_assert(sizeof(response::RestPlace) == 10 * sizeof(double) && sizeof(response::RestLoad) == 4 * sizeof(double), "no padding in what is hashed");
+  static_assert(sizeof(response::RestPlace) == 10 * sizeof(double) && sizeof(response::RestLoad) == 4 * sizeof(double),
+                "no padding in what is hashed");
   mix_pairs(state_->memory);
   if (!state_->settings.sleeping) return hash;
   const simulation::Sleep& sleep = state_->sleep;

@@ -20,8 +20,8 @@ CommandResult poise_command(const std::vector<std::string>& arguments);
 CommandResult interrupted_command(const std::vector<std::string>& arguments, const std::string& fifo,
                                   std::string& received);
 
-/// The same with a terminal as its standard error: at the first thing it shows there it gets Ctrl-C. What it showed comes back as
-/// the error text.
+/// The same with a terminal as its standard error: at the first thing it shows there it gets Ctrl-C. What it showed
+/// comes back as the error text.
 CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments);
 
 /// The same with the standard output going to `out_file`.

@@ -40,8 +40,9 @@ TEST(Command, ComparesEachKthMeasuredFrameWithItsReferenceAndLeavesTheRunAlone) 
   const TemporaryFolder folder;
   const std::string file = folder.file("frames.csv");
   const auto run = [](std::vector<std::string> options, const std::string& threads) {
-    std::vector<std::string> arguments{"run",         "jacks",        "--bodies", "60",        "--frames", "100", "--clock", "work",
-                                       "--budget-work", "40", "--warmup", "3",         "--threads", threads};
+    std::vector<std::string> arguments{"run",       "jacks", "--bodies",      "60", "--frames", "100",
+                                       "--clock",   "work",  "--budget-work", "40", "--warmup", "3",
+                                       "--threads", threads};
     arguments.insert(arguments.end(), options.begin(), options.end());
     return figures_of(arguments);
   };
@@ -55,7 +56,8 @@ TEST(Command, ComparesEachKthMeasuredFrameWithItsReferenceAndLeavesTheRunAlone) 
   EXPECT_EQ(with.at("reference").at("frames"), 3);
   EXPECT_EQ(with.at("reference").at("not_converged"), 0);
   EXPECT_GT(with.at("reference").at("e_rel_max"), 0);
-  for (const char* name : {"e_mps_p50", "e_rel_p90", "e_seen_mps_max", "gap_max_mm_p50", "false_contacts", "missed_rate"}) {
+  for (const char* name :
+       {"e_mps_p50", "e_rel_p90", "e_seen_mps_max", "gap_max_mm_p50", "false_contacts", "missed_rate"}) {
     EXPECT_EQ(alone.at("reference").at(name), with.at("reference").at(name)) << name;
   }
   const std::vector<std::string> rows = lines(contents(file));
@@ -69,8 +71,8 @@ TEST(Command, ComparesEachKthMeasuredFrameWithItsReferenceAndLeavesTheRunAlone) 
 }
 
 TEST(Command, PrintsTheReferenceAndTakesItsFiguresAsRequirements) {
-  const std::vector<std::string> run{"run",     "two-body", "--frames",    "120",     "--clock", "wall",
-                                     "--reference", "every=1", "--require"};
+  const std::vector<std::string> run{"run",  "two-body",    "--frames", "120",      "--clock",
+                                     "wall", "--reference", "every=1",  "--require"};
   const auto require = [&](const std::string& expression) {
     std::vector<std::string> arguments = run;
     arguments.push_back(expression);
@@ -172,10 +174,9 @@ TEST(Command, GivesTheSameHashOnEveryThreadCountAndExecutorForTheSameWork) {
 
 TEST(Command, TakesItsOptionsIntoTheReport) {
   const json report =
-      figures_of({"run",         "jacks",    "--bodies",    "20",        "--frames", "4",          "--threads",
-                  "2",           "--policy", "fifo",        "--contact", "paper",    "--deadline", "7.5",
-                  "--host-work", "0.5",      "--max-level", "1",         "--seed",   "5",          "--paced",
-                  "--sleeping"});
+      figures_of({"run",         "jacks", "--bodies",  "20",    "--frames",   "4",         "--threads",   "2",
+                  "--policy",    "fifo",  "--contact", "paper", "--deadline", "7.5",       "--host-work", "0.5",
+                  "--max-level", "1",     "--seed",    "5",     "--paced",    "--sleeping"});
   EXPECT_EQ(report.at("schema"), "poise.run/1");
   EXPECT_EQ(report.at("scene"), "jacks");
   EXPECT_EQ(report.at("policy"), "fifo");

@@ -58,7 +58,8 @@ TEST(Refusals, OfBadUsageEndWithTwo) {
           run({"--seed", "-1"}, "--seed = -1, must be"),
           run({"--max-level", "7"}, "--max-level = 7, must be a whole number from 0 to 6, or polygons"),
           run({"--max-level", "polygon"}, "--max-level = polygon, must be a whole number from 0 to 6, or polygons"),
-          run({"--reference", "every=0"}, "--reference = every=0, must be every=K with a whole number K from 1 to 1000000"),
+          run({"--reference", "every=0"},
+              "--reference = every=0, must be every=K with a whole number K from 1 to 1000000"),
           run({"--reference", "5"}, "--reference = 5, must be every=K"),
           run({"--reference", "every=2.5"}, "--reference = every=2.5, must be every=K"),
           run({"--reference", "every=-1"}, "--reference = every=-1, must be every=K"),
@@ -90,14 +91,15 @@ TEST(Refusals, OfBadInputEndWithThree) {
   std::ofstream(folder.file("syntax.json")) << "{\n  \"name\": \"x\",\n  \"dt_s\" 1\n}\n";
   std::ofstream(folder.file("empty.json"));
   expect_refusals(
-      3, {
-             {{"run", "no-such-scene"}, "no scene of this name ships (bullets, gas, jacks, pile, real-meshes, two-body"},
-             {{"run", folder.file("none.json")}, "none.json: no such file"},
-             {{"run", folder.path().string()}, "is a directory, must be a scene file"},
-             {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
-             {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
-             {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
-         });
+      3,
+      {
+          {{"run", "no-such-scene"}, "no scene of this name ships (bullets, gas, jacks, pile, real-meshes, two-body"},
+          {{"run", folder.file("none.json")}, "none.json: no such file"},
+          {{"run", folder.path().string()}, "is a directory, must be a scene file"},
+          {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
+          {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
+          {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
+      });
   EXPECT_EQ(folder.entries(), 3U);
 }
 

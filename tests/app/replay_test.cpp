@@ -41,12 +41,14 @@ const std::vector<std::string> kJacks{"jacks", "--bodies", "60", "--frames", "60
 TEST(Replay, GivesTheStateOfTheWallClockRunOnAnyThreadsAndExecutor) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
-  for (const std::vector<std::string>& more : {std::vector<std::string>{"--threads", "4", "--executor", "threads"},
-                                               std::vector<std::string>{"--threads", "2", "--contact", "paper", "--sleeping", "--seed", "9"}}) {
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--threads", "4", "--executor", "threads"},
+        std::vector<std::string>{"--threads", "2", "--contact", "paper", "--sleeping", "--seed", "9"}}) {
     std::vector<std::string> arguments = kJacks;
     arguments.insert(arguments.end(), more.begin(), more.end());
     const json run = recorded_run(file, arguments);
-    for (const std::vector<std::string>& how : {std::vector<std::string>{"--threads", "1"}, std::vector<std::string>{"--threads", "3", "--executor", "threads"},
+    for (const std::vector<std::string>& how : {std::vector<std::string>{"--threads", "1"},
+                                                std::vector<std::string>{"--threads", "3", "--executor", "threads"},
                                                 std::vector<std::string>{"--executor", "serial"}}) {
       const json replay = replayed(file, how);
       EXPECT_EQ(replay.at("schema"), "poise.replay/1");
@@ -101,7 +103,8 @@ TEST(Replay, ExplainsAFrameAsTheReportCountsIt) {
   std::vector<std::string> arguments = kJacks;
   // Counted work leaves pairs coarse on any machine.
   arguments.erase(arguments.end() - 2, arguments.end());
-  arguments.insert(arguments.end(), {"--clock", "work", "--budget-work", "8", "--frames-csv", folder.file("frames.csv")});
+  arguments.insert(arguments.end(),
+                   {"--clock", "work", "--budget-work", "8", "--frames-csv", folder.file("frames.csv")});
   recorded_run(file, arguments);
   const json explain = replayed(file, {"--explain", "70"}).at("explain");
   const std::vector<std::string> rows = lines(contents(folder.file("frames.csv")));
@@ -131,11 +134,13 @@ TEST(Replay, ExplainsAFrameAsTheReportCountsIt) {
   }
   EXPECT_EQ(units, cell("work_refine"));
   // Rounds go by score, so the first level that was done is worth no less than any that was left before it.
-  for (const json& row : explain.at("left_coarse")) EXPECT_LE(row.at("next_score"), explain.at("left_coarse").at(0).at("next_score"));
+  for (const json& row : explain.at("left_coarse"))
+    EXPECT_LE(row.at("next_score"), explain.at("left_coarse").at(0).at("next_score"));
   const CommandResult shown = poise_command({"replay", file, "--explain", "70", "--limit", "3"});
   EXPECT_EQ(shown.exit_code, 0) << shown.error;
   EXPECT_NE(shown.out.find(" (3 of "), std::string::npos) << shown.out;
-  for (const char* part : {"frame 70: ", "pairs by what became of them", "refined, in the order", "left coarse, the highest score first", "closing m/s", "budget used up"}) {
+  for (const char* part : {"frame 70: ", "pairs by what became of them", "refined, in the order",
+                           "left coarse, the highest score first", "closing m/s", "budget used up"}) {
     EXPECT_NE(shown.out.find(part), std::string::npos) << part;
   }
 }
@@ -170,7 +175,8 @@ TEST(Replay, RefusesAMeshThatHasChangedAndFindsOneThatHasMoved) {
   put(folder.file("tetra.obj"), mesh + "# changed\n");
   const CommandResult changed = poise_command({"replay", file});
   EXPECT_EQ(changed.exit_code, 3);
-  EXPECT_NE(changed.error.find("tetra.obj is another file than when the run was recorded"), std::string::npos) << changed.error;
+  EXPECT_NE(changed.error.find("tetra.obj is another file than when the run was recorded"), std::string::npos)
+      << changed.error;
 }
 
 TEST(Replay, RefusesOptionsThatDoNotGoTogether) {
@@ -192,8 +198,9 @@ TEST(Replay, ARunStoppedByCtrlCLeavesAWholeRecord) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
   std::string states;
-  const CommandResult stopped = interrupted_command({"run", "gas", "--frames", "1000000", "--record", file, "--states", folder.file("pipe"), "--quiet"},
-                                                    folder.file("pipe"), states);
+  const CommandResult stopped = interrupted_command(
+      {"run", "gas", "--frames", "1000000", "--record", file, "--states", folder.file("pipe"), "--quiet"},
+      folder.file("pipe"), states);
   EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
   const CommandResult replay = poise_command({"replay", file});
   EXPECT_EQ(replay.exit_code, 0) << replay.error;

@@ -65,12 +65,14 @@ TEST_P(FastCase, IsWithinItsBounds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheStudy, FastCase,
-                         ::testing::Values("two spheres", "free flight", "spinning top", "dropped ball", "five balls", "sliding box", "slope, balls on plane",
-                                           "rolling ball", "skidding ball", "bouncing 7 x 7", "400 : 1", "bad states"));
+                         ::testing::Values("two spheres", "free flight", "spinning top", "dropped ball", "five balls",
+                                           "sliding box", "slope, balls on plane", "rolling ball", "skidding ball",
+                                           "bouncing 7 x 7", "400 : 1", "bad states"));
 
 TEST(StudyAccuracy, FiguresDoNotDependOnThreads) {
   const auto rows = [](const char* threads) {
-    const CommandResult result = study({"--only", "five balls", "--only", "rings", "--threads", threads, "--json", "-"});
+    const CommandResult result =
+        study({"--only", "five balls", "--only", "rings", "--threads", threads, "--json", "-"});
     return json::parse(result.out, nullptr, false).at("rows");
   };
   EXPECT_EQ(rows("1"), rows("2"));
@@ -95,7 +97,8 @@ TEST(StudyAccuracy, WritesTablesAndDrawsWhatStands) {
 
 TEST(StudyAccuracy, EndsAtCtrlCWithNothingWritten) {
   const TemporaryFolder folder;
-  const CommandResult result = interrupted_on_terminal({"study", "accuracy", "--only", "million", "--json", folder.file("s.json")});
+  const CommandResult result =
+      interrupted_on_terminal({"study", "accuracy", "--only", "million", "--json", folder.file("s.json")});
   EXPECT_EQ(result.exit_code, 130);
   EXPECT_FALSE(std::filesystem::exists(folder.file("s.json")));
 }

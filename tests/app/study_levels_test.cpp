@@ -48,7 +48,8 @@ TEST(StudyLevels, RefusesWhatItCannotStudy) {
 
 #ifdef POISE_HAVE_JUDGE
 
-const std::vector<std::string> kSmall = {"--pairs", "slab,cube", "--depth", "2", "--touches", "6", "--levels", "1,2,polygons"};
+const std::vector<std::string> kSmall = {"--pairs",   "slab,cube", "--depth",  "2",
+                                         "--touches", "6",         "--levels", "1,2,polygons"};
 
 std::vector<std::string> small(const std::vector<std::string>& more) {
   std::vector<std::string> arguments = kSmall;
@@ -108,8 +109,18 @@ TEST(StudyLevels, FiguresDependOnSeedAndHalfAndNotOnThreads) {
 
 TEST(StudyLevels, TakesMeshesAndDrawsThem) {
   const TemporaryFolder folder;
-  std::vector<std::string> arguments = {kMeshes + "slab.obj", kMeshes + "l.obj", "--depth",  "1",    "--touches",         "3",
-                                        "--levels",           "1",                "--models", "wrench", "--json", folder.file("s.json")};
+  std::vector<std::string> arguments = {kMeshes + "slab.obj",
+                                        kMeshes + "l.obj",
+                                        "--depth",
+                                        "1",
+                                        "--touches",
+                                        "3",
+                                        "--levels",
+                                        "1",
+                                        "--models",
+                                        "wrench",
+                                        "--json",
+                                        folder.file("s.json")};
   const bool gnuplot = std::filesystem::exists("/usr/bin/gnuplot");
   if (gnuplot) arguments.insert(arguments.end(), {"--picture", folder.file("s.png")});
   const CommandResult result = study(arguments);
@@ -134,8 +145,8 @@ TEST(StudyLevels, RefusesAMeshThatHasNoInside) {
 
 TEST(StudyLevels, EndsAtCtrlCWithNothingWritten) {
   const TemporaryFolder folder;
-  const CommandResult result = interrupted_on_terminal(
-      {"study", "levels", "--pairs", "slab,slab;cube,cube", "--depth", "1", "--touches", "100000", "--json", folder.file("s.json")});
+  const CommandResult result = interrupted_on_terminal({"study", "levels", "--pairs", "slab,slab;cube,cube", "--depth",
+                                                        "1", "--touches", "100000", "--json", folder.file("s.json")});
   EXPECT_EQ(result.exit_code, 130);
   EXPECT_FALSE(std::filesystem::exists(folder.file("s.json")));
 }

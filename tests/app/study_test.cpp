@@ -24,8 +24,8 @@ CommandResult study(std::vector<std::string> arguments) {
 TEST(StudyTrees, MakesARowForEachMeshAndPreset) {
   const TemporaryFolder folder;
   const CommandResult result =
-      study({kMeshes + "slab.obj", kMeshes + "l.obj", "--preset", "fast", "--preset", "default", "--depth", "0", "--json",
-             folder.file("s.json"), "--csv", folder.file("s.csv"), "--markdown", folder.file("s.md")});
+      study({kMeshes + "slab.obj", kMeshes + "l.obj", "--preset", "fast", "--preset", "default", "--depth", "0",
+             "--json", folder.file("s.json"), "--csv", folder.file("s.csv"), "--markdown", folder.file("s.md")});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_EQ(result.error, "");
   const json found = json::parse(contents(folder.file("s.json")));

@@ -16,7 +16,8 @@ using nlohmann::json;
 // A few balls that fall: frames of microseconds.
 std::string small_scene(const TemporaryFolder& folder, const std::string& more = "") {
   const std::string file = folder.file("small.json");
-  std::ofstream(file) << R"({"name": "small", "dt_s": 0.004, "gravity_mps2": [0, 0, -9.81], "frames": 130,)" << more << R"(
+  std::ofstream(file) << R"({"name": "small", "dt_s": 0.004, "gravity_mps2": [0, 0, -9.81], "frames": 130,)" << more
+                      << R"(
     "materials": {"m": {}}, "shapes": {"ball": {"sphere": {"radius_m": 0.5}}},
     "generators": [{"grid": {"shapes": ["ball"], "material": "m", "count": [3, 3, 3], "origin_m": [0, 0, 1], "spacing_m": 1.01}}]})";
   return file;
@@ -35,7 +36,8 @@ TEST(TimeOptions, ARenderLoadIsPartOfTheFrame) {
   const TemporaryFolder folder;
   const std::string frames = folder.file("frames.csv");
   // The load alone is longer than the deadline, so that every frame is late, however fast the machine.
-  const json report = run_json({small_scene(folder), "--frames", "5", "--deadline", "2", "--render-load", "3,0.5", "--frames-csv", frames});
+  const json report = run_json(
+      {small_scene(folder), "--frames", "5", "--deadline", "2", "--render-load", "3,0.5", "--frames-csv", frames});
   EXPECT_EQ(report.at("misses").at("count"), 5);
   EXPECT_EQ(report.at("misses").at("infeasible"), 5);
   EXPECT_EQ(report.at("settings").at("render_load_ms"), 3.0);
@@ -46,7 +48,8 @@ TEST(TimeOptions, ARenderLoadIsPartOfTheFrame) {
 
 TEST(TimeOptions, ASceneSaysWhatItsHostDoesAndTheCommandLineOverrulesIt) {
   const TemporaryFolder folder;
-  const std::string scene = small_scene(folder, R"("alpha": 0.05, "host_work": {"load_ms": 0.25, "jitter_ms": 0.125, "reserve_ms": 1},)");
+  const std::string scene =
+      small_scene(folder, R"("alpha": 0.05, "host_work": {"load_ms": 0.25, "jitter_ms": 0.125, "reserve_ms": 1},)");
   json report = run_json({scene, "--frames", "2"});
   EXPECT_EQ(report.at("settings").at("render_load_ms"), 0.25);
   EXPECT_EQ(report.at("settings").at("host_work_ms"), 1.0);
@@ -93,7 +96,8 @@ TEST(TimeOptions, AreRefusedWithTheirRule) {
 
 TEST(StudyTimes, ForecastPlaysEveryMethodOnTheSameFrames) {
   const TemporaryFolder folder;
-  const CommandResult result = poise_command({"study", "forecast", "--scene", small_scene(folder), "--frames", "40", "--bodies", "20,30", "--alpha", "0.1", "--threads", "1", "--json", "-"});
+  const CommandResult result = poise_command({"study", "forecast", "--scene", small_scene(folder), "--frames", "40",
+                                              "--bodies", "20,30", "--alpha", "0.1", "--threads", "1", "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json study = json::parse(result.out, nullptr, false);
   EXPECT_EQ(study.at("schema"), "poise.forecast/1");
@@ -108,8 +112,9 @@ TEST(StudyTimes, ForecastPlaysEveryMethodOnTheSameFrames) {
 
 TEST(StudyTimes, ComplianceCountsEveryReleaseOfEveryRow) {
   const TemporaryFolder folder;
-  const CommandResult result = poise_command({"study", "compliance", "--scene", small_scene(folder), "--frames", "20", "--warmup", "2", "--bodies", "20", "--populations", "0.5,2",
-                                              "--alpha", "0.5", "--threads", "1", "--competing-load", "--json", "-"});
+  const CommandResult result = poise_command({"study", "compliance", "--scene", small_scene(folder), "--frames", "20",
+                                              "--warmup", "2", "--bodies", "20", "--populations", "0.5,2", "--alpha",
+                                              "0.5", "--threads", "1", "--competing-load", "--json", "-"});
   ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 1) << result.error;
   const json study = json::parse(result.out, nullptr, false);
   ASSERT_EQ(study.at("rows").size(), 2U);
@@ -119,7 +124,8 @@ TEST(StudyTimes, ComplianceCountsEveryReleaseOfEveryRow) {
   bool all = true;
   for (const json& row : study.at("rows")) {
     EXPECT_GE(row.at("releases"), 20);
-    const double misses = row.at("infeasible").get<double>() + row.at("machine").get<double>() + row.at("overrun").get<double>() + row.at("forecast").get<double>();
+    const double misses = row.at("infeasible").get<double>() + row.at("machine").get<double>() +
+                          row.at("overrun").get<double>() + row.at("forecast").get<double>();
     EXPECT_NEAR(row.at("miss_rate").get<double>(), 100 * misses / row.at("releases").get<double>(), 1e-9);
     EXPECT_LE(row.at("own_low"), row.at("own_rate"));
     EXPECT_GE(row.at("own_high"), row.at("own_rate"));
@@ -131,7 +137,8 @@ TEST(StudyTimes, ComplianceCountsEveryReleaseOfEveryRow) {
 TEST(StudyTimes, ConstantTimeGrowsThePopulationUpToTheLargest) {
   const TemporaryFolder folder;
   const CommandResult result =
-      poise_command({"study", "constant-time", "--scene", small_scene(folder), "--frames", "5", "--warmup", "1", "--deadline", "1000", "--most-bodies", "200", "--threads", "1", "--json", "-"});
+      poise_command({"study", "constant-time", "--scene", small_scene(folder), "--frames", "5", "--warmup", "1",
+                     "--deadline", "1000", "--most-bodies", "200", "--threads", "1", "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json study = json::parse(result.out, nullptr, false);
   ASSERT_EQ(study.at("rows").size(), 3U);

@@ -14,7 +14,8 @@ namespace {
 using nlohmann::json;
 
 TEST(StudyCost, TimesEachMandatoryStageOfEachPopulationFallingAndSettled) {
-  const CommandResult result = poise_command({"study", "cost", "--bodies", "30", "60", "--frames", "4", "--skip", "3", "--settle", "20", "--json", "-", "--threads", "1"});
+  const CommandResult result = poise_command({"study", "cost", "--bodies", "30", "60", "--frames", "4", "--skip", "3",
+                                              "--settle", "20", "--json", "-", "--threads", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json document = json::parse(result.out);
   EXPECT_EQ(document.at("schema"), "poise.cost/1");
@@ -35,20 +36,23 @@ TEST(StudyCost, TimesEachMandatoryStageOfEachPopulationFallingAndSettled) {
 }
 
 TEST(StudyKept, ASettledPileRefinesNextToNothingAndMoreWhereItStartsAnew) {
-  const CommandResult result = poise_command({"study", "kept", "--bodies", "60", "--frames", "3", "--settle", "400", "--json", "-", "--threads", "1"});
+  const CommandResult result = poise_command(
+      {"study", "kept", "--bodies", "60", "--frames", "3", "--settle", "400", "--json", "-", "--threads", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json document = json::parse(result.out);
   EXPECT_EQ(document.at("schema"), "poise.kept/1");
   EXPECT_EQ(document.at("frames_anew"), 3);
   EXPECT_EQ(document.at("frames_kept"), 9);
   EXPECT_GT(document.at("kept_pairs"), 60);
-  EXPECT_GT(document.at("levels_anew").get<double>(), 10 * (1 + document.at("levels_kept").get<double>())) << "what is kept was not forgotten, or never kept";
+  EXPECT_GT(document.at("levels_anew").get<double>(), 10 * (1 + document.at("levels_kept").get<double>()))
+      << "what is kept was not forgotten, or never kept";
   ASSERT_EQ(document.at("rows").size(), 9U);
   EXPECT_EQ(document.at("rows").at(8).at("stage"), "all of these");
 }
 
 TEST(StudyScaling, HasARowForEachNumberOfThreadsAndSaysWhereItWasMeasured) {
-  const CommandResult result = poise_command({"study", "scaling", "--threads", "1", "2", "--bodies", "60", "--frames", "5", "--settle", "300", "--json", "-"});
+  const CommandResult result = poise_command(
+      {"study", "scaling", "--threads", "1", "2", "--bodies", "60", "--frames", "5", "--settle", "300", "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json document = json::parse(result.out);
   EXPECT_EQ(document.at("schema"), "poise.scaling/1");
@@ -58,7 +62,8 @@ TEST(StudyScaling, HasARowForEachNumberOfThreadsAndSaysWhereItWasMeasured) {
   EXPECT_EQ(document.at("rows").at(1).at("threads"), 2);
   EXPECT_EQ(document.at("rows").at(1).at("frames"), 5);
   EXPECT_FALSE(document.at("machine").at("processor").get<std::string>().empty());
-  const CommandResult table = poise_command({"study", "scaling", "--threads", "1", "--bodies", "40", "--frames", "2", "--settle", "1", "--markdown", "-"});
+  const CommandResult table = poise_command(
+      {"study", "scaling", "--threads", "1", "--bodies", "40", "--frames", "2", "--settle", "1", "--markdown", "-"});
   EXPECT_NE(table.out.find("| threads | p10 | p50 |"), std::string::npos) << table.out;
 }
 

@@ -23,7 +23,8 @@ struct Span {
 TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
   const TemporaryFolder folder;
   const std::string file = folder.file("trace.json");
-  const CommandResult result = poise_command({"run", "jacks", "--bodies", "80", "--frames", "30", "--deadline", "4", "--threads", "2", "--executor", "threads", "--trace", file, "--quiet"});
+  const CommandResult result = poise_command({"run", "jacks", "--bodies", "80", "--frames", "30", "--deadline", "4",
+                                              "--threads", "2", "--executor", "threads", "--trace", file, "--quiet"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json events = json::parse(contents(file), nullptr, false);
   ASSERT_TRUE(events.is_array());
@@ -36,14 +37,16 @@ TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
     if (kind != "X") continue;
     EXPECT_GE(event.at("ts"), 0);
     EXPECT_GE(event.at("dur"), 0);
-    lanes[event.at("tid")].push_back({event.at("name"), event.at("ts"), event.at("ts").get<double>() + event.at("dur").get<double>()});
+    lanes[event.at("tid")].push_back(
+        {event.at("name"), event.at("ts"), event.at("ts").get<double>() + event.at("dur").get<double>()});
     if (event.at("name") != "frame") continue;
     EXPECT_GT(event.at("ts"), last_frame_us) << "frames come one after another";
     last_frame_us = event.at("ts");
   }
   const std::vector<Span>& calling = lanes.at(0);
   EXPECT_EQ(std::count_if(calling.begin(), calling.end(), [](const Span& s) { return s.name == "frame"; }), 30);
-  const std::vector<std::string> stages{"predict", "broad_phase", "coarse", "refine", "response", "integrate", "publish"};
+  const std::vector<std::string> stages{"predict",  "broad_phase", "coarse", "refine",
+                                        "response", "integrate",   "publish"};
   constexpr double kRoundingUs = 0.01;
   for (std::size_t i = 0; i < calling.size(); ++i) {
     if (calling[i].name != "frame") continue;
@@ -73,7 +76,8 @@ TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
 TEST(Trace, OfTheWorkClockLeavesTheRunAsItWas) {
   const TemporaryFolder folder;
   const auto hash = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"run", "jacks", "--bodies", "30", "--frames", "10", "--clock", "work", "--json", "-", "--quiet"};
+    std::vector<std::string> arguments{"run",     "jacks", "--bodies", "30", "--frames", "10",
+                                       "--clock", "work",  "--json",   "-",  "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return json::parse(poise_command(arguments).out, nullptr, false).at("state_hash");
   };
@@ -91,7 +95,9 @@ TEST(Trace, IsRefusedWhereItWouldOverwriteAnotherOutput) {
 TEST(Affinity, IsRefusedByOptionValueAndRule) {
   const CommandResult outside = poise_command({"run", "two-body", "--affinity", "99999"});
   EXPECT_EQ(outside.exit_code, 3);
-  EXPECT_NE(outside.error.find("--affinity: processors = 99999, must be processors that this process may use"), std::string::npos) << outside.error;
+  EXPECT_NE(outside.error.find("--affinity: processors = 99999, must be processors that this process may use"),
+            std::string::npos)
+      << outside.error;
   const CommandResult tbb = poise_command({"run", "two-body", "--affinity", "0", "--executor", "tbb"});
   EXPECT_NE(tbb.exit_code, 0);
   EXPECT_NE(tbb.error.find("executor tbb"), std::string::npos) << tbb.error;
@@ -104,7 +110,8 @@ TEST(Affinity, IsRefusedByOptionValueAndRule) {
 }
 
 TEST(Affinity, IsToldInTheReport) {
-  const CommandResult result = poise_command({"run", "two-body", "--frames", "5", "--spin", "0", "--json", "-", "--quiet"});
+  const CommandResult result =
+      poise_command({"run", "two-body", "--frames", "5", "--spin", "0", "--json", "-", "--quiet"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json settings = json::parse(result.out, nullptr, false).at("settings");
   EXPECT_EQ(settings.at("affinity"), json::array());
@@ -119,7 +126,8 @@ TEST(Realtime, IsRunOrRefusedWithWhatItNeeds) {
     EXPECT_NE(result.out.find("real-time priority 5"), std::string::npos) << result.out;
   } else {
     EXPECT_EQ(result.exit_code, 3);
-    EXPECT_NE(result.error.find("--realtime: realtime_priority = 5, must be granted by the system"), std::string::npos) << result.error;
+    EXPECT_NE(result.error.find("--realtime: realtime_priority = 5, must be granted by the system"), std::string::npos)
+        << result.error;
   }
 }
 

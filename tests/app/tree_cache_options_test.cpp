@@ -29,7 +29,8 @@ class TreeCacheOptions : public ::testing::Test {
 
   /// The figures of a run, and what it said on the standard error.
   std::pair<json, std::string> run(const std::vector<std::string>& options) const {
-    std::vector<std::string> all{"run", folder_.file("box.json"), "--frames", "2", "--clock", "work", "--quiet", "--json", "-"};
+    std::vector<std::string> all{
+        "run", folder_.file("box.json"), "--frames", "2", "--clock", "work", "--quiet", "--json", "-"};
     all.insert(all.end(), options.begin(), options.end());
     const CommandResult result = poise_command(all);
     EXPECT_EQ(result.exit_code, 0) << result.error;
@@ -55,7 +56,8 @@ TEST_F(TreeCacheOptions, TheEnvironmentNamesTheFolderOrSwitchesItOff) {
   EXPECT_EQ(run({}).first.at("tree_cache").at("hits"), 1);
   EXPECT_EQ(run({"--no-tree-cache"}).first.at("tree_cache").at("off"), 1);
   const TemporaryFolder other;
-  EXPECT_EQ(run({"--tree-cache", other.path()}).first.at("tree_cache").at("built"), 1) << "the command line comes first";
+  EXPECT_EQ(run({"--tree-cache", other.path()}).first.at("tree_cache").at("built"), 1)
+      << "the command line comes first";
   for (const char* off : {"off", ""}) {
     ::setenv("POISE_TREE_CACHE", off, 1);
     EXPECT_EQ(run({}).first.at("tree_cache").at("off"), 1) << off;

@@ -37,43 +37,44 @@ Case of_mesh(std::vector<std::string> options, const std::string& message) {
 
 TEST(TreeRefusals, OfOptionsThatHaveNoMeaningTogetherEndWithTwo) {
   expect_refusals(
-      2, {
-             {{"tree"}, "a MESH to build a tree of, or --tree FILE to convert, is required"},
-             {{"tree", kSlab, kSlab}, "only --verdict takes more than one"},
-             {{"tree", "--tree", "a.sph"}, "--tree without a MESH converts, and needs -o FILE"},
-             {{"tree", "--tree", "a.sph", "-o", "b.sph", "--json", "c.json"}, "--json needs a MESH"},
-             {{"tree", "--tree", "a.sph", "-o", "b.sph", "--picture", "c.png"}, "--picture needs a MESH"},
-             {{"tree", "--tree", "a.sph", "-o", "b.sph", "--depth", "2"}, "--depth needs a MESH"},
-             {{"tree", "--tree", "a.sph", "-o", "b.sph", "--compare", "c.sph"}, "--compare needs a MESH"},
-             {{"tree", "--verdict"}, "--verdict needs a MESH"},
-             of_mesh({"--verdict", "--depth", "1"}, "--depth has no meaning with --verdict"),
-             of_mesh({"--verdict", "-o", "a.sph"}, "-o has no meaning with --verdict"),
-             of_mesh({"--tree", "a.sph", "--depth", "2"}, "--depth has no meaning with --tree"),
-             of_mesh({"--tree", "a.sph", "--preset", "best"}, "--preset has no meaning with --tree"),
-             of_mesh({"--tree", "a.sph", "--compare", "b.sph", "-o", "c.sph"}, "which of the two trees is meant?"),
-             of_mesh({"--level", "1"}, "--level needs -o with a .urdf"),
-             of_mesh({"-o", "a.sph", "--level", "1"}, "--level needs -o with a .urdf"),
-             of_mesh({"-o", "a.txt"}, "-o a.txt: the ending must be .sph, .urdf, .yml, .yaml or .json"),
-             of_mesh({"-o", "-"}, "only --json can go to the standard output"),
-             of_mesh({"--picture", "-"}, "only --json can go to the standard output"),
-             of_mesh({"--json", "a.json", "-o", "./a.json"}, "named for two outputs"),
-             of_mesh({"--json", ""}, "--json: must not be empty"),
-             of_mesh({"-o", ""}, "--output: must not be empty"),
-             of_mesh({"--tree", ""}, "--tree: must not be empty"),
-             of_mesh({"--picture", "a.jpg"}, "--picture a.jpg: a PNG is written, so the ending must be .png"),
-             of_mesh({"--depth", "1", "--level", "2", "-o", "a.urdf"}, "--level 2 is below --depth 1"),
-             of_mesh({"--level", "4", "-o", "a.urdf"}, "--level 4 is below --depth 3"),
-             of_mesh({"--up", "y"}, "--up needs --picture"),
-             of_mesh({"--front", "-y"}, "--front needs --picture"),
-             of_mesh({"--front", "-y", "--up", "y", "--picture", "a.png"}, "--front -y and --up y must be different axes"),
-             of_mesh({"--front", "-z", "--picture", "a.png"}, "--front -z and --up z must be different axes"),
-             of_mesh({"--verdict", "--front", "x"}, "--front has no meaning with --verdict"),
-             of_mesh({"--up", "w", "--picture", "a.png"}, "--up"),
-             of_mesh({"--preset", "slow"}, "--preset"),
-             of_mesh({"--depth", "7"}, "--depth = 7, must be a whole number from 0 to 6"),
-             of_mesh({"--samples", "0"}, "--samples = 0, must be a whole number from 1 to 100000000"),
-             of_mesh({"--scale", "0"}, "--scale = 0, must be a number > 0"),
-         });
+      2,
+      {
+          {{"tree"}, "a MESH to build a tree of, or --tree FILE to convert, is required"},
+          {{"tree", kSlab, kSlab}, "only --verdict takes more than one"},
+          {{"tree", "--tree", "a.sph"}, "--tree without a MESH converts, and needs -o FILE"},
+          {{"tree", "--tree", "a.sph", "-o", "b.sph", "--json", "c.json"}, "--json needs a MESH"},
+          {{"tree", "--tree", "a.sph", "-o", "b.sph", "--picture", "c.png"}, "--picture needs a MESH"},
+          {{"tree", "--tree", "a.sph", "-o", "b.sph", "--depth", "2"}, "--depth needs a MESH"},
+          {{"tree", "--tree", "a.sph", "-o", "b.sph", "--compare", "c.sph"}, "--compare needs a MESH"},
+          {{"tree", "--verdict"}, "--verdict needs a MESH"},
+          of_mesh({"--verdict", "--depth", "1"}, "--depth has no meaning with --verdict"),
+          of_mesh({"--verdict", "-o", "a.sph"}, "-o has no meaning with --verdict"),
+          of_mesh({"--tree", "a.sph", "--depth", "2"}, "--depth has no meaning with --tree"),
+          of_mesh({"--tree", "a.sph", "--preset", "best"}, "--preset has no meaning with --tree"),
+          of_mesh({"--tree", "a.sph", "--compare", "b.sph", "-o", "c.sph"}, "which of the two trees is meant?"),
+          of_mesh({"--level", "1"}, "--level needs -o with a .urdf"),
+          of_mesh({"-o", "a.sph", "--level", "1"}, "--level needs -o with a .urdf"),
+          of_mesh({"-o", "a.txt"}, "-o a.txt: the ending must be .sph, .urdf, .yml, .yaml or .json"),
+          of_mesh({"-o", "-"}, "only --json can go to the standard output"),
+          of_mesh({"--picture", "-"}, "only --json can go to the standard output"),
+          of_mesh({"--json", "a.json", "-o", "./a.json"}, "named for two outputs"),
+          of_mesh({"--json", ""}, "--json: must not be empty"),
+          of_mesh({"-o", ""}, "--output: must not be empty"),
+          of_mesh({"--tree", ""}, "--tree: must not be empty"),
+          of_mesh({"--picture", "a.jpg"}, "--picture a.jpg: a PNG is written, so the ending must be .png"),
+          of_mesh({"--depth", "1", "--level", "2", "-o", "a.urdf"}, "--level 2 is below --depth 1"),
+          of_mesh({"--level", "4", "-o", "a.urdf"}, "--level 4 is below --depth 3"),
+          of_mesh({"--up", "y"}, "--up needs --picture"),
+          of_mesh({"--front", "-y"}, "--front needs --picture"),
+          of_mesh({"--front", "-y", "--up", "y", "--picture", "a.png"}, "--front -y and --up y must be different axes"),
+          of_mesh({"--front", "-z", "--picture", "a.png"}, "--front -z and --up z must be different axes"),
+          of_mesh({"--verdict", "--front", "x"}, "--front has no meaning with --verdict"),
+          of_mesh({"--up", "w", "--picture", "a.png"}, "--up"),
+          of_mesh({"--preset", "slow"}, "--preset"),
+          of_mesh({"--depth", "7"}, "--depth = 7, must be a whole number from 0 to 6"),
+          of_mesh({"--samples", "0"}, "--samples = 0, must be a whole number from 1 to 100000000"),
+          of_mesh({"--scale", "0"}, "--scale = 0, must be a number > 0"),
+      });
 }
 
 TEST(TreeRefusals, AnOutputThatIsAlsoReadStaysAsItIs) {
@@ -82,14 +83,16 @@ TEST(TreeRefusals, AnOutputThatIsAlsoReadStaysAsItIs) {
   std::filesystem::create_symlink(folder.file("ball.sph"), folder.file("link.sph"));
   const std::string mesh = folder.file("slab.obj");
   std::filesystem::copy_file(kSlab, mesh);
-  expect_refusals(2, {
-                         {{"tree", mesh, "--depth", "0", "--json", mesh}, "would overwrite the file that is read as MESH"},
-                         {{"tree", mesh, "--verdict", "--json", folder.file("./slab.obj")}, "would overwrite the file that is read as MESH"},
-                         {{"tree", "--tree", folder.file("ball.sph"), "-o", folder.file("link.sph")},
-                          "would overwrite the file that is read as --tree"},
-                         of_mesh({"--compare", folder.file("ball.sph"), "-o", folder.file("ball.sph")},
-                                 "would overwrite the file that is read as --compare"),
-                     });
+  expect_refusals(2,
+                  {
+                      {{"tree", mesh, "--depth", "0", "--json", mesh}, "would overwrite the file that is read as MESH"},
+                      {{"tree", mesh, "--verdict", "--json", folder.file("./slab.obj")},
+                       "would overwrite the file that is read as MESH"},
+                      {{"tree", "--tree", folder.file("ball.sph"), "-o", folder.file("link.sph")},
+                       "would overwrite the file that is read as --tree"},
+                      of_mesh({"--compare", folder.file("ball.sph"), "-o", folder.file("ball.sph")},
+                              "would overwrite the file that is read as --compare"),
+                  });
   EXPECT_EQ(contents(folder.file("ball.sph")), "1 8\n0 0 0 1 1\n");
   EXPECT_EQ(contents(mesh), contents(kSlab));
 }

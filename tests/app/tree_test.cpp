@@ -41,7 +41,8 @@ TEST(TreeCommand, BuildsJudgesAndTellsItAsATable) {
   const CommandResult result = tree({kSlab, "--depth", "1", "--preset", "fast"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_EQ(result.error, "") << "no progress where stderr is no terminal";
-  for (const char* part : {"slab.obj: 12 triangles", "preset fast to depth 1", "bytes", "CPU time", "largest protrusion", "100.0000"}) {
+  for (const char* part :
+       {"slab.obj: 12 triangles", "preset fast to depth 1", "bytes", "CPU time", "largest protrusion", "100.0000"}) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part << "\n" << result.out;
   }
   EXPECT_EQ(result.out.find("leaks"), std::string::npos) << result.out;
@@ -74,7 +75,8 @@ TEST(TreeCommand, WhatItWritesIsJudgedLikeWhatItBuilt) {
   EXPECT_EQ(read.at("depth"), 2);
   EXPECT_EQ(read.at("nodes"), built.at("nodes"));
   for (std::size_t level = 0; level < 3; ++level) {
-    for (const char* figure : {"spheres", "protrusion_max_m", "protrusion_mean_m", "volume_ratio", "surface_coverage"}) {
+    for (const char* figure :
+         {"spheres", "protrusion_max_m", "protrusion_mean_m", "volume_ratio", "surface_coverage"}) {
       EXPECT_EQ(read.at("levels").at(level).at(figure), built.at("levels").at(level).at(figure)) << figure;
     }
   }
@@ -103,13 +105,15 @@ TEST(TreeCommand, SetsTwoTreesSideBySideAndMarksTheBetterFigure) {
   ASSERT_EQ(compared.at("trees").at(1).at("levels").size(), 3U);
   for (std::size_t level = 0; level < 3; ++level) {
     for (const char* figure : {"spheres", "protrusion_max_m", "volume_ratio"}) {
-      EXPECT_EQ(compared.at("trees").at(1).at("levels").at(level).at(figure), built.at("levels").at(level).at(figure)) << figure;
+      EXPECT_EQ(compared.at("trees").at(1).at("levels").at(level).at(figure), built.at("levels").at(level).at(figure))
+          << figure;
     }
   }
   const CommandResult table = tree({kSlab, "--tree", deep, "--compare", leaking_tree(folder)});
   EXPECT_EQ(table.exit_code, 0) << table.error;
   const std::vector<std::string> rows = lines(table.out);
-  const auto last = std::find_if(rows.begin(), rows.end(), [](const std::string& row) { return row.rfind("    2 ", 0) == 0; });
+  const auto last =
+      std::find_if(rows.begin(), rows.end(), [](const std::string& row) { return row.rfind("    2 ", 0) == 0; });
   ASSERT_NE(last, rows.end()) << table.out;
   EXPECT_NE(last->find("100.0000*"), std::string::npos) << "the whole tree covers better: " << *last;
   EXPECT_NE(table.out.find("leaking.sph leaks"), std::string::npos);
@@ -132,7 +136,8 @@ TEST(TreeCommand, WritesALevelForRobotToolsAndJudgesSuchFilesToo) {
   const TemporaryFolder folder;
   const json built = figures({kSlab, "--depth", "2", "--preset", "fast", "-o", folder.file("slab.sph")});
   for (const char* name : {"slab.urdf", "slab.yml", "slab.json"}) {
-    const CommandResult result = poise_command({"tree", "--tree", folder.file("slab.sph"), "-o", folder.file(name), "--level", "1"});
+    const CommandResult result =
+        poise_command({"tree", "--tree", folder.file("slab.sph"), "-o", folder.file(name), "--level", "1"});
     ASSERT_EQ(result.exit_code, 0) << result.error;
     const json read = figures({kSlab, "--tree", folder.file(name)});
     const json& level = read.at("levels").back();
@@ -180,8 +185,9 @@ TEST(TreeCommand, DrawsItsTrees) {
 
 TEST(TreeCommand, ShowsProgressOnATerminalAndEndsAtCtrlCWithNothingWritten) {
   const TemporaryFolder folder;
-  const CommandResult result = interrupted_on_terminal({"tree", kTorus, "--depth", "3", "-o", folder.file("t.sph"), "--json",
-                                                        folder.file("t.json"), "--picture", folder.file("t.png")});
+  const CommandResult result =
+      interrupted_on_terminal({"tree", kTorus, "--depth", "3", "-o", folder.file("t.sph"), "--json",
+                               folder.file("t.json"), "--picture", folder.file("t.png")});
   EXPECT_EQ(result.exit_code, 130) << result.error;
   EXPECT_EQ(result.out, "");
   EXPECT_NE(result.error.find("reading the mesh"), std::string::npos) << result.error;
@@ -207,7 +213,8 @@ TEST(TreeCommand, TakesOpenMeshesAndSheetsAndSaysSo) {
   EXPECT_EQ(shell.at("closed"), true);
   const CommandResult table = tree({folder.file("square.obj"), "--depth", "0"});
   EXPECT_NE(table.out.find("taken as a shell"), std::string::npos) << table.out;
-  EXPECT_NE(table.out.find("100.0000          -        -\n"), std::string::npos) << "no inside and no volume: " << table.out;
+  EXPECT_NE(table.out.find("100.0000          -        -\n"), std::string::npos)
+      << "no inside and no volume: " << table.out;
 }
 
 TEST(TreeCommand, TellsWhatMeshesAreARowEach) {
@@ -215,10 +222,12 @@ TEST(TreeCommand, TellsWhatMeshesAreARowEach) {
   std::ofstream(folder.file("open.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
   std::ofstream(folder.file("words.obj")) << "these are no triangles\n";
   std::ofstream(folder.file("sheet.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  const std::vector<std::string> files{kSlab, folder.file("open.obj"), folder.file("sheet.obj"), folder.file("words.obj")};
+  const std::vector<std::string> files{kSlab, folder.file("open.obj"), folder.file("sheet.obj"),
+                                       folder.file("words.obj")};
   const CommandResult table = poise_command({"tree", "--verdict", files[0], files[1], files[2], files[3]});
   EXPECT_EQ(table.exit_code, 0) << table.error;
-  const CommandResult result = poise_command({"tree", "--verdict", files[0], files[1], files[2], files[3], "--json", "-"});
+  const CommandResult result =
+      poise_command({"tree", "--verdict", files[0], files[1], files[2], files[3], "--json", "-"});
   const json found = json::parse(result.out, nullptr, false);
   ASSERT_EQ(found.at("rows").size(), 4U);
   const char* verdicts[] = {"closed", "open", "sheet", "refused"};

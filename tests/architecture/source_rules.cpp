@@ -46,12 +46,12 @@ constexpr std::array kRooms{
     Room{"src/app/", 8, "app"},
 };
 
-// <stop_token> is not among them: a std::stop_token is a handle to ask with, which public options hold and long work polls. Who makes
-// one stop is a matter of threads again, so its sources and callbacks belong to src/parallel.
+// <stop_token> is not among them: a std::stop_token is a handle to ask with, which public options hold and long work
+// polls. Who makes one stop is a matter of threads again, so its sources and callbacks belong to src/parallel.
 constexpr std::array<std::string_view, 15> kThreadHeaders{
-    "atomic",    "barrier",     "condition_variable", "execution",    "future", "latch",
-    "mutex",     "semaphore",   "semaphore.h",        "shared_mutex", "thread", "pthread.h",
-    "stdatomic.h", "threads.h", "omp.h"};
+    "atomic", "barrier",   "condition_variable", "execution",   "future",
+    "latch",  "mutex",     "semaphore",          "semaphore.h", "shared_mutex",
+    "thread", "pthread.h", "stdatomic.h",        "threads.h",   "omp.h"};
 
 const Room* room_of(std::string_view path) {
   const auto* room = std::ranges::find_if(kRooms, [&](const Room& r) { return path.starts_with(r.place); });
@@ -85,7 +85,8 @@ bool is_thread_header(std::string_view name) {
 
 std::optional<std::string> wrong_include(const Room& room, bool is_public, char quote, std::string_view name) {
   const bool stops = name == "stop_token" && room.name == "scheduler";
-  if ((is_thread_header(name) && room.name != "parallel") || stops) return "threads, locks and atomics belong to src/parallel";
+  if ((is_thread_header(name) && room.name != "parallel") || stops)
+    return "threads, locks and atomics belong to src/parallel";
   if (quote == '<') {
     if (room.name == "scheduler" && name.find_first_of("./") != std::string_view::npos) {
       return "the scheduler may use the standard library alone";
@@ -114,7 +115,8 @@ std::optional<std::string> wrong_code(const Room& room, std::string_view path, s
   static const std::regex prints(
       R"(\bstd::(cout|cerr|clog|terminate|abort|exit|quick_exit)\b|\b(printf|fprintf|puts|abort|exit)\s*\(|\bfmt::print\b)");
   const bool stops = room.name == "scheduler" && code.find("std::stop_token") != std::string_view::npos;
-  if ((room.name != "parallel" && found(threads, code)) || stops) return "threads, locks and atomics belong to src/parallel";
+  if ((room.name != "parallel" && found(threads, code)) || stops)
+    return "threads, locks and atomics belong to src/parallel";
   const bool may_read_clock =
       room.name == "parallel" || room.name == "simulation" || room.name == "app" || path == "include/poise/step.h";
   if (!may_read_clock && found(clocks, code))

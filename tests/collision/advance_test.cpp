@@ -14,8 +14,8 @@
 namespace poise::collision {
 namespace {
 
-Mover at(const ShapePtr& shape, const Vec3& position, const Vec3& velocity = Vec3::Zero(), const Vec3& spin = Vec3::Zero(),
-         const Quat& turn = Quat::Identity()) {
+Mover at(const ShapePtr& shape, const Vec3& position, const Vec3& velocity = Vec3::Zero(),
+         const Vec3& spin = Vec3::Zero(), const Quat& turn = Quat::Identity()) {
   Mover mover;
   mover.shape = shape.get();
   mover.position_m = position;
@@ -59,7 +59,8 @@ TEST(FirstMeeting, OfABallAndAPlaneOrAPlateIsItsWayOverItsSpeed) {
     for (const double across : {0.0, 3.0, 80.0}) {
       const Vec3 velocity(across, 0, -500);
       const double expected = (2 - 0.01 - 0.025) / 500;
-      const Meeting met = first_meeting(at(ball, Vec3(0.1 - across * expected, 0.03, 2), velocity), at(target, Vec3::Zero()), {1.0, kTolerance});
+      const Meeting met = first_meeting(at(ball, Vec3(0.1 - across * expected, 0.03, 2), velocity),
+                                        at(target, Vec3::Zero()), {1.0, kTolerance});
       ASSERT_EQ(met.kind, Meeting::Kind::Hit);
       EXPECT_NEAR(met.time_s, expected, kTolerance / 500);
       EXPECT_LT((met.contact.normal + Vec3::UnitZ()).norm(), 1e-9);
@@ -72,12 +73,19 @@ TEST(FirstMeeting, NothingIsMetThatIsSlidAlongOrFlownPast) {
   const ShapePtr ball = make_sphere_shape(0.025).value();
   const ShapePtr plate = box(Vec3(1, 1, 0.02));
   const Mover target = at(plate, Vec3::Zero());
-  EXPECT_EQ(first_meeting(at(ball, Vec3(-0.6, 0.1, 0.035 + 2e-5), Vec3(500, 0, 0)), target, {1.0, kTolerance}).kind, Meeting::Kind::None);
-  EXPECT_EQ(first_meeting(at(ball, Vec3(-0.2, 0.1, 0.035 + 5e-6), Vec3(500, 1, 0)), target, {1.0, 4e-6}).kind, Meeting::Kind::None);
-  EXPECT_EQ(first_meeting(at(ball, Vec3(0.5251, 0.1, 2), Vec3(0, 0, -500)), target, {1.0, kTolerance}).kind, Meeting::Kind::None);
-  EXPECT_EQ(first_meeting(at(ball, Vec3(0.5249, 0.1, 2), Vec3(0, 0, -500)), target, {1.0, kTolerance}).kind, Meeting::Kind::Hit);
-  EXPECT_EQ(first_meeting(at(ball, Vec3(0, 0, 2), Vec3(0, 0, 500)), target, {1.0, kTolerance}).kind, Meeting::Kind::None);
-  EXPECT_EQ(first_meeting(at(ball, Vec3(0, 0, 2), Vec3(0, 0, -500)), target, {0.0039, kTolerance}).kind, Meeting::Kind::None) << "not there yet";
+  EXPECT_EQ(first_meeting(at(ball, Vec3(-0.6, 0.1, 0.035 + 2e-5), Vec3(500, 0, 0)), target, {1.0, kTolerance}).kind,
+            Meeting::Kind::None);
+  EXPECT_EQ(first_meeting(at(ball, Vec3(-0.2, 0.1, 0.035 + 5e-6), Vec3(500, 1, 0)), target, {1.0, 4e-6}).kind,
+            Meeting::Kind::None);
+  EXPECT_EQ(first_meeting(at(ball, Vec3(0.5251, 0.1, 2), Vec3(0, 0, -500)), target, {1.0, kTolerance}).kind,
+            Meeting::Kind::None);
+  EXPECT_EQ(first_meeting(at(ball, Vec3(0.5249, 0.1, 2), Vec3(0, 0, -500)), target, {1.0, kTolerance}).kind,
+            Meeting::Kind::Hit);
+  EXPECT_EQ(first_meeting(at(ball, Vec3(0, 0, 2), Vec3(0, 0, 500)), target, {1.0, kTolerance}).kind,
+            Meeting::Kind::None);
+  EXPECT_EQ(first_meeting(at(ball, Vec3(0, 0, 2), Vec3(0, 0, -500)), target, {0.0039, kTolerance}).kind,
+            Meeting::Kind::None)
+      << "not there yet";
 }
 
 TEST(FirstMeeting, WhatTurnsIsNeverMetTooLate) {
@@ -98,7 +106,8 @@ TEST(FirstMeeting, WhatTurnsIsNeverMetTooLate) {
     EXPECT_LE(surface_gap(met.a, met.b, 1).gap_m, 1.01 * kTolerance);
     for (int k = 0; k < 40; ++k) {
       const double time = met.time_s * k / 40;
-      EXPECT_GT(surface_gap(moved_on(mover, time), target, 1).gap_m, 0.4 * kTolerance) << i << " at " << time << " of " << met.time_s;
+      EXPECT_GT(surface_gap(moved_on(mover, time), target, 1).gap_m, 0.4 * kTolerance)
+          << i << " at " << time << " of " << met.time_s;
     }
   }
   EXPECT_GT(hits, 8);
@@ -119,8 +128,12 @@ TEST(SurfaceGap, IsThatOfTheTrianglesAndTellsTheSide) {
   const ConvexGap apart = surface_gap(at(cube, Vec3(0, 0, 0.35)), at(cube, Vec3(0.05, 0, 0)), 1);
   EXPECT_NEAR(apart.gap_m, 0.15, 1e-12);
   EXPECT_LT((apart.normal + Vec3::UnitZ()).norm(), 1e-12);
-  EXPECT_EQ(surface_gap(at(cube, Vec3(0, 0, 0.35)), at(cube, Vec3::Zero()), 0.1).gap_m, 0.1) << "nothing within the limit";
-  EXPECT_EQ(surface_gap(at(cube, Vec3(0.07, 0.11, 0.15)), at(cube, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Quat(0.9, 0.1, 0.3, 0.2).normalized()), 1).gap_m, 0);
+  EXPECT_EQ(surface_gap(at(cube, Vec3(0, 0, 0.35)), at(cube, Vec3::Zero()), 0.1).gap_m, 0.1)
+      << "nothing within the limit";
+  EXPECT_EQ(surface_gap(at(cube, Vec3(0.07, 0.11, 0.15)),
+                        at(cube, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Quat(0.9, 0.1, 0.3, 0.2).normalized()), 1)
+                .gap_m,
+            0);
   const ShapePtr floor = make_plane_shape(Vec3::UnitZ(), 0).value();
   const ConvexGap flat = surface_gap(at(cube, Vec3(0.3, 0, 0.25)), at(floor, Vec3::Zero()), 1);
   EXPECT_NEAR(flat.gap_m, 0.15, 1e-12);
@@ -138,7 +151,8 @@ TEST(SweptBounds, FindWhatAComparisonOfAllFinds) {
   for (const double size : {0.02, 0.3}) {
     std::vector<MotionBound> bounds;
     for (std::uint32_t i = 0; i < 3000; ++i) {
-      bounds.push_back({test::random_in_box(random, Vec3::Constant(-5), Vec3::Constant(5)), size * (i % 7 == 0 ? 8 : 1), i, 1, 0xffffffffU, i % 5 != 0});
+      bounds.push_back({test::random_in_box(random, Vec3::Constant(-5), Vec3::Constant(5)), size * (i % 7 == 0 ? 8 : 1),
+                        i, 1, 0xffffffffU, i % 5 != 0});
     }
     std::vector<SweptBound> swept;
     for (std::uint32_t i = 0; i < 40; ++i) {
@@ -148,13 +162,15 @@ TEST(SweptBounds, FindWhatAComparisonOfAllFinds) {
     }
     const std::vector<PlaneBound> planes{{Vec3::UnitZ(), -2, 4000}};
     const auto distance = [](const SweptBound& way, const Vec3& point) {
-      const double t = std::clamp((point - way.start.center_m).dot(way.motion_m) / way.motion_m.squaredNorm(), 0.0, 1.0);
+      const double t =
+          std::clamp((point - way.start.center_m).dot(way.motion_m) / way.motion_m.squaredNorm(), 0.0, 1.0);
       return (way.start.center_m + t * way.motion_m - point).norm();
     };
     std::vector<CandidatePair> expected;
     for (std::size_t s = 0; s < swept.size(); ++s) {
       for (const MotionBound& bound : bounds) {
-        if (distance(swept[s], bound.center_m) < bound.radius_m + swept[s].start.radius_m) expected.push_back({bound.slot, swept[s].start.slot});
+        if (distance(swept[s], bound.center_m) < bound.radius_m + swept[s].start.radius_m)
+          expected.push_back({bound.slot, swept[s].start.slot});
       }
       const double low = std::min(swept[s].start.center_m.z(), (swept[s].start.center_m + swept[s].motion_m).z());
       if (low + 2 < swept[s].start.radius_m) expected.push_back({swept[s].start.slot, 4000});
@@ -174,7 +190,9 @@ TEST(SweptBounds, FindWhatAComparisonOfAllFinds) {
       if (pair.high == 4000 && pair.low < 3000) continue;
       with_one.push_back(pair);
     }
-    const auto order = [](const CandidatePair& x, const CandidatePair& y) { return std::pair(x.low, x.high) < std::pair(y.low, y.high); };
+    const auto order = [](const CandidatePair& x, const CandidatePair& y) {
+      return std::pair(x.low, x.high) < std::pair(y.low, y.high);
+    };
     std::sort(expected.begin(), expected.end(), order);
     EXPECT_GT(expected.size(), 30U);
     EXPECT_EQ(with_one, expected) << size;

@@ -18,8 +18,12 @@ ShapePtr with_random_fits(const ShapePtr& shape, std::mt19937_64& random) {
   Shape changed = *shape;
   for (NodeFit& fit : changed.tree.fit) {
     const Eigen::Vector3f center = random_vector(random, 0.5).cast<float>();
-    fit = {center.x(), center.y(), center.z(), static_cast<float>(uniform(random, 0.05, 0.4)),
-           static_cast<float>(uniform(random, 1e-5, 1e-2)), static_cast<float>(uniform(random, -0.1, 0.1))};
+    fit = {center.x(),
+           center.y(),
+           center.z(),
+           static_cast<float>(uniform(random, 0.05, 0.4)),
+           static_cast<float>(uniform(random, 1e-5, 1e-2)),
+           static_cast<float>(uniform(random, -0.1, 0.1))};
   }
   return std::make_shared<Shape>(changed);
 }
@@ -45,7 +49,9 @@ Contacts random_contacts(std::size_t count, std::mt19937_64& random, bool plane 
   return made;
 }
 
-Vec3 center(const NodeFit& fit) { return {static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)}; }
+Vec3 center(const NodeFit& fit) {
+  return {static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)};
+}
 
 // By the definition, in double precision and with the exponential of the library.
 FittedSums defined_sums(const PairFrame& frame, std::span<const FrontEntry> front) {

@@ -162,8 +162,9 @@ TEST(OverlapKernel, SaysWhetherItPassedOverWhatIsNearlyNear) {
   for (int round = 0; round < 400; ++round) {
     Pose high = random_pose(random, 0.3);
     high.position_m.z() += 1.0;
-    PairFrame frame = round % 2 == 0 ? make_pair_frame(*jack, random_pose(random, 0.7), *jack, random_pose(random, 0.7), 0.01, 0.001)
-                                     : make_pair_frame(*jack, high, *floor, Pose{}, 0.01, 0.001);
+    PairFrame frame =
+        round % 2 == 0 ? make_pair_frame(*jack, random_pose(random, 0.7), *jack, random_pose(random, 0.7), 0.01, 0.001)
+                       : make_pair_frame(*jack, high, *floor, Pose{}, 0.01, 0.001);
     frame.nearness.wide_m = kWideM;
     const FrontEntry roots[] = {{0, 0}};
     FrontEntry out[64];

@@ -79,7 +79,8 @@ TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
   std::mt19937_64 random(12);
   const ShapePtr worm = make_worm(200);
   for (int round = 0; round < 50; ++round) {
-    const PairFrame frame = make_pair_frame(*worm, random_pose(random, 0.3), *worm, random_pose(random, 0.3), 0.05, 0.001);
+    const PairFrame frame =
+        make_pair_frame(*worm, random_pose(random, 0.3), *worm, random_pose(random, 0.3), 0.05, 0.001);
     auto whole_pools = make_pools(1);
     auto split_pools = make_pools(3);
     LonePair whole = start(frame);
@@ -93,8 +94,12 @@ TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
       EXPECT_EQ(whole.contact.moment_a_m, split.contact.moment_a_m);
       EXPECT_EQ(whole.contact.likely_m, split.contact.likely_m);
       std::vector<NodeIndex> fronts[2];
-      for_each_segment(whole_pools, whole.front, [&](auto entries) { for (auto e : entries) fronts[0].push_back(e.a * 1000 + e.b); });
-      for_each_segment(split_pools, split.front, [&](auto entries) { for (auto e : entries) fronts[1].push_back(e.a * 1000 + e.b); });
+      for_each_segment(whole_pools, whole.front, [&](auto entries) {
+        for (auto e : entries) fronts[0].push_back(e.a * 1000 + e.b);
+      });
+      for_each_segment(split_pools, split.front, [&](auto entries) {
+        for (auto e : entries) fronts[1].push_back(e.a * 1000 + e.b);
+      });
       if (!whole.apart) {
         EXPECT_EQ(fronts[0], fronts[1]);
       }

@@ -42,7 +42,8 @@ TEST(Polygons, ACornerOverAFaceHasTheFacesNormalAndItsOwnPlace) {
     EXPECT_NEAR(contact.likely_m, gap, 1e-8);
     EXPECT_EQ(contact.likely_m, contact.surely_m);
     EXPECT_EQ(contact.likely_m, contact.spheres_m);
-    expect_near(contact.arm_m.cross(Vec3::UnitZ()), Vec3(0.2, -0.3, 0).cross(Vec3::UnitZ()), 1e-6 + 0.1 * std::max(0.0, -gap));
+    expect_near(contact.arm_m.cross(Vec3::UnitZ()), Vec3(0.2, -0.3, 0).cross(Vec3::UnitZ()),
+                1e-6 + 0.1 * std::max(0.0, -gap));
     expect_near(contact.moment_a_m, contact.arm_m.cross(contact.direction), 1e-6 + 0.1 * std::max(0.0, -gap));
     expect_near(contact.moment_b_m, contact.moment_a_m - offset.cross(contact.direction), 1e-15);
   }

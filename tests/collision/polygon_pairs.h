@@ -22,9 +22,10 @@ struct PolygonAnswer {
   PairContact contact;
 };
 
-/// Refines a pair to its leaves and through its polygons, `units` at a time; nothing but what is apart where a tree says so.
-inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools, std::uint32_t units = 1U << 30U,
-                                        bool rests = true) {
+/// Refines a pair to its leaves and through its polygons, `units` at a time; nothing but what is apart where a tree
+/// says so.
+inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools,
+                                        std::uint32_t units = 1U << 30U, bool rests = true) {
   PolygonAnswer answer;
   LonePair& pair = answer.level;
   pools[0].clear();
@@ -50,14 +51,16 @@ inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontP
 }
 
 /// The same with a pool of its own, a at rest at the origin, b turned and moved; the contact is in a's frame.
-inline PolygonAnswer answer_by_polygons(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& offset_m, double margin_m,
-                                        std::uint32_t units = 1U << 30U) {
+inline PolygonAnswer answer_by_polygons(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& offset_m,
+                                        double margin_m, std::uint32_t units = 1U << 30U) {
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 18U);
   return answer_by_polygons(make_pair_frame(a, Pose{}, b, Pose{offset_m, turn}, margin_m, 0), pools, units);
 }
 
-inline Mat3 turned(double angle_rad, const Vec3& axis) { return Eigen::AngleAxisd(angle_rad, axis.normalized()).toRotationMatrix(); }
+inline Mat3 turned(double angle_rad, const Vec3& axis) {
+  return Eigen::AngleAxisd(angle_rad, axis.normalized()).toRotationMatrix();
+}
 /// Turns the corner (-,-,-) of a box straight down.
 inline Mat3 on_its_corner() {
   return Quat::FromTwoVectors(Vec3(-1, -1, -1).normalized(), -Vec3::UnitZ()).toRotationMatrix();

@@ -36,10 +36,13 @@ const Shape& brick() {
 /// A slab whose faces above and below are `n` x `n` squares of two triangles each, the sides fans.
 TriangleMesh gridded_slab(int n) {
   TriangleMesh mesh;
-  const auto at = [n](int level, int i, int k) { return static_cast<std::uint32_t>((level * (n + 1) + i) * (n + 1) + k); };
+  const auto at = [n](int level, int i, int k) {
+    return static_cast<std::uint32_t>((level * (n + 1) + i) * (n + 1) + k);
+  };
   for (int level = 0; level < 2; ++level) {
     for (int i = 0; i <= n; ++i) {
-      for (int k = 0; k <= n; ++k) mesh.vertices_m.emplace_back(3.0 * i / n - 1.5, 3.0 * k / n - 1.5, 0.5 * level - 0.25);
+      for (int k = 0; k <= n; ++k)
+        mesh.vertices_m.emplace_back(3.0 * i / n - 1.5, 3.0 * k / n - 1.5, 0.5 * level - 0.25);
     }
   }
   const auto quad = [&mesh](std::uint32_t p, std::uint32_t q, std::uint32_t r, std::uint32_t s) {
@@ -62,7 +65,8 @@ TriangleMesh gridded_slab(int n) {
 /// A block of 2 x 4 x 1 with a groove of right angle along y in its top, as wide as the block.
 TriangleMesh groove_mesh() {
   TriangleMesh mesh;
-  const std::vector<std::array<double, 2>> outline = {{-1.2, -1.5}, {1.2, -1.5}, {1.2, 1}, {1, 1}, {0, 0}, {-1, 1}, {-1.2, 1}};
+  const std::vector<std::array<double, 2>> outline = {{-1.2, -1.5}, {1.2, -1.5}, {1.2, 1}, {1, 1},
+                                                      {0, 0},       {-1, 1},     {-1.2, 1}};
   const auto n = static_cast<std::uint32_t>(outline.size());
   for (const double y : {-2.0, 2.0}) {
     for (const auto& [x, z] : outline) mesh.vertices_m.emplace_back(x, y, z);
@@ -90,7 +94,8 @@ PatchSet patches(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& o
 }
 
 /// Is there a patch at each of these places, and none beside?
-void expect_places(const PatchSet& set, std::initializer_list<Vec3> wanted, const Vec3& normal, double gap, double tolerance = 1e-6) {
+void expect_places(const PatchSet& set, std::initializer_list<Vec3> wanted, const Vec3& normal, double gap,
+                   double tolerance = 1e-6) {
   EXPECT_EQ(set.count, wanted.size());
   for (const Vec3& place : wanted) {
     EXPECT_TRUE(std::ranges::any_of(set.all(), [&](const Patch& p) { return (p.point_m - place).norm() < tolerance; }))
@@ -164,7 +169,8 @@ TEST(PolygonPatches, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
 }
 
 TEST(PolygonPatches, TheDepthAlongALeaningMeanIsNoPlaceBesideCornersThatAreKnown) {
-  // Nearly flush on three sides; the gradient of the overlap leans, and along it the bodies seem to overlap twice as deep.
+  // Nearly flush on three sides; the gradient of the overlap leans, and along it the bodies seem to overlap twice as
+  // deep.
   static const ShapePtr block = mesh_shape(box_mesh(Vec3(1, 0.6, 0.3)), 0);
   const Quat turn(0.99999993879426841, 0.00030812565810401982, 2.6843832770291165e-05, 0.00016355258168767556);
   const Vec3 offset(-3.1650089332274594e-07, -0.29207078704036116, 0.29963948030765702);
@@ -193,7 +199,8 @@ TEST(PolygonPatches, TrianglesWithinAFaceAreNoFeatures) {
     const PatchSet set = patches(*fine, cube(), turn, Vec3(0.31, 0.17, 0.75 + gap));
     ASSERT_EQ(coarse.count, 4U);
     for (const Patch& p : coarse.all()) {
-      EXPECT_TRUE(std::ranges::any_of(set.all(), [&](const Patch& q) { return (p.point_m - q.point_m).norm() < 1e-8; }));
+      EXPECT_TRUE(
+          std::ranges::any_of(set.all(), [&](const Patch& q) { return (p.point_m - q.point_m).norm() < 1e-8; }));
     }
     // Two of them shifted against each other.
     expect_places(patches(*fine, *fine, Mat3::Identity(), Vec3(0.5, 0.25, 0.5 + gap)),
@@ -206,10 +213,10 @@ TEST(PolygonPatches, AnEdgeOnAFaceStandsOnItsEndsOrWhereTheFaceEnds) {
   const Mat3 roof = turned(kPi / 4, Vec3::UnitX());
   for (const double gap : kGaps) {
     const double z = 0.25 + 0.5 * gap;
-    expect_places(patches(slab(), cube(), roof, Vec3(0.2, 0.1, 0.25 + half + gap)), {Vec3(-0.3, 0.1, z), Vec3(0.7, 0.1, z)},
-                  Vec3::UnitZ(), gap);
-    expect_places(patches(slab(), cube(), roof, Vec3(1.2, 0.1, 0.25 + half + gap)), {Vec3(0.7, 0.1, z), Vec3(1.5, 0.1, z)},
-                  Vec3::UnitZ(), gap);
+    expect_places(patches(slab(), cube(), roof, Vec3(0.2, 0.1, 0.25 + half + gap)),
+                  {Vec3(-0.3, 0.1, z), Vec3(0.7, 0.1, z)}, Vec3::UnitZ(), gap);
+    expect_places(patches(slab(), cube(), roof, Vec3(1.2, 0.1, 0.25 + half + gap)),
+                  {Vec3(0.7, 0.1, z), Vec3(1.5, 0.1, z)}, Vec3::UnitZ(), gap);
   }
 }
 
@@ -252,7 +259,8 @@ TEST(PolygonPatches, AGrooveHoldsFromBothSides) {
 TEST(PolygonPatches, ASharpKeelAtTheBottomOfAGrooveIsHeldFromBothSidesAboveAndBelowTheTouch) {
   static const ShapePtr groove = mesh_shape(groove_mesh(), 1);
   TriangleMesh wedge;
-  wedge.vertices_m = {Vec3(0, -0.5, 0), Vec3(0, 0.5, 0), Vec3(-0.3, -0.5, 1), Vec3(-0.3, 0.5, 1), Vec3(0.3, -0.5, 1), Vec3(0.3, 0.5, 1)};
+  wedge.vertices_m = {Vec3(0, -0.5, 0),   Vec3(0, 0.5, 0),    Vec3(-0.3, -0.5, 1),
+                      Vec3(-0.3, 0.5, 1), Vec3(0.3, -0.5, 1), Vec3(0.3, 0.5, 1)};
   wedge.triangles = {{0, 4, 2}, {1, 3, 5}, {0, 1, 5}, {0, 5, 4}, {0, 2, 3}, {0, 3, 1}, {2, 4, 5}, {2, 5, 3}};
   static const ShapePtr keel = mesh_shape(wedge, 1);
   const Vec3 bottom = groove->surface->vertices_m[4] + Vec3(0, 2, 0);
@@ -274,7 +282,8 @@ TEST(PolygonPatches, AMeshOnAPlaneStandsOnItsLowestCorners) {
   for (const double gap : kGaps) {
     const double z = -0.5 - 0.5 * gap;
     expect_places(patches(cube(), Pose{Vec3(3, 4, 0.5 + gap), Mat3::Identity()}, *floor, Pose{}),
-                  {Vec3(-0.5, -0.5, z), Vec3(0.5, -0.5, z), Vec3(-0.5, 0.5, z), Vec3(0.5, 0.5, z)}, -Vec3::UnitZ(), gap);
+                  {Vec3(-0.5, -0.5, z), Vec3(0.5, -0.5, z), Vec3(-0.5, 0.5, z), Vec3(0.5, 0.5, z)}, -Vec3::UnitZ(),
+                  gap);
     const Mat3 roof = turned(kPi / 4, Vec3::UnitX());
     EXPECT_EQ(patches(cube(), Pose{Vec3(0, 0, std::sqrt(0.5) + gap), roof}, *floor, Pose{}).count, 2U);
     EXPECT_EQ(patches(cube(), Pose{Vec3(0, 0, std::sqrt(0.75) + gap), on_its_corner()}, *floor, Pose{}).count, 1U);
@@ -286,7 +295,8 @@ TEST(PolygonPatches, AMeshOnAPlaneStandsOnItsLowestCorners) {
 }
 
 TEST(PolygonPatches, BallsOnAMeshRestOneByOne) {
-  const ShapePtr dumbbell = make_spheres_shape(std::vector<Sphere>{{Vec3(-0.4, 0, 0), 0.2}, {Vec3(0.4, 0, 0), 0.2}}).value();
+  const ShapePtr dumbbell =
+      make_spheres_shape(std::vector<Sphere>{{Vec3(-0.4, 0, 0), 0.2}, {Vec3(0.4, 0, 0), 0.2}}).value();
   static const ShapePtr groove = mesh_shape(groove_mesh(), 1);
   const ShapePtr ball = make_sphere_shape(0.4).value();
   const Vec3 bottom = groove->surface->vertices_m[4] + Vec3(0, 2, 0);
@@ -326,8 +336,8 @@ TEST(PolygonPatches, TheNearestPlaceIsAsFarAsASlowSearchSays) {
   static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 16, 8), 0);
   static const ShapePtr groove = mesh_shape(groove_mesh(), 1);
   const std::array<const Shape*, 4> shapes = {&cube(), &brick(), torus.get(), groove.get()};
-  std::array<TrueSurface, 4> surfaces = {true_surface_of(*shapes[0]), true_surface_of(*shapes[1]), true_surface_of(*shapes[2]),
-                                         true_surface_of(*shapes[3])};
+  std::array<TrueSurface, 4> surfaces = {true_surface_of(*shapes[0]), true_surface_of(*shapes[1]),
+                                         true_surface_of(*shapes[2]), true_surface_of(*shapes[3])};
   std::mt19937_64 random(11);
   int near = 0;
   for (int round = 0; round < 150; ++round) {
@@ -377,8 +387,7 @@ TEST(PolygonPatches, WhereNothingCanBeToldTheImpactsAnswerIsTheOnePlace) {
   static const ShapePtr crumb = mesh_shape(box_mesh(Vec3(0.2, 0.2, 0.2)), 1);
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 16U);
-  const PolygonAnswer answer =
-      answer_by_polygons(cube(), *crumb, turned(0.3, Vec3(1, 2, 3)), Vec3(0.1, 0, 0.05), 0.02);
+  const PolygonAnswer answer = answer_by_polygons(cube(), *crumb, turned(0.3, Vec3(1, 2, 3)), Vec3(0.1, 0, 0.05), 0.02);
   ASSERT_TRUE(answer.contact.present);
   ASSERT_EQ(answer.level.patches.count, 1U);
   const Patch& patch = answer.level.patches.patch[0];
@@ -394,11 +403,14 @@ TEST(PolygonPatches, TurningBothBodiesTurnsTheirPlaces) {
     const double gap = uniform(random, -2e-3, 2e-3);
     const Pose above{Vec3(0.3, 0.2, 0.75 + gap), turned(0.2, Vec3::UnitZ())};
     const PatchSet here = patches(slab(), Pose{}, cube(), above);
-    const PatchSet there = patches(slab(), moved, cube(), Pose{moved.position_m + moved.rotation * above.position_m, moved.rotation * above.rotation});
+    const PatchSet there =
+        patches(slab(), moved, cube(),
+                Pose{moved.position_m + moved.rotation * above.position_m, moved.rotation * above.rotation});
     ASSERT_EQ(here.count, there.count);
     for (const Patch& p : here.all()) {
       EXPECT_TRUE(std::ranges::any_of(there.all(), [&](const Patch& q) {
-        return (p.point_m - q.point_m).norm() < 1e-8 && (p.normal - q.normal).norm() < 1e-8 && std::abs(p.gap_m - q.gap_m) < 1e-8;
+        return (p.point_m - q.point_m).norm() < 1e-8 && (p.normal - q.normal).norm() < 1e-8 &&
+               std::abs(p.gap_m - q.gap_m) < 1e-8;
       }));
     }
   }
@@ -427,7 +439,8 @@ TEST(PolygonPatches, PiecesOfAnySizeGiveTheSamePlaces) {
 TEST(PolygonPatches, APairThatDoesNotRestHasTheSameContactAndNoPlaces) {
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 16U);
-  const PairFrame frame = make_pair_frame(slab(), Pose{}, cube(), Pose{Vec3(0.1, 0.2, 0.7501), Mat3::Identity()}, kMargin, 0);
+  const PairFrame frame =
+      make_pair_frame(slab(), Pose{}, cube(), Pose{Vec3(0.1, 0.2, 0.7501), Mat3::Identity()}, kMargin, 0);
   const PolygonAnswer resting = answer_by_polygons(frame, pools);
   const PolygonAnswer passing = answer_by_polygons(frame, pools, 1U << 30U, false);
   EXPECT_EQ(passing.level.patches.count, 0U);

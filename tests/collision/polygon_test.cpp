@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "collision/near_touch.h"
-#include "collision/polygon_pairs.h"
 #include "collision/pair_refinement.h"
+#include "collision/polygon_pairs.h"
 
 namespace poise::collision {
 namespace {
@@ -44,8 +44,8 @@ const JudgedShape* shapes() {
   return both;
 }
 
-// By how much the judge's distance grows when b moves, over the length of the move: the normal, where the surfaces are apart and one
-// pair of features is the nearest.
+// By how much the judge's distance grows when b moves, over the length of the move: the normal, where the surfaces are
+// apart and one pair of features is the nearest.
 Vec3 gradient(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, double step_m) {
   Vec3 slope;
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,7 +65,8 @@ struct Agreement {
 };
 
 // One pose against the judge.
-void compare(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, std::span<FrontPool> pools, bool with_normals, Agreement& sum) {
+void compare(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, std::span<FrontPool> pools,
+             bool with_normals, Agreement& sum) {
   const double size = std::min(a.diagonal_m, b.diagonal_m);
   const double band = 1e-4 * size;
   const double margin = 5e-3 * size;
@@ -94,7 +95,8 @@ void compare(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed,
     ++asked;
     if ((at.a.rotation * said.direction).dot(slope.normalized()) < within) ++off;
   };
-  if (!touches && distance > 2 * step && distance < margin - 2 * step) one_normal(posed, contact, sum.normals, sum.normals_off);
+  if (!touches && distance > 2 * step && distance < margin - 2 * step)
+    one_normal(posed, contact, sum.normals, sum.normals_off);
   if (touches && contact.present && -contact.likely_m < 2e-3 * size) {
     // Lifted out along the answer's own normal, the surfaces must be just apart, and stand square to it.
     PosedPair lifted = posed;

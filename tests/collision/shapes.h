@@ -41,7 +41,8 @@ inline Vec3 random_vector(std::mt19937_64& random, double most) {
 
 inline Pose random_pose(std::mt19937_64& random, double spread_m) {
   const Vec3 axis = random_vector(random, 1);
-  return {random_vector(random, spread_m), Quat(uniform(random, -1, 1), axis.x(), axis.y(), axis.z()).normalized().toRotationMatrix()};
+  return {random_vector(random, spread_m),
+          Quat(uniform(random, -1, 1), axis.x(), axis.y(), axis.z()).normalized().toRotationMatrix()};
 }
 
 }  // namespace poise::collision

@@ -42,8 +42,8 @@ struct TwoSheets {
   }
 };
 
-// The least distance of two triangles by going to and fro between them, each time to the closest point, from several starts: both are
-// convex, so this converges, and it never says too little.
+// The least distance of two triangles by going to and fro between them, each time to the closest point, from several
+// starts: both are convex, so this converges, and it never says too little.
 double slow_distance(const TriangleCorners& a, const TriangleCorners& b) {
   double least = 1e300;
   for (std::size_t start = 0; start < 3; ++start) {

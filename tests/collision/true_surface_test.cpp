@@ -36,7 +36,8 @@ TEST(SurfaceDistance, OfBoxesIsThatOfTheirFacesEdgesAndCorners) {
   const double far = 2 * std::numbers::sqrt2;
   EXPECT_NEAR(surface_distance_m(cube, at({0, 0, 0}, on_edge), cube, at({0, 0, far + 0.125}, across)), 0.125, 1e-14);
   const Mat3 on_corner = Quat::FromTwoVectors(Vec3(1, 1, 1), Vec3::UnitZ()).toRotationMatrix();
-  EXPECT_NEAR(surface_distance_m(cube, at({0, 0, 0}), cube, at({0, 0, 1 + std::sqrt(3.0) + 0.5}, on_corner)), 0.5, 1e-14);
+  EXPECT_NEAR(surface_distance_m(cube, at({0, 0, 0}), cube, at({0, 0, 1 + std::sqrt(3.0) + 0.5}, on_corner)), 0.5,
+              1e-14);
   EXPECT_EQ(surface_distance_m(cube, at({0, 0, 0}), cube, at({1.9, 0.3, 0.1})), 0);
 }
 
@@ -80,9 +81,11 @@ TEST(SurfaceDistance, AgreesWithAllPairsOfTriangles) {
     return t;
   };
   for (int round = 0; round < 12; ++round) {
-    const Pose pose_a = at(2 * Vec3(unit(), unit(), unit()), Quat(unit(), unit(), unit(), unit()).normalized().toRotationMatrix());
+    const Pose pose_a =
+        at(2 * Vec3(unit(), unit(), unit()), Quat(unit(), unit(), unit(), unit()).normalized().toRotationMatrix());
     const Vec3 away = Vec3(unit(), unit(), unit()).normalized();
-    const Pose pose_b = at(pose_a.position_m + (2.2 + unit()) * away, Quat(unit(), unit(), unit(), unit()).normalized().toRotationMatrix());
+    const Pose pose_b = at(pose_a.position_m + (2.2 + unit()) * away,
+                           Quat(unit(), unit(), unit(), unit()).normalized().toRotationMatrix());
     double expected = 1e300;
     for (std::size_t i = 0; i < mesh_a.triangles.size(); ++i) {
       const geometry::TriangleCorners s = corners(mesh_a, pose_a, i);

@@ -38,7 +38,8 @@ TEST(Rotation, ASymmetricTopPrecessesAtTheClosedFormRate) {
 }
 
 TEST(Rotation, AnAsymmetricTopFlipsOnTime) {
-  // I = (1, 2, 3), w = (0.01, 1, 0.01): w_2 changes sign first at 10.916913 s, then every 19.552867 s (Jacobi's functions).
+  // I = (1, 2, 3), w = (0.01, 1, 0.01): w_2 changes sign first at 10.916913 s, then every 19.552867 s (Jacobi's
+  // functions).
   const Vec3 moments(1, 2, 3);
   Rotation rotation{Quat::Identity(), Vec3(0.01, 1, 0.01)};
   const double h = 1e-3;
@@ -85,7 +86,9 @@ TEST(TurnedBy, KeepsAngularMomentumAndNeverAddsEnergy) {
   const Vec3 moments(1, 2, 3);
   Rotation start;
   start.spin_radps = Vec3(0.3, -2, 1);
-  const auto momentum = [&](const Vec3& of, const Rotation& r) { return Vec3(r.orientation * of.cwiseProduct(r.orientation.conjugate() * r.spin_radps)); };
+  const auto momentum = [&](const Vec3& of, const Rotation& r) {
+    return Vec3(r.orientation * of.cwiseProduct(r.orientation.conjugate() * r.spin_radps));
+  };
   const auto energy = [&](const Vec3& of, const Rotation& r) { return 0.5 * r.spin_radps.dot(momentum(of, r)); };
   int kept = 0;
   for (const Vec3& tilt : {Vec3(0.01, 0, 0), Vec3(-0.01, 0, 0), Vec3(0, 0.02, 0.01), Vec3(0, -0.02, -0.01)}) {
@@ -93,14 +96,16 @@ TEST(TurnedBy, KeepsAngularMomentumAndNeverAddsEnergy) {
     EXPECT_LE(energy(moments, after), energy(moments, start) * (1 + 1e-14));
     const Vec3 change = momentum(moments, after) - momentum(moments, start);
     kept += change.norm() < 1e-14 ? 1 : 0;
-    EXPECT_LT(momentum(moments, after).cross(momentum(moments, start)).norm(), 1e-13) << "the direction stays in any case";
+    EXPECT_LT(momentum(moments, after).cross(momentum(moments, start)).norm(), 1e-13)
+        << "the direction stays in any case";
   }
   EXPECT_GE(kept, 2);
   // A needle that turns end over end: tilted, its momentum would otherwise spin it up 75 times.
   const Vec3 needle(1e-4, 1, 1);
   Rotation tumbling;
   tumbling.spin_radps = Vec3(0, 0, 5);
-  EXPECT_LE(energy(needle, turned_by(tumbling, needle, rotation_by(Vec3(0, 0.9, 0)))), energy(needle, tumbling) * (1 + 1e-14));
+  EXPECT_LE(energy(needle, turned_by(tumbling, needle, rotation_by(Vec3(0, 0.9, 0)))),
+            energy(needle, tumbling) * (1 + 1e-14));
 }
 
 }  // namespace

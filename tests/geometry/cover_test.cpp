@@ -31,7 +31,9 @@ struct Bench {
   }
 };
 
-Vec3f random_vec(std::mt19937_64& random) { return test::random_in_box(random, Vec3::Constant(-1), Vec3::Constant(1)).cast<float>(); }
+Vec3f random_vec(std::mt19937_64& random) {
+  return test::random_in_box(random, Vec3::Constant(-1), Vec3::Constant(1)).cast<float>();
+}
 
 std::vector<std::uint32_t> all_of(const CoverAtoms& atoms) {
   std::vector<std::uint32_t> all(atoms.size());
@@ -101,7 +103,8 @@ TEST(CoverAtoms, RadiusAboutIsThatOfTheFarthestPointAndWithinNeverTakesAnAtomTha
     const Vec3f center = 0.5F * random_vec(random);
     double farthest = 0;
     for (const std::uint32_t atom : some) {
-      for (const Vec3& p : solid.points_of(atom)) farthest = std::max(farthest, (p - bench.frame.from(center)).norm() / bench.frame.diagonal_m);
+      for (const Vec3& p : solid.points_of(atom))
+        farthest = std::max(farthest, (p - bench.frame.from(center)).norm() / bench.frame.diagonal_m);
     }
     AtomSet set;
     set.gather(atoms, some);
@@ -131,7 +134,8 @@ TEST(ShellSamples, LieOutsideWithinTheThicknessAtTheDistancesThatTheyState) {
     EXPECT_LE(shell.size(), 8000U) << kind;
     ASSERT_EQ(shell.points.size(), shell.size());
     for (std::size_t i = 0; i < shell.size(); ++i) {
-      const double distance = bench.bvh.signed_distance_m(bench.frame.from(shell.points.at(i))) / bench.frame.diagonal_m;
+      const double distance =
+          bench.bvh.signed_distance_m(bench.frame.from(shell.points.at(i))) / bench.frame.diagonal_m;
       ASSERT_GT(distance, 0) << kind;
       ASSERT_LE(shell.distance[i], thickness) << kind;
       ASSERT_NEAR(static_cast<double>(shell.distance[i]), distance, 1e-6) << kind;
@@ -144,7 +148,9 @@ TEST(ShellSamples, StandForTheVolumeAroundABallWhereverItLies) {
   const ShellSamples shell = bench.shell(0.1F, 20000);
   const double radius = 1 / bench.frame.diagonal_m;
   const auto ball = [](double r) { return 4.0 / 3 * std::numbers::pi * r * r * r; };
-  EXPECT_NEAR(static_cast<double>(shell.volume) * static_cast<double>(shell.size()) / (ball(radius + 0.1) - ball(radius)), 1, 0.03);
+  EXPECT_NEAR(
+      static_cast<double>(shell.volume) * static_cast<double>(shell.size()) / (ball(radius + 0.1) - ball(radius)), 1,
+      0.03);
   std::size_t near_half = 0;
   std::size_t above = 0;
   for (std::size_t i = 0; i < shell.size(); ++i) {
@@ -195,7 +201,8 @@ TEST(GreedyCover, HoldsEveryAtomWithEightBallsOrFewer) {
     const Bench bench(make_procedural_shape(kind).value());
     const CoverAtoms atoms(cut_into_atoms(bench.mesh, bench.bvh, 800, *bench.executor), bench.frame);
     const auto places = find_deep_places(bench.mesh, bench.bvh, bench.frame, 300, 1, *bench.executor);
-    const GreedyCover cover = cover_greedily(atoms, all_of(atoms), places, Vec3f::Zero(), 0.6F, bench.bvh, bench.frame, 1, {.atoms = 100000});
+    const GreedyCover cover =
+        cover_greedily(atoms, all_of(atoms), places, Vec3f::Zero(), 0.6F, bench.bvh, bench.frame, 1, {.atoms = 100000});
     EXPECT_GE(cover.places.size(), 1U) << kind;
     EXPECT_LE(cover.places.size(), std::size_t{kTreeBranching}) << kind;
     for (std::uint32_t atom = 0; atom < atoms.size(); ++atom) {
@@ -233,8 +240,8 @@ class LevelCoverOf : public testing::Test {
     std::vector<CoverBall> balls;
     for (std::uint32_t p = 0; p < parents_.size(); ++p) {
       if (parents_[p].closed) continue;
-      const GreedyCover cover = cover_greedily(atoms_, parents_[p].own, places_, parents_[p].center, parents_[p].radius, bench_.bvh,
-                                               bench_.frame, 1, {.atoms = 500, .random_starts = 0});
+      const GreedyCover cover = cover_greedily(atoms_, parents_[p].own, places_, parents_[p].center, parents_[p].radius,
+                                               bench_.bvh, bench_.frame, 1, {.atoms = 500, .random_starts = 0});
       const std::vector<CoverBall> some = balls_of(cover, p);
       balls.insert(balls.end(), some.begin(), some.end());
     }
@@ -263,8 +270,9 @@ class LevelCoverOf : public testing::Test {
     }
     for (const std::size_t size : family) EXPECT_LE(size, std::size_t{kTreeBranching});
     for (std::uint32_t atom = 0; atom < atoms_.size(); ++atom) {
-      const bool elsewhere = std::ranges::any_of(
-          parents_, [&](const CoverParent& parent) { return parent.closed && std::ranges::binary_search(parent.allowed, atom); });
+      const bool elsewhere = std::ranges::any_of(parents_, [&](const CoverParent& parent) {
+        return parent.closed && std::ranges::binary_search(parent.allowed, atom);
+      });
       EXPECT_EQ(owners[atom], elsewhere ? 0 : 1) << atom;
     }
   }
@@ -303,12 +311,14 @@ TEST_F(LevelCoverOf, TwoParentsCountsTheSamplesThatItsBallsHold) {
   float largest = 0;
   for (std::size_t i = 0; i < shell_.size(); ++i) {
     const Vec3f at = shell_.points.at(i);
-    const bool in = std::ranges::any_of(balls, [&](const CoverBall& b) { return (at - b.center).squaredNorm() <= b.radius * b.radius; });
+    const bool in = std::ranges::any_of(
+        balls, [&](const CoverBall& b) { return (at - b.center).squaredNorm() <= b.radius * b.radius; });
     if (!in) continue;
     ++held;
     largest = std::max(largest, shell_.distance[i]);
   }
-  EXPECT_NEAR(score.volume, static_cast<double>(held) * static_cast<double>(shell_.volume), 2 * static_cast<double>(shell_.volume));
+  EXPECT_NEAR(score.volume, static_cast<double>(held) * static_cast<double>(shell_.volume),
+              2 * static_cast<double>(shell_.volume));
   EXPECT_EQ(score.largest, static_cast<double>(largest));
 }
 

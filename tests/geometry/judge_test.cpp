@@ -18,7 +18,9 @@ TriangleMesh shape_mesh(const char* kind) { return geometry::make_procedural_sha
 TriangleMesh open_box() {
   TriangleMesh mesh = test::box_mesh(Vec3::Ones());
   std::erase_if(mesh.triangles, [&](const auto& t) {
-    const auto all_of_it = [&](int axis) { return std::ranges::all_of(t, [&](std::uint32_t v) { return mesh.vertices_m[v][axis] > 0; }); };
+    const auto all_of_it = [&](int axis) {
+      return std::ranges::all_of(t, [&](std::uint32_t v) { return mesh.vertices_m[v][axis] > 0; });
+    };
     return all_of_it(0) || all_of_it(2);
   });
   return mesh;
@@ -60,7 +62,8 @@ TEST(JudgeTree, TheBoundIsTheLargestThatTheLevelStores) {
   const auto figures = judge_tree(tree, mesh, {.samples = 20000}).value();
   for (const TreeLevelFigures& f : figures) {
     double largest = 0;
-    for (const NodeIndex node : tree.nodes_at(f.level)) largest = std::max(largest, static_cast<double>(tree.protrusion_max_m[node]));
+    for (const NodeIndex node : tree.nodes_at(f.level))
+      largest = std::max(largest, static_cast<double>(tree.protrusion_max_m[node]));
     EXPECT_EQ(f.protrusion_bound_max_m, largest);
     EXPECT_GE(f.protrusion_bound_max_m, f.protrusion_max_m) << int{f.level};
   }
@@ -79,7 +82,8 @@ TEST(JudgeTree, FiguresAreTheSameOnAnyNumberOfThreads) {
       EXPECT_EQ(one[level].surface_coverage, many[level].surface_coverage);
     }
   }
-  EXPECT_NE(judge_tree(tree, mesh, {.samples = 10001, .seed = 5}).value()[1].protrusion_mean_m, one[1].protrusion_mean_m);
+  EXPECT_NE(judge_tree(tree, mesh, {.samples = 10001, .seed = 5}).value()[1].protrusion_mean_m,
+            one[1].protrusion_mean_m);
 }
 
 TEST(JudgeTree, AnOpenBoxHasTheVolumeThatItWindsAround) {
@@ -90,7 +94,8 @@ TEST(JudgeTree, AnOpenBoxHasTheVolumeThatItWindsAround) {
   std::size_t inside = 0;
   for (int x = 0; x < 30; ++x) {
     for (int y = 0; y < 30; ++y) {
-      for (int z = 0; z < 30; ++z) inside += test::slow_winding(mesh, Vec3(x - 14.5, y - 14.5, z - 14.5) / 30) > 0.5 ? 1U : 0U;
+      for (int z = 0; z < 30; ++z)
+        inside += test::slow_winding(mesh, Vec3(x - 14.5, y - 14.5, z - 14.5) / 30) > 0.5 ? 1U : 0U;
     }
   }
   const double volume = static_cast<double>(inside) / 27000;
@@ -107,7 +112,8 @@ TEST(JudgeTree, AShellHasNoVolumeAndNoInsideToMiss) {
   EXPECT_EQ(shell[0].volume_ratio, 0);
   EXPECT_EQ(shell[0].inside_coverage, 1);
   EXPECT_EQ(shell[0].surface_coverage, 0);
-  // The small ball floats in the hollow, half a metre from the nearest wall at the least and 1 - 0.5 / sqrt(3) at the most.
+  // The small ball floats in the hollow, half a metre from the nearest wall at the least and 1 - 0.5 / sqrt(3) at the
+  // most.
   EXPECT_NEAR(shell[0].protrusion_max_m, 1 - 0.5 / std::sqrt(3.0), 0.01);
   const auto solid = judge_tree(tree, mesh, {.samples = 2000}).value();
   EXPECT_EQ(solid[0].protrusion_max_m, 0);

@@ -7,7 +7,8 @@
 
 namespace poise::test {
 
-/// A tree of a mesh as build_sphere_tree makes it, kept between tests in the folder that POISE_TREE_CACHE names, if it names one.
+/// A tree of a mesh as build_sphere_tree makes it, kept between tests in the folder that POISE_TREE_CACHE names, if it
+/// names one.
 inline SphereTree kept_tree(const TriangleMesh& mesh, Level depth) {
   const char* folder = std::getenv("POISE_TREE_CACHE");
   TreeCacheSettings settings;

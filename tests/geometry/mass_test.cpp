@@ -22,7 +22,10 @@ MassProperties mass_of(const TriangleMesh& mesh) {
 
 Mat3 box_inertia(const Vec3& s) {
   const Vec3 squares = s.cwiseProduct(s);
-  return s.prod() / 12 * Vec3(squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y()).asDiagonal().toDenseMatrix();
+  return s.prod() / 12 *
+         Vec3(squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y())
+             .asDiagonal()
+             .toDenseMatrix();
 }
 
 TEST(MassProperties, OfABoxAreItsClosedForm) {
@@ -93,8 +96,9 @@ TEST(MassProperties, OfAFinerTorusComeCloserToTheTorus) {
   double last_error = 1;
   for (const int n : {16, 32, 64, 128}) {
     const MassProperties mass = mass_of(torus_mesh(ring, tube, 2 * n, n));
-    const double error = std::max({std::abs(mass.volume_m3 / volume - 1), std::abs(mass.inertia_m5(2, 2) / about_axis - 1),
-                                   std::abs(mass.inertia_m5(0, 0) / across - 1)});
+    const double error =
+        std::max({std::abs(mass.volume_m3 / volume - 1), std::abs(mass.inertia_m5(2, 2) / about_axis - 1),
+                  std::abs(mass.inertia_m5(0, 0) / across - 1)});
     EXPECT_LT(error, 0.3 * last_error);
     last_error = error;
   }

@@ -25,7 +25,9 @@ TriangleMesh inside_out(TriangleMesh mesh) {
   return mesh;
 }
 
-TriangleMesh box_at(double x, double size) { return moved(box_mesh(Vec3::Constant(size)), 1, Mat3::Identity(), {x, 0, 0}); }
+TriangleMesh box_at(double x, double size) {
+  return moved(box_mesh(Vec3::Constant(size)), 1, Mat3::Identity(), {x, 0, 0});
+}
 
 RC_GTEST_PROP(Orientation, TrianglesTurnedAtRandomComeRightAgain, (std::uint32_t seed)) {
   std::mt19937_64 random(seed);
@@ -69,7 +71,8 @@ TEST(Orientation, AHollowBoxThatIsInsideOutComesRightWithItsCavityAndWhatLiesInT
 }
 
 TEST(Orientation, APieceThatOnlyOverlapsAnotherDoesNotLieInIt) {
-  TriangleMesh mesh = joined(box_at(0, 2), inside_out(moved(box_mesh({0.5, 0.4, 0.4}), 1, Mat3::Identity(), {1, 0, 0})));
+  TriangleMesh mesh =
+      joined(box_at(0, 2), inside_out(moved(box_mesh({0.5, 0.4, 0.4}), 1, Mat3::Identity(), {1, 0, 0})));
   // In the same box along y and z, but half of it sticks out.
   EXPECT_EQ(clean_mesh(mesh, 1e-9).pieces_turned, 1U);
   EXPECT_NEAR(mesh_mass_properties(mesh).value().volume_m3, 8.08, 1e-12);
@@ -80,7 +83,8 @@ TEST(Orientation, AnOpenBoxThatIsInsideOutIsTurned) {
   mesh.triangles.resize(10);  // one face is missing
   EXPECT_TRUE(clean_mesh(mesh, 1e-9).flipped);
   const auto& t = mesh.triangles[0];  // of the lower face in box_mesh
-  const Vec3 normal = (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]);
+  const Vec3 normal =
+      (mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]]).cross(mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]]);
   EXPECT_LT(normal.z(), 0);
 }
 
@@ -119,7 +123,8 @@ TEST(Orientation, AMoebiusStripIsNoWorseThanItWas) {
   EXPECT_LE(check_closed(cleaned).inconsistent_edges, 1U);
   // And worse than that only where the file was: three triangles turned over are put right.
   TriangleMesh worse = strip;
-  for (const std::size_t t : {std::size_t{3}, std::size_t{7}, std::size_t{12}}) std::swap(worse.triangles[t][0], worse.triangles[t][1]);
+  for (const std::size_t t : {std::size_t{3}, std::size_t{7}, std::size_t{12}})
+    std::swap(worse.triangles[t][0], worse.triangles[t][1]);
   EXPECT_GT(check_closed(worse).inconsistent_edges, 5U);
   clean_mesh(worse, 1e-9);
   EXPECT_LE(check_closed(worse).inconsistent_edges, 1U);

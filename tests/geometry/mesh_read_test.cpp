@@ -70,8 +70,10 @@ TEST_F(MeshFile, TheSameTetrahedronComesOutOfEveryFormat) {
   const std::string off = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
-      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-  for (const fs::path& file : {write("a.obj", kTetrahedron), write("a.STL", stl), write("a.off", off), write("a.ply", ply)}) {
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 "
+      "2 3\n";
+  for (const fs::path& file :
+       {write("a.obj", kTetrahedron), write("a.STL", stl), write("a.off", off), write("a.ply", ply)}) {
     MeshRepair repair;
     const auto mesh = read_mesh(file, {}, &repair);
     ASSERT_TRUE(mesh.ok()) << mesh.error().message;
@@ -110,7 +112,8 @@ TEST_F(MeshFile, WhatCannotBeReadIsRefusedWithItsRule) {
       {write("many.off", "OFF\n999999999999 1 0\n0 0 0\n"), "announces 999999999999 vertices"},
       {write("many.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n"), "announces 4000000000"},
       {write("index.ply",
-             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement "
+             "face 1\n"
              "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 70000\n"),
        ""},
   };
@@ -129,14 +132,16 @@ TEST_F(MeshFile, ObjWithAByteOrderMarkIsRead) {
     big += std::string(1, '\0') + c;
     little += c + std::string(1, '\0');
   }
-  for (const fs::path& file : {write("u8.obj", "\xef\xbb\xbf" + text), write("big.obj", big), write("little.obj", little)}) {
+  for (const fs::path& file :
+       {write("u8.obj", "\xef\xbb\xbf" + text), write("big.obj", big), write("little.obj", little)}) {
     const auto mesh = read_mesh(file, {});
     ASSERT_TRUE(mesh.ok()) << mesh.error().message;
     EXPECT_EQ(mesh.value().triangles.size(), 4U) << file;
   }
 }
 
-/// A triangle and its three indices as the bytes of a buffer, 44 of them: three points of floats, three shorts, two to fill up.
+/// A triangle and its three indices as the bytes of a buffer, 44 of them: three points of floats, three shorts, two to
+/// fill up.
 std::string triangle_bytes() {
   const std::array<float, 9> points{0, 0, 0, 1, 0, 0, 0, 1, 0};
   const std::array<std::uint16_t, 4> indices{0, 1, 2, 0};
@@ -149,11 +154,13 @@ std::string triangle_bytes() {
 /// A glTF file of that triangle; the places marked in the text are filled in.
 std::string triangle_gltf(const std::string& buffer, const std::string& top = "", const std::string& primitive = "") {
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": [5, 0, 0]}],
-    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1)" + primitive + R"(}]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1)" +
+         primitive + R"(}]}],
     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
                   {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}],
     "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
-    "buffers": [{"byteLength": 44)" + buffer + "}]" + top + "}";
+    "buffers": [{"byteLength": 44)" +
+         buffer + "}]" + top + "}";
 }
 
 std::string glb(std::string text, const std::string& binary) {
@@ -186,7 +193,8 @@ TEST_F(MeshFile, GltfIsReadForItsShapeFromAnyOfItsPlaces) {
 TEST_F(MeshFile, GltfThatIsCutOffOrNamesWhatIsNotThereIsRefused) {
   const std::string whole = glb(triangle_gltf(""), triangle_bytes());
   const std::vector<std::pair<fs::path, std::string>> cases{
-      {write("missing.gltf", triangle_gltf(R"(, "uri": "nowhere.bin")")), "buffer 0 names the file 'nowhere.bin', which cannot be read"},
+      {write("missing.gltf", triangle_gltf(R"(, "uri": "nowhere.bin")")),
+       "buffer 0 names the file 'nowhere.bin', which cannot be read"},
       {write("nothing.gltf", triangle_gltf("")), "buffer 0 names no file, and nothing is in this one"},
       {write("header.glb", whole.substr(0, 15)), "ends within its header"},
       {write("text.glb", whole.substr(0, 100)), "bytes of JSON are announced"},
@@ -194,7 +202,8 @@ TEST_F(MeshFile, GltfThatIsCutOffOrNamesWhatIsNotThereIsRefused) {
       {write("version.glb", "glTF" + std::string(1, 9) + whole.substr(5)), "version 9, must be 1 or 2"},
       {write("short.gltf", triangle_gltf(R"(, "uri": "short.bin")")), ""},
       {write("noscene.gltf", R"({"asset": {"version": "2.0"}, "nodes": []})"), "has no scene"},
-      {write("scene.gltf", R"({"asset": {"version": "2.0"}, "scene": 2, "scenes": [{}, {}]})"), "scene = 2, must be one of 2 scenes"},
+      {write("scene.gltf", R"({"asset": {"version": "2.0"}, "scene": 2, "scenes": [{}, {}]})"),
+       "scene = 2, must be one of 2 scenes"},
       {write("list.gltf", "[1, 2]"), "must be a JSON object"},
       {write("half.gltf", "{\"asset\": "), "not valid JSON"},
   };
@@ -272,9 +281,10 @@ TEST_F(MeshFile, FilesByOthersAreWhatTheyAre) {
 TEST_F(MeshFile, BrokenFilesByOthersAreRefused) {
   std::size_t seen = 0;
   for (const char* name :
-       {"OFF/invalid.off", "invalid/OutOfMemory.off", "invalid/empty.off", "invalid/empty.obj", "invalid/empty.ply", "invalid/malformed.obj",
-        "PLY/points.ply", "PLY/pond.0.ply", "glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb",
-        "glTF2/IndexOutOfRange/AllIndicesOutOfRange.gltf", "glTF2/MissingBin/BoxTextured.gltf", "glTF2/RecursiveNodes/RecursiveNodes.gltf",
+       {"OFF/invalid.off", "invalid/OutOfMemory.off", "invalid/empty.off", "invalid/empty.obj", "invalid/empty.ply",
+        "invalid/malformed.obj", "PLY/points.ply", "PLY/pond.0.ply",
+        "glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", "glTF2/IndexOutOfRange/AllIndicesOutOfRange.gltf",
+        "glTF2/MissingBin/BoxTextured.gltf", "glTF2/RecursiveNodes/RecursiveNodes.gltf",
         "glTF2/SchemaFailures/sceneWrongType.gltf", "glTF2/wrongTypes/badArray.gltf", "OBJ/point_cloud.obj"}) {
     const fs::path file = kModels / name;
     if (!fs::exists(file)) continue;
@@ -289,8 +299,8 @@ TEST_F(MeshFile, NoModelByOthersBreaksTheReader) {
   std::size_t read = 0;
   for (const auto& entry : fs::recursive_directory_iterator(kModels)) {
     const std::string extension = entry.path().extension().string();
-    if (extension != ".obj" && extension != ".stl" && extension != ".STL" && extension != ".ply" && extension != ".off" &&
-        extension != ".gltf" && extension != ".glb") {
+    if (extension != ".obj" && extension != ".stl" && extension != ".STL" && extension != ".ply" &&
+        extension != ".off" && extension != ".gltf" && extension != ".glb") {
       continue;
     }
     if (fs::file_size(entry.path()) > 1000000) continue;

@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kModels = "/usr/share/assimp/models";
-constexpr std::size_t kLargestBuilt = 20000;  // triangles; three larger ones are read only, they would take seconds each
+constexpr std::size_t kLargestBuilt =
+    20000;  // triangles; three larger ones are read only, they would take seconds each
 
 /// The files that are refused, and what the refusal must say. Each was looked at; nothing else may be refused.
 const std::map<std::string, std::string> kRefused{
@@ -36,14 +37,22 @@ const std::map<std::string, std::string> kRefused{
     {"glTF2/SchemaFailures/sceneWrongType.gltf", "names the file 'BoxTextured0.bin', which cannot be read"},
     {"glTF2/TestNoRootNode/NoScene.gltf", "has no scene"},
     {"glTF2/TestNoRootNode/SceneWithoutNodes.gltf", "has no triangle, and no vertex either"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf", "1024 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_01.gltf", "8 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_02.gltf", "4 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_03.gltf", "5 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_07.gltf", "1024 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_08.gltf", "4 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_09.gltf", "4 vertices, but no face with three corners"},
-    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_10.gltf", "4 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf",
+     "1024 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_01.gltf",
+     "8 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_02.gltf",
+     "4 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_03.gltf",
+     "5 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_07.gltf",
+     "1024 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_08.gltf",
+     "4 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_09.gltf",
+     "4 vertices, but no face with three corners"},
+    {"glTF2/glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_10.gltf",
+     "4 vertices, but no face with three corners"},
     {"glTF2/wrongTypes/badArray.gltf", "\"primitives\" was not of type \"array\""},
     {"invalid/OutOfMemory.off", "announces 353535235358 vertices in 309 bytes"},
     {"invalid/empty.obj", "is empty"},
@@ -58,7 +67,8 @@ std::vector<std::string> files_below(const std::string& folder) {
   if (!fs::exists(kModels / folder)) return files;
   for (const auto& entry : fs::recursive_directory_iterator(kModels / folder)) {
     std::string extension = entry.path().extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     for (const char* ours : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"}) {
       if (extension == ours) files.push_back(fs::relative(entry.path(), kModels).string());
     }
@@ -71,7 +81,8 @@ void expect_sound_tree(const TriangleMesh& mesh, const std::string& file) {
   const auto tree = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast});
   ASSERT_TRUE(tree.ok()) << file << ": " << tree.error().message;
   const std::size_t levels = std::size_t{tree.value().depth()} + 1;
-  for (const Vec3& p : test::surface_points(mesh, 300)) ASSERT_EQ(test::levels_covered(tree.value(), p), levels) << file;
+  for (const Vec3& p : test::surface_points(mesh, 300))
+    ASSERT_EQ(test::levels_covered(tree.value(), p), levels) << file;
   const geometry::TriangleBvh bvh(mesh);
   Vec3 low = mesh.vertices_m[0];
   Vec3 high = low;
@@ -108,7 +119,8 @@ TEST_P(Survey, FilesGiveSoundTreesOrAreRefusedForTheReasonThatIsThere) {
 
 std::string folder_name(const testing::TestParamInfo<const char*>& info) { return info.param; }
 
-INSTANTIATE_TEST_SUITE_P(AssimpTestModels, Survey, testing::Values("OBJ", "OFF", "PLY", "STL", "glTF", "glTF2", "invalid"), folder_name);
+INSTANTIATE_TEST_SUITE_P(AssimpTestModels, Survey,
+                         testing::Values("OBJ", "OFF", "PLY", "STL", "glTF", "glTF2", "invalid"), folder_name);
 
 TEST(SurveyTable, HoldsOnlyFilesThatAreThereAndLeavesFourFifthsOfThoseWithASurface) {
   const std::vector<std::string> files = files_below("");
@@ -116,7 +128,8 @@ TEST(SurveyTable, HoldsOnlyFilesThatAreThereAndLeavesFourFifthsOfThoseWithASurfa
   std::size_t without_surface = 0;
   for (const auto& [file, reason] : kRefused) {
     EXPECT_TRUE(std::ranges::binary_search(files, file)) << file;
-    const bool nothing = reason.find("no face with three") != std::string::npos || reason.find("no element") != std::string::npos ||
+    const bool nothing = reason.find("no face with three") != std::string::npos ||
+                         reason.find("no element") != std::string::npos ||
                          reason.find("is empty") != std::string::npos || reason.find("no scene") != std::string::npos ||
                          reason.find("no vertex") != std::string::npos;
     without_surface += nothing ? 1U : 0U;

@@ -100,7 +100,8 @@ RC_GTEST_PROP(CleanMesh, ASecondCleaningChangesNothing, (std::uint32_t seed)) {
   std::mt19937_64 random(seed);
   TriangleMesh mesh;
   const int vertices = 3 + static_cast<int>(random() % 30);
-  for (int i = 0; i < vertices; ++i) mesh.vertices_m.push_back(test::random_in_box(random, -Vec3::Ones(), Vec3::Ones()));
+  for (int i = 0; i < vertices; ++i)
+    mesh.vertices_m.push_back(test::random_in_box(random, -Vec3::Ones(), Vec3::Ones()));
   for (int i = 0; i < 40; ++i) {
     const auto pick = [&] { return static_cast<std::uint32_t>(random() % static_cast<std::uint64_t>(vertices)); };
     mesh.triangles.push_back({pick(), pick(), pick()});
@@ -125,7 +126,8 @@ TEST(CheckClosed, CountsOpenEdgesAndTurnedTriangles) {
 
 double area_of(const std::vector<Vec3>& vertices, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   double area = 0;
-  for (const auto& t : triangles) area += 0.5 * (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]).norm();
+  for (const auto& t : triangles)
+    area += 0.5 * (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]).norm();
   return area;
 }
 
@@ -156,7 +158,8 @@ TEST(MeshCounts, MoreVerticesThanBytesAreRefused) {
   EXPECT_EQ(geometry::wrong_off_counts("OFF\n# 9999999\n8 6 12\n", 300), "");
   EXPECT_NE(geometry::wrong_off_counts("OFF\n353535235358 6 12\n", 300), "");
   EXPECT_NE(geometry::wrong_off_counts("OFF 8 99999999999999999999999 12\n", 300), "");
-  EXPECT_EQ(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 6\nend_header\nelement face 999\n", 300), "");
+  EXPECT_EQ(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 6\nend_header\nelement face 999\n", 300),
+            "");
   EXPECT_NE(geometry::wrong_ply_counts("ply\nelement vertex 8\nend_header\nelement face 6\n", 300), "");
   EXPECT_NE(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 301\nend_header\n", 300), "");
 }

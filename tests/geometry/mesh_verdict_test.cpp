@@ -25,7 +25,9 @@ TriangleMesh square_sheet() {
   return sheet;
 }
 
-bool says(const MeshVerdict& verdict, const std::string& words) { return verdict.text.find(words) != std::string::npos; }
+bool says(const MeshVerdict& verdict, const std::string& words) {
+  return verdict.text.find(words) != std::string::npos;
+}
 
 TEST(WindingMass, OfClosedMeshesIsTheExactOneWithinTheErrorItStates) {
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
@@ -68,9 +70,7 @@ TEST(WindingMass, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.firm_share, four.firm_share);
 }
 
-TEST(WindingMass, OfASheetIsNothing) {
-  EXPECT_EQ(winding_mass_properties(square_sheet()).value().mass.volume_m3, 0);
-}
+TEST(WindingMass, OfASheetIsNothing) { EXPECT_EQ(winding_mass_properties(square_sheet()).value().mass.volume_m3, 0); }
 
 TEST(ShellMass, OfARectangleIsThatOfAPlate) {
   const double t = 0.1;
@@ -84,7 +84,8 @@ TEST(ShellMass, OfARectangleIsThatOfAPlate) {
 TEST(ShellMass, OfABallIsThatOfAHollowBall) {
   const double radius = 2;
   const double thickness = 1e-3;
-  const MassProperties mass = shell_mass_properties(moved(ball_mesh(radius, 5), 1, Mat3::Identity(), {1000, 0, 0}), thickness).value();
+  const MassProperties mass =
+      shell_mass_properties(moved(ball_mesh(radius, 5), 1, Mat3::Identity(), {1000, 0, 0}), thickness).value();
   const double volume = 4 * std::numbers::pi * radius * radius * thickness;
   EXPECT_NEAR(mass.volume_m3 / volume, 1, 2e-3);
   EXPECT_LT((mass.center_of_mass_m - Vec3(1000, 0, 0)).norm(), 1e-9);

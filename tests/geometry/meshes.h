@@ -35,7 +35,8 @@ inline TriangleMesh ball_mesh(double radius_m, int splits) {
   for (int split = 0; split < splits; ++split) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [place, added] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices_m.size()));
+      const auto [place, added] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices_m.size()));
       if (added) mesh.vertices_m.emplace_back((mesh.vertices_m[a] + mesh.vertices_m[b]).normalized());
       return place->second;
     };
@@ -74,8 +75,8 @@ inline TriangleMesh moved(TriangleMesh mesh, double factor, const Mat3& turn, co
   return mesh;
 }
 
-/// Winding number by summing the solid angle of every triangle, with angles between edge planes (Girard) instead of the arc
-/// tangent formula that the library uses.
+/// Winding number by summing the solid angle of every triangle, with angles between edge planes (Girard) instead of the
+/// arc tangent formula that the library uses.
 inline double slow_winding(const TriangleMesh& mesh, const Vec3& point) {
   double sum = 0;
   for (const auto& t : mesh.triangles) {
@@ -94,7 +95,8 @@ inline double slow_winding(const TriangleMesh& mesh, const Vec3& point) {
   return sum / (4 * std::numbers::pi);
 }
 
-/// Distance to a triangle by a descent over barycentric coordinates in ever smaller steps around the best of a coarse raster.
+/// Distance to a triangle by a descent over barycentric coordinates in ever smaller steps around the best of a coarse
+/// raster.
 inline double slow_distance(const std::array<Vec3, 3>& t, const Vec3& point) {
   double best = 1e300;
   double bu = 0;
@@ -146,7 +148,8 @@ inline Vec3 random_in_box(std::mt19937_64& random, const Vec3& low, const Vec3& 
 inline std::vector<Vec3> surface_points(const TriangleMesh& mesh, std::size_t random_count) {
   std::vector<Vec3> points = mesh.vertices_m;
   for (const auto& t : mesh.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) points.emplace_back(0.5 * (mesh.vertices_m[t[i]] + mesh.vertices_m[t[(i + 1) % 3]]));
+    for (std::size_t i = 0; i < 3; ++i)
+      points.emplace_back(0.5 * (mesh.vertices_m[t[i]] + mesh.vertices_m[t[(i + 1) % 3]]));
   }
   std::mt19937_64 random(11);
   for (std::size_t i = 0; i < random_count; ++i) {
@@ -178,8 +181,8 @@ inline std::vector<Vec3> inside_points(const TriangleMesh& mesh, std::size_t tri
   return points;
 }
 
-/// The deepest level to which a point has a chain of nodes that contain it, counted from 1; 0 when not even the root holds it.
-/// A leaf stands for itself on all levels below.
+/// The deepest level to which a point has a chain of nodes that contain it, counted from 1; 0 when not even the root
+/// holds it. A leaf stands for itself on all levels below.
 inline std::size_t levels_covered(const SphereTree& tree, const Vec3& point) {
   const std::size_t levels = std::size_t{tree.depth()} + 1;
   std::vector<NodeIndex> holding;
@@ -204,9 +207,9 @@ inline std::size_t levels_covered(const SphereTree& tree, const Vec3& point) {
 
 /// Same arrays, bit for bit.
 inline bool same_tree(const SphereTree& a, const SphereTree& b) {
-  return a.x_m == b.x_m && a.y_m == b.y_m && a.z_m == b.z_m && a.radius_m == b.radius_m && a.first_child == b.first_child &&
-         a.child_count == b.child_count && a.level_begin == b.level_begin && a.protrusion_max_m == b.protrusion_max_m &&
-         a.protrusion_mean_m == b.protrusion_mean_m;
+  return a.x_m == b.x_m && a.y_m == b.y_m && a.z_m == b.z_m && a.radius_m == b.radius_m &&
+         a.first_child == b.first_child && a.child_count == b.child_count && a.level_begin == b.level_begin &&
+         a.protrusion_max_m == b.protrusion_max_m && a.protrusion_mean_m == b.protrusion_mean_m;
 }
 
 }  // namespace poise::test

@@ -27,11 +27,14 @@ NodeFit fit_of(const SphereTree& start, const TriangleMesh& mesh) {
   return tree.fit[0];
 }
 
-Vec3 center(const NodeFit& fit) { return {static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)}; }
+Vec3 center(const NodeFit& fit) {
+  return {static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)};
+}
 
 TEST(NodeFit, OfACurvedPieceTouchesItFromInside) {
   const TriangleMesh mesh = make_procedural_shape("torus", 8).value();
-  // A piece of the tube's outer side has two curvatures, 1/0.15 m and 1/0.5 m: the fit lies between, and nearer than the tree's own sphere.
+  // A piece of the tube's outer side has two curvatures, 1/0.15 m and 1/0.5 m: the fit lies between, and nearer than
+  // the tree's own sphere.
   const NodeFit fit = fit_of(lone_sphere({0.35, 0, 0}, 0.2), mesh);
   EXPECT_NEAR(center(fit).norm() + static_cast<double>(fit.radius_m), 0.5, 0.02);
   EXPECT_LT(std::sqrt(static_cast<double>(fit.variance_m2)), 0.03);

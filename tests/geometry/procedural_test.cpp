@@ -28,7 +28,9 @@ TEST(ProceduralShape, EveryOneIsClosedOutwardAndAboutAMetreAcross) {
 }
 
 TEST(ProceduralShape, VolumesComeCloseToThoseOfTheSmoothShapes) {
-  const auto volume = [](std::string_view kind) { return mesh_mass_properties(make_procedural_shape(kind).value()).value().volume_m3; };
+  const auto volume = [](std::string_view kind) {
+    return mesh_mass_properties(make_procedural_shape(kind).value()).value().volume_m3;
+  };
   EXPECT_NEAR(volume("slab"), 0.06, 1e-9);
   EXPECT_NEAR(volume("cube"), 0.343, 1e-9);
   EXPECT_NEAR(volume("l"), (0.64 - 0.3025) * 0.25, 1e-9);
@@ -38,11 +40,12 @@ TEST(ProceduralShape, VolumesComeCloseToThoseOfTheSmoothShapes) {
   EXPECT_NEAR(volume("bowl"), bowl, 0.05 * bowl);
   const double disc = kPi * 0.25 * 0.12;
   EXPECT_NEAR(volume("disc"), disc, 0.05 * disc);
-  // Three crossed cylinders of radius r and length 2 l: 6 pi r^2 l less what two and three of them share (Steinmetz: 16/3 r^3 a
-  // pair, 8 (2 - sqrt 2) r^3 for all), and six half balls at the ends.
+  // Three crossed cylinders of radius r and length 2 l: 6 pi r^2 l less what two and three of them share (Steinmetz:
+  // 16/3 r^3 a pair, 8 (2 - sqrt 2) r^3 for all), and six half balls at the ends.
   const double r = 0.12;
   const double l = 0.38;
-  const double jack = 6 * kPi * r * r * l - 3 * 16.0 / 3 * r * r * r + 8 * (2 - std::sqrt(2.0)) * r * r * r + 4 * kPi * r * r * r;
+  const double jack =
+      6 * kPi * r * r * l - 3 * 16.0 / 3 * r * r * r + 8 * (2 - std::sqrt(2.0)) * r * r * r + 4 * kPi * r * r * r;
   EXPECT_NEAR(volume("jack"), jack, 0.05 * jack);
 }
 
@@ -61,14 +64,16 @@ TEST(ProceduralShape, TheMeshesThatShipAreWhatTheToolMakes) {
 }
 
 TEST(ProceduralShape, ComesNearerToTheRoundShapeTheFinerItIs) {
-  // A ring of radius R and a tube of radius r hold 2 pi^2 R r^2; chords leave out a share that falls with the square of their number.
+  // A ring of radius R and a tube of radius r hold 2 pi^2 R r^2; chords leave out a share that falls with the square of
+  // their number.
   constexpr double kTorus_m3 = 2 * std::numbers::pi * std::numbers::pi * 0.35 * 0.15 * 0.15;
   const auto missing = [&](int fineness) {
     const TriangleMesh mesh = make_procedural_shape("torus", fineness).value();
     return 1 - mesh_mass_properties(mesh).value().volume_m3 / kTorus_m3;
   };
   EXPECT_NEAR(missing(1) / missing(4), 16, 0.5);
-  for (const std::string_view kind : procedural_shapes()) EXPECT_TRUE(check_closed(make_procedural_shape(kind, 3).value()).closed()) << kind;
+  for (const std::string_view kind : procedural_shapes())
+    EXPECT_TRUE(check_closed(make_procedural_shape(kind, 3).value()).closed()) << kind;
 }
 
 TEST(ProceduralShape, RefusesAFinenessOutOfRange) {

@@ -39,7 +39,8 @@ std::vector<Seen> sample(const SphereTree& tree, const TriangleBvh& bvh, std::si
       std::vector<Sphere> others;
       for (const NodeIndex other : nodes) {
         const Sphere s = tree.sphere(other);
-        if (other != nodes[begin] && (s.center_m - own.center_m).norm() < s.radius_m + own.radius_m) others.push_back(s);
+        if (other != nodes[begin] && (s.center_m - own.center_m).norm() < s.radius_m + own.radius_m)
+          others.push_back(s);
       }
       Random random = Random::of(level, begin);
       double sum = 0;
@@ -48,7 +49,8 @@ std::vector<Seen> sample(const SphereTree& tree, const TriangleBvh& bvh, std::si
       Seen& here = seen[nodes[begin]];
       for (std::size_t i = 0; i < each; ++i) {
         const Vec3 point = own.center_m + own.radius_m * random.direction();
-        if (std::ranges::any_of(others, [&](const Sphere& s) { return (s.center_m - point).norm() < s.radius_m; })) continue;
+        if (std::ranges::any_of(others, [&](const Sphere& s) { return (s.center_m - point).norm() < s.radius_m; }))
+          continue;
         const double d = bvh.outside_distance_m(point);
         here.max_m = std::max(here.max_m, d);
         sum += d;
@@ -68,7 +70,8 @@ class ProtrusionOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(ProtrusionOf, IsBoundedForEveryNodeAndNotLoosely) {
   const std::string name = GetParam();
-  if (name.starts_with("/") && !std::filesystem::exists(name)) GTEST_SKIP() << name << " is not installed (libsimbody-dev)";
+  if (name.starts_with("/") && !std::filesystem::exists(name))
+    GTEST_SKIP() << name << " is not installed (libsimbody-dev)";
   const TriangleMesh mesh = mesh_named(name);
   const TriangleBvh bvh(mesh);
   const SphereTree tree = build_sphere_tree(mesh, {.depth = 2, .preset = TreePreset::Fast}).value();
@@ -95,8 +98,10 @@ TEST_P(ProtrusionOf, IsBoundedForEveryNodeAndNotLoosely) {
   EXPECT_LE(bound_sum, 1.15 * seen_sum);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, ProtrusionOf,
-                         testing::Values("l", "ring", "bowl", "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Forearm.obj"));
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, ProtrusionOf,
+    testing::Values("l", "ring", "bowl",
+                    "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Forearm.obj"));
 
 SphereTree root_and(const std::vector<Sphere>& children) {
   std::vector<LooseNode> nodes(1 + children.size());
@@ -117,7 +122,8 @@ TEST(Protrusion, OfTheBallAroundACubeIsBoundedByItsClosedForm) {
 }
 
 TEST(Protrusion, OfBallsOverAPlaneIsThatOfTheirCaps) {
-  // Half of a unit ball above a large box's face: the height over the plane has the largest 1 and the mean 1/4 over the whole sphere.
+  // Half of a unit ball above a large box's face: the height over the plane has the largest 1 and the mean 1/4 over the
+  // whole sphere.
   SphereTree tree = root_and({{{0, 0, 20}, 1}});
   const TriangleBvh bvh(test::box_mesh({40, 40, 40}));
   measure_protrusions(tree, bvh, *parallel::make_executor(ExecutorKind::Serial, 1));
@@ -128,7 +134,8 @@ TEST(Protrusion, OfBallsOverAPlaneIsThatOfTheirCaps) {
 }
 
 TEST(Protrusion, CountsOnlyWhatNoOtherBallOfTheLevelHides) {
-  // A ball far out of a small box whose outer half is hidden by a larger one, one that is wholly hidden, and one inside the box.
+  // A ball far out of a small box whose outer half is hidden by a larger one, one that is wholly hidden, and one inside
+  // the box.
   SphereTree tree = root_and({{{4, 0, 0}, 1}, {{5.5, 0, 0}, 2}, {{5.5, 0, 0}, 1}, {{0, 0, 0}, 0.25}});
   const TriangleBvh bvh(test::box_mesh({2, 2, 2}));
   measure_protrusions(tree, bvh, *parallel::make_executor(ExecutorKind::Serial, 1));
@@ -184,7 +191,8 @@ TEST(OverlappingNodes, AreThoseOfASearchOverAllPairs) {
   std::mt19937_64 random(8);
   std::vector<Sphere> balls;
   for (int i = 0; i < 300; ++i) {
-    balls.push_back({test::random_in_box(random, Vec3::Constant(-1), Vec3::Constant(1)), 0.05 + (i % 50 == 0 ? 1.0 : 0.2 * test::uniform(random))});
+    balls.push_back({test::random_in_box(random, Vec3::Constant(-1), Vec3::Constant(1)),
+                     0.05 + (i % 50 == 0 ? 1.0 : 0.2 * test::uniform(random))});
   }
   const SphereTree tree = tree_of_spheres(balls).value();
   for (Level level = 0; level <= tree.depth(); ++level) {

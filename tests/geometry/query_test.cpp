@@ -83,7 +83,10 @@ TEST(TriangleBvh, NamesTheTriangleOfTheClosestPoint) {
     const TriangleCorners corners{mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]};
     EXPECT_EQ(bvh.corners(closest.triangle), corners);
     EXPECT_NEAR(std::sqrt(closest.squared_distance_m2), test::slow_distance(corners, point), 1e-6);
-    EXPECT_LT((bvh.triangle_normal(closest.triangle) - (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized()).norm(), 1e-12);
+    EXPECT_LT(
+        (bvh.triangle_normal(closest.triangle) - (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized())
+            .norm(),
+        1e-12);
     // Any guess gives the same distance.
     const auto guessed = bvh.closest_from(point, static_cast<std::uint32_t>(random() % mesh.triangles.size()));
     EXPECT_EQ(guessed.squared_distance_m2, closest.squared_distance_m2);
@@ -127,7 +130,8 @@ TEST(TriangleBvh, PointsInLineWithVerticesAndEdgesHaveAWholeWindingNumber) {
       for (int z = -9; z <= 9; ++z) {
         const Vec3 p = Vec3(x, y, z) / 4;
         if (bvh.closest(p).squared_distance_m2 == 0) continue;
-        const int expected = ((p.array().abs() < 1).all() ? 1 : 0) + (((p - Vec3(1, 0.5, 0.5)).array().abs() < 0.5).all() ? 1 : 0);
+        const int expected =
+            ((p.array().abs() < 1).all() ? 1 : 0) + (((p - Vec3(1, 0.5, 0.5)).array().abs() < 0.5).all() ? 1 : 0);
         EXPECT_EQ(bvh.winding_number(p), expected) << p.transpose();
         EXPECT_EQ(bvh.inside(p), expected > 0);
         both += expected == 2 ? 1 : 0;
@@ -224,12 +228,14 @@ RC_GTEST_PROP(EnclosingBallOfBalls, HoldsAllBallsWithinOnePercentOfTheSmallest, 
     balls.push_back({random_in_box(random, {-1, -1, -1}, {1, 1, 1}), 0.1 + test::uniform(random)});
   }
   const Sphere ball = enclosing_ball_of_balls(balls);
-  for (const Sphere& b : balls) RC_ASSERT((b.center_m - ball.center_m).norm() + b.radius_m <= ball.radius_m * (1 + 1e-14));
+  for (const Sphere& b : balls)
+    RC_ASSERT((b.center_m - ball.center_m).norm() + b.radius_m <= ball.radius_m * (1 + 1e-14));
   // Any point's reach is an upper bound; a fine raster around the answer must not find one that is much smaller.
   for (const Vec3& way : even_directions(200)) {
     for (const double step : {0.01, 0.05, 0.2}) {
       double reach = 0;
-      for (const Sphere& b : balls) reach = std::max(reach, (b.center_m - ball.center_m - step * way).norm() + b.radius_m);
+      for (const Sphere& b : balls)
+        reach = std::max(reach, (b.center_m - ball.center_m - step * way).norm() + b.radius_m);
       RC_ASSERT(reach >= 0.99 * ball.radius_m);
     }
   }

@@ -28,7 +28,8 @@ std::vector<Sphere> jack_spheres() {
 std::vector<Sphere> random_spheres(std::mt19937_64& random, std::size_t count) {
   std::vector<Sphere> spheres;
   for (std::size_t i = 0; i < count; ++i) {
-    spheres.push_back({test::random_in_box(random, Vec3::Constant(-2), Vec3::Constant(3)), 0.05 + 0.4 * test::uniform(random)});
+    spheres.push_back(
+        {test::random_in_box(random, Vec3::Constant(-2), Vec3::Constant(3)), 0.05 + 0.4 * test::uniform(random)});
   }
   return spheres;
 }
@@ -118,7 +119,8 @@ TEST(SpheresShape, RefusesEachBadSphereByItsPlace) {
   };
   EXPECT_NE(message({Vec3::Zero(), 0}).find("spheres[1].radius_m = 0, must be > 0"), std::string::npos);
   EXPECT_NE(message({Vec3::Zero(), std::nan("")}).find("spheres[1].radius_m"), std::string::npos);
-  EXPECT_NE(message({{0, std::numeric_limits<double>::infinity(), 0}, 1}).find("spheres[1].center_m"), std::string::npos);
+  EXPECT_NE(message({{0, std::numeric_limits<double>::infinity(), 0}, 1}).find("spheres[1].center_m"),
+            std::string::npos);
   EXPECT_NE(message({{1e10, 0, 0}, 1}).find("spheres[1].center_m"), std::string::npos);
   const std::vector<Sphere> many(kMaxUnionSpheres + 1, Sphere{Vec3::Zero(), 1});
   EXPECT_NE(make_spheres_shape(many).error().message.find("at most 32768"), std::string::npos);
@@ -160,7 +162,8 @@ void expect_leaves_inside(const SphereTree& tree, NodeIndex node, std::vector<No
 
 TEST(TreeOfSpheres, EveryInnerSphereHoldsTheLeavesBelowItAndTheLevelsAreFewest) {
   std::mt19937_64 random(3);
-  const std::vector<std::pair<std::size_t, int>> counts{{1, 0}, {2, 1}, {8, 1}, {9, 2}, {13, 2}, {64, 2}, {65, 3}, {500, 3}};
+  const std::vector<std::pair<std::size_t, int>> counts{{1, 0},  {2, 1},  {8, 1},  {9, 2},
+                                                        {13, 2}, {64, 2}, {65, 3}, {500, 3}};
   for (const auto& [count, depth] : counts) {
     const SphereTree tree = tree_of_spheres(random_spheres(random, count)).value();
     EXPECT_EQ(tree.depth(), depth) << count;
@@ -186,7 +189,8 @@ TEST(TreeOfSpheres, TheProtrusionOfARootOverTwoBallsIsItsWaist) {
   const double waist = std::sqrt(13.0) - 1;
   EXPECT_GE(static_cast<double>(tree.protrusion_max_m[0]), waist);
   EXPECT_LE(static_cast<double>(tree.protrusion_max_m[0]), 1.03 * waist);
-  // The mean over the sphere of |p - nearer centre| - 1, with x = 3 t uniform: mean of sqrt(13 - 12 t) over t in [0, 1], less 1.
+  // The mean over the sphere of |p - nearer centre| - 1, with x = 3 t uniform: mean of sqrt(13 - 12 t) over t in [0,
+  // 1], less 1.
   const double mean = (std::pow(13.0, 1.5) - 1) / 18 - 1;
   EXPECT_GE(static_cast<double>(tree.protrusion_mean_m[0]), mean);
   EXPECT_LE(static_cast<double>(tree.protrusion_mean_m[0]), 1.06 * mean);
@@ -249,9 +253,12 @@ TEST(MeshShape, OfAnOpenMeshIsSolidWhereItWindsAndSaysSo) {
   const Shape& shape = *made.value();
   EXPECT_NE(shape.note.find("3 edges with one triangle alone"), std::string::npos) << shape.note;
   EXPECT_NEAR(shape.volume_m3, mesh_mass_properties(test::torus_mesh(0.7, 0.2, 24, 12)).value().volume_m3, 0.01);
-  for (const Vec3& p : test::surface_points(mesh, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
-  for (const Vec3& p : test::inside_points(mesh, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
-  EXPECT_EQ(make_mesh_shape(test::torus_mesh(0.7, 0.2, 24, 12), {.depth = 1, .preset = TreePreset::Fast}).value()->note, "");
+  for (const Vec3& p : test::surface_points(mesh, 500))
+    EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
+  for (const Vec3& p : test::inside_points(mesh, 500))
+    EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 2U);
+  EXPECT_EQ(make_mesh_shape(test::torus_mesh(0.7, 0.2, 24, 12), {.depth = 1, .preset = TreePreset::Fast}).value()->note,
+            "");
 }
 
 TEST(MeshShape, WithAThicknessIsAShell) {
@@ -264,9 +271,12 @@ TEST(MeshShape, WithAThicknessIsAShell) {
   EXPECT_EQ(shape.note, "");
   EXPECT_NEAR(shape.volume_m3, 0.02, 1e-15);
   EXPECT_GT(shape.principal_m5.minCoeff(), 0);
-  for (const Vec3& p : test::surface_points(sheet, 500)) EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 3U);
+  for (const Vec3& p : test::surface_points(sheet, 500))
+    EXPECT_EQ(test::levels_covered(shape.tree, p - shape.origin_offset_m), 3U);
   // A closed mesh may be a shell too.
-  EXPECT_NEAR(make_mesh_shape(test::box_mesh(Vec3::Ones()), {.depth = 1, .preset = TreePreset::Fast}, 0.01).value()->volume_m3, 0.06, 1e-15);
+  EXPECT_NEAR(
+      make_mesh_shape(test::box_mesh(Vec3::Ones()), {.depth = 1, .preset = TreePreset::Fast}, 0.01).value()->volume_m3,
+      0.06, 1e-15);
 }
 
 TEST(MeshShape, RefusesASheetWithoutAThicknessAndSaysToGiveOne) {
@@ -283,7 +293,8 @@ TEST(MeshShape, RefusesASheetWithoutAThicknessAndSaysToGiveOne) {
   EXPECT_NE(refusal(sheet, {}, 0).find("shell_thickness_m > 0"), std::string::npos);
   EXPECT_NE(refusal(sheet, {}, -1).find("shell_thickness_m = -1, must be > 0"), std::string::npos);
   EXPECT_NE(refusal(sheet, {}, std::nan("")).find("shell_thickness_m = nan, must be > 0"), std::string::npos);
-  EXPECT_NE(refusal(test::box_mesh(Vec3::Ones()), {.solidity = Solidity::Shell}, 0).find("must be > 0 for a shell"), std::string::npos);
+  EXPECT_NE(refusal(test::box_mesh(Vec3::Ones()), {.solidity = Solidity::Shell}, 0).find("must be > 0 for a shell"),
+            std::string::npos);
 }
 
 TEST(MeshShape, WithATreeThatIsThereAlreadyIsTheSame) {

@@ -43,7 +43,8 @@ TEST_F(SphFile, ATreeComesBackAsItWasWrittenButForItsProtrusions) {
   for (const std::size_t count : {1U, 5U, 13U, 70U, 200U}) {
     std::vector<Sphere> spheres;
     for (std::size_t i = 0; i < count; ++i) {
-      spheres.push_back({test::random_in_box(random, Vec3::Constant(-100), Vec3::Constant(100)), 0.001 + test::uniform(random)});
+      spheres.push_back(
+          {test::random_in_box(random, Vec3::Constant(-100), Vec3::Constant(100)), 0.001 + test::uniform(random)});
     }
     const SphereTree tree = tree_of_spheres(spheres).value();
     ASSERT_TRUE(write_sph(tree, folder_ / "tree.sph").ok());
@@ -54,7 +55,8 @@ TEST_F(SphFile, ATreeComesBackAsItWasWrittenButForItsProtrusions) {
 }
 
 TEST_F(SphFile, ABuiltTreeComesBackToo) {
-  const SphereTree tree = build_sphere_tree(geometry::make_procedural_shape("l").value(), {.depth = 2, .preset = TreePreset::Fast}).value();
+  const SphereTree tree =
+      build_sphere_tree(geometry::make_procedural_shape("l").value(), {.depth = 2, .preset = TreePreset::Fast}).value();
   ASSERT_TRUE(write_sph(tree, folder_ / "tree.sph").ok());
   EXPECT_TRUE(test::same_tree(read_sph(folder_ / "tree.sph").value(), without_protrusions(tree)));
 }

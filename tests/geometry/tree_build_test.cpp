@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 #include <rapidcheck/detail/Configuration.h>
+#include <rapidcheck/gtest.h>
 
 #include <set>
 #include <stop_token>
@@ -25,7 +25,8 @@ TriangleMesh boxes_mesh(std::uint32_t cells) {
   TriangleMesh mesh;
   std::map<std::array<int, 3>, std::uint32_t> corners;
   const auto corner = [&](const Eigen::Vector3i& at) {
-    const auto [place, added] = corners.try_emplace({at.x(), at.y(), at.z()}, static_cast<std::uint32_t>(mesh.vertices_m.size()));
+    const auto [place, added] =
+        corners.try_emplace({at.x(), at.y(), at.z()}, static_cast<std::uint32_t>(mesh.vertices_m.size()));
     if (added) mesh.vertices_m.emplace_back(at.cast<double>());
     return place->second;
   };
@@ -50,8 +51,8 @@ TriangleMesh boxes_mesh(std::uint32_t cells) {
   return mesh;
 }
 
-/// One of three families of closed meshes, stretched by up to three along an axis, bent and turned, from 1e-3 to 1e3 m large, and moved by up to
-/// a hundred times its size.
+/// One of three families of closed meshes, stretched by up to three along an axis, bent and turned, from 1e-3 to 1e3 m
+/// large, and moved by up to a hundred times its size.
 TriangleMesh random_mesh() {
   const int family = *rc::gen::inRange(0, 3);
   const std::uint64_t seed = *rc::gen::arbitrary<std::uint64_t>();
@@ -74,12 +75,14 @@ TriangleMesh random_mesh() {
   const double factor = std::pow(10.0, 6 * test::uniform(random) - 3);
   const Vec3 axis = test::random_in_box(random, Vec3::Constant(0.1), Vec3::Ones()).normalized();
   const Mat3 turn = Eigen::AngleAxisd(6 * test::uniform(random), axis).toRotationMatrix();
-  return test::moved(std::move(mesh), factor, turn, factor * test::random_in_box(random, Vec3::Constant(-100), Vec3::Constant(100)));
+  return test::moved(std::move(mesh), factor, turn,
+                     factor * test::random_in_box(random, Vec3::Constant(-100), Vec3::Constant(100)));
 }
 
 std::size_t uncovered(const SphereTree& tree, const std::vector<Vec3>& points) {
   const std::size_t levels = std::size_t{tree.depth()} + 1;
-  return static_cast<std::size_t>(std::ranges::count_if(points, [&](const Vec3& p) { return test::levels_covered(tree, p) < levels; }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(points, [&](const Vec3& p) { return test::levels_covered(tree, p) < levels; }));
 }
 
 TEST(SphereTreeOfAnyClosedMesh, HasAChainOfNodesForEveryPointOfSurfaceAndInside) {
@@ -90,7 +93,8 @@ TEST(SphereTreeOfAnyClosedMesh, HasAChainOfNodesForEveryPointOfSurfaceAndInside)
       [] {
         const TriangleMesh mesh = random_mesh();
         const auto depth = static_cast<Level>(*rc::gen::inRange(1, 3));
-        const auto tree = build_sphere_tree(mesh, {.depth = depth, .preset = TreePreset::Fast, .seed = *rc::gen::arbitrary<std::uint64_t>()});
+        const auto tree = build_sphere_tree(
+            mesh, {.depth = depth, .preset = TreePreset::Fast, .seed = *rc::gen::arbitrary<std::uint64_t>()});
         RC_ASSERT(tree.ok());
         RC_ASSERT(uncovered(tree.value(), test::surface_points(mesh, 1000)) == 0U);
         RC_ASSERT(uncovered(tree.value(), test::inside_points(mesh, 200)) == 0U);
@@ -106,10 +110,11 @@ TEST(TreeProgress, AscendsFromZeroToOneOnTheCallingThread) {
   for (const int threads : {1, 3}) {
     std::vector<double> shares;
     std::set<std::thread::id> callers;
-    const auto tree = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = threads, .progress = [&](double share) {
-                                                 shares.push_back(share);
-                                                 callers.insert(std::this_thread::get_id());
-                                               }});
+    const auto tree = build_sphere_tree(
+        mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = threads, .progress = [&](double share) {
+                 shares.push_back(share);
+                 callers.insert(std::this_thread::get_id());
+               }});
     ASSERT_TRUE(tree.ok());
     ASSERT_GT(shares.size(), 8U);
     EXPECT_EQ(shares.front(), 0);
@@ -124,10 +129,15 @@ TEST(TreeBuild, EndsAsCancelledWhereverItIsStopped) {
   for (const double when : {0.0, 0.2, 0.5, 0.8}) {
     std::stop_source stop;
     double last = 0;
-    const auto tree = build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 2, .progress = [&](double share) {
-                                                 last = share;
-                                                 if (share >= when) stop.request_stop();
-                                               }, .stop = stop.get_token()});
+    const auto tree = build_sphere_tree(mesh, {.depth = 1,
+                                               .preset = TreePreset::Fast,
+                                               .threads = 2,
+                                               .progress =
+                                                   [&](double share) {
+                                                     last = share;
+                                                     if (share >= when) stop.request_stop();
+                                                   },
+                                               .stop = stop.get_token()});
     ASSERT_FALSE(tree.ok()) << when;
     EXPECT_EQ(tree.error().kind, ErrorKind::Cancelled) << when;
     EXPECT_LT(last, 1) << when;
@@ -139,8 +149,10 @@ TEST(TreeBuild, StoppedBeforeItBeginsDoesNothing) {
   stop.request_stop();
   double last = 0;
   // To this depth the best tree would take minutes.
-  const auto tree = build_sphere_tree(shape_mesh("jack"), {.depth = 4, .preset = TreePreset::Best,
-                                                           .progress = [&](double share) { last = share; }, .stop = stop.get_token()});
+  const auto tree = build_sphere_tree(shape_mesh("jack"), {.depth = 4,
+                                                           .preset = TreePreset::Best,
+                                                           .progress = [&](double share) { last = share; },
+                                                           .stop = stop.get_token()});
   ASSERT_FALSE(tree.ok());
   EXPECT_EQ(tree.error().kind, ErrorKind::Cancelled);
   EXPECT_EQ(last, 0);
@@ -173,7 +185,9 @@ TEST(TreePresets, CoverAndDefaultFitsAtLeastAsWellAsFastOnEveryLevel) {
   expect_no_worse(figures_of(TreePreset::Default, 2), figures_of(TreePreset::Fast, 2));
 }
 
-TEST(TreePresets, CoverAndBestFitsAtLeastAsWellAsFast) { expect_no_worse(figures_of(TreePreset::Best, 1), figures_of(TreePreset::Fast, 1)); }
+TEST(TreePresets, CoverAndBestFitsAtLeastAsWellAsFast) {
+  expect_no_worse(figures_of(TreePreset::Best, 1), figures_of(TreePreset::Fast, 1));
+}
 
 }  // namespace
 }  // namespace poise

@@ -45,7 +45,9 @@ bool same_bits(const SphereTree& a, const SphereTree& b) {
          std::memcmp(a.fit.data(), b.fit.data(), a.fit.size() * sizeof(NodeFit)) == 0;
 }
 
-void put(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes; }
+void put(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+}
 
 const geometry::TreeKey kKey = tree_key(test::box_mesh(Vec3(1, 2, 3)), {});
 
@@ -69,7 +71,8 @@ TEST(TreeCacheEntry, IsRefusedWhenAnyOneByteIsChanged) {
 
 TEST(TreeCacheEntry, IsRefusedWhenItIsCutOrLongerAnywhere) {
   const std::string bytes = entry_bytes(small_tree(), kKey);
-  for (std::size_t length = 0; length < bytes.size(); ++length) EXPECT_FALSE(entry_tree(bytes.substr(0, length), kKey)) << length;
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    EXPECT_FALSE(entry_tree(bytes.substr(0, length), kKey)) << length;
   EXPECT_FALSE(entry_tree(bytes + '\0', kKey));
   EXPECT_FALSE(entry_tree(bytes + bytes, kKey));
 }
@@ -109,15 +112,17 @@ TEST(TreeCacheEntry, IsRefusedWhenAnIndexOrCountIsWrongThoughItsChecksumIsRight)
 TEST(TreeCacheEntry, IsRefusedWhenANumberIsOutOfRangeThoughItsChecksumIsRight) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  for (std::vector<float> SphereTree::*array : {&SphereTree::x_m, &SphereTree::y_m, &SphereTree::z_m, &SphereTree::radius_m,
-                                                &SphereTree::protrusion_max_m, &SphereTree::protrusion_mean_m}) {
+  for (std::vector<float> SphereTree::*array :
+       {&SphereTree::x_m, &SphereTree::y_m, &SphereTree::z_m, &SphereTree::radius_m, &SphereTree::protrusion_max_m,
+        &SphereTree::protrusion_mean_m}) {
     for (const float value : {kNan, kInfinite, 1e20F}) {
       SphereTree tree = small_tree();
       (tree.*array)[3] = value;
       EXPECT_FALSE(entry_tree(entry_bytes(tree, kKey), kKey)) << value;
     }
   }
-  for (std::vector<float> SphereTree::*array : {&SphereTree::radius_m, &SphereTree::protrusion_max_m, &SphereTree::protrusion_mean_m}) {
+  for (std::vector<float> SphereTree::*array :
+       {&SphereTree::radius_m, &SphereTree::protrusion_max_m, &SphereTree::protrusion_mean_m}) {
     SphereTree tree = small_tree();
     (tree.*array)[3] = -1;
     EXPECT_FALSE(entry_tree(entry_bytes(tree, kKey), kKey));
@@ -189,7 +194,8 @@ TEST_F(TreeCache, ReplacesWhatIsNoSoundEntryAndUsesTheNewOneThen) {
   old_version[16] = static_cast<char>(old_version[16] ^ 1);
   const std::string other_key = entry_bytes(built_, kKey);
   const std::string huge(geometry::kMostEntryBytes + 1, 'x');
-  for (const std::string& bad : {flipped, old_version, other_key, huge, std::string(), sound.substr(0, 40), std::string("foreign")}) {
+  for (const std::string& bad :
+       {flipped, old_version, other_key, huge, std::string(), sound.substr(0, 40), std::string("foreign")}) {
     put(entry(), bad);
     EXPECT_TRUE(same_bits(ask().value(), built_));
     EXPECT_EQ(outcome_, TreeCacheOutcome::Rebuilt) << bad.size();
@@ -249,7 +255,8 @@ TEST_F(TreeCache, IsSharedByThreadsThatComeAtOnce) {
     trees[i] = cached_sphere_tree(mesh_, options_, settings_).value();
   });
   for (const SphereTree& tree : trees) EXPECT_TRUE(same_bits(tree, built_));
-  EXPECT_EQ(std::distance(fs::directory_iterator(settings_.folder), fs::directory_iterator()), 1) << "nothing but the entry is left";
+  EXPECT_EQ(std::distance(fs::directory_iterator(settings_.folder), fs::directory_iterator()), 1)
+      << "nothing but the entry is left";
   EXPECT_TRUE(same_bits(ask().value(), built_));
   EXPECT_EQ(outcome_, TreeCacheOutcome::Hit);
 }

@@ -33,7 +33,8 @@ std::vector<Sphere> spheres_at(const SphereTree& tree, Level level) {
 }
 
 bool equal(const std::vector<Sphere>& a, const std::vector<Sphere>& b) {
-  return std::ranges::equal(a, b, [](const Sphere& x, const Sphere& y) { return x.center_m == y.center_m && x.radius_m == y.radius_m; });
+  return std::ranges::equal(
+      a, b, [](const Sphere& x, const Sphere& y) { return x.center_m == y.center_m && x.radius_m == y.radius_m; });
 }
 
 class TreeFormats : public ::testing::Test {
@@ -53,7 +54,8 @@ TEST(TreeFormatOf, GoesByTheEnding) {
   EXPECT_EQ(tree_format_of("a.yml"), TreeFormat::CuroboYaml);
   EXPECT_EQ(tree_format_of("a.yaml"), TreeFormat::CuroboYaml);
   EXPECT_EQ(tree_format_of("a.Json"), TreeFormat::FoamJson);
-  for (const char* other : {"a", "a.obj", "json", "a.json.gz", ""}) EXPECT_EQ(tree_format_of(other), std::nullopt) << other;
+  for (const char* other : {"a", "a.obj", "json", "a.json.gz", ""})
+    EXPECT_EQ(tree_format_of(other), std::nullopt) << other;
 }
 
 TEST_F(TreeFormats, EveryLevelComesBackExactlyFromEveryFormat) {
@@ -70,7 +72,8 @@ TEST_F(TreeFormats, EveryLevelComesBackExactlyFromEveryFormat) {
     }
   }
   ASSERT_TRUE(write_tree(tree, 6, TreeFormat::Urdf, "link", file("deep.urdf")));
-  EXPECT_TRUE(equal(read_spheres(file("deep.urdf")).value(), spheres_at(tree, tree.depth()))) << "below the deepest level, the leaves";
+  EXPECT_TRUE(equal(read_spheres(file("deep.urdf")).value(), spheres_at(tree, tree.depth())))
+      << "below the deepest level, the leaves";
 }
 
 TEST_F(TreeFormats, UrdfLooksLikeThis) {
@@ -91,7 +94,8 @@ TEST_F(TreeFormats, UrdfLooksLikeThis) {
 }
 
 TEST_F(TreeFormats, CuroboLooksLikeThis) {
-  const SphereTree tree = tree_of_spheres(std::vector<Sphere>{{Vec3(0.5, -1, 0x1p-40), 0.25}, {Vec3(1, 0, 1e9), 0.5}}).value();
+  const SphereTree tree =
+      tree_of_spheres(std::vector<Sphere>{{Vec3(0.5, -1, 0x1p-40), 0.25}, {Vec3(1, 0, 1e9), 0.5}}).value();
   ASSERT_TRUE(write_tree(tree, 1, TreeFormat::CuroboYaml, "no: \"arm\"", file("a.yml")));
   EXPECT_EQ(contents(file("a.yml")),
             "collision_spheres:\n"
@@ -156,7 +160,8 @@ TEST_F(TreeFormats, ANameThatSomeFormatCannotHoldIsRefused) {
       EXPECT_NE(written.error().message.find(rule), std::string::npos) << written.error().message;
     }
   }
-  for (const char* name : {"\xc3\xa4rm", "\xe8\x87\x82", "\xf0\x9f\xa4\x96", "true", "12", "- x", "#", "a]]>b", "&amp;"}) {
+  for (const char* name :
+       {"\xc3\xa4rm", "\xe8\x87\x82", "\xf0\x9f\xa4\x96", "true", "12", "- x", "#", "a]]>b", "&amp;"}) {
     for (const char* out : {"a.urdf", "a.yml"}) {
       ASSERT_TRUE(write_tree(tree, 0, *tree_format_of(out), name, file(out)));
       EXPECT_TRUE(read_spheres(file(out), {.link = name})) << name;
@@ -177,15 +182,19 @@ TEST_F(TreeFormats, AFileThatCannotBeWrittenIsAnOutputThatFailed) {
 
 TEST_F(TreeFormats, ARobotOfManyLinksNeedsAChoice) {
   const std::string urdf =
-      "<robot name='r'><link name='base'/><link name='arm'><collision><geometry><sphere radius=' 2 '/></geometry></collision></link>"
-      "<link name='hand'><collision><origin rpy='1 2 3' xyz='1 +2 3e0'/><geometry><sphere radius='0.5'/></geometry></collision></link>"
+      "<robot name='r'><link name='base'/><link name='arm'><collision><geometry><sphere radius=' 2 "
+      "'/></geometry></collision></link>"
+      "<link name='hand'><collision><origin rpy='1 2 3' xyz='1 +2 3e0'/><geometry><sphere "
+      "radius='0.5'/></geometry></collision></link>"
       "</robot>";
   const std::string yaml =
       "robot_cfg:\n  kinematics:\n    collision_spheres:\n      arm: [{center: [0, 0, 0], radius: 2}]\n      none: []\n"
       "      hand:\n      - center: [1, 2.0, 3]\n        radius: 0.5\n";
   for (const auto& [name, text] : {std::pair{"a.urdf", urdf}, std::pair{"a.yml", yaml}}) {
-    EXPECT_NE(refusal(name, text).find("several links have spheres, one must be chosen: arm, hand"), std::string::npos) << refusal(name, text);
-    EXPECT_NE(refusal(name, text, {.link = "leg"}).find("no link 'leg' with spheres; there are: arm, hand"), std::string::npos);
+    EXPECT_NE(refusal(name, text).find("several links have spheres, one must be chosen: arm, hand"), std::string::npos)
+        << refusal(name, text);
+    EXPECT_NE(refusal(name, text, {.link = "leg"}).find("no link 'leg' with spheres; there are: arm, hand"),
+              std::string::npos);
     const auto hand = read_spheres(file(name), {.link = "hand"});
     ASSERT_TRUE(hand) << hand.error().message;
     EXPECT_TRUE(equal(hand.value(), {{Vec3(1, 2, 3), 0.5}}));
@@ -202,15 +211,20 @@ TEST_F(TreeFormats, EachBrokenUrdfIsRefusedWithItsPlace) {
       {"<robot><link><collision/></link></robot>", "line 1: <link>: must have a name"},
       {link("<collision/>"), "line 2: <collision>: must have a <geometry>"},
       {link("<collision><geometry/></collision>"), "must have a <geometry> with a shape"},
-      {link("<collision><geometry><box size='1 1 1'/></geometry></collision>"), "line 2: <box>: only spheres can be read"},
-      {link("<collision><geometry><sphere/></geometry></collision>"), "line 2: <sphere>: radius = '', must be a number"},
+      {link("<collision><geometry><box size='1 1 1'/></geometry></collision>"),
+       "line 2: <box>: only spheres can be read"},
+      {link("<collision><geometry><sphere/></geometry></collision>"),
+       "line 2: <sphere>: radius = '', must be a number"},
       {link("<collision><geometry><sphere radius='1 2'/></geometry></collision>"), "radius = '1 2', must be a number"},
       {link("<collision><geometry><sphere radius='nan'/></geometry></collision>"), "radius = 'nan', must be a number"},
       {link("<collision><geometry><sphere radius='0'/></geometry></collision>"), "radius = 0, must be from"},
       {link("<collision><geometry><sphere radius='-1'/></geometry></collision>"), "radius = -1, must be from"},
-      {link("<collision><origin xyz='1 2'/><geometry><sphere radius='1'/></geometry></collision>"), "xyz = '1 2', must be three numbers"},
-      {link("<collision><origin xyz='1 2 3 4'/><geometry><sphere radius='1'/></geometry></collision>"), "must be three numbers"},
-      {link("<collision><origin xyz='1 2 1e10'/><geometry><sphere radius='1'/></geometry></collision>"), "coordinate = 10000000000"},
+      {link("<collision><origin xyz='1 2'/><geometry><sphere radius='1'/></geometry></collision>"),
+       "xyz = '1 2', must be three numbers"},
+      {link("<collision><origin xyz='1 2 3 4'/><geometry><sphere radius='1'/></geometry></collision>"),
+       "must be three numbers"},
+      {link("<collision><origin xyz='1 2 1e10'/><geometry><sphere radius='1'/></geometry></collision>"),
+       "coordinate = 10000000000"},
   };
   for (const auto& [text, rule] : cases) {
     const std::string message = refusal("a.urdf", text);
@@ -236,7 +250,8 @@ TEST_F(TreeFormats, EachBrokenYamlIsRefusedWithItsPlace) {
       {list("  - {center: [0, 0, .nan], radius: 1}\n"), "center must be a list of three numbers"},
       {list("  - {center: 3, radius: 1}\n"), "center must be a list of three numbers"},
       {list("  - {center: [0, 0, 0], radius: [1]}\n"), "line 3: radius must be a number"},
-      {list("  - {center: [0, 0, 0], radius: 1}\n  - {center: [0, 0, 0], radius: -1}\n"), "line 4: radius = -1, must be from"},
+      {list("  - {center: [0, 0, 0], radius: 1}\n  - {center: [0, 0, 0], radius: -1}\n"),
+       "line 4: radius = -1, must be from"},
       {list("  - {center: [0, 2e9, 0], radius: 1}\n"), "coordinate = 2000000000"},
   };
   for (const auto& [text, rule] : cases) {
@@ -247,7 +262,9 @@ TEST_F(TreeFormats, EachBrokenYamlIsRefusedWithItsPlace) {
 }
 
 TEST_F(TreeFormats, EachBrokenFoamFileIsRefusedWithItsPlace) {
-  const auto level = [](const std::string& inside) { return R"([{"mean":0,"best":0,"worst":0,"spheres":[)" + inside + "]}]"; };
+  const auto level = [](const std::string& inside) {
+    return R"([{"mean":0,"best":0,"worst":0,"spheres":[)" + inside + "]}]";
+  };
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "not valid JSON"},
       {"[1, 2", "not valid JSON: parse error at line 1, column 6"},
@@ -262,7 +279,8 @@ TEST_F(TreeFormats, EachBrokenFoamFileIsRefusedWithItsPlace) {
       {level(R"({"origin": [0, 0], "radius": 1})"), "[0].spheres[0].origin: must be a list of three numbers"},
       {level(R"({"origin": [0, 0, "x"], "radius": 1})"), "must be a list of three numbers"},
       {level(R"({"origin": [0, 0, 0], "radius": "1"})"), "[0].spheres[0].radius: must be a number"},
-      {level(R"({"origin": [0, 0, 0], "radius": 1}, {"origin": [0, 0, 0], "radius": 0})"), "[0].spheres[1]: radius = 0"},
+      {level(R"({"origin": [0, 0, 0], "radius": 1}, {"origin": [0, 0, 0], "radius": 0})"),
+       "[0].spheres[1]: radius = 0"},
       {level(R"({"origin": [0, 0, 1e400], "radius": 1})"), "not valid JSON"},
       {"\xff", "not valid JSON"},
   };
@@ -270,7 +288,8 @@ TEST_F(TreeFormats, EachBrokenFoamFileIsRefusedWithItsPlace) {
     const std::string message = refusal("a.json", text);
     EXPECT_NE(message.find(rule), std::string::npos) << text << " -> " << message;
   }
-  EXPECT_NE(refusal("a.json", level(R"({"origin": [0, 0, 0], "radius": 1})"), {.level = Level{1}}).find("has no level 1, the deepest is 0"),
+  EXPECT_NE(refusal("a.json", level(R"({"origin": [0, 0, 0], "radius": 1})"), {.level = Level{1}})
+                .find("has no level 1, the deepest is 0"),
             std::string::npos);
   EXPECT_NE(refusal("a.json", std::string(200000, '[')).find("not valid JSON"), std::string::npos) << "deep nesting";
 }

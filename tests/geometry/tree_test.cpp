@@ -14,15 +14,18 @@ namespace {
 TriangleMesh shape_mesh(const char* kind) { return geometry::make_procedural_shape(kind).value(); }
 
 SphereTree tree_of(const TriangleMesh& mesh, int depth, std::uint64_t seed = 1, int threads = 0) {
-  const auto tree = build_sphere_tree(mesh, {.depth = static_cast<Level>(depth), .preset = TreePreset::Fast, .seed = seed, .threads = threads});
+  const auto tree = build_sphere_tree(
+      mesh, {.depth = static_cast<Level>(depth), .preset = TreePreset::Fast, .seed = seed, .threads = threads});
   EXPECT_TRUE(tree.ok()) << tree.error().message;
   return tree.value();
 }
 
-void expect_covered(const TriangleMesh& mesh, const SphereTree& tree, std::size_t surface_samples, std::size_t inside_tries) {
+void expect_covered(const TriangleMesh& mesh, const SphereTree& tree, std::size_t surface_samples,
+                    std::size_t inside_tries) {
   const std::size_t levels = std::size_t{tree.depth()} + 1;
   std::size_t missed = 0;
-  for (const Vec3& p : test::surface_points(mesh, surface_samples)) missed += test::levels_covered(tree, p) < levels ? 1U : 0U;
+  for (const Vec3& p : test::surface_points(mesh, surface_samples))
+    missed += test::levels_covered(tree, p) < levels ? 1U : 0U;
   EXPECT_EQ(missed, 0U) << "surface";
   const std::vector<Vec3> inside = test::inside_points(mesh, inside_tries);
   EXPECT_GT(inside.size(), 0U);
@@ -109,7 +112,8 @@ TEST_P(TreeOfRealMesh, CoversSurfaceAndInsideAtEveryLevel) {
 
 INSTANTIATE_TEST_SUITE_P(
     Packages, TreeOfRealMesh,
-    testing::Values("/usr/share/assimp/models/OBJ/empty_mat.obj", "/usr/share/assimp/models/glTF/TwoBoxes/TwoBoxes.gltf",
+    testing::Values("/usr/share/assimp/models/OBJ/empty_mat.obj",
+                    "/usr/share/assimp/models/glTF/TwoBoxes/TwoBoxes.gltf",
                     "/usr/share/assimp/models/PLY/cube_binary.ply",
                     "/usr/share/doc/simbody/examples/src/TaskSpaceControl-Atlas/geometry/l_uglut.stl",
                     "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Forearm.obj",
@@ -157,7 +161,8 @@ TEST(SphereTree, ALeafStandsForItselfOnTheLevelsBelow) {
 
 TEST(SphereTree, RefusesBadOptionsAndMeshes) {
   const TriangleMesh box = test::box_mesh(Vec3::Ones());
-  EXPECT_NE(build_sphere_tree(box, {.depth = 7}).error().message.find("depth = 7, must be from 0 to 6"), std::string::npos);
+  EXPECT_NE(build_sphere_tree(box, {.depth = 7}).error().message.find("depth = 7, must be from 0 to 6"),
+            std::string::npos);
   EXPECT_NE(build_sphere_tree(box, {.threads = -1}).error().message.find("threads = -1"), std::string::npos);
   EXPECT_FALSE(build_sphere_tree({}, {}).ok());
   EXPECT_FALSE(build_sphere_tree(test::box_mesh(Vec3::Constant(1e-12)), {}).ok());

@@ -50,7 +50,8 @@ TEST(TriangleDistance, KnowsTrianglesWithoutAreaByTheirEdges) {
   EXPECT_NEAR(distance_of_triangles_m(kFloor, point), 5, 1e-15);
 }
 
-// Going back and forth between the closest points of two convex sets ends at their distance (Cheney and Goldstein 1959).
+// Going back and forth between the closest points of two convex sets ends at their distance (Cheney and Goldstein
+// 1959).
 double by_projections(const TriangleCorners& s, const TriangleCorners& t) {
   Vec3 q = (t[0] + t[1] + t[2]) / 3;
   Vec3 p = q;

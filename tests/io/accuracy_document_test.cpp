@@ -27,7 +27,7 @@ TEST(AccuracyDocument, JsonHasARowForEachFigureAndSaysWhatItIs) {
   const json found = json::parse(io::accuracy_json(study()));
   EXPECT_EQ(found.at("schema"), "poise.accuracy/1");
   ASSERT_EQ(found.at("rows").size(), 4U);
-  const json expected = {{"case", "666"}, {"figure", "penetration"}, {"unit", "m^2"}, {"value", 0.0001},
+  const json expected = {{"case", "666"},     {"figure", "penetration"},      {"unit", "m^2"}, {"value", 0.0001},
                          {"at_most", 0.0153}, {"published", "RaiSim 0.0153"}, {"ok", true}};
   EXPECT_EQ(found.at("rows").at(2), expected);
   EXPECT_EQ(found.at("rows").at(0).at("at_most"), nullptr);
@@ -42,10 +42,12 @@ TEST(AccuracyDocument, JsonHasARowForEachFigureAndSaysWhatItIs) {
 TEST(AccuracyDocument, TablesTellWhatWasMissedAndNameACaseOnce) {
   const std::string table = io::accuracy_table(study());
   const std::string markdown = io::accuracy_markdown(study());
-  EXPECT_NE(markdown.find("| slope | angle | degree | 26.57 | - |  | - |\n|  | error of the angle | degree | 0.4 | 0.1 |  | missed |\n"),
+  EXPECT_NE(markdown.find("| slope | angle | degree | 26.57 | - |  | - |\n|  | error of the angle | degree | 0.4 | 0.1 "
+                          "|  | missed |\n"),
             std::string::npos)
       << markdown;
-  EXPECT_NE(markdown.find("| 666 | penetration | m^2 | 0.0001 | 0.0153 | RaiSim 0.0153 | ok |"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("| 666 | penetration | m^2 | 0.0001 | 0.0153 | RaiSim 0.0153 | ok |"), std::string::npos)
+      << markdown;
   for (const std::string& text : {table, markdown}) {
     EXPECT_NE(text.find("2 of 4 rows missed"), std::string::npos) << text;
     EXPECT_EQ(text.find("slope"), text.rfind("slope"));

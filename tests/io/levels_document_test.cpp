@@ -34,8 +34,8 @@ io::LevelsDocument study() {
   io::LevelsPair tori{"torus", "torus", "round", 100};
   tori.uncertainty = 0.01;
   d.pairs = {jacks, tori, {"a, \"b\"", "c", "other", 100}};
-  d.rows = {row(0, "wrench", {1, false}, 0.40),  row(0, "wrench", {2, false}, 0.10), row(0, "wrench", {2, true}, 0.04),
-            row(1, "wrench", {1, false}, 0.30),  row(1, "wrench", {2, false}, 0.335), row(1, "wrench", {2, true}, 0.02),
+  d.rows = {row(0, "wrench", {1, false}, 0.40), row(0, "wrench", {2, false}, 0.10),  row(0, "wrench", {2, true}, 0.04),
+            row(1, "wrench", {1, false}, 0.30), row(1, "wrench", {2, false}, 0.335), row(1, "wrench", {2, true}, 0.02),
             row(2, "wrench", {1, false}, 0.80)};
   return d;
 }
@@ -45,8 +45,9 @@ TEST(LevelsDocument, EachRowHasTheMembersOfItsSchema) {
   EXPECT_EQ(found.at("schema"), "poise.levels/1");
   ASSERT_EQ(found.at("rows").size(), 7U);
   const json& first = found.at("rows").at(0);
-  for (const char* member : {"shape_a", "shape_b", "model", "level", "touches", "dv_mean", "dv_median", "dv_p90", "dw_mean", "dw_median",
-                             "dw_p90", "toc_ms_mean", "late_share", "ns_per_pair", "judge_uncertainty"}) {
+  for (const char* member :
+       {"shape_a", "shape_b", "model", "level", "touches", "dv_mean", "dv_median", "dv_p90", "dw_mean", "dw_median",
+        "dw_p90", "toc_ms_mean", "late_share", "ns_per_pair", "judge_uncertainty"}) {
     EXPECT_TRUE(first.contains(member)) << member;
   }
   EXPECT_EQ(first.at("level"), 1);
@@ -88,7 +89,8 @@ TEST(LevelsDocument, TablesHaveALineAPairAndModelAndALineAGroupAndLevel) {
   EXPECT_NE(text.find("0.12 missed"), std::string::npos) << "the mean of 0.10 and 0.335";
   EXPECT_NE(text.find("2.0 missed"), std::string::npos) << "refinement of 400 ns for overlap tests of 200 ns";
   const auto rows = lines(io::levels_markdown(study()));
-  EXPECT_EQ(std::count_if(rows.begin(), rows.end(), [](const std::string& line) { return line.starts_with("| "); }), 4 + 5 + 3);
+  EXPECT_EQ(std::count_if(rows.begin(), rows.end(), [](const std::string& line) { return line.starts_with("| "); }),
+            4 + 5 + 3);
   const auto values = lines(io::levels_csv(study()));
   ASSERT_EQ(values.size(), 8U);
   EXPECT_EQ(std::count(values[0].begin(), values[0].end(), ','), std::count(values[1].begin(), values[1].end(), ','));

@@ -20,9 +20,9 @@ Pixel pixel_at(const io::Image& image, std::uint32_t x, std::uint32_t y) {
 
 // A ball of one metre straight ahead at 10 m, and perhaps another one.
 io::Image picture_of(const std::string& more_bodies, int steps = 0) {
-  const Result<Scene> scene = parse(scene_text(
-      R"("camera": {"position_m": [-10, 0, 0], "look_at_m": [0, 0, 0], "vertical_fov_deg": 30}, )",
-      R"([{"shape": "ball", "material": "hard"})" + more_bodies + "]"));
+  const Result<Scene> scene =
+      parse(scene_text(R"("camera": {"position_m": [-10, 0, 0], "look_at_m": [0, 0, 0], "vertical_fov_deg": 30}, )",
+                       R"([{"shape": "ball", "material": "hard"})" + more_bodies + "]"));
   EXPECT_TRUE(scene) << scene.error().message;
   SceneRunOptions options;
   options.world.threads = 1;
@@ -58,13 +58,14 @@ TEST(Picture, TheNearerBodyHidesTheFartherOne) {
 }
 
 TEST(Picture, WhatIsBehindTheEyeIsNotDrawn) {
-  EXPECT_EQ(picture_of(R"(, {"shape": "ball", "material": "hard", "position_m": [-13, 0, 0]})").rgb, picture_of("").rgb);
+  EXPECT_EQ(picture_of(R"(, {"shape": "ball", "material": "hard", "position_m": [-13, 0, 0]})").rgb,
+            picture_of("").rgb);
 }
 
 TEST(Picture, ABodyInContactHasTheColourOfItsLevel) {
   const Pixel free = pixel_at(picture_of(""), kWidth / 2, kHeight / 2);
-  const Pixel touched = pixel_at(
-      picture_of(R"(, {"shape": "ball", "material": "hard", "position_m": [0.9, 0, 0]})", 1), kWidth / 2, kHeight / 2);
+  const Pixel touched = pixel_at(picture_of(R"(, {"shape": "ball", "material": "hard", "position_m": [0.9, 0, 0]})", 1),
+                                 kWidth / 2, kHeight / 2);
   EXPECT_LT(std::abs(free[0] - free[1]), 12) << "grey";
   EXPECT_GT(touched[2], touched[1] + 30) << "violet: level 0";
 }

@@ -59,7 +59,8 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.visits = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
   for (std::uint64_t i = 0; i < 20 * (number % 4); ++i) {
-    frame.decisions.steps.push_back({static_cast<std::uint32_t>(random() % 5000), static_cast<std::uint8_t>(number % 2 == 0 ? 0 : random() % 256),
+    frame.decisions.steps.push_back({static_cast<std::uint32_t>(random() % 5000),
+                                     static_cast<std::uint8_t>(number % 2 == 0 ? 0 : random() % 256),
                                      static_cast<Kind>(random() % 3)});
   }
   frame.state_hash = random();
@@ -245,7 +246,8 @@ TEST(Record, FramesOfAnyNumbersComeBack) {
   frame.decisions.active_pairs = std::numeric_limits<std::uint32_t>::max();
   frame.decisions.substeps = std::numeric_limits<std::uint32_t>::max();
   frame.decisions.reused = {0, frame.decisions.active_pairs - 1};
-  frame.decisions.steps = {{frame.decisions.active_pairs - 1, 255, Kind::Full}, {0, 255, Kind::Completed}, {0, 0, Kind::Cut}};
+  frame.decisions.steps = {
+      {frame.decisions.active_pairs - 1, 255, Kind::Full}, {0, 255, Kind::Completed}, {0, 0, Kind::Cut}};
   frame.state_hash = frame.decisions.frame;
   frame.budget = Nanoseconds::max();
   std::string bytes;
@@ -260,9 +262,11 @@ TEST(Record, BytesThatNoWriterMakesAreRefusedWhateverTheyAre) {
   write_frame(some_frame(3), good);
   RecordedFrame read;
   ASSERT_TRUE(read_frame(good, read).ok());
-  for (std::size_t size = 0; size < good.size(); ++size) EXPECT_FALSE(read_frame(good.substr(0, size), read).ok()) << size;
+  for (std::size_t size = 0; size < good.size(); ++size)
+    EXPECT_FALSE(read_frame(good.substr(0, size), read).ok()) << size;
   EXPECT_FALSE(read_frame(good + '\0', read).ok());
-  // Whatever the bytes say, no pair may come out that the frame has not, and the memory taken stays with the bytes given.
+  // Whatever the bytes say, no pair may come out that the frame has not, and the memory taken stays with the bytes
+  // given.
   std::mt19937_64 random(1);
   std::size_t taken = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -288,8 +292,10 @@ TEST(Record, HeadersWithAWrongMemberAreRefusedByName) {
     const Result<RecordHeader> read = read_header(text, "header");
     return read ? std::string("accepted") : read.error().message;
   };
-  EXPECT_EQ(refusal("\"contact\":\"paper\"", "\"contact\":\"glue\""), "header: world.contact = \"glue\", must be a name that this program knows");
-  EXPECT_EQ(refusal("fedcba9876543210", "fedcba987654321"), "header: scene.start_hash = \"fedcba987654321\", must be 16 hexadecimal digits");
+  EXPECT_EQ(refusal("\"contact\":\"paper\"", "\"contact\":\"glue\""),
+            "header: world.contact = \"glue\", must be a name that this program knows");
+  EXPECT_EQ(refusal("fedcba9876543210", "fedcba987654321"),
+            "header: scene.start_hash = \"fedcba987654321\", must be 16 hexadecimal digits");
   EXPECT_EQ(refusal("\"threads\":3", "\"threads\":0").find("header: world.threads = 0"), 0U);
   EXPECT_EQ(refusal("\"polygons\":true,", "").find("header: step.polygons"), 0U);
   EXPECT_EQ(refusal("\"max_partners\":17", "\"max_partners\":17.5").find("header: world.max_partners = 17.5"), 0U);
@@ -311,7 +317,9 @@ TEST(Record, AFileOfTheSceneThatHasChangedIsRefusedWithItsName) {
   put(folder.file("tree.sph"), "two");
   const Status changed = check_files(scene, recorded.value());
   ASSERT_FALSE(changed.ok());
-  EXPECT_EQ(changed.error().message.find("a.json: shapes.rock: " + folder.file("tree.sph") + " is another file than when the run was recorded: 3 bytes"), 0U);
+  EXPECT_EQ(changed.error().message.find("a.json: shapes.rock: " + folder.file("tree.sph") +
+                                         " is another file than when the run was recorded: 3 bytes"),
+            0U);
   std::filesystem::remove(folder.file("tree.sph"));
   EXPECT_FALSE(check_files(scene, recorded.value()).ok());
   const std::vector<ShapePtr> others{make_sphere_shape(std::nextafter(1.0, 2.0)).value()};

@@ -181,8 +181,9 @@ TEST(RunDocument, GivesTheReferencesOfARunAndNullsWithoutOne) {
     }
     return -2.0;
   };
-  for (const char* name : {"reference.every", "reference.e_mps_p50", "reference.e_rel_p50", "reference.e_seen_mps_p90",
-                           "reference.gap_max_mm_max", "reference.gap_max_px_p50", "reference.false_rate", "reference.missed_rate_max"}) {
+  for (const char* name :
+       {"reference.every", "reference.e_mps_p50", "reference.e_rel_p50", "reference.e_seen_mps_p90",
+        "reference.gap_max_mm_max", "reference.gap_max_px_p50", "reference.false_rate", "reference.missed_rate_max"}) {
     EXPECT_EQ(value(sample(), name), -1) << name;
   }
   EXPECT_EQ(value(sample(), "reference.frames"), 0);

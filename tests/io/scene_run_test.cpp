@@ -151,13 +151,16 @@ void write_box(const TemporaryFolder& folder) {
   std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n"
                                            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
   const TriangleMesh mesh = read_mesh(folder.file("box.obj"), {}).value();
-  ASSERT_TRUE(write_sph(build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 1}).value(), folder.file("box.sph")));
+  ASSERT_TRUE(write_sph(build_sphere_tree(mesh, {.depth = 1, .preset = TreePreset::Fast, .threads = 1}).value(),
+                        folder.file("box.sph")));
 }
 
-Result<SceneRun> run_with_shape(const TemporaryFolder& folder, const std::string& shape, const SceneRunOptions& options = serial()) {
-  const Result<Scene> scene = parse_scene(R"({"name": "x", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": 1000}}, "shapes": {"a": )" +
-                                              shape + R"(}, "bodies": [{"shape": "a", "material": "m"}]})",
-                                          "s.json", folder.path());
+Result<SceneRun> run_with_shape(const TemporaryFolder& folder, const std::string& shape,
+                                const SceneRunOptions& options = serial()) {
+  const Result<Scene> scene =
+      parse_scene(R"({"name": "x", "dt_s": 0.01, "materials": {"m": {"density_kgpm3": 1000}}, "shapes": {"a": )" +
+                      shape + R"(}, "bodies": [{"shape": "a", "material": "m"}]})",
+                  "s.json", folder.path());
   if (!scene) return scene.error();
   return SceneRun::create(scene.value(), options);
 }
@@ -165,7 +168,8 @@ Result<SceneRun> run_with_shape(const TemporaryFolder& folder, const std::string
 TEST(SceneRun, ATreeWithItsMeshHasTheMassOfTheMesh) {
   const TemporaryFolder folder;
   write_box(folder);
-  const Result<SceneRun> run = run_with_shape(folder, R"({"tree": {"file": "box.sph", "mesh": "box.obj", "scale": 0.1}})");
+  const Result<SceneRun> run =
+      run_with_shape(folder, R"({"tree": {"file": "box.sph", "mesh": "box.obj", "scale": 0.1}})");
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_NEAR(run.value().world().mass_kg(run.value().bodies()[0].id).value(), 6, 1e-9);
   EXPECT_NEAR((run.value().shapes()[0]->origin_offset_m - Vec3(0.05, 0.1, 0.15)).norm(), 0, 1e-12);
@@ -186,10 +190,12 @@ TEST(SceneRun, ATreeThatLeaksIsRefusedUnlessTheSceneAllowsIt) {
   EXPECT_EQ(message.find("s.json: shapes.a.tree: leaks.sph on box.obj: surface covered to 9"), 0U) << message;
   EXPECT_NE(message.find("(level 1)"), std::string::npos) << message;
   EXPECT_NE(message.find("\"allow_leaks\": true uses it all the same"), std::string::npos) << message;
-  const Result<SceneRun> allowed = run_with_shape(folder, R"({"tree": {"file": "leaks.sph", "mesh": "box.obj", "allow_leaks": true}})");
+  const Result<SceneRun> allowed =
+      run_with_shape(folder, R"({"tree": {"file": "leaks.sph", "mesh": "box.obj", "allow_leaks": true}})");
   ASSERT_TRUE(allowed) << allowed.error().message;
   ASSERT_EQ(allowed.value().warnings().size(), 1U);
-  EXPECT_EQ(allowed.value().warnings()[0].find("s.json: shapes.a.tree: leaks.sph on box.obj: surface covered to 9"), 0U);
+  EXPECT_EQ(allowed.value().warnings()[0].find("s.json: shapes.a.tree: leaks.sph on box.obj: surface covered to 9"),
+            0U);
 }
 
 TEST(SceneRun, KeepsTreesWhereItIsToldAndSaysWhatBecameOfThem) {
@@ -207,7 +213,8 @@ TEST(SceneRun, KeepsTreesWhereItIsToldAndSaysWhatBecameOfThem) {
   const Result<SceneRun> warm = run_with_shape(folder, shape, options);
   EXPECT_EQ(warm.value().tree_cache_use().hits, 1U);
   EXPECT_EQ(cache.entries(), 1U);
-  const Result<SceneRun> shell = run_with_shape(folder, R"({"mesh": {"file": "box.obj", "depth": 0, "shell_thickness_m": 0.01}})", options);
+  const Result<SceneRun> shell =
+      run_with_shape(folder, R"({"mesh": {"file": "box.obj", "depth": 0, "shell_thickness_m": 0.01}})", options);
   ASSERT_TRUE(shell) << shell.error().message;
   EXPECT_EQ(shell.value().tree_cache_use().built, 1U) << "a shell is another tree";
   EXPECT_NEAR(shell.value().world().mass_kg(shell.value().bodies()[0].id).value(), 220, 1e-9);
@@ -230,7 +237,8 @@ TEST(SceneRun, RefusesANumberOfBodiesWithoutGenerators) {
 
 TEST(ScaledTree, HoldsTheScaledLeavesTooWhereTheyOnlyCover) {
   std::vector<Sphere> spheres;
-  for (int i = 0; i < 20; ++i) spheres.push_back({Vec3(std::cos(i), 100 + std::sin(2.0 * i), 0.1 * i), 0.05 + 0.01 * (i % 7)});
+  for (int i = 0; i < 20; ++i)
+    spheres.push_back({Vec3(std::cos(i), 100 + std::sin(2.0 * i), 0.1 * i), 0.05 + 0.01 * (i % 7)});
   const SphereTree tree = tree_of_spheres(spheres).value();
   for (const double scale : {0.001, 0.3, 3.0, 1e4}) {
     const SphereTree scaled = io::scaled_tree(tree, scale, false);

@@ -16,13 +16,16 @@ TEST(CostDocument, DividesByBodiesAndByPairsAndShowsTheShareOfAPeriod) {
   CostDocument document;
   document.scene = "jacks";
   document.period_ms = 16;
-  document.rows = {{1000, false, "predict", 2, 8000, 500, 60}, {1000, false, "all of these", 4, 8000, 500, 60}, {1000, true, "predict", 1, 0, 0, 60}};
+  document.rows = {{1000, false, "predict", 2, 8000, 500, 60},
+                   {1000, false, "all of these", 4, 8000, 500, 60},
+                   {1000, true, "predict", 1, 0, 0, 60}};
   const json parsed = json::parse(cost_json(document));
   EXPECT_EQ(parsed.at("rows").at(0).at("ns_per_body"), 2000);
   EXPECT_EQ(parsed.at("rows").at(0).at("ns_per_candidate_pair"), 250);
   EXPECT_EQ(parsed.at("rows").at(2).at("ns_per_candidate_pair"), 0) << "no pair, no division";
   const std::string table = cost_markdown(document);
-  EXPECT_NE(table.find("| 1000 | falling | 8000 | 500 | predict | 2.000 | 250.0 | 2000 | 12.5 % |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 1000 | falling | 8000 | 500 | predict | 2.000 | 250.0 | 2000 | 12.5 % |"), std::string::npos)
+      << table;
   EXPECT_NE(table.find("| | | | | all of these | 4.000"), std::string::npos) << table;
   EXPECT_NE(table.find("| 1000 | settled |"), std::string::npos) << table;
 }

@@ -30,7 +30,8 @@ io::TreePictureSettings small() {
   return settings;
 }
 
-io::Image drawn(const TriangleMesh& mesh, const std::vector<io::DrawnTree>& trees, const io::TreePictureSettings& settings) {
+io::Image drawn(const TriangleMesh& mesh, const std::vector<io::DrawnTree>& trees,
+                const io::TreePictureSettings& settings) {
   const Result<io::Image> image = io::draw_trees(mesh, trees, settings);
   EXPECT_TRUE(image) << image.error().message;
   return image ? image.value() : io::Image{};
@@ -52,7 +53,8 @@ TEST(TreePicture, ShowsTheMeshGreyAndTheBallToScaleBesideIt) {
   const io::Image image = drawn(cube(), {{&ball, ""}}, small());
   ASSERT_EQ(image.width_px, 400U);
   ASSERT_EQ(image.rgb.size(), std::size_t{3} * image.width_px * image.height_px);
-  // The panels are 190 pixels wide and as high, since the ball fills its own; they begin 10 pixels below the upper edge.
+  // The panels are 190 pixels wide and as high, since the ball fills its own; they begin 10 pixels below the upper
+  // edge.
   const std::uint32_t middle = 10 + 95;
   const Pixel mesh = pixel_at(image, 100, middle);
   EXPECT_LT(std::abs(mesh[0] - mesh[2]), 12) << "grey";
@@ -165,7 +167,8 @@ TEST(TreePicture, RefusesWhatCannotBeDrawn) {
   io::TreePictureSettings askew = small();
   askew.front = Vec3::UnitZ();
   const std::vector<io::DrawnTree> one{{&ball, ""}};
-  EXPECT_EQ(io::draw_trees(cube(), one, askew).error().message, "picture: up and front must be unit vectors square to each other");
+  EXPECT_EQ(io::draw_trees(cube(), one, askew).error().message,
+            "picture: up and front must be unit vectors square to each other");
 }
 
 TEST(PixelText, WritesDotsWhereItSaysAndNothingOutsideTheImage) {

@@ -9,7 +9,9 @@
 namespace poise::judge {
 namespace {
 
-JudgeMesh shape(const char* name) { return JudgeMesh::make(geometry::make_procedural_shape(name).value(), 1000).value(); }
+JudgeMesh shape(const char* name) {
+  return JudgeMesh::make(geometry::make_procedural_shape(name).value(), 1000).value();
+}
 
 double energy_j(const JudgeMesh& body, const Quat& orientation, const Vec3& velocity_mps, const Vec3& spin_radps) {
   const Vec3 spin = orientation.conjugate() * spin_radps;
@@ -42,7 +44,9 @@ TEST(RandomTouches, AnswersKeepMomentumAndLeaveTheShareOfApproachThatRestitution
     const Answer& d = t.answer;
     EXPECT_LT((a.mass_kg() * d.dv_a_mps + b.mass_kg() * d.dv_b_mps).norm(), 1e-9 * a.mass_kg() * d.dv_a_mps.norm());
     const Vec3 point = 0.5 * (t.touch.nearest.on_a_m + t.touch.nearest.on_b_m);
-    const auto point_speed = [&](const Placed& at, const Vec3& v, const Vec3& w) { return Vec3(v + w.cross(point - at.position_m)); };
+    const auto point_speed = [&](const Placed& at, const Vec3& v, const Vec3& w) {
+      return Vec3(v + w.cross(point - at.position_m));
+    };
     const Vec3 after = point_speed(t.touch.a, t.a.velocity_mps + d.dv_a_mps, t.a.spin_radps + d.dw_a_radps) -
                        point_speed(t.touch.b, t.b.velocity_mps + d.dv_b_mps, t.b.spin_radps + d.dw_b_radps);
     EXPECT_NEAR(t.touch.nearest.normal.dot(after), -0.5 * d.approach_mps, 1e-9);

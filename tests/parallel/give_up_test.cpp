@@ -57,9 +57,10 @@ class GiveUp : public testing::TestWithParam<ExecutorKind> {
   std::unique_ptr<Executor> executor_ = make_executor(GetParam(), 2);
 };
 
-std::string kind_name(const testing::TestParamInfo<ExecutorKind>& kind) { return kind.param == ExecutorKind::Tbb ? "Tbb" : "Threads"; }
-INSTANTIATE_TEST_SUITE_P(Kinds, GiveUp, testing::Values(ExecutorKind::Tbb, ExecutorKind::Threads),
-                         kind_name);
+std::string kind_name(const testing::TestParamInfo<ExecutorKind>& kind) {
+  return kind.param == ExecutorKind::Tbb ? "Tbb" : "Threads";
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, GiveUp, testing::Values(ExecutorKind::Tbb, ExecutorKind::Threads), kind_name);
 
 TEST_P(GiveUp, LeavesBehindWhatAHeldUpWorkerHasInHandAndRefusesItsCommit) {
   for (int round = 0; round < 8; ++round) {
@@ -111,7 +112,8 @@ TEST_P(GiveUp, RunsOtherLoopsWhileAWorkerIsStillHeldUp) {
   EXPECT_EQ(item.committed, 0);
 }
 
-// A run that may not give up waits for no one who was given up before it. So such a worker must not begin anything in it.
+// A run that may not give up waits for no one who was given up before it. So such a worker must not begin anything in
+// it.
 TEST(WorkerGate, AWorkerThatIsGivenUpBeforeItLooksBeginsNothingInTheNextRun) {
   WorkerGate gate(2, std::chrono::nanoseconds(0));
   int items = 0;
@@ -173,19 +175,24 @@ TEST(CheckExecutor, RefusesWhatTheSystemDoesNotPermitByNameValueAndRule) {
   settings.threads = 2;
   EXPECT_EQ(refusal(settings), "");
   settings.processors = {100000};
-  EXPECT_NE(refusal(settings).find("processors = 100000, must be processors that this process may use"), std::string::npos) << refusal(settings);
+  EXPECT_NE(refusal(settings).find("processors = 100000, must be processors that this process may use"),
+            std::string::npos)
+      << refusal(settings);
   settings.processors = {-1};
   EXPECT_NE(refusal(settings).find("processors = -1"), std::string::npos);
   settings.processors = {};
   settings.realtime_priority = 100;
-  EXPECT_NE(refusal(settings).find("realtime_priority = 100, must be 0 or in [1, 99]"), std::string::npos) << refusal(settings);
+  EXPECT_NE(refusal(settings).find("realtime_priority = 100, must be 0 or in [1, 99]"), std::string::npos)
+      << refusal(settings);
   settings.realtime_priority = 0;
   settings.spin = std::chrono::seconds(1);
-  EXPECT_NE(refusal(settings).find("spin = 1000000000 ns, must be in [0, 10000000]"), std::string::npos) << refusal(settings);
+  EXPECT_NE(refusal(settings).find("spin = 1000000000 ns, must be in [0, 10000000]"), std::string::npos)
+      << refusal(settings);
   settings.spin = kDefaultSpin;
   settings.kind = ExecutorKind::Tbb;
   settings.processors = {0};
-  EXPECT_NE(refusal(settings).find("processors: must be left out with the executor tbb"), std::string::npos) << refusal(settings);
+  EXPECT_NE(refusal(settings).find("processors: must be left out with the executor tbb"), std::string::npos)
+      << refusal(settings);
 }
 
 TEST(CheckExecutor, SaysWhatARealTimePriorityNeedsWhereItIsNotGranted) {
@@ -197,7 +204,8 @@ TEST(CheckExecutor, SaysWhatARealTimePriorityNeedsWhereItIsNotGranted) {
   if (checked) {
     EXPECT_TRUE(make_executor(settings).ok());
   } else {
-    EXPECT_NE(checked.error().message.find("realtime_priority = 10, must be granted by the system"), std::string::npos) << checked.error().message;
+    EXPECT_NE(checked.error().message.find("realtime_priority = 10, must be granted by the system"), std::string::npos)
+        << checked.error().message;
     EXPECT_NE(checked.error().message.find("ulimit -r"), std::string::npos);
   }
 }

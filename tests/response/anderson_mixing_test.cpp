@@ -30,7 +30,8 @@ int sweeps_until_settled(bool mixed) {
     for (std::size_t i = 0; i < x.size(); ++i) change = std::max(change, std::abs(after[i] - x[i]));
     if (change < 1e-9) {
       // The exact answer is a parabola.
-      for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(after[i], 0.5 * static_cast<double>((i + 1) * (x.size() - i)), 1e-6);
+      for (std::size_t i = 0; i < x.size(); ++i)
+        EXPECT_NEAR(after[i], 0.5 * static_cast<double>((i + 1) * (x.size() - i)), 1e-6);
       return sweeps;
     }
     if (mixed) mixing.mix(x, after);
@@ -58,7 +59,8 @@ TEST(AndersonMixing, StartsAnewWhereTheResidualGrows) {
 }
 
 TEST(AndersonMixing, StaysNearWhereStepsHardlyDiffer) {
-  // The second number creeps at the same pace whatever happens: what ends that is so far away that nothing learnt here holds there.
+  // The second number creeps at the same pace whatever happens: what ends that is so far away that nothing learnt here
+  // holds there.
   AndersonMixing mixing;
   mixing.begin(2);
   std::vector<double> after = {1.0, 1e-4};

@@ -37,7 +37,8 @@ struct Bench {
     return static_cast<std::uint32_t>(bodies.size() - 1);
   }
   // Surfaces that are this far apart at world points.
-  void add_pair(std::uint32_t a, std::uint32_t b, const Vec3& normal, std::vector<Vec3> points_m, double friction = 0, double gap_m = 0) {
+  void add_pair(std::uint32_t a, std::uint32_t b, const Vec3& normal, std::vector<Vec3> points_m, double friction = 0,
+                double gap_m = 0) {
     RestPair pair;
     pair.a = a;
     pair.b = b;
@@ -46,7 +47,8 @@ struct Bench {
     pair.friction = friction;
     pairs.push_back(pair);
     for (const Vec3& point : points_m) {
-      places.push_back({normal, point - 0.5 * gap_m * normal - poses[a].position_m, point + 0.5 * gap_m * normal - poses[b].position_m, 0});
+      places.push_back({normal, point - 0.5 * gap_m * normal - poses[a].position_m,
+                        point + 0.5 * gap_m * normal - poses[b].position_m, 0});
       loads.emplace_back();
     }
   }
@@ -54,12 +56,15 @@ struct Bench {
     std::vector<Coloring::Edge> edges;
     std::uint64_t place_count = 0;
     for (const RestPair& pair : pairs) {
-      edges.push_back({pair.a, pair.b, bodies[pair.a].inverse_mass > 0, bodies[pair.b].inverse_mass > 0, pair.place_count});
+      edges.push_back(
+          {pair.a, pair.b, bodies[pair.a].inverse_mass > 0, bodies[pair.b].inverse_mass > 0, pair.place_count});
       place_count += pair.place_count;
     }
     coloring.color(edges, bodies.size());
     given_ns.resize(pairs.size());
-    return solver.solve({bodies, accelerations, inverse_inertia, poses, pairs, places, loads, given_ns, coloring, place_count}, settings, *executor);
+    return solver.solve(
+        {bodies, accelerations, inverse_inertia, poses, pairs, places, loads, given_ns, coloring, place_count},
+        settings, *executor);
   }
   Vec3 momentum() const {
     Vec3 sum = Vec3::Zero();
@@ -72,7 +77,8 @@ struct Bench {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (bodies[i].inverse_mass == 0) continue;
-      sum += poses[i].position_m.cross(bodies[i].velocity_mps) / bodies[i].inverse_mass + inverse_inertia[i].inverse() * bodies[i].spin_radps;
+      sum += poses[i].position_m.cross(bodies[i].velocity_mps) / bodies[i].inverse_mass +
+             inverse_inertia[i].inverse() * bodies[i].spin_radps;
     }
     return sum;
   }
@@ -85,7 +91,8 @@ void stack(Bench& bench, int boxes) {
   for (int i = 0; i < boxes; ++i) {
     const double z_m = i;
     const auto box = bench.add_body(1, Vec3(0, 0, z_m + 0.5));
-    bench.add_pair(box - 1, box, Vec3(0, 0, 1), {{0.4, 0.4, z_m}, {-0.4, 0.4, z_m}, {-0.4, -0.4, z_m}, {0.4, -0.4, z_m}}, 0.5);
+    bench.add_pair(box - 1, box, Vec3(0, 0, 1),
+                   {{0.4, 0.4, z_m}, {-0.4, 0.4, z_m}, {-0.4, -0.4, z_m}, {0.4, -0.4, z_m}}, 0.5);
   }
 }
 
@@ -97,7 +104,9 @@ TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
   };
   std::uint64_t before = 0;
   double drop_before_mps = 1e300;
-  for (const auto& [visits, most] : {Allowed{1, kPlaces}, Allowed{3 * kPlaces, 3 * kPlaces}, Allowed{12 * kPlaces, 12 * kPlaces}, Allowed{25 * kMixedSweep, 25 * kMixedSweep}}) {
+  for (const auto& [visits, most] :
+       {Allowed{1, kPlaces}, Allowed{3 * kPlaces, 3 * kPlaces}, Allowed{12 * kPlaces, 12 * kPlaces},
+        Allowed{25 * kMixedSweep, 25 * kMixedSweep}}) {
     Bench bench;
     stack(bench, 10);
     bench.settings.visits = visits;
@@ -294,14 +303,16 @@ TEST(Convergence, CarriesAColumnWithTheWeightAboveEachContact) {
   const Convergence ended = bench.solve();
   EXPECT_TRUE(ended.reached);
   EXPECT_GT(ended.sweeps, 50U);
-  for (std::size_t i = 0; i < 15; ++i) EXPECT_NEAR(bench.given_ns[i].z(), 2 * 10 * 0.01 * (15.0 - static_cast<double>(i)), 1e-6) << i;
+  for (std::size_t i = 0; i < 15; ++i)
+    EXPECT_NEAR(bench.given_ns[i].z(), 2 * 10 * 0.01 * (15.0 - static_cast<double>(i)), 1e-6) << i;
   for (const SolverBody& body : bench.bodies) EXPECT_NEAR(body.velocity_mps.z(), 0, 1e-7);
 }
 
 TEST(Convergence, OfASmallSceneNeedsNoAsking) {
   Bench bench = column(10);
   for (int step = 0; step < 10; ++step) bench.solve();
-  for (std::size_t i = 0; i < 10; ++i) EXPECT_NEAR(bench.given_ns[i].z(), 2 * 10 * 0.01 * (10.0 - static_cast<double>(i)), 1e-3) << i;
+  for (std::size_t i = 0; i < 10; ++i)
+    EXPECT_NEAR(bench.given_ns[i].z(), 2 * 10 * 0.01 * (10.0 - static_cast<double>(i)), 1e-3) << i;
 }
 
 TEST(Convergence, OfALargeSceneComesWithTheStepsThatWarmStartEachOther) {

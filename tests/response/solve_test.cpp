@@ -37,7 +37,8 @@ struct Bench {
     row.moment_a_m = ta;
     row.moment_b_m = tb;
     row.restitution = e;
-    EXPECT_TRUE(prepare_row(row, bodies[a].inverse_mass, inverse_inertia[a], bodies[b].inverse_mass, inverse_inertia[b]));
+    EXPECT_TRUE(
+        prepare_row(row, bodies[a].inverse_mass, inverse_inertia[a], bodies[b].inverse_mass, inverse_inertia[b]));
     rows.push_back(row);
     return rows.back();
   }
@@ -146,7 +147,8 @@ TEST(Impact, PointContactsAreAnsweredOneByOneEachWithItsOwnApproach) {
   const auto a = bench.add_body(1, Vec3(1, 0, 0));
   const auto b = bench.add_body(0, Vec3::Zero());
   ContactRow& row = bench.add_row(a, b, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0.5);
-  bench.points = {{Vec3::UnitX(), Vec3(1, 0, 0), Vec3::Zero(), -0.1}, {Vec3::UnitX(), Vec3(1, 0, 0), Vec3::Zero(), -0.1}};
+  bench.points = {{Vec3::UnitX(), Vec3(1, 0, 0), Vec3::Zero(), -0.1},
+                  {Vec3::UnitX(), Vec3(1, 0, 0), Vec3::Zero(), -0.1}};
   row.points_end = 2;
   bench.impacts();
   EXPECT_NEAR(bench.bodies[a].velocity_mps.x(), -0.5, 1e-14);

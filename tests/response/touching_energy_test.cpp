@@ -55,7 +55,8 @@ TEST(TouchingEnergy, CountsChangesOnTopOfTheStart) {
 
 TEST(TouchingEnergy, AloneIsWithForcesAndWithoutContacts) {
   const Two two;
-  EXPECT_DOUBLE_EQ(two.energy.joules_alone(two.system, two.changes, 0.1), 0.5 * 2 * (9 + 1) + 0.5 * 2 * 4 + 0.5 * 4 * 1);
+  EXPECT_DOUBLE_EQ(two.energy.joules_alone(two.system, two.changes, 0.1),
+                   0.5 * 2 * (9 + 1) + 0.5 * 2 * 4 + 0.5 * 4 * 1);
 }
 
 TEST(TouchingEnergy, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
@@ -70,7 +71,8 @@ TEST(TouchingEnergy, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
   EXPECT_DOUBLE_EQ(two.changes[1].v[0], -3);
   EXPECT_EQ(two.changes[3].v[0], 0) << "it touches nothing";
   two.changes[1].v[0] = -2;
-  EXPECT_EQ(two.energy.best_share(two.system, begun, 0.1, two.changes), 1) << "less than that leaves nothing to take back";
+  EXPECT_EQ(two.energy.best_share(two.system, begun, 0.1, two.changes), 1)
+      << "less than that leaves nothing to take back";
   two.changes[1].v[0] = 2;
   EXPECT_EQ(two.energy.best_share(two.system, begun, 0.1, two.changes), 0) << "these only push on";
 }
@@ -96,7 +98,8 @@ TEST(TouchingEnergy, BringsBackWhatWasToTheBit) {
   two.changes[2].q[1] = std::numeric_limits<double>::quiet_NaN();
   two.energy.restore(two.changes);
   for (const std::size_t i : {1U, 2U}) {
-    EXPECT_EQ((std::bit_cast<std::array<std::uint64_t, 16>>(two.changes[i])), (std::bit_cast<std::array<std::uint64_t, 16>>(were[i])));
+    EXPECT_EQ((std::bit_cast<std::array<std::uint64_t, 16>>(two.changes[i])),
+              (std::bit_cast<std::array<std::uint64_t, 16>>(were[i])));
   }
 }
 

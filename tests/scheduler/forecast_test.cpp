@@ -102,10 +102,12 @@ TEST(Forecast, TheMissRateKeepsItsBoundAgainstAnAdversary) {
 }
 
 RC_GTEST_PROP(Forecast, TheMissRateKeepsItsBoundAgainstAnyMixOfAdversaries, ()) {
-  // Blocks in each of which the ratios are chosen with the tracker in view: just above it, just below, as far off as the clip allows, or by chance.
+  // Blocks in each of which the ratios are chosen with the tracker in view: just above it, just below, as far off as
+  // the clip allows, or by chance.
   const double alpha = *rc::gen::element(0.001, 0.01, 0.05, 0.3);
   const double eta = *rc::gen::element(0.01, 0.05, 0.2, 1.0);
-  const double start = TrackedQuantile::kLow + (TrackedQuantile::kHigh - TrackedQuantile::kLow) * *rc::gen::inRange(0, 1001) * 1e-3;
+  const double start =
+      TrackedQuantile::kLow + (TrackedQuantile::kHigh - TrackedQuantile::kLow) * *rc::gen::inRange(0, 1001) * 1e-3;
   const auto blocks = *rc::gen::container<std::vector<int>>(20, rc::gen::inRange(0, 5));
   const auto block_frames = *rc::gen::inRange(1, 200);
   TrackedQuantile margin(alpha, eta, start);
@@ -116,7 +118,8 @@ RC_GTEST_PROP(Forecast, TheMissRateKeepsItsBoundAgainstAnyMixOfAdversaries, ()) 
     for (int frame = 0; frame < block_frames; ++frame) {
       noise = noise * 6364136223846793005ULL + 1442695040888963407ULL;
       const double q = margin.log_quantile();
-      double z = TrackedQuantile::kLow + (TrackedQuantile::kHigh - TrackedQuantile::kLow) * static_cast<double>(noise >> 40U) * 0x1p-24;
+      double z = TrackedQuantile::kLow +
+                 (TrackedQuantile::kHigh - TrackedQuantile::kLow) * static_cast<double>(noise >> 40U) * 0x1p-24;
       if (kind == 0) z = q + 1e-4;
       if (kind == 1) z = q - 1e-4;
       if (kind == 2) z = TrackedQuantile::kHigh;
@@ -138,7 +141,9 @@ TEST(Forecast, TheStepFollowsTheSpreadOfTheRatios) {
   EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(5), 0.2);
   // Ratios that swing by a tenth around one and a half spread by a tenth.
   TrackedQuantile margin;
-  for (int frame = 0; frame < 3000; ++frame) margin.observe(Nanoseconds(static_cast<std::int64_t>(1.5e9 * std::exp(frame % 2 == 0 ? 0.1 : -0.1))), Nanoseconds(1'000'000'000));
+  for (int frame = 0; frame < 3000; ++frame)
+    margin.observe(Nanoseconds(static_cast<std::int64_t>(1.5e9 * std::exp(frame % 2 == 0 ? 0.1 : -0.1))),
+                   Nanoseconds(1'000'000'000));
   EXPECT_NEAR(margin.spread(), 0.1, 0.005);
 }
 

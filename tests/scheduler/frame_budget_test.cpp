@@ -72,12 +72,14 @@ TEST(FrameBudget, TheReserveFollowsTheForecastWhateverTheFitExtrapolates) {
     tail.learn(work, Nanoseconds(500 * work.contacts) - milliseconds(3));
   }
   const TailWork work{2000, 0, 18000, 0};
-  const FrameBudget budget = make_frame_budget(kStart, Nanoseconds(0), tail, TrackedQuantile(0.01, 0.05, 0.0), work, 30);
+  const FrameBudget budget =
+      make_frame_budget(kStart, Nanoseconds(0), tail, TrackedQuantile(0.01, 0.05, 0.0), work, 30);
   for (const std::uint64_t contacts : {0ULL, 100ULL, 1000ULL, 10'000ULL, 50'000ULL}) {
     TailWork asked = work;
     asked.contacts = contacts;
     const double expected = static_cast<double>(tail.forecast(asked).count());
-    EXPECT_NEAR(static_cast<double>(budget.reserve(contacts).count()), expected, 1e-3 * expected + 1000) << "1 us at least";
+    EXPECT_NEAR(static_cast<double>(budget.reserve(contacts).count()), expected, 1e-3 * expected + 1000)
+        << "1 us at least";
     EXPECT_EQ(budget.tail_forecast(contacts), budget.reserve(contacts));
   }
   // Near what was seen it is right.

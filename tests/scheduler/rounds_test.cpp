@@ -47,11 +47,12 @@ TEST(Rounds, AFrameForgetsTheOneBefore) {
 
 RC_GTEST_PROP(Rounds, NeverChargeMoreThanTheBudgetAndDoNotDependOnTheOrderOfAdding, ()) {
   const auto budget = *rc::gen::inRange<std::uint64_t>(0, 3000);
-  const auto scores = *rc::gen::container<std::vector<int>>(*rc::gen::inRange<std::size_t>(0, 1500), rc::gen::inRange(0, 20));
+  const auto scores =
+      *rc::gen::container<std::vector<int>>(*rc::gen::inRange<std::size_t>(0, 1500), rc::gen::inRange(0, 20));
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    candidates.push_back({static_cast<double>(scores[i]), static_cast<std::uint32_t>(i),
-                          static_cast<std::uint32_t>(1 + (i * 7) % 13)});
+    candidates.push_back(
+        {static_cast<double>(scores[i]), static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(1 + (i * 7) % 13)});
   }
   const auto served = [&](const std::vector<Candidate>& order) {
     RoundSelector rounds;

@@ -40,8 +40,12 @@ void* operator new(std::size_t size, std::align_val_t align) { return or_throw(c
 void* operator new[](std::size_t size, std::align_val_t align) { return or_throw(counted(size, align)); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(size); }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return counted(size); }
-void* operator new(std::size_t size, std::align_val_t align, const std::nothrow_t&) noexcept { return counted(size, align); }
-void* operator new[](std::size_t size, std::align_val_t align, const std::nothrow_t&) noexcept { return counted(size, align); }
+void* operator new(std::size_t size, std::align_val_t align, const std::nothrow_t&) noexcept {
+  return counted(size, align);
+}
+void* operator new[](std::size_t size, std::align_val_t align, const std::nothrow_t&) noexcept {
+  return counted(size, align);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
@@ -58,7 +62,8 @@ void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) no
 namespace poise {
 namespace {
 
-std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model, Trace* trace = nullptr, bool record = false) {
+std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model,
+                                  Trace* trace = nullptr, bool record = false) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   settings.executor = executor;
@@ -127,7 +132,8 @@ TEST(Allocation, BacktrackingAllocatesNothingOnceWarm) {
       make_mesh_shape(test::box_mesh(Vec3(0.1, 0.1, 0.1)), {.depth = 1, .preset = TreePreset::Fast}).value());
   const ShapeId ball = stage.ball(0.025);
   for (int i = 0; i < 40; ++i) {
-    stage.add(i % 4 == 0 ? box : ball, Vec3(-1.5 + 0.4 * (i % 8), -1.5 + 0.5 * (i / 8), 0.2), Vec3(300 - 15 * i, 20 * i, 2 * i));
+    stage.add(i % 4 == 0 ? box : ball, Vec3(-1.5 + 0.4 * (i % 8), -1.5 + 0.5 * (i / 8), 0.2),
+              Vec3(300 - 15 * i, 20 * i, 2 * i));
   }
   std::vector<BodyState> start;
   for (const BodyId body : stage.bodies) start.push_back(stage.at(body));

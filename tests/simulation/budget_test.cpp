@@ -98,7 +98,8 @@ TEST(Budget, HostWorkIsReservedWhetherGivenOrLearned) {
   EXPECT_EQ(report.jobs_done, 0U);
 }
 
-// Putting pairs in order takes time too. Where there is too little of it, a part of them is, and others in the next frame.
+// Putting pairs in order takes time too. Where there is too little of it, a part of them is, and others in the next
+// frame.
 TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   Stage stage(falling(), 0.2);
   stage.jacks(500, 6);
@@ -120,7 +121,8 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
     // A quarter of an hour for all of them, were it three quarters.
     const std::uint64_t frame = world.frame;
     const double hour_ns = 3.6e12;
-    const FrameReport report = step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / buffers.known_of_chunk.back().refinable);
+    const FrameReport report =
+        step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / buffers.known_of_chunk.back().refinable);
     EXPECT_GT(report.jobs_done, 0U);
     for (std::size_t chunk = 0; chunk < buffers.chunks(); ++chunk) {
       const bool turn = chunk % kStride == frame % kStride;
@@ -160,8 +162,8 @@ TEST(Budget, WhatIsSeenIsRefinedFirst) {
   stage.plane(Vec3::UnitZ(), 0);
   for (int i = 0; i < 40; ++i) {
     for (const double side : {-50.0, 50.0}) {
-      stage.add(jack, Vec3(side + 0.9 * (i % 4), 0.9 * ((i / 4) % 4), 0.9 + 0.9 * (i / 16)), Vec3::Zero(),
-                Vec3::Zero(), Quat(1, 0.1 * i, 0.3, 0.2));
+      stage.add(jack, Vec3(side + 0.9 * (i % 4), 0.9 * ((i / 4) % 4), 0.9 + 0.9 * (i / 16)), Vec3::Zero(), Vec3::Zero(),
+                Quat(1, 0.1 * i, 0.3, 0.2));
     }
   }
   StepInput input = step_of(1.0 / 60);

@@ -88,7 +88,8 @@ Sums sizes(const Stage& stage) {
     const BodyState state = stage.at(body);
     const double mass = stage.world.mass_kg(body).value();
     sums.momentum += mass * state.velocity_mps.norm();
-    sums.angular += mass * state.position_m.cross(state.velocity_mps).norm() + 0.2 * mass * state.angular_velocity_radps.norm();
+    sums.angular +=
+        mass * state.position_m.cross(state.velocity_mps).norm() + 0.2 * mass * state.angular_velocity_radps.norm();
   }
   return sums;
 }

@@ -54,7 +54,8 @@ void fill(const Case& c, Stage& stage) {
   if (c.polygons) {
     const ShapeId box = stage.world.add_shape(
         make_mesh_shape(test::box_mesh(Vec3(0.6, 0.6, 0.6)), {.depth = 1, .preset = TreePreset::Fast}).value());
-    for (int i = 0; i < 8; ++i) stage.add(box, Vec3(-1 + 0.7 * (i % 4), 0.4 * (i / 4), 0.9 + 0.8 * (i / 4)), Vec3(0, 0, -2), Vec3(1, 2, 0.3 * i));
+    for (int i = 0; i < 8; ++i)
+      stage.add(box, Vec3(-1 + 0.7 * (i % 4), 0.4 * (i / 4), 0.9 + 0.8 * (i / 4)), Vec3(0, 0, -2), Vec3(1, 2, 0.3 * i));
   }
   if (c.backtracking) {
     const ShapeId ball = stage.ball(0.05);
@@ -71,7 +72,8 @@ StepInput input_of(const Case& c) {
   return input;
 }
 
-// Budgets go up and down: some frames refine nothing and some all on any machine, and the others what there is time for.
+// Budgets go up and down: some frames refine nothing and some all on any machine, and the others what there is time
+// for.
 Budget budget_of(int frame) {
   if (frame % 10 == 9) return Budget::within(std::chrono::hours(1));
   if (frame % 6 == 0) return Budget::until(SteadyClock::time_point{});
@@ -170,9 +172,11 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
   EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Threads, 2), recorded.hashes.size());
   Recorded swept = recorded;
   swept.decisions[60].visits = 0;
-  EXPECT_EQ(frames_alike(c, swept, ExecutorKind::Serial, 1), 60U) << "how often places are visited is part of what is decided";
+  EXPECT_EQ(frames_alike(c, swept, ExecutorKind::Serial, 1), 60U)
+      << "how often places are visited is part of what is decided";
   Recorded whole = recorded;
-  const auto first = std::find_if(whole.decisions.begin(), whole.decisions.end(), [](const FrameDecisions& d) { return !d.reused.empty(); });
+  const auto first = std::find_if(whole.decisions.begin(), whole.decisions.end(),
+                                  [](const FrameDecisions& d) { return !d.reused.empty(); });
   first->reused.clear();
   EXPECT_EQ(frames_alike(c, whole, ExecutorKind::Serial, 1), static_cast<std::size_t>(first - whole.decisions.begin()))
       << "what is reused is part of what is decided";
@@ -194,7 +198,8 @@ TEST(Decisions, AnotherLevelGivesAnotherState) {
   std::size_t changed = 0;
   for (; changed < recorded.decisions.size(); ++changed) {
     std::vector<RefinementStep>& steps = recorded.decisions[changed].steps;
-    const auto last = std::find_if(steps.rbegin(), steps.rend(), [](const RefinementStep& s) { return s.kind == RefinementStep::Kind::Completed; });
+    const auto last = std::find_if(steps.rbegin(), steps.rend(),
+                                   [](const RefinementStep& s) { return s.kind == RefinementStep::Kind::Completed; });
     if (last == steps.rend()) continue;
     steps.erase(std::next(last).base());
     break;
@@ -239,10 +244,12 @@ TEST(Decisions, CompletedStepsAreTheLevelsThatTheReportCounts) {
     EXPECT_EQ(decisions.frame, report.frame);
     EXPECT_EQ(decisions.active_pairs, report.coarse_pairs);
     const auto kind = [&](RefinementStep::Kind k) {
-      return static_cast<std::size_t>(std::count_if(decisions.steps.begin(), decisions.steps.end(), [&](const RefinementStep& s) { return s.kind == k; }));
+      return static_cast<std::size_t>(std::count_if(decisions.steps.begin(), decisions.steps.end(),
+                                                    [&](const RefinementStep& s) { return s.kind == k; }));
     };
     EXPECT_EQ(kind(RefinementStep::Kind::Completed), report.jobs_done);
-    EXPECT_LE(kind(RefinementStep::Kind::Cut) + kind(RefinementStep::Kind::Full), report.jobs_dropped) << "a job that is given up is nobody's to note";
+    EXPECT_LE(kind(RefinementStep::Kind::Cut) + kind(RefinementStep::Kind::Full), report.jobs_dropped)
+        << "a job that is given up is nobody's to note";
     completed += report.jobs_done;
     for (const RefinementStep& step : decisions.steps) ++of_worker[step.worker];
   }

@@ -85,8 +85,11 @@ TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
   // What a visit costs is learned and positive, so there is a time at which it turns; far apart, since a clock is read.
   const double us = world.tail.coefficients_us()[scheduler::TailForecast::kPatchVisits] * 1e-3 * world.margin.factor();
   ASSERT_GT(us, 0);
-  const auto reserve = Nanoseconds(static_cast<std::int64_t>(world.margin.factor() * static_cast<double>(world.tail.forecast(simulation::tail_work(world, report.contact_pairs)).count())));
-  const auto half = std::chrono::microseconds(static_cast<std::int64_t>(0.5 * us * response::kMostVisits * world.substeps));
+  const auto reserve = Nanoseconds(static_cast<std::int64_t>(
+      world.margin.factor() *
+      static_cast<double>(world.tail.forecast(simulation::tail_work(world, report.contact_pairs)).count())));
+  const auto half =
+      std::chrono::microseconds(static_cast<std::int64_t>(0.5 * us * response::kMostVisits * world.substeps));
   const std::uint32_t some = visits(reserve + half);
   EXPECT_GT(some, response::kMostVisits / 10);
   report.host_reserved = std::chrono::hours(1);
@@ -196,7 +199,8 @@ TEST(Degrade, TheLeastSeenAreReusedFirst) {
         const auto& item = world.buffers.least_seen[k];
         const bool is_reused = world.buffers.pairs[item.pair].kept != before[item.pair];
         reused += is_reused ? 1U : 0U;
-        (is_reused ? most_reused : least_left) = is_reused ? std::max(most_reused, item.weight) : std::min(least_left, item.weight);
+        (is_reused ? most_reused : least_left) =
+            is_reused ? std::max(most_reused, item.weight) : std::min(least_left, item.weight);
       }
       EXPECT_EQ(reused, all / 2);
       EXPECT_LE(most_reused, least_left);

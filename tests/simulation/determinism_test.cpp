@@ -23,8 +23,8 @@ std::uint64_t hash_after(const WorldSettings& settings, const Budget& budget, in
   stage.jacks(120, 5.2);
   StepInput input = step_of(1.0 / 60);
   input.budget = budget;
-  input.view = {true, Vec3(8, -8, 5), Vec3(-1, 1, -0.5).normalized(), Vec3::UnitZ(), 0.87, 1.78,
-                Vec3(-1, 1, -0.5).normalized()};
+  input.view = {true, Vec3(8, -8, 5), Vec3(-1, 1, -0.5).normalized(), Vec3::UnitZ(),
+                0.87, 1.78,           Vec3(-1, 1, -0.5).normalized()};
   std::size_t refined = 0;
   for (int i = 0; i < frames; ++i) refined += stage.world.step(input).jobs_done;
   EXPECT_GT(refined, 100U);
@@ -35,8 +35,7 @@ TEST(Determinism, TheSameWorkBudgetGivesTheSameBitsOnAnyThreadsAndExecutor) {
   using scheduler::PolicyKind;
   for (const PolicyKind policy : {PolicyKind::Perceptual, PolicyKind::Fifo, PolicyKind::Random}) {
     for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
-      const std::uint64_t expected =
-          hash_after(falling(ExecutorKind::Serial, 1, policy, model), Budget::work(400));
+      const std::uint64_t expected = hash_after(falling(ExecutorKind::Serial, 1, policy, model), Budget::work(400));
       for (const int threads : {1, 3, 8}) {
         for (const ExecutorKind executor : {ExecutorKind::Tbb, ExecutorKind::Threads}) {
           EXPECT_EQ(hash_after(falling(executor, threads, policy, model), Budget::work(400)), expected)

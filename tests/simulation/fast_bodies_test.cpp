@@ -11,8 +11,8 @@
 namespace poise {
 namespace {
 
-constexpr double kBulletM = 0.025;   // radius
-constexpr double kPlateM = 0.02;     // thickness
+constexpr double kBulletM = 0.025;  // radius
+constexpr double kPlateM = 0.02;    // thickness
 constexpr double kSpeed = 500;
 
 enum class PlateKind { Mesh, Balls, Plane };
@@ -20,7 +20,8 @@ enum class PlateKind { Mesh, Balls, Plane };
 ShapePtr plate_shape(PlateKind kind) {
   if (kind == PlateKind::Plane) return make_plane_shape(Vec3::UnitZ(), 0.5 * kPlateM).value();
   if (kind == PlateKind::Mesh) {
-    static const ShapePtr shape = make_mesh_shape(test::box_mesh(Vec3(1, 1, kPlateM)), {.depth = 2, .preset = TreePreset::Fast}).value();
+    static const ShapePtr shape =
+        make_mesh_shape(test::box_mesh(Vec3(1, 1, kPlateM)), {.depth = 2, .preset = TreePreset::Fast}).value();
     return shape;
   }
   static const ShapePtr union_of_balls = [] {
@@ -49,8 +50,8 @@ StepInput swept_step(double dt_s) {
 struct Shot {
   PlateKind plate = PlateKind::Mesh;
   bool mesh_bullet = false;
-  double plate_kg = 0;              // 0: static
-  Vec3 aim_m = Vec3::Zero();        // where the line of flight crosses the plate's middle
+  double plate_kg = 0;        // 0: static
+  Vec3 aim_m = Vec3::Zero();  // where the line of flight crosses the plate's middle
   Vec3 direction = -Vec3::UnitZ();
   Vec3 spin = Vec3::Zero();
   double restitution = 0.5;
@@ -63,8 +64,8 @@ struct Outcome {
   double energy_before = 0, energy_most = 0;
   Vec3 momentum_change = Vec3::Zero(), angular_change = Vec3::Zero();  // up to the first hit
   std::size_t hits = 0, cut = 0;
-  bool passed = false;              // the bullet's centre was ever behind the plate's
-  double plate_m = 0;               // how far the plate came
+  bool passed = false;  // the bullet's centre was ever behind the plate's
+  double plate_m = 0;   // how far the plate came
 };
 
 // Flies until well past the plate.
@@ -80,7 +81,8 @@ Outcome fire(const Shot& shot) {
   const BodyId plate_id = stage.world.add_body(plate).value();
   const Vec3 direction = shot.direction.normalized();
   const Vec3 from = shot.aim_m - 3.217 * direction;
-  const BodyId bullet = stage.add(stage.world.add_shape(bullet_shape(shot.mesh_bullet)), from, kSpeed * direction, shot.spin);
+  const BodyId bullet =
+      stage.add(stage.world.add_shape(bullet_shape(shot.mesh_bullet)), from, kSpeed * direction, shot.spin);
   StepInput input = swept_step(shot.dt_s);
   input.polygons = shot.polygons;
   Outcome outcome;
@@ -99,7 +101,9 @@ Outcome fire(const Shot& shot) {
     const BodyState seen = stage.at(plate_id);
     const Vec3 local = seen.orientation.conjugate() * (stage.at(bullet).position_m - seen.position_m);
     // A free plate may turn over once it is far away.
-    if (local.z() < 0 && (shot.plate_kg == 0 || local.z() > -0.1) && local.head<2>().cwiseAbs().maxCoeff() < (shot.plate == PlateKind::Balls ? 0.15 : 0.5)) outcome.passed = true;
+    if (local.z() < 0 && (shot.plate_kg == 0 || local.z() > -0.1) &&
+        local.head<2>().cwiseAbs().maxCoeff() < (shot.plate == PlateKind::Balls ? 0.15 : 0.5))
+      outcome.passed = true;
   }
   outcome.bullet = stage.at(bullet);
   outcome.plate = stage.at(plate_id);
@@ -118,7 +122,8 @@ TEST(FastBodies, ABulletNeverPassesAPlateWhateverTheStepTheAngleAndThePlace) {
           shot.aim_m = aim;
           shot.direction = Vec3(std::sin(tilt), 0.2 * std::sin(tilt), -std::cos(tilt));
           const Outcome outcome = fire(shot);
-          SCOPED_TRACE("plate " + std::to_string(static_cast<int>(plate)) + " dt " + std::to_string(dt_s) + " tilt " + std::to_string(tilt) + " x " + std::to_string(aim.x()));
+          SCOPED_TRACE("plate " + std::to_string(static_cast<int>(plate)) + " dt " + std::to_string(dt_s) + " tilt " +
+                       std::to_string(tilt) + " x " + std::to_string(aim.x()));
           EXPECT_FALSE(outcome.passed);
           EXPECT_GE(outcome.bullet.velocity_mps.z(), plate == PlateKind::Balls ? -kSpeed : 0.0);
           EXPECT_LE(outcome.energy_most, outcome.energy_before * (1 + 1e-12));
@@ -138,7 +143,8 @@ TEST(FastBodies, AHitAnswersLikeTheClosedFormOfOneImpulse) {
       const Outcome outcome = fire(shot);
       EXPECT_EQ(outcome.hits, 1U);
       const Vec3 expected(kSpeed * std::sin(tilt), 0, restitution * kSpeed * std::cos(tilt));
-      EXPECT_LT((outcome.bullet.velocity_mps - expected).norm(), 1e-9 * kSpeed) << outcome.bullet.velocity_mps.transpose();
+      EXPECT_LT((outcome.bullet.velocity_mps - expected).norm(), 1e-9 * kSpeed)
+          << outcome.bullet.velocity_mps.transpose();
     }
   }
 }
@@ -156,7 +162,8 @@ TEST(FastBodies, AFreePlateTakesTheMomentumAndNothingIsGained) {
           shot.aim_m = Vec3(0.071, -0.03, 0);
           shot.direction = Vec3(0.3, 0.1, -1);
           const Outcome outcome = fire(shot);
-          SCOPED_TRACE("mass " + std::to_string(mass) + " e " + std::to_string(restitution) + " dt " + std::to_string(dt_s) + " plate " + std::to_string(static_cast<int>(plate)));
+          SCOPED_TRACE("mass " + std::to_string(mass) + " e " + std::to_string(restitution) + " dt " +
+                       std::to_string(dt_s) + " plate " + std::to_string(static_cast<int>(plate)));
           const double momentum = 0.0654498 * kSpeed;
           EXPECT_GE(outcome.hits, dt_s < 2e-4 ? 0U : 1U);
           EXPECT_FALSE(outcome.passed);
@@ -196,7 +203,8 @@ TEST(FastBodies, AMeshBulletTurnsAsItLikesAndNeverPasses) {
           shot.polygons = polygons;
           shot.direction = Vec3(0.3, 0, -1);
           const Outcome outcome = fire(shot);
-          SCOPED_TRACE("plate " + std::to_string(static_cast<int>(plate)) + " dt " + std::to_string(dt_s) + " spin " + std::to_string(spin) + (polygons ? " polygons" : ""));
+          SCOPED_TRACE("plate " + std::to_string(static_cast<int>(plate)) + " dt " + std::to_string(dt_s) + " spin " +
+                       std::to_string(spin) + (polygons ? " polygons" : ""));
           EXPECT_GE(outcome.hits, 1U);
           EXPECT_FALSE(outcome.passed);
           EXPECT_LE(outcome.energy_most, outcome.energy_before * (1 + 1e-9));
@@ -214,7 +222,8 @@ TEST(FastBodies, AFaceThatLandsFlatIsMetInItsMiddle) {
     shot.aim_m = Vec3(0.05, 0.02, 0);
     const Outcome outcome = fire(shot);
     EXPECT_EQ(outcome.hits, 1U);
-    EXPECT_LT((outcome.bullet.velocity_mps - Vec3(0, 0, 0.5 * kSpeed)).norm(), 1e-3 * kSpeed) << outcome.bullet.velocity_mps.transpose();
+    EXPECT_LT((outcome.bullet.velocity_mps - Vec3(0, 0, 0.5 * kSpeed)).norm(), 1e-3 * kSpeed)
+        << outcome.bullet.velocity_mps.transpose();
     EXPECT_LT(outcome.bullet.angular_velocity_radps.norm() * kBulletM, 1e-2 * kSpeed);
   }
 }
@@ -274,11 +283,13 @@ TEST(FastBodies, ABodyThatWasHitIsInTheWayOfTheNextBullet) {
 // A tray with a small pile, and bullets from a side.
 struct Volley {
   Stage stage;
-  explicit Volley(int threads, int bullets, ExecutorKind executor = ExecutorKind::Threads) : stage(settings_of(threads, executor), 0.3) {
+  explicit Volley(int threads, int bullets, ExecutorKind executor = ExecutorKind::Threads)
+      : stage(settings_of(threads, executor), 0.3) {
     stage.jacks(40, 6);
     const ShapeId ball = stage.ball(kBulletM);
     for (int i = 0; i < bullets; ++i) {
-      stage.add(ball, Vec3(-2.9 + 0.11 * (i % 7), -2 + 0.002 * i, 0.4 + 0.13 * (i % 11)), Vec3(kSpeed, 3.0 * (i % 5), -2.0 * (i % 3)));
+      stage.add(ball, Vec3(-2.9 + 0.11 * (i % 7), -2 + 0.002 * i, 0.4 + 0.13 * (i % 11)),
+                Vec3(kSpeed, 3.0 * (i % 5), -2.0 * (i % 3)));
     }
   }
   static WorldSettings settings_of(int threads, ExecutorKind executor) {

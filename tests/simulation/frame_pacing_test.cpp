@@ -33,7 +33,8 @@ TEST(ReleaseGrid, ReleasesThatCannotBeServedAnyMoreAreCountedAndSkipped) {
 }
 
 TEST(ReleaseGrid, LatenessDoesNotAddUpOverThousandsOfFrames) {
-  // Each frame takes a tenth longer than its period: one release in about ten is lost, and no frame is released later than one period late.
+  // Each frame takes a tenth longer than its period: one release in about ten is lost, and no frame is released later
+  // than one period late.
   ReleaseGrid grid(kStart, 0.010, milliseconds(10));
   SteadyClock::time_point now = kStart;
   std::uint64_t skipped = 0;
@@ -65,7 +66,8 @@ TEST(RenderLoad, IsTheSameForAFrameAndStaysWithinItsJitter) {
   EXPECT_LT(least, microseconds(3100));
   EXPECT_LE(most, milliseconds(5));
   EXPECT_GT(most, microseconds(4900));
-  EXPECT_EQ(load_of({milliseconds(1), milliseconds(5), 1}, 3), load_of({milliseconds(1), milliseconds(1), 1}, 3)) << "never negative";
+  EXPECT_EQ(load_of({milliseconds(1), milliseconds(5), 1}, 3), load_of({milliseconds(1), milliseconds(1), 1}, 3))
+      << "never negative";
 }
 
 TEST(RenderLoad, KeepsTheProcessorForAsLongAsItSays) {

@@ -50,8 +50,8 @@ TEST(Pile, ComesDownAndStaysInItsTrayAtAnyLevelAndBudget) {
       for (const Level level : {Level{0}, Level{1}, kMaxTreeDepth}) {
         if (budget.kind == Budget::Kind::Work && budget.work_units == 0 && level > 0) continue;  // the same as level 0
         const Fall fall = dropped_jacks(model, budget, level);
-        EXPECT_EQ(fall.lost, 0U) << "model " << static_cast<int>(model) << ", budget " << budget.work_units << ", level "
-                                 << int{level} << ", at " << fall.lost_at.transpose();
+        EXPECT_EQ(fall.lost, 0U) << "model " << static_cast<int>(model) << ", budget " << budget.work_units
+                                 << ", level " << int{level} << ", at " << fall.lost_at.transpose();
         EXPECT_LE(fall.greatest_j, fall.start_j * (1 + 1e-9)) << "energy was gained";
         // The paper's model keeps whole bounding spheres apart: its coarse pile stands several times as high.
         EXPECT_LT(fall.end_j, (model == ContactModel::Paper ? 0.6 : 0.2) * fall.start_j) << "it did not come down";

@@ -74,13 +74,17 @@ class TowersOfAnyMasses : public testing::TestWithParam<double> {};
 
 TEST_P(TowersOfAnyMasses, GainNoEnergy) {
   std::mt19937_64 random(5);
-  const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53; };
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
+  };
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   TreeBuildOptions tree;
   tree.depth = 2;
   tree.preset = TreePreset::Fast;
-  const ShapePtr shapes[] = {make_mesh_shape(test::box_mesh(Vec3(1, 1, 1)), tree).value(), make_sphere_shape(0.5).value(), make_mesh_shape(test::box_mesh(Vec3(2, 2, 0.2)), tree).value()};
+  const ShapePtr shapes[] = {make_mesh_shape(test::box_mesh(Vec3(1, 1, 1)), tree).value(),
+                             make_sphere_shape(0.5).value(),
+                             make_mesh_shape(test::box_mesh(Vec3(2, 2, 0.2)), tree).value()};
   const double heights[] = {1, 1, 0.2};
   for (int tower = 0; tower < 10; ++tower) {
     Stage stage(settings, 0);

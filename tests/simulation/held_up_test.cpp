@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A core that is taken away costs accuracy, not deadlines: a worker is held up in the middle of a job until long after the frame.
+// A core that is taken away costs accuracy, not deadlines: a worker is held up in the middle of a job until long after
+// the frame.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -65,9 +66,10 @@ class HoldsUpWorkerOne final : public parallel::Executor {
 };
 
 class HeldUp : public testing::TestWithParam<ExecutorKind> {};
-std::string kind_name(const testing::TestParamInfo<ExecutorKind>& kind) { return kind.param == ExecutorKind::Tbb ? "Tbb" : "Threads"; }
-INSTANTIATE_TEST_SUITE_P(Kinds, HeldUp, testing::Values(ExecutorKind::Tbb, ExecutorKind::Threads),
-                         kind_name);
+std::string kind_name(const testing::TestParamInfo<ExecutorKind>& kind) {
+  return kind.param == ExecutorKind::Tbb ? "Tbb" : "Threads";
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, HeldUp, testing::Values(ExecutorKind::Tbb, ExecutorKind::Threads), kind_name);
 
 TEST_P(HeldUp, WorkerCostsItsJobAndTheFrameEndsWithoutIt) {
   WorldSettings settings;

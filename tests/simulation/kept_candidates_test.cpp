@@ -41,7 +41,8 @@ TEST(KeptCandidates, HoldEveryPairOfLaterFramesWhileBoundsMoveLittleAndAfterThey
   for (int frame = 0; frame < 60; ++frame) {
     // Still at first, then a jolt, then still again.
     const double step = frame == 30 ? 0.5 : 2e-4;
-    for (MotionBound& bound : bounds) bound.center_m += step * Vec3(random.symmetric(), random.symmetric(), random.symmetric());
+    for (MotionBound& bound : bounds)
+      bound.center_m += step * Vec3(random.symmetric(), random.symmetric(), random.symmetric());
     const auto found = kept.find(broad_phase, bounds, {}, {}, 256, *executor);
     const std::vector<CandidatePair> pairs(found.pairs.begin(), found.pairs.end());
     EXPECT_EQ(found.dropped, 0U);

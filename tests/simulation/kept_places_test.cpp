@@ -76,14 +76,16 @@ double overlap_m(const BodyState& a, const BodyState& b) {
   double most = 0;
   for (const Sphere& x : spheres) {
     for (const Sphere& y : spheres) {
-      const double distance = (a.position_m + a.orientation * x.center_m - b.position_m - b.orientation * y.center_m).norm();
+      const double distance =
+          (a.position_m + a.orientation * x.center_m - b.position_m - b.orientation * y.center_m).norm();
       most = std::max(most, x.radius_m + y.radius_m - distance);
     }
   }
   return most;
 }
 
-// What is known by its root sphere alone stands about a third of the way from where the sphere ends to where its surface likely is.
+// What is known by its root sphere alone stands about a third of the way from where the sphere ends to where its
+// surface likely is.
 TEST(KeptPlace, AtLevelZeroABodyRestsBetweenItsSphereAndItsLikelySurface) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
@@ -140,9 +142,11 @@ TEST(KeptClearance, IsGivenUpBeforeThePairMeets) {
     const ShapeId jack = stage.jack();
     std::array<double, 14> drawn{};
     for (double& number : drawn) number = unit();
-    const BodyId a = stage.add(jack, Vec3::Zero(), Vec3::Zero(), Vec3(drawn[0], drawn[1], drawn[2]), Quat(drawn[3], drawn[4], drawn[5], drawn[6]));
-    const BodyId b = stage.add(jack, Vec3(1.8, 0.6 * drawn[7], 0.6 * drawn[8]), Vec3(-0.3, 0.1 * drawn[9], 0.1 * drawn[10]),
-                               Vec3(drawn[11], drawn[12], drawn[13]), Quat(1, drawn[9], drawn[7], drawn[8]));
+    const BodyId a = stage.add(jack, Vec3::Zero(), Vec3::Zero(), Vec3(drawn[0], drawn[1], drawn[2]),
+                               Quat(drawn[3], drawn[4], drawn[5], drawn[6]));
+    const BodyId b =
+        stage.add(jack, Vec3(1.8, 0.6 * drawn[7], 0.6 * drawn[8]), Vec3(-0.3, 0.1 * drawn[9], 0.1 * drawn[10]),
+                  Vec3(drawn[11], drawn[12], drawn[13]), Quat(1, drawn[9], drawn[7], drawn[8]));
     for (int i = 0; i < 240; ++i) {
       const FrameReport report = stage.world.step(step_of(1.0 / 60));
       kept += report.kept_apart;
@@ -155,7 +159,8 @@ TEST(KeptClearance, IsGivenUpBeforeThePairMeets) {
   EXPECT_GT(met, 100) << "and pairs meet";
 }
 
-// A stirred pile whose pairs keep what they know, beside one that is put where the first is before every step and so has to find out everything anew.
+// A stirred pile whose pairs keep what they know, beside one that is put where the first is before every step and so
+// has to find out everything anew.
 TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);

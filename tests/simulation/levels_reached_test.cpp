@@ -80,7 +80,9 @@ TEST(LevelsReached, WeighWhatIsNearTheViewerMore) {
   near_by.forward = near_by.gaze = Vec3::UnitY();
   View far_off = near_by;
   far_off.position_m = Vec3(0, -50, 1);
-  const auto sum = [](const FrameReport& report) { return std::accumulate(report.levels->weight.begin(), report.levels->weight.end(), 0.0); };
+  const auto sum = [](const FrameReport& report) {
+    return std::accumulate(report.levels->weight.begin(), report.levels->weight.end(), 0.0);
+  };
   const double near_weight = sum(pile.look(Budget::unlimited(), near_by));
   EXPECT_GT(near_weight, 1.5 * sum(pile.look(Budget::unlimited(), far_off)));
 }

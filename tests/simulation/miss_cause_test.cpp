@@ -11,8 +11,8 @@
 #include "simulation/scenes.h"
 #include "simulation/world_access.h"
 
-// Something is done to a frame, and the frame must say what. How long it takes is measured, never assumed, and a frame is made late by time of this thread
-// alone, so neither the speed of the machine nor what else runs on it shows.
+// Something is done to a frame, and the frame must say what. How long it takes is measured, never assumed, and a frame
+// is made late by time of this thread alone, so neither the speed of the machine nor what else runs on it shows.
 namespace poise {
 namespace {
 
@@ -179,9 +179,14 @@ TEST_F(MissCauses, AStolenCoreIsTheMachines) {
   const parallel::OnProcessor here(processors.front());
   if (!here.settled()) GTEST_SKIP() << "the system does not let a thread choose its processor";
   // Several, so that well over half of the processor is stolen also beside other programs.
-  const parallel::BusyThread thieves[] = {parallel::BusyThread(processors.front()), parallel::BusyThread(processors.front()), parallel::BusyThread(processors.front())};
+  const parallel::BusyThread thieves[] = {parallel::BusyThread(processors.front()),
+                                          parallel::BusyThread(processors.front()),
+                                          parallel::BusyThread(processors.front())};
   injector->at_start = [&] {
-    spin_until([&] { return (late().count() > 0 && watch.stolen() > late() + milliseconds(20)) || watch.wall() > std::chrono::seconds(5); });
+    spin_until([&] {
+      return (late().count() > 0 && watch.stolen() > late() + milliseconds(20)) ||
+             watch.wall() > std::chrono::seconds(5);
+    });
   };
   const FrameReport report = step_within(milliseconds(80));
   EXPECT_GT(report.lateness.count(), 0);

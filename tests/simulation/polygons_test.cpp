@@ -99,7 +99,8 @@ TEST(PolygonLevel, KeepsMomentumAndNeverAddsEnergy) {
         const BodyState state = stage.at(body);
         const double mass = stage.world.mass_kg(body).value();
         momentum += mass * state.velocity_mps.norm();
-        angular += mass * (state.position_m.cross(state.velocity_mps).norm() + 0.2 * state.angular_velocity_radps.norm());
+        angular +=
+            mass * (state.position_m.cross(state.velocity_mps).norm() + 0.2 * state.angular_velocity_radps.norm());
       }
       double energy = before.kinetic_j;
       for (int i = 0; i < 60; ++i) {

@@ -76,7 +76,8 @@ ShapePtr mesh_box() {
 // Two bodies of a shape on their way to each other with a hair between their true surfaces; many such pairs.
 class Touches {
  public:
-  Touches(ShapePtr shape, int pairs) : shape_(std::move(shape)), stage_(settings_with(ExecutorKind::Threads, 2, 0), 0.5) {
+  Touches(ShapePtr shape, int pairs)
+      : shape_(std::move(shape)), stage_(settings_with(ExecutorKind::Threads, 2, 0), 0.5) {
     const ShapeId id = stage_.world.add_shape(shape_);
     const collision::TrueSurface surface = collision::true_surface_of(*shape_);
     std::mt19937_64 bits(11);
@@ -100,7 +101,8 @@ class Touches {
     for (const BodyId body : stage_.bodies) start_.push_back(stage_.at(body));
   }
   ReferenceFigures at(Level level, const Budget& budget, bool polygons = false) {
-    for (std::size_t i = 0; i < start_.size(); ++i) EXPECT_TRUE(stage_.world.set_state(stage_.bodies[i], start_[i]).ok());
+    for (std::size_t i = 0; i < start_.size(); ++i)
+      EXPECT_TRUE(stage_.world.set_state(stage_.bodies[i], start_[i]).ok());
     StepInput input = referred();
     input.max_level = level;
     input.polygons = polygons;
@@ -189,11 +191,13 @@ TEST(Reference, LeavesARunAsItWasToTheBit) {
           EXPECT_TRUE(stage.world.remove_body(stage.bodies[7]).ok());
         }
         if (i % 10 == 5) {
-          EXPECT_TRUE(stage.world.apply_force(stage.bodies[3], Vec3(50, 20, 900), stage.at(stage.bodies[3]).position_m).ok());
+          EXPECT_TRUE(
+              stage.world.apply_force(stage.bodies[3], Vec3(50, 20, 900), stage.at(stage.bodies[3]).position_m).ok());
           input.reference = with;
         }
         const FrameReport report = stage.world.step(input);
-        contacts[with ? 1 : 0] += report.contact_pairs + stage.world.contacts().size() + stage.world.contact_events().size();
+        contacts[with ? 1 : 0] +=
+            report.contact_pairs + stage.world.contacts().size() + stage.world.contact_events().size();
       }
       hash[with ? 1 : 0] = stage.world.state_hash();
     }
@@ -205,7 +209,8 @@ TEST(Reference, LeavesARunAsItWasToTheBit) {
 
 TEST(Reference, IsTheSameOnAnyNumberOfThreads) {
   std::vector<ReferenceFigures> seen[3];
-  const std::pair<ExecutorKind, int> executors[3] = {{ExecutorKind::Serial, 1}, {ExecutorKind::Threads, 3}, {ExecutorKind::Tbb, 2}};
+  const std::pair<ExecutorKind, int> executors[3] = {
+      {ExecutorKind::Serial, 1}, {ExecutorKind::Threads, 3}, {ExecutorKind::Tbb, 2}};
   for (std::size_t k = 0; k < 3; ++k) {
     Stage stage(settings_with(executors[k].first, executors[k].second), 0.3);
     stage.jacks(60, 5);

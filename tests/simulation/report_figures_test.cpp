@@ -20,7 +20,8 @@ RunFrame tail_frame(Nanoseconds actual, Nanoseconds reserve) {
 }
 
 TEST(TailFigures, PinballLossWeighsBeingShortAgainstBeingLongAsAlphaSays) {
-  const std::vector<RunFrame> frames{tail_frame(milliseconds(5), milliseconds(3)), tail_frame(milliseconds(1), milliseconds(3))};
+  const std::vector<RunFrame> frames{tail_frame(milliseconds(5), milliseconds(3)),
+                                     tail_frame(milliseconds(1), milliseconds(3))};
   // 2 ms short at 0.9, 2 ms long at 0.1.
   EXPECT_NEAR(run_figures(frames, {true, 0.1}).tail.pinball_loss_ms, (0.9 * 2 + 0.1 * 2) / 2, 1e-12);
   EXPECT_NEAR(run_figures(frames, {true, 0.25}).tail.pinball_loss_ms, (0.75 * 2 + 0.25 * 2) / 2, 1e-12);
@@ -29,7 +30,8 @@ TEST(TailFigures, PinballLossWeighsBeingShortAgainstBeingLongAsAlphaSays) {
 TEST(TailFigures, PinballLossIsLeastWhereTheShareAlphaOfTailsIsLonger) {
   const auto loss = [](int reserve_ms) {
     std::vector<RunFrame> frames;
-    for (int tail_ms = 1; tail_ms <= 100; ++tail_ms) frames.push_back(tail_frame(milliseconds(tail_ms), milliseconds(reserve_ms)));
+    for (int tail_ms = 1; tail_ms <= 100; ++tail_ms)
+      frames.push_back(tail_frame(milliseconds(tail_ms), milliseconds(reserve_ms)));
     return run_figures(frames, {true, 0.05}).tail.pinball_loss_ms;
   };
   for (const int other : {50, 90, 93, 97, 99}) EXPECT_GT(loss(other), loss(95)) << other;

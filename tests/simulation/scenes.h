@@ -20,7 +20,8 @@ struct Stage {
   std::vector<BodyId> bodies;  // dynamic ones, in order
 
   explicit Stage(const WorldSettings& settings, double restitution = 0.5)
-      : world(World::create(with_short_fronts(settings)).value()), material(world.add_material({restitution, 0, 1000}).value()) {}
+      : world(World::create(with_short_fronts(settings)).value()),
+        material(world.add_material({restitution, 0, 1000}).value()) {}
 
   /// Tests make hundreds of worlds: touching the default room for fronts would cost them more than stepping.
   static WorldSettings with_short_fronts(WorldSettings settings) {
@@ -38,8 +39,8 @@ struct Stage {
     }
     return world.add_shape(make_spheres_shape(spheres).value());
   }
-  BodyId add(ShapeId shape, const Vec3& position, const Vec3& velocity = Vec3::Zero(),
-             const Vec3& spin = Vec3::Zero(), const Quat& orientation = Quat::Identity()) {
+  BodyId add(ShapeId shape, const Vec3& position, const Vec3& velocity = Vec3::Zero(), const Vec3& spin = Vec3::Zero(),
+             const Quat& orientation = Quat::Identity()) {
     BodyDefinition body;
     body.shape = shape;
     body.material = material;

@@ -58,7 +58,8 @@ ShapeId cradle(Stage& stage) {
   const std::vector<Sphere> spheres = {{Vec3(1, 0, 0), 1.0}, {Vec3(-0.5, side, 0), 1.0}, {Vec3(-0.5, -side, 0), 1.0}};
   return stage.world.add_shape(make_spheres_shape(spheres).value());
 }
-constexpr double kInCradleM = 1.1180339887498949;  // sqrt(1.5^2 - 1): a ball of 0.5 m on balls of 1 m at 1 m from the axis
+constexpr double kInCradleM =
+    1.1180339887498949;  // sqrt(1.5^2 - 1): a ball of 0.5 m on balls of 1 m at 1 m from the axis
 
 bool asleep(const Stage& stage, BodyId body) { return stage.world.asleep(body).value(); }
 
@@ -239,15 +240,25 @@ TEST(Sleep, EveryCallThatChangesABodyWakesItAndRefusedOnesDoNot) {
   using Change = std::function<Status(World&, BodyId, const BodyState&)>;
   const std::vector<Change> changes = {
       [](World& world, BodyId body, const BodyState& state) { return world.set_state(body, state); },
-      [](World& world, BodyId body, const BodyState& state) { return world.apply_force(body, Vec3::UnitX(), state.position_m); },
+      [](World& world, BodyId body, const BodyState& state) {
+        return world.apply_force(body, Vec3::UnitX(), state.position_m);
+      },
       [](World& world, BodyId body, const BodyState&) { return world.apply_torque(body, Vec3::UnitX()); },
-      [](World& world, BodyId body, const BodyState& state) { return world.apply_impulse(body, Vec3::UnitX(), state.position_m); },
+      [](World& world, BodyId body, const BodyState& state) {
+        return world.apply_impulse(body, Vec3::UnitX(), state.position_m);
+      },
       [](World& world, BodyId body, const BodyState&) { return world.set_groups(body, 1, 1); }};
   const std::vector<Change> refused = {
-      [](World& world, BodyId body, BodyState state) { return state.velocity_mps.x() = 1e300, world.set_state(body, state); },
-      [](World& world, BodyId body, const BodyState& state) { return world.apply_force(body, Vec3(kNan, 0, 0), state.position_m); },
+      [](World& world, BodyId body, BodyState state) {
+        return state.velocity_mps.x() = 1e300, world.set_state(body, state);
+      },
+      [](World& world, BodyId body, const BodyState& state) {
+        return world.apply_force(body, Vec3(kNan, 0, 0), state.position_m);
+      },
       [](World& world, BodyId body, const BodyState&) { return world.apply_torque(body, Vec3(kNan, 0, 0)); },
-      [](World& world, BodyId body, const BodyState& state) { return world.apply_impulse(body, Vec3(1e29, 0, 0), state.position_m); }};
+      [](World& world, BodyId body, const BodyState& state) {
+        return world.apply_impulse(body, Vec3(1e29, 0, 0), state.position_m);
+      }};
   Stage stage(sleepy(), 0);
   stage.plane(Vec3::UnitZ(), 0);
   const ShapeId shape = stage.ball(0.5);
@@ -271,7 +282,8 @@ TEST(Sleep, AnImpulseOnASleeperMovesItAsItDoesABodyAtRest) {
   const BodyId ball = stage.add(stage.ball(0.5), Vec3(0, 0, 0.5));
   until_asleep(stage, 1);
   const double mass_kg = stage.world.mass_kg(ball).value();
-  ASSERT_TRUE(stage.world.apply_impulse(ball, Vec3(3 * mass_kg, 0, 0), stage.at(ball).position_m + Vec3(0, 0.1, 0)).ok());
+  ASSERT_TRUE(
+      stage.world.apply_impulse(ball, Vec3(3 * mass_kg, 0, 0), stage.at(ball).position_m + Vec3(0, 0.1, 0)).ok());
   EXPECT_DOUBLE_EQ(stage.at(ball).velocity_mps.x(), 3);
   EXPECT_NEAR(stage.at(ball).angular_velocity_radps.z(), -0.3 / (0.4 * 0.25), 1e-6);
 }

@@ -62,7 +62,11 @@ TEST(World, RefusesEveryKindOfBadBodyAndStaysAsItWas) {
       {"each must be finite and > 0", [](BodyDefinition& b) { b.inertia_kgm2 = Vec3(1, 0, 1); }},
       {"triangle inequality", [](BodyDefinition& b) { b.inertia_kgm2 = Vec3(1, 1, 2.1); }},
       {"importance", [](BodyDefinition& b) { b.importance = -1; }},
-      {"must be at rest", [](BodyDefinition& b) { b.is_static = true; b.velocity_mps.x() = 1; }},
+      {"must be at rest",
+       [](BodyDefinition& b) {
+         b.is_static = true;
+         b.velocity_mps.x() = 1;
+       }},
   };
   for (const Case& bad : cases) {
     BodyDefinition body = good;

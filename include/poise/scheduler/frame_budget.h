@@ -15,13 +15,13 @@ using TimePoint = std::chrono::steady_clock::time_point;
 /// reserve is the forecast of the whole tail for the contacts that are published now, times the tracked margin.
 /// A plain value for one frame, read by any number of threads.
 struct FrameBudget {
-  bool limited = false;                  ///< false: there is no deadline
-  TimePoint deadline{};                  ///< of the frame, host work included
-  Nanoseconds host_work{0};              ///< still to come after the step
-  Nanoseconds tail_fixed{0};             ///< point forecast of the tail without contacts
-  double tail_per_contact_ns = 0;        ///< and for each contact
-  double margin = 1;                     ///< reserve / point forecast
-  double unit_cost_ns = 40;              ///< of one node-pair expansion on one thread
+  bool limited = false;            ///< false: there is no deadline
+  TimePoint deadline{};            ///< of the frame, host work included
+  Nanoseconds host_work{0};        ///< still to come after the step
+  Nanoseconds tail_fixed{0};       ///< point forecast of the tail without contacts
+  double tail_per_contact_ns = 0;  ///< and for each contact
+  double margin = 1;               ///< reserve / point forecast
+  double unit_cost_ns = 40;        ///< of one node-pair expansion on one thread
   double job_overhead_ns = 150;
 
   /// Point forecast of the tail when `contacts` pairs are to be answered: what the margin is tracked against.
@@ -45,15 +45,15 @@ FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const T
 inline constexpr std::uint64_t kQuantumUnits = 512;
 
 /// What a frame's measured times say about why it was late. Exclusive, in this order: the mandatory part alone did not
-/// fit; the machine took at least as much time away as the frame was late; one job ran longer than forecast by at least as
-/// much; all else is the forecast's.
+/// fit; the machine took at least as much time away as the frame was late; one job ran longer than forecast by at least
+/// as much; all else is the forecast's.
 enum class Lateness : std::uint8_t { OnTime, Infeasible, Machine, Overrun, Forecast };
 struct LatenessFacts {
-  Nanoseconds lateness{0};       ///< past the deadline, <= 0 if on time
-  Nanoseconds mandatory{0};      ///< measured time of everything but refinement, host work included
-  Nanoseconds budget{0};         ///< from the start of the frame to its deadline
-  Nanoseconds off_cpu{0};        ///< taken by the machine
-  Nanoseconds longest_overrun{0};///< of a job beyond its forecast
+  Nanoseconds lateness{0};         ///< past the deadline, <= 0 if on time
+  Nanoseconds mandatory{0};        ///< measured time of everything but refinement, host work included
+  Nanoseconds budget{0};           ///< from the start of the frame to its deadline
+  Nanoseconds off_cpu{0};          ///< taken by the machine
+  Nanoseconds longest_overrun{0};  ///< of a job beyond its forecast
 };
 Lateness classify(const LatenessFacts& facts);
 

@@ -40,28 +40,28 @@ inline constexpr double kJobOverheadUnits = 4.0;
 
 /// What a viewer can notice of a pair. Invariant to hold: every number finite.
 struct PairCues {
-  double visibility = 1;          ///< in (0, 1]
+  double visibility = 1;                  ///< in (0, 1]
   double angle_radpm = kPlainAngleRadpm;  ///< visible angle of one metre of error at the pair, rad/m, >= 0
-  double eccentricity_rad = 0;    ///< angle between gaze and pair, [0, pi]
-  double closing_mps = 0;         ///< approach speed of the two centres, >= 0
-  double importance = 1;          ///< >= 0
+  double eccentricity_rad = 0;            ///< angle between gaze and pair, [0, pi]
+  double closing_mps = 0;                 ///< approach speed of the two centres, >= 0
+  double importance = 1;                  ///< >= 0
   std::uint32_t frames_waited = 0;
 };
 
 /// What refining a pair further would cost and bring.
 struct PairChain {
-  std::uint64_t pair_id = 0;             ///< names the pair over frames
-  std::uint32_t level = 0;               ///< completed
-  std::span<const float> error_m;        ///< expected error of each level from 0 to the deepest of the pair, metres
-  std::uint64_t front_entries = 1;       ///< = node-pair expansions of the next level
+  std::uint64_t pair_id = 0;        ///< names the pair over frames
+  std::uint32_t level = 0;          ///< completed
+  std::span<const float> error_m;   ///< expected error of each level from 0 to the deepest of the pair, metres
+  std::uint64_t front_entries = 1;  ///< = node-pair expansions of the next level
 };
 
 /// Per-frame facts that a policy may use.
 struct FrameFacts {
   std::uint64_t frame = 0;
   std::uint64_t seed = 1;
-  std::uint32_t deepest_level = 0;       ///< of any pair, >= 1 when there is something to refine
-  std::uint32_t pairs = 1;               ///< that can be refined
+  std::uint32_t deepest_level = 0;  ///< of any pair, >= 1 when there is something to refine
+  std::uint32_t pairs = 1;          ///< that can be refined
 };
 
 /// The factor that all cues make together, >= 0 and finite.
@@ -71,8 +71,8 @@ double cue_weight(const Policy& policy, const PairCues& cues);
 /// the greedy choice on the concave envelope of its chain. 0 when no level is left.
 double best_gain_per_work(const PairChain& chain, double angle_radpm);
 
-/// What decides the order: larger is sooner, ties by pair. `queue_index` is the place of the pair in this frame's queue,
-/// for Fifo. Any thread; the same arguments give the same bits.
+/// What decides the order: larger is sooner, ties by pair. `queue_index` is the place of the pair in this frame's
+/// queue, for Fifo. Any thread; the same arguments give the same bits.
 double score(const Policy& policy, const FrameFacts& frame, const PairChain& chain, const PairCues& cues,
              std::uint32_t queue_index);
 

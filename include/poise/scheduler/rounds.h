@@ -10,13 +10,13 @@ namespace poise::scheduler {
 /// A refinement that could be done.
 struct Candidate {
   double score = 0;
-  std::uint32_t pair = 0;    ///< place of the pair in canonical order
-  std::uint32_t units = 0;   ///< what it is charged: its front's size
+  std::uint32_t pair = 0;   ///< place of the pair in canonical order
+  std::uint32_t units = 0;  ///< what it is charged: its front's size
 };
 
 /// The work clock: refinement in rounds of a fixed size, so that what is done depends on scores and budget alone, and
-/// never on threads. Candidates are admitted by (score, pair) while the budget lasts; one that no longer fits is left, and smaller
-/// ones behind it may still fit.
+/// never on threads. Candidates are admitted by (score, pair) while the budget lasts; one that no longer fits is left,
+/// and smaller ones behind it may still fit.
 class RoundSelector {
  public:
   static constexpr std::size_t kRoundSize = 512;
