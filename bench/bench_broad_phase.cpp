@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "collision/broad_phase.h"
+#include "collision/broad_phase/broad_phase.h"
 #include "latencies.h"
 
 namespace poise::collision {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
+#include "assets/files/atomic_file.h"
 #include "build_info.h"
-#include "geometry/atomic_file.h"
 #include "peers/engine.h"
 #include "peers/pile_figures.h"
 #include "peers/turns.h"

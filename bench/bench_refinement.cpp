@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "collision/pair_refinement.h"
+#include "collision/front/pair_refinement.h"
 
 namespace poise::collision {
 namespace {
@@ -55,7 +55,7 @@ std::vector<Posed> near_touches(const Shape& jack, std::size_t count) {
   return poses;
 }
 
-std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, LonePair& pair) {
+std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, SinglePair& pair) {
   std::uint32_t expansions = 0;
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   while (pair.refinable()) {
@@ -75,7 +75,7 @@ void root_to_leaves(benchmark::State& state) {
   pools.emplace_back(1U << 16U);
   for (const Posed& posed : poses) {
     const PairFrame frame = make_pair_frame(*jack, posed.a, *jack, posed.b, 0.02, 0.001);
-    LonePair pair;
+    SinglePair pair;
     pools[0].clear();
     refine(frame, pools, pair);
     if (pair.apart || pair.contact.spheres_m != least_gap_m(frame)) state.SkipWithError("a wrong answer");
@@ -86,10 +86,10 @@ void root_to_leaves(benchmark::State& state) {
     const Posed& posed = poses[next];
     next = next + 1 == poses.size() ? 0 : next + 1;
     const PairFrame frame = make_pair_frame(*jack, posed.a, *jack, posed.b, 0.02, 0.001);
-    LonePair pair;
+    SinglePair pair;
     pools[0].clear();
     expansions += refine(frame, pools, pair);
-    benchmark::DoNotOptimize(pair.contact.likely_m);
+    benchmark::DoNotOptimize(pair.contact.estimated_separation_m);
   }
   state.counters["expansions_per_pair"] = static_cast<double>(expansions) / static_cast<double>(state.iterations());
   state.counters["s_per_expansion"] =

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "latencies.h"
-#include "response/rest.h"
-#include "response/solve.h"
+#include "solver/contact_solver.h"
+#include "solver/solver.h"
 
-namespace poise::response {
+namespace poise::solver {
 namespace {
 
 /// side x side x 5 balls in a cubic grid, resting on static ground in slot 0.
@@ -22,12 +22,12 @@ struct Block {
   std::vector<ContactRow> rows;
   Coloring coloring;
   SolveScratch scratch;
-  std::vector<RestPair> pairs;
-  std::vector<RestPlace> places;
-  std::vector<RestLoad> loads;
-  std::vector<Vec3> given_ns;
+  std::vector<Manifold> pairs;
+  std::vector<ContactPoint> points;
+  std::vector<AccumulatedImpulse> loads;
+  std::vector<Vec3> applied_impulse_ns;
   std::vector<collision::Pose> poses;
-  RestSolver solver;
+  ContactSolver solver;
 
   explicit Block(std::uint32_t side) {
     bodies.emplace_back();
@@ -57,16 +57,16 @@ struct Block {
       rows.push_back(row);
     }
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      RestPair& pair = pairs.emplace_back();
+      Manifold& pair = pairs.emplace_back();
       pair.a = edges[i].a;
       pair.b = edges[i].b;
-      pair.place_begin = static_cast<std::uint32_t>(i);
-      pair.place_count = 1;
+      pair.point_begin = static_cast<std::uint32_t>(i);
+      pair.point_count = 1;
       const Vec3 on_b = -0.5 * directions[i];
-      places.push_back({directions[i], poses[pair.b].position_m + on_b - poses[pair.a].position_m, on_b, 0});
+      points.push_back({directions[i], poses[pair.b].position_m + on_b - poses[pair.a].position_m, on_b, 0});
     }
-    loads.resize(places.size());
-    given_ns.resize(pairs.size());
+    loads.resize(points.size());
+    applied_impulse_ns.resize(pairs.size());
   }
   void connect(std::uint32_t a, std::uint32_t b, const Vec3& direction) {
     edges.push_back({a, b, a != 0, true, 1});
@@ -78,8 +78,8 @@ struct Block {
 void step(Block& block, parallel::Executor& executor) {
   const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2, {}};
   solve_impacts(block.system(), settings, executor);
-  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.poses, block.pairs, block.places,
-                      block.loads, block.given_ns, block.coloring},
+  block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.poses, block.pairs, block.points,
+                      block.loads, block.applied_impulse_ns, block.coloring},
                      settings, executor);
   for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
 }
@@ -118,4 +118,4 @@ void coloring(benchmark::State& state) {
 BENCHMARK(coloring)->ArgName("side")->Arg(63)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace poise::response
+}  // namespace poise::solver

@@ -3,10 +3,10 @@
 
 #include <random>
 
-#include "geometry/node_fit.h"
-#include "geometry/procedural.h"
-#include "geometry/tree_protrusion.h"
-#include "geometry/triangle_bvh.h"
+#include "geometry/bvh/triangle_bvh.h"
+#include "geometry/mesh/procedural.h"
+#include "geometry/sphere_tree/node_fit.h"
+#include "geometry/sphere_tree/tree_protrusion.h"
 #include "poise/mesh.h"
 #include "poise/sphere_tree.h"
 
@@ -18,7 +18,7 @@ using poise::Vec3;
 
 /// Empty when the tree covers all samples at every level.
 const char* wrong_tree(const SphereTree& tree, const TriangleMesh& mesh) {
-  const auto levels = poise::judge_tree(tree, mesh, {.samples = 5000, .seed = 7});
+  const auto levels = poise::measure_tree_quality(tree, mesh, {.samples = 5000, .seed = 7});
   if (!levels) return "the tree cannot be judged";
   for (const poise::TreeLevelFigures& f : levels.value()) {
     if (f.surface_coverage < 1 || f.inside_coverage < 1) return "the tree does not cover its mesh";
@@ -100,7 +100,7 @@ BENCHMARK(signed_distance);
 void measure_nodes(benchmark::State& state) {
   const TriangleMesh mesh = poise::geometry::make_procedural_shape("torus").value();
   SphereTree tree = poise::build_sphere_tree(mesh, {.depth = 2}).value();
-  const auto figures = poise::judge_tree(tree, mesh, {.samples = 20000, .seed = 7}).value();
+  const auto figures = poise::measure_tree_quality(tree, mesh, {.samples = 20000, .seed = 7}).value();
   for (const poise::TreeLevelFigures& f : figures) {
     if (f.protrusion_max_m <= f.protrusion_bound_max_m) continue;
     state.SkipWithError("a sample stands out farther than the bound");

@@ -18,9 +18,9 @@
 #include <string_view>
 #include <vector>
 
+#include "collision/front/pair_refinement.h"
 #include "collision/near_touch.h"
-#include "collision/pair_refinement.h"
-#include "collision/polygon_contact.h"
+#include "collision/triangles/polygon_contact.h"
 #include "latencies.h"
 
 namespace poise::collision {
@@ -39,10 +39,10 @@ struct Settings {
 
 struct NamedShape {
   std::string name;
-  JudgedShape judged;
+  OracleShape judged;
 };
 
-struct Verdicts {
+struct Reports {
   std::size_t touching = 0;
   std::size_t lost = 0;          ///< surfaces meet and a level found nothing
   std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
@@ -58,7 +58,7 @@ struct Case {
   const NamedShape* shape_a = nullptr;
   const NamedShape* shape_b = nullptr;
   std::vector<PosedPair> poses;
-  Verdicts verdicts;
+  Reports reports;
   std::size_t judged = 0;
 };
 
@@ -90,7 +90,7 @@ Walk walk(const PairFrame& frame, Scratch& scratch) {
 }
 
 /// As the step does it: in quanta, every level published with its contact.
-std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, LonePair& pair) {
+std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, SinglePair& pair) {
   std::uint32_t expansions = 0;
   pair.deepest = deepest_level(*frame.a, *frame.b, kDepth);
   while (pair.refinable()) {
@@ -107,7 +107,7 @@ void count(benchmark::State& state, const Case& c) {
   const auto share = [](std::size_t part, std::size_t whole) {
     return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(whole, 1));
   };
-  const Verdicts& v = c.verdicts;
+  const Reports& v = c.reports;
   state.counters["judged"] = static_cast<double>(c.judged);
   state.counters["touching"] = static_cast<double>(v.touching);
   state.counters["false_alarms"] = share(v.false_alarms, c.judged - v.touching);
@@ -117,8 +117,8 @@ void count(benchmark::State& state, const Case& c) {
 
 template <class Query>
 void time_queries(benchmark::State& state, const Case& c, Query&& query) {
-  if (c.verdicts.lost > 0) {
-    state.SkipWithError(fmt::format("{} contacts were lost", c.verdicts.lost).c_str());
+  if (c.reports.lost > 0) {
+    state.SkipWithError(fmt::format("{} contacts were lost", c.reports.lost).c_str());
     return;
   }
   const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
@@ -152,16 +152,16 @@ void time_contacts(benchmark::State& state, const Case& c) {
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 17U);
   time_queries(state, c, [&](const PosedPair& posed) {
-    LonePair pair;
+    SinglePair pair;
     pools[0].clear();
     const std::uint32_t expansions = refine(frame_of(c, posed), pools, pair);
-    benchmark::DoNotOptimize(pair.contact.likely_m);
+    benchmark::DoNotOptimize(pair.contact.estimated_separation_m);
     return expansions;
   });
 }
 
 /// The polygons of a pair whose trees are done: what the pair says then.
-std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, LonePair& pair) {
+std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, SinglePair& pair) {
   PolygonProgress progress;
   begin_polygons(frame, Mat3::Identity(), pair, pair, progress);
   while (run_polygons(frame, pools, 512, progress) == Quantum::More) {
@@ -172,8 +172,8 @@ std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools,
 
 /// The polygons alone, after the trees; poses that a tree tells apart are left out.
 void time_polygons(benchmark::State& state, const Case& c) {
-  if (c.verdicts.misjudged > 0) {
-    state.SkipWithError(fmt::format("polygons and the judge disagree about {} poses", c.verdicts.misjudged).c_str());
+  if (c.reports.misjudged > 0) {
+    state.SkipWithError(fmt::format("polygons and the judge disagree about {} poses", c.reports.misjudged).c_str());
     return;
   }
   std::vector<FrontPool> pools;
@@ -185,7 +185,7 @@ void time_polygons(benchmark::State& state, const Case& c) {
   double leaf_pairs = 0;
   double units = 0;
   for (auto _ : state) {
-    LonePair pair;
+    SinglePair pair;
     PairFrame frame;
     do {
       frame = frame_of(c, c.poses[next]);
@@ -198,7 +198,7 @@ void time_polygons(benchmark::State& state, const Case& c) {
     ++pair.deepest;
     units += polygon_units(*c.a, *c.b, pools, pair.front);
     seconds += latencies.time(state, [&] { leaf_pairs += polygons(frame, pools, pair); });
-    benchmark::DoNotOptimize(pair.contact.likely_m);
+    benchmark::DoNotOptimize(pair.contact.estimated_separation_m);
   }
   latencies.report(state);
   const auto pairs = static_cast<double>(state.iterations());
@@ -216,7 +216,7 @@ void time_judge(benchmark::State& state, const NamedShape& a, const NamedShape& 
     const PosedPair& posed = c.poses[next];
     next = next + 1 == timed ? 0 : next + 1;
     bool touches = false;
-    latencies.time(state, [&] { touches = a.judged.judge.touches(posed.a, b.judged.judge, posed.b); });
+    latencies.time(state, [&] { touches = a.judged.oracle.touches(posed.a, b.judged.oracle, posed.b); });
     benchmark::DoNotOptimize(touches);
   }
   latencies.report(state);
@@ -234,10 +234,10 @@ Result<NamedShape> load(const fs::path& file, const fs::path& trees) {
   if (keeps && !there) {
     if (const Status written = write_sph(tree.value(), kept); !written) return written.error();
   }
-  return NamedShape{file.stem().string(), make_judged_shape(mesh.value(), std::move(tree.value()))};
+  return NamedShape{file.stem().string(), make_oracle_shape(mesh.value(), std::move(tree.value()))};
 }
 
-Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
+Case oracle(const NamedShape& a, const NamedShape& b, std::size_t poses) {
   constexpr double kBand = 8e-3;
   Case c{a.name + "/" + b.name, &a.judged.shape, &b.judged.shape, &a, &b, {}, {}, poses};
   std::mt19937_64 random(17);
@@ -246,11 +246,11 @@ Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
   pools.emplace_back(1U << 18U);
   for (std::size_t i = 0; i < poses; ++i) {
     const PosedPair posed = pose_near_first_touch(a.judged, b.judged, kBand, random);
-    const bool touches = a.judged.judge.touches(posed.a, b.judged.judge, posed.b);
+    const bool touches = a.judged.oracle.touches(posed.a, b.judged.oracle, posed.b);
     const Walk walked = walk(frame_of(c, posed), scratch);
-    if (touches) ++c.verdicts.touching;
+    if (touches) ++c.reports.touching;
     pools[0].clear();
-    LonePair pair;
+    SinglePair pair;
     const PairFrame frame = frame_of(c, posed);
     refine(frame, pools, pair);
     if (!pair.apart) {
@@ -258,13 +258,13 @@ Case judge(const NamedShape& a, const NamedShape& b, std::size_t poses) {
       ++pair.deepest;
       polygons(frame, pools, pair);
     }
-    const bool hair = pair.contact.present &&
-                      std::abs(pair.contact.likely_m) < 1e-4 * std::min(a.judged.diagonal_m, b.judged.diagonal_m);
-    if (touches != (pair.contact.present && pair.contact.likely_m <= 0) && !hair) ++c.verdicts.misjudged;
-    if (touches && (walked.front[kDepth] == 0 || walked.full)) ++c.verdicts.lost;
-    if (!touches && walked.front[kDepth] > 0) ++c.verdicts.false_alarms;
-    c.verdicts.expansions += walked.expansions;
-    for (std::size_t level = 1; level <= kDepth; ++level) c.verdicts.hits += walked.front[level];
+    const bool hair = pair.contact.present && std::abs(pair.contact.estimated_separation_m) <
+                                                  1e-4 * std::min(a.judged.diagonal_m, b.judged.diagonal_m);
+    if (touches != (pair.contact.present && pair.contact.estimated_separation_m <= 0) && !hair) ++c.reports.misjudged;
+    if (touches && (walked.front[kDepth] == 0 || walked.full)) ++c.reports.lost;
+    if (!touches && walked.front[kDepth] > 0) ++c.reports.false_alarms;
+    c.reports.expansions += walked.expansions;
+    for (std::size_t level = 1; level <= kDepth; ++level) c.reports.hits += walked.front[level];
     if (c.poses.size() < kTimedPoses) c.poses.push_back(posed);
   }
   return c;
@@ -325,11 +325,11 @@ int run(int argc, char** argv) {
   std::vector<Case> cases;
   cases.reserve(shapes.size() * shapes.size());
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    for (std::size_t j = i; j < shapes.size(); ++j) cases.push_back(judge(shapes[i], shapes[j], settings.poses));
+    for (std::size_t j = i; j < shapes.size(); ++j) cases.push_back(oracle(shapes[i], shapes[j], settings.poses));
   }
   bool lost = false;
   for (const Case& c : cases) {
-    lost |= c.verdicts.lost > 0 || c.verdicts.misjudged > 0;
+    lost |= c.reports.lost > 0 || c.reports.misjudged > 0;
     benchmark::RegisterBenchmark(("fronts/" + c.name).c_str(), time_fronts, c)->UseManualTime();
     benchmark::RegisterBenchmark(("contacts/" + c.name).c_str(), time_contacts, c)->UseManualTime();
     benchmark::RegisterBenchmark(("polygons/" + c.name).c_str(), time_polygons, c)->UseManualTime();

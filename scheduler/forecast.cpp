@@ -51,7 +51,7 @@ TailForecast::Features TailForecast::features(const TailWork& work) {
           thousands(work.contacts),
           thousands(work.candidate_pairs),
           thousands(work.sphere_contacts),
-          thousands(work.patch_visits),
+          thousands(work.point_iterations),
           thousands(work.coarse_contacts)};
 }
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "poise/assets/tree_cache.h"
 #include "poise/result.h"
-#include "poise/tree_cache.h"
 #include "poise/types.h"
 #include "poise/world.h"
 

@@ -58,7 +58,7 @@ double largest_speed(const SmallWorld& world) {
   return largest;
 }
 
-void judge(Context& context, SmallWorld& world, double gravity_mps2, const Sanity& sanity) {
+void oracle(Context& context, SmallWorld& world, double gravity_mps2, const Sanity& sanity) {
   const double scale = scale_j(world, gravity_mps2);
   const double start_j = world.energy_j();
   double most_j = start_j;
@@ -99,13 +99,13 @@ Status coinciding_centres(Context& context) {
   for (const double e : {0.0, 1.0}) {
     SmallWorld world(context, Vec3::Zero(), {e, 0, 1000});
     for (int i = 0; i < 20; ++i) world.add(world.ball(0.3 + 0.02 * i), Vec3::Zero());
-    judge(context, world, 0,
-          {.half_m = 20, .calm_mps = 1e-6, .name = fmt::format("20 balls, e = {:g}", e), .before_frame = {}});
+    oracle(context, world, 0,
+           {.half_m = 20, .calm_mps = 1e-6, .name = fmt::format("20 balls, e = {:g}", e), .before_frame = {}});
     SmallWorld moving(context, Vec3::Zero(), {e, 0, 1000});
     moving.add(moving.jack(), Vec3::Zero(), {1, 0, 0});
     moving.add(moving.ball(0.5), Vec3::Zero(), {-1, 0, 0});
-    judge(context, moving, 0,
-          {.half_m = 50, .name = fmt::format("a jack and a ball that move, e = {:g}", e), .before_frame = {}});
+    oracle(context, moving, 0,
+           {.half_m = 50, .name = fmt::format("a jack and a ball that move, e = {:g}", e), .before_frame = {}});
   }
   return context.at(1);
 }
@@ -116,8 +116,8 @@ Status equal_positions(Context& context) {
     const ShapeId shape = boxes ? world.box({0.6, 0.5, 0.4}) : world.jack();
     world.input.polygons = boxes;
     for (int i = 0; i < 12; ++i) world.add(shape, Vec3::Zero());
-    judge(context, world, 0,
-          {.half_m = 20, .calm_mps = 1e-6, .name = boxes ? "12 boxes" : "12 jacks", .before_frame = {}});
+    oracle(context, world, 0,
+           {.half_m = 20, .calm_mps = 1e-6, .name = boxes ? "12 boxes" : "12 jacks", .before_frame = {}});
   }
   return context.at(1);
 }
@@ -130,12 +130,12 @@ Status mass_ratios(Context& context) {
     const ShapeId box = world.box({1, 1, 1});
     world.add(box, {0, 0, 0.5}, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), 1e-3);
     world.add(box, {0, 0, 1.5}, Vec3::Zero(), Quat::Identity(), Vec3::Zero(), 1e3);
-    judge(context, world, kGravityMps2,
-          {.half_m = 5,
-           .energy_at_most = kLift,
-           .calm_mps = 0.2,
-           .name = fmt::format("1 g under 1 t, friction {:g}", friction),
-           .before_frame = {}});
+    oracle(context, world, kGravityMps2,
+           {.half_m = 5,
+            .energy_at_most = kLift,
+            .calm_mps = 0.2,
+            .name = fmt::format("1 g under 1 t, friction {:g}", friction),
+            .before_frame = {}});
   }
   SmallWorld world(context, Vec3::Zero(), {1, 0, 1000});
   const ShapeId ball = world.ball(0.5);
@@ -145,7 +145,7 @@ Status mass_ratios(Context& context) {
     world.add(ball, {i % 2 == 0 ? 2.0 : -2.0, i / 2 % 2 == 0 ? 2.0 : -2.0, i / 4 == 0 ? 2.0 : -2.0}, Vec3::Zero(),
               Quat::Identity(), Vec3::Zero(), 1e-3);
   }
-  judge(context, world, 0, {.half_m = 4, .name = "elastic, in a box", .before_frame = {}});
+  oracle(context, world, 0, {.half_m = 4, .name = "elastic, in a box", .before_frame = {}});
   return context.at(1);
 }
 
@@ -202,13 +202,13 @@ Status needles_and_plates(Context& context) {
       world.add(i % 2 == 0 ? needle : plate, Vec3(i % 2 == 0 ? 1 : -1, i / 2 % 2 == 0 ? 1 : -1, 1 + 0.45 * (i / 4) * 2),
                 Vec3::Zero(), random.turn());
     }
-    judge(context, world, kGravityMps2,
-          {.frames = 900,
-           .half_m = 20,
-           .energy_at_most = kLift,
-           .calm_mps = 2,
-           .name = polygons ? "by polygons" : "by spheres",
-           .before_frame = {}});
+    oracle(context, world, kGravityMps2,
+           {.frames = 900,
+            .half_m = 20,
+            .energy_at_most = kLift,
+            .calm_mps = 2,
+            .name = polygons ? "by polygons" : "by spheres",
+            .before_frame = {}});
   }
   return context.at(1);
 }
@@ -220,7 +220,7 @@ Status one_km_per_s(Context& context) {
   Random random(62);
   for (int i = 0; i < 64; ++i)
     world.add(jack, 4 * Vec3(i % 4 - 1.5, i / 4 % 4 - 1.5, i / 16 - 1.5), 1000 * random.direction(), random.turn());
-  judge(context, world, 0, {.half_m = 60 + 20, .name = "64 jacks in a box", .before_frame = {}});
+  oracle(context, world, 0, {.half_m = 60 + 20, .name = "64 jacks in a box", .before_frame = {}});
   return context.at(1);
 }
 
@@ -231,13 +231,13 @@ Status far_from_origin(Context& context) {
   world.input.polygons = true;
   const ShapeId box = world.box({0.5, 0.5, 0.5});
   for (int i = 0; i < 5; ++i) world.add(box, far + Vec3(0, 0, 0.25 + 0.5 * i));
-  judge(context, world, kGravityMps2,
-        {.half_m = 3,
-         .middle = far,
-         .energy_at_most = kLift,
-         .calm_mps = 0.2,
-         .name = "five boxes on a floor",
-         .before_frame = {}});
+  oracle(context, world, kGravityMps2,
+         {.half_m = 3,
+          .middle = far,
+          .energy_at_most = kLift,
+          .calm_mps = 0.2,
+          .name = "five boxes on a floor",
+          .before_frame = {}});
   double fell = 0;
   for (std::size_t i = 0; i < world.bodies().size(); ++i)
     fell += world.at(world.bodies()[i]).position_m.z() > 0.2 + 0.5 * static_cast<double>(i) ? 0 : 1;
@@ -249,7 +249,7 @@ Status far_from_origin(Context& context) {
   const ShapeId jack = gas.jack();
   for (int i = 0; i < 27; ++i)
     gas.add(jack, corner + 2 * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1), random.in_box(2), random.turn());
-  judge(context, gas, 0, {.half_m = 200, .middle = corner, .name = "27 elastic jacks", .before_frame = {}});
+  oracle(context, gas, 0, {.half_m = 200, .middle = corner, .name = "27 elastic jacks", .before_frame = {}});
   return context.at(1);
 }
 
@@ -262,8 +262,8 @@ Status fast_spins(Context& context) {
       const Vec3 place = 1.2 * Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, i / 4 - 0.5);
       world.add(jack, 2 * place, -place, random.turn(), 1e4 * random.direction());
     }
-    judge(context, world, 0,
-          {.half_m = 1e6, .name = fmt::format("eight jacks that meet, e = {:g}", e), .before_frame = {}});
+    oracle(context, world, 0,
+           {.half_m = 1e6, .name = fmt::format("eight jacks that meet, e = {:g}", e), .before_frame = {}});
   }
   return context.at(1);
 }
@@ -276,13 +276,13 @@ Status overlapping_spawn(Context& context) {
     Random random(65);
     for (int i = 0; i < 2000; ++i) world.add(ball, Vec3(0, 0, falling ? 3 : 0) + random.in_box(2));
     // Balls that are pushed apart under gravity are lifted by that; what they may not do is fly.
-    judge(context, world, falling ? kGravityMps2 : 0,
-          {.frames = 300,
-           .half_m = 30,
-           .energy_at_most = falling ? 20 : 1e-9,
-           .calm_mps = falling ? 12 : 1e-3,
-           .name = falling ? "2,000 balls over a tray" : "2,000 balls without gravity",
-           .before_frame = {}});
+    oracle(context, world, falling ? kGravityMps2 : 0,
+           {.frames = 300,
+            .half_m = 30,
+            .energy_at_most = falling ? 20 : 1e-9,
+            .calm_mps = falling ? 12 : 1e-3,
+            .name = falling ? "2,000 balls over a tray" : "2,000 balls without gravity",
+            .before_frame = {}});
     const Status go_on = context.at(falling ? 1 : 0.5);
     if (!go_on) return go_on;
   }
@@ -298,14 +298,14 @@ Status time_steps(Context& context) {
     for (int i = 0; i < 16; ++i)
       world.add(jack, Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, 0.55 + i / 4) * 1.9, Vec3::Zero(), random.turn());
     const bool tiny = dt_s < 2e-3;
-    judge(context, world, kGravityMps2,
-          {.frames = tiny ? 4000 : 600,
-           .dt_s = dt_s,
-           .half_m = 12,
-           .energy_at_most = kLift,
-           .calm_mps = dt_s < 5e-4 ? HUGE_VAL : 0.5,
-           .name = fmt::format("dt = {:.4g} s", dt_s),
-           .before_frame = {}});
+    oracle(context, world, kGravityMps2,
+           {.frames = tiny ? 4000 : 600,
+            .dt_s = dt_s,
+            .half_m = 12,
+            .energy_at_most = kLift,
+            .calm_mps = dt_s < 5e-4 ? HUGE_VAL : 0.5,
+            .name = fmt::format("dt = {:.4g} s", dt_s),
+            .before_frame = {}});
   }
   return context.at(1);
 }
@@ -317,13 +317,13 @@ Status flipping_levels(Context& context) {
   Random random(67);
   for (int i = 0; i < 60; ++i)
     world.add(jack, 1.9 * Vec3(i % 2 - 0.5, i / 2 % 2 - 0.5, 0.55 + i / 4), Vec3::Zero(), random.turn());
-  judge(context, world, kGravityMps2,
-        {.frames = 1200,
-         .half_m = 60,
-         .energy_at_most = kLift,
-         .calm_mps = 0.5,
-         .name = "from the first frame",
-         .before_frame = [](SmallWorld& w, int i) { w.input.max_level = static_cast<Level>(i % 3); }});
+  oracle(context, world, kGravityMps2,
+         {.frames = 1200,
+          .half_m = 60,
+          .energy_at_most = kLift,
+          .calm_mps = 0.5,
+          .name = "from the first frame",
+          .before_frame = [](SmallWorld& w, int i) { w.input.max_level = static_cast<Level>(i % 3); }});
   return context.at(1);
 }
 

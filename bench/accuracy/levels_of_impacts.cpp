@@ -7,7 +7,7 @@
 
 #include "accuracy/impacts.h"
 #include "accuracy/small_world.h"
-#include "poise/tree_cache.h"
+#include "poise/assets/tree_cache.h"
 
 namespace poise::accuracy {
 namespace {
@@ -44,14 +44,14 @@ Result<std::vector<ShapePtr>> load(const Context& context) {
   return shapes;
 }
 
-struct Kept {
+struct CacheUse {
   double momentum = 0, angular_momentum = 0, energy = 0;  // largest change as a share of what the sum could be
   std::size_t impulses = 0;
 };
 
-Kept watch(SmallWorld& world, int frames) {
+CacheUse watch(SmallWorld& world, int frames) {
   const Motions start = motions_of(world.world(), world.bodies());
-  Kept kept;
+  CacheUse kept;
   for (int i = 0; i < frames; ++i) {
     world.step(kStepS);
     for (const Contact& contact : world.world().contacts())
@@ -89,7 +89,7 @@ Status cloud_momenta(Context& context) {
       SmallWorld world(context, Vec3::Zero(), {e, friction, 1000});
       fill_cloud(world, shapes.value());
       set_level(world, level);
-      const Kept kept = watch(world, 150);
+      const CacheUse kept = watch(world, 150);
       const std::string which =
           fmt::format("{}, e = {:g}{}", level_name(level), e, friction > 0 ? ", friction 0.5" : "");
       context.add("change of momentum, " + which, "1", kept.momentum, 1e-12);
@@ -118,7 +118,7 @@ Status impact_energy(Context& context) {
       world.add(a, Vec3::Zero(), Vec3::Zero(), random.turn(), random.in_box(2));
       world.add(b, 2.2 * line + random.in_box(0.15), -2 * line, random.turn(), random.in_box(2));
       set_level(world, level);
-      const Kept kept = watch(world, 150);
+      const CacheUse kept = watch(world, 150);
       worst = std::max(worst, kept.energy);
       impulses += kept.impulses;
     }

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "accuracy/small_world.h"
-#include "poise/scene.h"
+#include "poise/scene/scene.h"
 
 namespace poise::accuracy {
 namespace {

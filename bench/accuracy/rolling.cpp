@@ -8,7 +8,7 @@ namespace poise::accuracy {
 namespace {
 
 constexpr double kRadiusM = 0.25;
-constexpr double kStepS = 1.0 / 240;
+constexpr double kRollingStepS = 1.0 / 240;
 
 // How fast the ball's lowest point moves over the ground.
 double slip_mps(const SlopeWorld& slope, const BodyState& ball) {
@@ -39,9 +39,9 @@ Status rolling_ball(Context& context) {
     const double angle_rad = 20 * kDegree;
     SlopeWorld slope(context, angle_rad, 0.5, ground);
     const BodyId ball = slope.put(slope.world.ball(kRadiusM), kRadiusM, Vec3::Zero(), -4);
-    for (int i = 0; i < 360; ++i) slope.world.step(kStepS);
+    for (int i = 0; i < 360; ++i) slope.world.step(kRollingStepS);
     const BodyState end = slope.world.at(ball);
-    const double expected_mps = 5.0 / 7 * kGravityMps2 * std::sin(angle_rad) * 360 * kStepS;
+    const double expected_mps = 5.0 / 7 * kGravityMps2 * std::sin(angle_rad) * 360 * kRollingStepS;
     context.add("error of the acceleration" + on, "1",
                 std::abs(end.velocity_mps.dot(slope.downhill()) / expected_mps - 1), 0.005);
     context.add("slip, as a share of the speed" + on, "1", slip_mps(slope, end) / expected_mps, 0.005);
@@ -54,7 +54,7 @@ Status skidding_ball(Context& context) {
   SlopeWorld floor(context, 0, 0.2, SlopeWorld::Ground::Plane);
   const BodyId ball = floor.put(floor.world.ball(kRadiusM), kRadiusM, kSpeedMps * floor.downhill());
   // It skids for 2 v / (7 mu g) = 0.73 s.
-  for (int i = 0; i < 360; ++i) floor.world.step(kStepS);
+  for (int i = 0; i < 360; ++i) floor.world.step(kRollingStepS);
   const BodyState end = floor.world.at(ball);
   context.add("error of the speed once it rolls", "1",
               std::abs(end.velocity_mps.dot(floor.downhill()) / (5.0 / 7 * kSpeedMps) - 1), 0.005);
@@ -64,10 +64,10 @@ Status skidding_ball(Context& context) {
   constexpr double kLittle = 0.1;  // rolling would take 2/7 tan(40 degrees) = 0.24
   SlopeWorld slope(context, steep_rad, kLittle, SlopeWorld::Ground::Plane);
   const BodyId slipping = slope.put(slope.world.ball(kRadiusM), kRadiusM);
-  for (int i = 0; i < 240; ++i) slope.world.step(kStepS);
+  for (int i = 0; i < 240; ++i) slope.world.step(kRollingStepS);
   const BodyState after = slope.world.at(slipping);
-  const double speed_mps = kGravityMps2 * (std::sin(steep_rad) - kLittle * std::cos(steep_rad)) * 240 * kStepS;
-  const double spin_radps = 2.5 * kLittle * kGravityMps2 * std::cos(steep_rad) / kRadiusM * 240 * kStepS;
+  const double speed_mps = kGravityMps2 * (std::sin(steep_rad) - kLittle * std::cos(steep_rad)) * 240 * kRollingStepS;
+  const double spin_radps = 2.5 * kLittle * kGravityMps2 * std::cos(steep_rad) / kRadiusM * 240 * kRollingStepS;
   context.add("error of the speed on a slope too steep to roll", "1",
               std::abs(after.velocity_mps.dot(slope.downhill()) / speed_mps - 1), 0.005);
   context.add("error of the spin on a slope too steep to roll", "1",

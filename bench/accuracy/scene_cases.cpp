@@ -11,7 +11,7 @@
 namespace poise::accuracy {
 namespace {
 
-constexpr double kRadiusM = 0.1;
+constexpr double kBallRadiusM = 0.1;
 
 double cpu_now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -26,15 +26,15 @@ double energy_of(SceneWatch& watch) {
 
 // Of all pairs of balls, and of balls and the floor z = 0: sum of the squares of how deep they are in each other.
 double squared_penetration_m2(const SceneWatch& watch) {
-  std::vector<Vec3> places;
-  for (const BodyId body : watch.bodies()) places.push_back(watch.at(body).position_m);
+  std::vector<Vec3> points;
+  for (const BodyId body : watch.bodies()) points.push_back(watch.at(body).position_m);
   double sum = 0;
   const auto add = [&](double depth_m) {
     if (depth_m > 0) sum += depth_m * depth_m;
   };
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    add(kRadiusM - places[i].z());
-    for (std::size_t k = i + 1; k < places.size(); ++k) add(2 * kRadiusM - (places[i] - places[k]).norm());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    add(kBallRadiusM - points[i].z());
+    for (std::size_t k = i + 1; k < points.size(); ++k) add(2 * kBallRadiusM - (points[i] - points[k]).norm());
   }
   return sum;
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "accuracy/accuracy_case.h"
-#include "poise/scene.h"
+#include "poise/scene/scene.h"
 
 namespace poise::accuracy {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "poise/scene.h"
+#include "poise/scene/scene.h"
 
 namespace poise::bench {
 

@@ -47,17 +47,17 @@ struct LevelExplanation {
 
 /// What a pair was worth in a step, and how far it got.
 struct PairExplanation {
-  enum class Kept : std::uint8_t {
-    Nothing,  ///< it began without knowledge
-    Apart,    ///< known from an earlier step to be apart for all of this one
-    Places,   ///< known where it may touch
-    Stale,    ///< known where it touched some time ago
+  enum class CacheUse : std::uint8_t {
+    None,       ///< it began without knowledge
+    Separated,  ///< known from an earlier step to be apart for all of this one
+    Points,     ///< known where it may touch
+    Expired,    ///< known where it touched some time ago
   };
   BodyId a, b;               ///< in the order of slots
   scheduler::PairCues cues;  ///< only of pairs that could be refined
   double weight = 0;         ///< scheduler::cue_weight of them
-  Kept kept = Kept::Nothing;
-  Level kept_level = 0;          ///< that found out what is kept
+  CacheUse cached = CacheUse::None;
+  Level cached_level = 0;        ///< that found out what is kept
   Level level = 0;               ///< completed in this step
   Level deepest = 0;             ///< that this pair could reach
   bool polygons = false;         ///< the deepest one is that of the polygons

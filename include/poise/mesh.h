@@ -30,9 +30,9 @@ enum class Solidity : std::uint8_t {
 
 /// What mesh reading did to the input, for a person to judge.
 struct MeshRepair {
-  std::size_t vertices_welded = 0;    ///< vertices that were merged into another
-  std::size_t triangles_dropped = 0;  ///< triangles that name a vertex twice after welding, or repeat another
-  std::size_t triangles_turned = 0;   ///< triangles that were turned over to agree with their neighbours
+  std::size_t vertices_welded = 0;      ///< vertices that were merged into another
+  std::size_t triangles_discarded = 0;  ///< triangles that name a vertex twice after welding, or repeat another
+  std::size_t triangles_turned = 0;     ///< triangles that were turned over to agree with their neighbours
   std::size_t pieces_turned = 0;  ///< pieces that were inside out and were turned over whole, with what lies in them
   bool flipped = false;           ///< every piece was turned over
 };
@@ -99,7 +99,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
 Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double thickness_m);
 
 /// What a mesh is good for, in figures and in words.
-struct MeshVerdict {
+struct MeshReport {
   std::size_t triangles = 0, vertices = 0;
   std::size_t pieces = 0;  ///< parts that share no edge
   std::size_t holes = 0;   ///< rims: connected rows of edges with one triangle
@@ -115,6 +115,6 @@ struct MeshVerdict {
 };
 
 /// Judges a mesh, as read_mesh and clean_mesh leave it. Any thread. Refused: as winding_mass_properties.
-Result<MeshVerdict> assess_mesh(const TriangleMesh& mesh, int threads = 0);
+Result<MeshReport> assess_mesh(const TriangleMesh& mesh, int threads = 0);
 
 }  // namespace poise

@@ -19,8 +19,8 @@ namespace poise {
 /// A contact counts where its impulse is above 1e-9 of the largest of the frame: below, the reference itself is not
 /// settled.
 struct ReferenceFigures {
-  bool converged = false;    ///< false: sweeps were cut off; the figures are then as good as the rest of the response
-  std::uint32_t sweeps = 0;  ///< of the reference's response, over the velocities of all pairs
+  bool converged = false;  ///< false: sweeps were cut off; the figures are then as good as the rest of the response
+  std::uint32_t iterations = 0;      ///< of the reference's response, over the velocities of all pairs
   std::size_t pairs_not_finest = 0;  ///< a front had no room: those pairs are judged by the deepest level that had
   std::chrono::nanoseconds time{0};  ///< that the reference took; in no other figure of the frame
 

@@ -112,7 +112,7 @@ struct TreeLevelFigures {
   double volume_ratio = 0;  ///< volume of the union / volume of the object; 0 for an object without volume, as a shell
 };
 
-struct TreeJudgeOptions {
+struct TreeQualityOptions {
   std::size_t samples = 20000;  ///< points a figure, from 1 to 1e8
   std::uint64_t seed = 1;
   Solidity solidity = Solidity::Solid;  ///< what counts as the object
@@ -123,8 +123,8 @@ struct TreeJudgeOptions {
 /// Judges a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an open
 /// one is sampled by winding number. Deterministic for a seed on any number of threads. Any thread. Refused: no node,
 /// no triangle, an index or a coordinate out of range, options out of range.
-Result<std::vector<TreeLevelFigures>> judge_tree(const SphereTree& tree, const TriangleMesh& mesh,
-                                                 const TreeJudgeOptions& options);
+Result<std::vector<TreeLevelFigures>> measure_tree_quality(const SphereTree& tree, const TriangleMesh& mesh,
+                                                           const TreeQualityOptions& options);
 
 /// Reads the text format `.sph` of Bradshaw and O'Sullivan's toolkit: first line `levels branch`, then rows
 /// `x y z r occupancy`, children of N at N*B+1.., a negative radius for an unused place; lines after the last row are

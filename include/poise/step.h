@@ -107,11 +107,11 @@ enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Foreca
 
 /// How deep a step got, beside FrameReport::level_histogram; places are levels, the last one is polygons.
 struct LevelsReached {
-  std::array<std::uint32_t, kPolygonPlace + 1>
+  std::array<std::uint32_t, kPolygonBin + 1>
       bodies{};  ///< moving bodies with a contact, by the least level of their contacts
   /// Of contacts, by level: sums of what a viewer can notice of a metre of error there, rad/m: visible angle, frustum,
   /// eccentricity, importance (scheduler/policy.h); without a view all contacts of alike importance weigh the same.
-  std::array<double, kPolygonPlace + 1> weight{};
+  std::array<double, kPolygonBin + 1> weight{};
   std::size_t left_for_time = 0;   ///< pairs that could be refined further and were not because the budget ended
   std::size_t left_for_room = 0;   ///< likewise because their front had no room
   std::uint32_t longest_wait = 0;  ///< frames since one of these was answered beyond level 0
@@ -166,19 +166,19 @@ struct FrameReport {
   std::size_t candidate_pairs = 0;  ///< from the broad phase
   std::size_t coarse_pairs = 0;     ///< those that overlap at their mandatory level
   std::size_t contact_pairs = 0;    ///< answered as a contact
-  std::uint64_t patch_visits =
+  std::uint64_t point_iterations =
       0;  ///< of places by resting contact, over all sweeps and substeps; one that is sped up counts seven times
   std::uint64_t work_mandatory = 0;  ///< node-pair expansions of the mandatory part
   std::uint64_t work_refine =
       0;  ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
-  std::size_t jobs_done = 0;        ///< levels completed
-  std::size_t jobs_dropped = 0;     ///< started and not completed, or completed too late
-  std::size_t jobs_given_up = 0;    ///< of them in the hands of threads that the system held up: not waited for
-  std::size_t pairs_separated = 0;  ///< found apart by refinement
-  std::size_t kept_apart = 0;       ///< known to be apart from an earlier frame: cost no refinement
-  std::size_t kept_contacts = 0;    ///< answered by what an earlier frame found out
-  std::size_t pairs_left = 0;       ///< still refinable when refinement ended
-  std::array<std::uint32_t, kPolygonPlace + 1>
+  std::size_t jobs_done = 0;           ///< levels completed
+  std::size_t jobs_discarded = 0;      ///< started and not completed, or completed too late
+  std::size_t jobs_abandoned = 0;      ///< of them in the hands of threads that the system held up: not waited for
+  std::size_t pairs_separated = 0;     ///< found apart by refinement
+  std::size_t cached_separations = 0;  ///< known to be apart from an earlier frame: cost no refinement
+  std::size_t cached_contacts = 0;     ///< answered by what an earlier frame found out
+  std::size_t pairs_left = 0;          ///< still refinable when refinement ended
+  std::array<std::uint32_t, kPolygonBin + 1>
       level_histogram{};  ///< contact pairs by completed level; at kPolygonPlace those by polygons
 
   // With StepInput::backtracking
@@ -192,10 +192,10 @@ struct FrameReport {
   std::size_t woken = 0;        ///< in the step, or by calls since the one before
 
   // Capacities that were full (0 in a healthy frame)
-  std::size_t pairs_dropped = 0;  ///< candidate partners of a body beyond its limit
-  std::size_t fronts_full = 0;    ///< refinements refused because a front had no room
-  std::size_t colors_full = 0;    ///< contacts beyond the last colour, solved one after another
-  std::size_t degenerate = 0;     ///< contacts without a positive finite effective mass, answered by none
+  std::size_t pairs_discarded = 0;  ///< candidate partners of a body beyond its limit
+  std::size_t fronts_full = 0;      ///< refinements refused because a front had no room
+  std::size_t colors_full = 0;      ///< contacts beyond the last colour, solved one after another
+  std::size_t degenerate = 0;       ///< contacts without a positive finite effective mass, answered by none
 
   // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;

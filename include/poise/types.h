@@ -19,7 +19,7 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 using Level = std::uint8_t;
 inline constexpr Level kMaxTreeDepth = 6;
 /// The place of contacts by polygons in figures that count by level, after those of the deepest tree.
-inline constexpr Level kPolygonPlace = kMaxTreeDepth + 1;
+inline constexpr Level kPolygonBin = kMaxTreeDepth + 1;
 
 /// Index of a node in the arrays of its SphereTree.
 using NodeIndex = std::uint32_t;

@@ -7,13 +7,13 @@
 #include <exception>
 
 #include "app/exit_codes.h"
-#include "app/replay_command.h"
-#include "app/run_command.h"
+#include "app/replay/replay_command.h"
+#include "app/run/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
-#include "app/study_command.h"
-#include "app/tree_command.h"
+#include "app/tree/tree_command.h"
 #include "build_info.h"
+#include "studies/study_command.h"
 
 namespace {
 

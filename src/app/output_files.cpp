@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "io/atomic_file.h"
+#include "scene/result_file.h"
 
 namespace poise::app {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "app/exit_codes.h"
 #include "app/scene_files.h"
-#include "io/atomic_file.h"
-#include "poise/scene.h"
+#include "poise/scene/scene.h"
+#include "scene/result_file.h"
 
 namespace poise::app {
 namespace {

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "app/exit_codes.h"
-#include "geometry/procedural.h"
-#include "io/atomic_file.h"
+#include "app/refusal.h"
+#include "geometry/mesh/procedural.h"
+#include "scene/result_file.h"
 
 namespace poise::app {
 namespace {
@@ -24,11 +25,6 @@ struct ShapeOptions {
   std::optional<double> inner_m, outer_m, angle_deg, depth_m;
   std::string output;
 };
-
-int refuse(int code, const std::string& message) {
-  fmt::print(stderr, "poise shape: {}\n", message);
-  return code;
-}
 
 struct Made {
   TriangleMesh mesh;
@@ -67,11 +63,11 @@ Result<Made> make(const ShapeOptions& o) {
 
 int make_shape(const ShapeOptions& options) {
   const Result<Made> made = make(options);
-  if (!made) return refuse(kExitBadUsage, made.error().message);
+  if (!made) return refuse("shape", kExitBadUsage, made.error().message);
   const std::string text = geometry::obj_text(
       made.value().mesh, fmt::format("made by: poise shape {}{}", options.kind, made.value().options));
   const Status written = options.output == "-" ? io::write_stdout(text) : io::write_file(options.output, text);
-  return written ? kExitDone : refuse(exit_code_of(written.error()), written.error().message);
+  return written ? kExitDone : refuse("shape", exit_code_of(written.error()), written.error().message);
 }
 
 }  // namespace

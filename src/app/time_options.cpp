@@ -9,17 +9,17 @@
 #include <string_view>
 
 #include "app/option_values.h"
-#include "poise/tree_cache.h"
+#include "poise/assets/tree_cache.h"
 
 namespace poise::app {
 namespace {
 
-constexpr double kLongestMs = 1e6;
+constexpr double kLongestHostMs = 1e6;
 
 bool read_ms(std::string_view text, double& into) {
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), into);
   return failure == std::errc{} && stop == text.data() + text.size() && std::isfinite(into) && into >= 0 &&
-         into <= kLongestMs;
+         into <= kLongestHostMs;
 }
 
 void add_render_load(CLI::App& command, TimeOptions& options) {
@@ -32,7 +32,7 @@ void add_render_load(CLI::App& command, TimeOptions& options) {
     if (!sound) {
       throw CLI::ValidationError(
           fmt::format("--render-load = {}, must be MS or MS,JITTER, each from 0 to {:g} and JITTER at most MS", text,
-                      kLongestMs),
+                      kLongestHostMs),
           CLI::ExitCodes::ValidationError);
     }
     options.render_load_ms = load;

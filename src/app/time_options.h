@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "io/time_priors.h"
-#include "poise/scene.h"
-#include "simulation/render_load.h"
+#include "poise/scene/scene.h"
+#include "scene/run/render_load.h"
+#include "scene/run/time_priors.h"
 
 namespace poise::app {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "poise/assets/tree_cache.h"
 #include "poise/result.h"
-#include "poise/tree_cache.h"
 
 namespace poise::app {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "parallel/shared.h"
+#include "parallel/shared_counters.h"
 #include "parallel/worker_function.h"
 #include "poise/result.h"
 #include "poise/types.h"

@@ -19,12 +19,12 @@ namespace {
 
 /// What the visits of oneTBB's threads share with the executor that asked for them. A visit may begin when the executor
 /// is gone.
-struct Visits {
+struct PointIterationCount {
   struct alignas(64) Slot {
     std::uint64_t last_run = 0;
   };
 
-  Visits(int threads, std::chrono::nanoseconds spin_time)
+  PointIterationCount(int threads, std::chrono::nanoseconds spin_time)
       : gate(threads, spin_time), spin(spin_time), slots(static_cast<std::size_t>(threads)) {}
 
   // One thread of the arena works at the gate until it has found nothing for a while.
@@ -56,7 +56,7 @@ struct Visits {
 class TbbExecutor final : public Executor {
  public:
   TbbExecutor(int threads, std::chrono::nanoseconds spin)
-      : threads_(threads), visits_(std::make_shared<Visits>(threads, spin)), arena_(threads, 1) {
+      : threads_(threads), point_iterations_(std::make_shared<PointIterationCount>(threads, spin)), arena_(threads, 1) {
     // oneTBB starts as many threads as there are processors; more are only had by asking. Nobody is ever given fewer by
     // us: the limit is the whole process's, and oneTBB takes the smallest that is asked for.
     if (threads > tbb::info::default_concurrency()) {
@@ -67,13 +67,13 @@ class TbbExecutor final : public Executor {
   TbbExecutor(const TbbExecutor&) = delete;
   TbbExecutor& operator=(const TbbExecutor&) = delete;
   ~TbbExecutor() override {
-    visits_->stopping.store(true, std::memory_order_release);
-    visits_->gate.settle();
+    point_iterations_->stopping.store(true, std::memory_order_release);
+    point_iterations_->gate.settle();
     // Visits that were asked for and have not begun hold what they share, and for good if the program ends first. They
     // end as soon as they begin; a process that gets no thread for them is not waited for longer.
     constexpr std::chrono::seconds kPatience{2};
     const auto until = std::chrono::steady_clock::now() + kPatience;
-    while (visits_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until)
+    while (point_iterations_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until)
       std::this_thread::yield();
   }
 
@@ -82,48 +82,48 @@ class TbbExecutor final : public Executor {
   void run(WorkerFunction step) override {
     const bool alone = busy_.exchange(true, std::memory_order_acquire);
     if (!alone) {
-      visits_->gate.open(step, false);
+      point_iterations_->gate.open(step, false);
       wake();
     }
     while (step(0)) {
     }
     if (alone) return;
-    visits_->gate.close();
+    point_iterations_->gate.close();
     busy_.store(false, std::memory_order_release);
   }
 
   std::size_t run_with(const Patience& patience, WorkerFunction step) override {
     const bool alone = busy_.exchange(true, std::memory_order_acquire);
     if (!alone) {
-      visits_->gate.open(step, true);
+      point_iterations_->gate.open(step, true);
       wake();
     }
     while (step(0)) {
     }
     if (alone) return 0;
-    const std::size_t given_up = visits_->gate.close(patience);
+    const std::size_t abandoned = point_iterations_->gate.close(patience);
     busy_.store(false, std::memory_order_release);
-    return given_up;
+    return abandoned;
   }
 
-  [[nodiscard]] bool commit(int worker) override { return visits_->gate.commit(worker); }
-  void settle() override { visits_->gate.settle(); }
+  [[nodiscard]] bool commit(int worker) override { return point_iterations_->gate.commit(worker); }
+  void settle() override { point_iterations_->gate.settle(); }
 
   void wake() override {
     try {
-      while (visits_->asked.load(std::memory_order_seq_cst) < threads_ - 1) {
-        visits_->asked.fetch_add(1, std::memory_order_seq_cst);
-        arena_.enqueue([visits = visits_] { visits->visit(); });
+      while (point_iterations_->asked.load(std::memory_order_seq_cst) < threads_ - 1) {
+        point_iterations_->asked.fetch_add(1, std::memory_order_seq_cst);
+        arena_.enqueue([visits = point_iterations_] { visits->visit(); });
       }
     } catch (const std::exception&) {
       // oneTBB found no memory for a task: one visit less, and the caller does the work.
-      visits_->asked.fetch_sub(1, std::memory_order_seq_cst);
+      point_iterations_->asked.fetch_sub(1, std::memory_order_seq_cst);
     }
   }
 
  private:
   int threads_;
-  std::shared_ptr<Visits> visits_;
+  std::shared_ptr<PointIterationCount> point_iterations_;
   std::optional<tbb::global_control> limit_;
   tbb::task_arena arena_;
   std::atomic<bool> busy_{false};

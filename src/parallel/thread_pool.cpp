@@ -5,7 +5,7 @@
 
 #include <system_error>
 
-#include "parallel/place_thread.h"
+#include "parallel/thread_affinity.h"
 
 namespace poise::parallel {
 namespace {
@@ -77,9 +77,9 @@ std::size_t ThreadPool::run_with(const Patience& patience, WorkerFunction step) 
   call_workers();
   while (step(0)) {
   }
-  const std::size_t given_up = gate_.close(patience);
+  const std::size_t abandoned = gate_.close(patience);
   busy_.store(false, std::memory_order_release);
-  return given_up;
+  return abandoned;
 }
 
 void ThreadPool::work(int worker) {

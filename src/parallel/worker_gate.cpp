@@ -9,22 +9,22 @@ namespace poise::parallel {
 WorkerGate::WorkerGate(int workers, std::chrono::nanoseconds spin)
     : workers_(workers), spin_(spin), hands_(new Worker[static_cast<std::size_t>(workers)]) {}
 
-void WorkerGate::open(WorkerFunction step, bool may_give_up) {
-  if (may_give_up) {
+void WorkerGate::open(WorkerFunction step, bool may_abandon) {
+  if (may_abandon) {
     settle();
     lasting_step_ = step;
   } else {
     step_ = step;
   }
   const std::uint64_t run = (gate_.load(std::memory_order_relaxed) & ~(kOneRun - 1)) + kOneRun;
-  gate_.store(run | kOpen | (may_give_up ? kMayGiveUp : 0), std::memory_order_seq_cst);
+  gate_.store(run | kOpen | (may_abandon ? kMayGiveUp : 0), std::memory_order_seq_cst);
 }
 
-void WorkerGate::wait_while(Worker& worker, bool given_up_too) {
+void WorkerGate::wait_while(Worker& worker, bool abandoned_too) {
   std::uint32_t hand = kEmpty;
   const auto done = [&] {
     hand = worker.hand.load(std::memory_order_seq_cst);
-    return hand == kEmpty || (hand == kGivenUp && !given_up_too);
+    return hand == kEmpty || (hand == kAbandoned && !abandoned_too);
   };
   if (spin_until(spin_, done)) return;
   caller_sleeps_.store(true, std::memory_order_seq_cst);
@@ -41,7 +41,7 @@ std::size_t WorkerGate::close(const Patience& patience) {
   gate_.fetch_and(~kOpen, std::memory_order_seq_cst);
   const auto now = std::chrono::steady_clock::now();
   const auto end = std::max(patience.until, now + patience.at_least);
-  std::size_t given_up = 0;
+  std::size_t abandoned = 0;
   for (int w = 1; w < workers_; ++w) {
     Worker& worker = hands_[static_cast<std::size_t>(w)];
     const auto empty = [&] { return worker.hand.load(std::memory_order_seq_cst) == kEmpty; };
@@ -52,13 +52,13 @@ std::size_t WorkerGate::close(const Patience& patience) {
     while (!empty() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
     if (empty()) continue;
     std::uint32_t hand = kWorking;
-    if (worker.hand.compare_exchange_strong(hand, kGivenUp, std::memory_order_acq_rel)) {
-      ++given_up;
+    if (worker.hand.compare_exchange_strong(hand, kAbandoned, std::memory_order_acq_rel)) {
+      ++abandoned;
     } else {
       wait_while(worker, false);
     }
   }
-  return given_up;
+  return abandoned;
 }
 
 void WorkerGate::settle() {
@@ -77,12 +77,12 @@ void WorkerGate::leave(Worker& worker) {
   if (caller_sleeps_.load(std::memory_order_seq_cst)) worker.hand.notify_one();
 }
 
-WorkerGate::Sight WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
+WorkerGate::ViewQuery WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
   gate = gate_.load(std::memory_order_seq_cst);
   // Held up before that, it may have been given up in the run before and see the next one, which waits for no one who
   // was.
-  if (worker.hand.load(std::memory_order_seq_cst) == kGivenUp) return Sight::GivenUp;
-  return has_work(gate, last_run) ? Sight::Open : Sight::Nothing;
+  if (worker.hand.load(std::memory_order_seq_cst) == kAbandoned) return ViewQuery::Abandoned;
+  return has_work(gate, last_run) ? ViewQuery::Open : ViewQuery::Nothing;
 }
 
 bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
@@ -92,14 +92,14 @@ bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
   for (bool more = true; more;) {
     raise(worker);
     std::uint64_t gate = 0;
-    const Sight sight = look(worker, last_run, gate);
-    if (sight == Sight::Open) {
+    const ViewQuery sight = look(worker, last_run, gate);
+    if (sight == ViewQuery::Open) {
       worked = true;
       more = ((gate & kMayGiveUp) != 0 ? lasting_step_ : step_)(number);
       if (!more) last_run = gate / kOneRun;
     }
     leave(worker);
-    if (sight == Sight::Nothing) break;
+    if (sight == ViewQuery::Nothing) break;
   }
   return worked;
 }

@@ -43,7 +43,7 @@ class WorkerGate {
   WorkerGate(int workers, std::chrono::nanoseconds spin);
 
   /// The calling side; one thread at a time.
-  void open(WorkerFunction step, bool may_give_up);
+  void open(WorkerFunction step, bool may_abandon);
   /// No item begins from now on; waits for those in hand.
   void close();
   /// No item begins from now on; waits for those in hand while patience lasts, gives up the others and returns how
@@ -59,20 +59,20 @@ class WorkerGate {
 
  private:
   friend struct WorkerGateAccess;  // of tests, which stop a worker where only the system does
-  enum Hand : std::uint32_t { kEmpty, kWorking, kCommitted, kGivenUp };
+  enum Hand : std::uint32_t { kEmpty, kWorking, kCommitted, kAbandoned };
   struct alignas(64) Worker {
     std::atomic<std::uint32_t> hand{kEmpty};
   };
   /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was given up
   /// meanwhile.
-  enum class Sight : std::uint8_t { Open, Nothing, GivenUp };
+  enum class ViewQuery : std::uint8_t { Open, Nothing, Abandoned };
   static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
-  [[nodiscard]] Sight look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
+  [[nodiscard]] ViewQuery look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
   static bool has_work(std::uint64_t gate, std::uint64_t last_run) {
     return (gate & kOpen) != 0 && gate / kOneRun != last_run;
   }
   void leave(Worker& worker);
-  void wait_while(Worker& worker, bool given_up_too);
+  void wait_while(Worker& worker, bool abandoned_too);
 
   static constexpr std::uint64_t kOpen = 1, kMayGiveUp = 2, kOneRun = 4;
   alignas(64) std::atomic<std::uint64_t> gate_{0};  ///< kOpen, kMayGiveUp, the rest the run's number

@@ -14,7 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "io/temporary_folder.h"
+#include "scene/temporary_folder.h"
 
 extern char** environ;
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "io/temporary_folder.h"
+#include "scene/temporary_folder.h"
 
 namespace poise::testing {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "app/command.h"
-#include "io/temporary_folder.h"
+#include "scene/temporary_folder.h"
 
 namespace poise::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/command.h"
-#include "io/temporary_folder.h"
+#include "scene/temporary_folder.h"
 
 namespace poise::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/command.h"
-#include "io/temporary_folder.h"
+#include "scene/temporary_folder.h"
 
 namespace poise::testing {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "app/command.h"
-#include "io/temporary_folder.h"
+#include "scene/temporary_folder.h"
 
 namespace poise::testing {
 namespace {
@@ -230,10 +230,10 @@ TEST(TreeCommand, TellsWhatMeshesAreARowEach) {
       poise_command({"tree", "--verdict", files[0], files[1], files[2], files[3], "--json", "-"});
   const json found = json::parse(result.out, nullptr, false);
   ASSERT_EQ(found.at("rows").size(), 4U);
-  const char* verdicts[] = {"closed", "open", "sheet", "refused"};
+  const char* reports[] = {"closed", "open", "sheet", "refused"};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(found.at("rows").at(i).at("file"), files[i]);
-    EXPECT_EQ(found.at("rows").at(i).at("verdict"), verdicts[i]);
+    EXPECT_EQ(found.at("rows").at(i).at("verdict"), reports[i]);
     EXPECT_NE(table.out.find(found.at("rows").at(i).at("why").get<std::string>()), std::string::npos) << table.out;
   }
   EXPECT_EQ(poise_command({"tree", "--verdict", files[3]}).exit_code, 3) << "nothing could be read";

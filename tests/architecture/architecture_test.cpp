@@ -41,18 +41,18 @@ TEST_P(PlantedViolation, IsFoundAtItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     OfEveryRule, PlantedViolation,
-    testing::Values(Planted{"src/collision/a.h", "#include \"response/impulse.h\"", "may not include response"},
+    testing::Values(Planted{"src/collision/a.h", "#include \"solver/impulse.h\"", "may not include solver"},
                     Planted{"src/geometry/a.h", "#include \"dynamics/body_store.h\"", "may not include dynamics"},
                     Planted{"src/geometry/a.h", "#include \"poise/world.h\"", "may not include interface"},
-                    Planted{"src/simulation/a.cpp", "#  include \"poise/scene.h\"", "may not include io"},
+                    Planted{"src/frame/a.cpp", "#  include \"poise/scene/scene.h\"", "may not include scene"},
                     Planted{"src/parallel/a.cpp", "#include \"poise/scheduler/policy.h\"", "may not include scheduler"},
-                    Planted{"src/io/a.cpp", "#include \"app/run_command.h\"", "may not include app"},
+                    Planted{"src/scene/a.cpp", "#include \"app/run_command.h\"", "may not include app"},
                     Planted{"include/poise/mesh.h", "#include \"geometry/weld.h\"", "public ones alone"},
                     Planted{"scheduler/a.cpp", "#include \"poise/types.h\"", "its own headers alone"},
                     Planted{"scheduler/a.cpp", "#include <Eigen/Core>", "standard library alone"},
                     Planted{"include/poise/scheduler/a.h", "#include <time.h>", "standard library alone"},
                     Planted{"scheduler/a.cpp", "#include <atomic>", "src/parallel"},
-                    Planted{"src/simulation/a.cpp", "#include <mutex>", "src/parallel"},
+                    Planted{"src/frame/a.cpp", "#include <mutex>", "src/parallel"},
                     Planted{"src/geometry/a.cpp", "#include <tbb/parallel_for.h>", "src/parallel"},
                     Planted{"src/collision/a.cpp", "  std::atomic<int> next{0};", "src/parallel"},
                     Planted{"src/app/a.cpp", "const std::jthread worker(work);", "src/parallel"},
@@ -60,11 +60,11 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"src/app/a.cpp", "std::stop_callback on_stop(token, [] {});", "src/parallel"},
                     Planted{"scheduler/a.cpp", "bool spent(const std::stop_token& stop);", "src/parallel"},
                     Planted{"scheduler/a.cpp", "#include <stop_token>", "src/parallel"},
-                    Planted{"src/response/a.cpp", "const auto now = std::chrono::steady_clock::now();",
+                    Planted{"src/solver/a.cpp", "const auto now = std::chrono::steady_clock::now();",
                             "time is an argument"},
                     Planted{"scheduler/a.cpp", "const auto now = Clock::now();", "time is an argument"},
                     Planted{"include/poise/world.h", "const auto now = SteadyClock::now();", "time is an argument"},
-                    Planted{"src/io/a.cpp", "std::cout << 1;", "neither prints"},
+                    Planted{"src/scene/a.cpp", "std::cout << 1;", "neither prints"},
                     Planted{"src/geometry/a.cpp", "if (bad) abort();", "neither prints"},
                     Planted{"src/geometry/a.cpp", "std::fprintf(stderr, \"bad\");", "neither prints"},
                     Planted{"docs/a.md",
@@ -86,15 +86,15 @@ TEST_P(Allowed, IsNotReported) { EXPECT_EQ(broken_by(GetParam().path, GetParam()
 
 INSTANTIATE_TEST_SUITE_P(
     WhatEachRoomMayDo, Allowed,
-    testing::Values(Planted{"src/response/a.cpp", "#include \"collision/contact.h\"", ""},
+    testing::Values(Planted{"src/solver/a.cpp", "#include \"collision/contact.h\"", ""},
                     Planted{"src/dynamics/a.cpp", "#include \"poise/world.h\"", ""},
-                    Planted{"src/simulation/a.cpp", "#include \"poise/scheduler/policy.h\"", ""},
-                    Planted{"src/simulation/a.cpp", "const auto now = SteadyClock::now();", ""},
+                    Planted{"src/frame/a.cpp", "#include \"poise/scheduler/policy.h\"", ""},
+                    Planted{"src/frame/a.cpp", "const auto now = SteadyClock::now();", ""},
                     Planted{"src/parallel/a.cpp", "#include <atomic>", ""},
                     Planted{"include/poise/sphere_tree.h", "#include <stop_token>", ""},
                     Planted{"src/geometry/a.cpp", "void build(const std::stop_token& stop);", ""},
                     Planted{"scheduler/a.cpp", "#include <cmath>", ""}, Planted{"src/app/a.cpp", "std::cout << 1;", ""},
-                    Planted{"src/io/a.cpp", "std::snprintf(text, size, \"%d\", 1);", ""},
+                    Planted{"src/scene/a.cpp", "std::snprintf(text, size, \"%d\", 1);", ""},
                     Planted{"src/collision/a.cpp", "// a std::mutex would cost more; see Clock::now()", ""},
                     Planted{"src/collision/a.cpp", "const char* text = \"std::mutex\";", ""},
                     Planted{"scenes/a.json", "\"file\": \"/usr/share/assimp/models/OBJ/box.obj\"", ""},
@@ -106,13 +106,13 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(SourceRules, CountTheLinesOfAFile) {
   std::string text = kLicence;
   for (int i = 0; i < 499; ++i) text += "\n";
-  EXPECT_EQ(broken_rules("src/io/a.cpp", text), std::vector<std::string>{});
-  EXPECT_EQ(broken_rules("src/io/a.cpp", text + "\n").size(), 1U);
+  EXPECT_EQ(broken_rules("src/scene/a.cpp", text), std::vector<std::string>{});
+  EXPECT_EQ(broken_rules("src/scene/a.cpp", text + "\n").size(), 1U);
   EXPECT_EQ(broken_rules("scenes/a.json", text + "\n"), std::vector<std::string>{}) << "data may be long";
 }
 
 TEST(SourceRules, AskForTheLicenceInTheFirstLine) {
-  EXPECT_EQ(broken_rules("src/io/a.h", "#pragma once\n").size(), 1U);
+  EXPECT_EQ(broken_rules("src/scene/a.h", "#pragma once\n").size(), 1U);
   EXPECT_EQ(broken_rules("bench/bench_a.cpp", "").size(), 1U);
 }
 

@@ -25,25 +25,30 @@ constexpr std::array kRooms{
     Room{"include/poise/scheduler/", 1, "scheduler"},
     Room{"include/poise/result.h", 0, "values"},
     Room{"include/poise/types.h", 0, "values"},
+    Room{"include/poise/reference.h", 0, "values"},
+    Room{"include/poise/trace.h", 0, "values"},
     Room{"src/parallel/", 1, "parallel"},
     Room{"include/poise/mesh.h", 2, "geometry"},
     Room{"include/poise/shape.h", 2, "geometry"},
     Room{"include/poise/sphere_tree.h", 2, "geometry"},
-    Room{"include/poise/tree_cache.h", 2, "geometry"},
-    Room{"include/poise/tree_formats.h", 2, "geometry"},
     Room{"src/geometry/", 2, "geometry"},
-    Room{"include/poise/reference.h", 0, "values"},
-    Room{"include/poise/trace.h", 0, "values"},
-    Room{"include/poise/decisions.h", 3, "interface"},
-    Room{"include/poise/step.h", 3, "interface"},
-    Room{"include/poise/world.h", 3, "interface"},
+    Room{"include/poise/assets/", 11, "assets"},
+    Room{"src/assets/", 11, "assets"},
+    Room{"include/poise/scene/", 13, "scene"},
+    Room{"src/scene/", 13, "scene"},
+    Room{"src/record/", 12, "record"},
+    Room{"include/poise/", 3, "interface"},
     Room{"src/dynamics/", 3, "dynamics"},
     Room{"src/collision/", 4, "collision"},
-    Room{"src/response/", 5, "response"},
-    Room{"src/simulation/", 6, "simulation"},
-    Room{"src/io/", 7, "io"},
-    Room{"include/poise/", 7, "io"},
-    Room{"src/app/", 8, "app"},
+    Room{"src/solver/", 5, "solver"},
+    Room{"src/query/", 5, "query"},
+    Room{"src/world/", 6, "world"},
+    Room{"src/frame/", 7, "frame"},
+    Room{"src/verify/", 8, "verify"},
+    Room{"src/api/", 9, "api"},
+    Room{"src/app/", 14, "app"},
+    Room{"bench/", 15, "bench"},
+    Room{"examples/", 15, "examples"},
 };
 
 // <stop_token> is not among them: a std::stop_token is a handle to ask with, which public options hold and long work
@@ -85,7 +90,7 @@ bool is_thread_header(std::string_view name) {
 
 std::optional<std::string> wrong_include(const Room& room, bool is_public, char quote, std::string_view name) {
   const bool stops = name == "stop_token" && room.name == "scheduler";
-  if ((is_thread_header(name) && room.name != "parallel") || stops)
+  if ((is_thread_header(name) && room.name != "parallel" && room.name != "bench" && room.name != "examples") || stops)
     return "threads, locks and atomics belong to src/parallel";
   if (quote == '<') {
     if (room.name == "scheduler" && name.find_first_of("./") != std::string_view::npos) {
@@ -115,13 +120,14 @@ std::optional<std::string> wrong_code(const Room& room, std::string_view path, s
   static const std::regex prints(
       R"(\bstd::(cout|cerr|clog|terminate|abort|exit|quick_exit)\b|\b(printf|fprintf|puts|abort|exit)\s*\(|\bfmt::print\b)");
   const bool stops = room.name == "scheduler" && code.find("std::stop_token") != std::string_view::npos;
-  if ((room.name != "parallel" && found(threads, code)) || stops)
+  if ((room.name != "parallel" && room.name != "bench" && room.name != "examples" && found(threads, code)) || stops)
     return "threads, locks and atomics belong to src/parallel";
-  const bool may_read_clock =
-      room.name == "parallel" || room.name == "simulation" || room.name == "app" || path == "include/poise/step.h";
+  const bool is_program = room.name == "app" || room.name == "bench" || room.name == "examples";
+  const bool may_read_clock = room.name == "parallel" || room.name == "frame" || room.name == "verify" ||
+                              room.name == "scene" || is_program || path == "include/poise/step.h";
   if (!may_read_clock && found(clocks, code))
-    return "time is an argument; only parallel, simulation and app read a clock";
-  if (room.name != "app" && found(prints, code)) return "the library neither prints nor ends the program";
+    return "time is an argument; only parallel, frame, verify and programs read a clock";
+  if (!is_program && found(prints, code)) return "the library neither prints nor ends the program";
   return std::nullopt;
 }
 

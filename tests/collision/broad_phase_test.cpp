@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "collision/broad_phase.h"
+#include "collision/broad_phase/broad_phase.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -103,8 +103,8 @@ TEST(BroadPhase, PartnersBeyondTheLimitAreCountedNotLostInSilence) {
   const auto executor = parallel::make_executor(ExecutorKind::Threads, 3);
   BroadPhase broad;
   const auto result = broad.find(bounds, {}, 10, *executor);
-  EXPECT_EQ(result.pairs.size() + result.dropped, 40U * 39U / 2U);
-  EXPECT_GT(result.dropped, 0U);
+  EXPECT_EQ(result.pairs.size() + result.discarded, 40U * 39U / 2U);
+  EXPECT_GT(result.discarded, 0U);
   std::vector<int> partners(40, 0);
   for (const CandidatePair& pair : result.pairs) {
     ++partners[pair.low];

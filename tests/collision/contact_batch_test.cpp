@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "collision/contact_batch.h"
+#include "collision/manifold/contact_batch.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "collision/contact_sums.h"
 #include "collision/instruction_sets.h"
+#include "collision/manifold/contact_sums.h"
 #include "collision/shapes.h"
 
 namespace poise::collision {
@@ -52,10 +52,10 @@ ContactSums plain_sums(const PairFrame& frame, std::span<const FrontEntry> front
     note(contact.gap_m, sums.spheres_m);
     note(contact.gap_m +
              (static_cast<double>(a.protrusion_mean_m[entry.a]) + static_cast<double>(b.protrusion_mean_m[entry.b])),
-         sums.likely_m);
+         sums.estimated_separation_m);
     note(contact.gap_m +
              (static_cast<double>(a.protrusion_max_m[entry.a]) + static_cast<double>(b.protrusion_max_m[entry.b])),
-         sums.surely_m);
+         sums.certain_separation_m);
     const auto add = [&](double weight, WrenchSum& sum) {
       const Vec3 normal = weight * contact.normal;
       sum.weight_m += weight;
@@ -120,8 +120,8 @@ TEST(ContactBatch, SumsOfAnyLengthHaveTheBitsOfTheirDefinition) {
         ASSERT_NO_FATAL_FAILURE(expect_same_sum(found->touching, expected.touching));
         ASSERT_NO_FATAL_FAILURE(expect_same_sum(found->near, expected.near));
         ASSERT_EQ(found->spheres_m, expected.spheres_m);
-        ASSERT_EQ(found->likely_m, expected.likely_m);
-        ASSERT_EQ(found->surely_m, expected.surely_m);
+        ASSERT_EQ(found->estimated_separation_m, expected.estimated_separation_m);
+        ASSERT_EQ(found->certain_separation_m, expected.certain_separation_m);
       }
       if (expected.touching.weight_m > 0 && expected.near.weight_m > 0) ++both;
     }

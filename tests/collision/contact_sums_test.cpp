@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "collision/contact_sums.h"
+#include "collision/manifold/contact_sums.h"
 
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ TEST(ContactSums, AreTheWrenchOfAllOverlapsWeightedByDepth) {
     EXPECT_LT((contact.direction - l / weights).norm(), 1e-12);
     EXPECT_LT((contact.moment_a_m - ta / weights).norm(), 1e-12);
     EXPECT_LT((contact.moment_b_m - tb / weights).norm(), 1e-12);
-    EXPECT_NEAR(contact.likely_m, least, 1e-12) << "leaves are the true surface";
+    EXPECT_NEAR(contact.estimated_separation_m, least, 1e-12) << "leaves are the true surface";
   }
   EXPECT_GT(checked, 50);
 }
@@ -92,8 +92,8 @@ TEST(ContactSums, ACoarseLevelAllowsForWhatItsSpheresOverstate) {
   const double mean = static_cast<double>(jack->tree.protrusion_mean_m[0]);
   const double most = static_cast<double>(jack->tree.protrusion_max_m[0]);
   EXPECT_GT(most, mean);
-  EXPECT_DOUBLE_EQ(contact.likely_m, contact.spheres_m + 2 * mean);
-  EXPECT_DOUBLE_EQ(contact.surely_m, contact.spheres_m + 2 * most);
+  EXPECT_DOUBLE_EQ(contact.estimated_separation_m, contact.spheres_m + 2 * mean);
+  EXPECT_DOUBLE_EQ(contact.certain_separation_m, contact.spheres_m + 2 * most);
 }
 
 }  // namespace

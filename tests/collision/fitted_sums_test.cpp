@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "collision/fitted_sums.h"
+#include "collision/manifold/fitted_sums.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "collision/contact_sums.h"
 #include "collision/instruction_sets.h"
+#include "collision/manifold/contact_sums.h"
 #include "collision/shapes.h"
 
 namespace poise::collision {
@@ -41,7 +41,7 @@ Contacts random_contacts(std::size_t count, std::mt19937_64& random, bool plane 
   made.frame = make_pair_frame(*made.a, random_pose(random, 0.6), *made.b, random_pose(random, 0.6), 0.1, 0.01);
   made.frame.fitted = true;
   made.frame.expected_gap_m = uniform(random, -0.1, 0.1);
-  made.frame.breadth_m = uniform(random, 0.3, 0.6);
+  made.frame.width_m = uniform(random, 0.3, 0.6);
   for (std::size_t i = 0; i < count; ++i) {
     made.front.push_back({static_cast<NodeIndex>(random() % made.a->tree.node_count()),
                           plane ? 0 : static_cast<NodeIndex>(random() % made.b->tree.node_count())});
@@ -70,10 +70,10 @@ FittedSums defined_sums(const PairFrame& frame, std::span<const FrontEntry> fron
     const auto radius_a = static_cast<double>(a.radius_m);
     const auto radius_b = static_cast<double>(b.radius_m);
     const double gap = distance - radius_a - radius_b;
-    const double w = std::exp(std::clamp(-(gap - frame.expected_gap_m) / frame.breadth_m, -16.0, 6.0));
+    const double w = std::exp(std::clamp(-(gap - frame.expected_gap_m) / frame.width_m, -16.0, 6.0));
     const double sharp = std::pow(std::max(w, std::exp(-10.0)), 8);
     sums.direction += w * way;
-    sums.place_m += sharp * (center(a) + 0.5 * (distance + radius_a - radius_b) * way);
+    sums.point_m += sharp * (center(a) + 0.5 * (distance + radius_a - radius_b) * way);
     sums.weight += sharp;
     sums.fitted_m = std::min(sums.fitted_m, gap);
     sums.cores_m = std::min(sums.cores_m, distance - static_cast<double>(a.core_m) - static_cast<double>(b.core_m));
@@ -85,7 +85,7 @@ void expect_near(const FittedSums& sums, const FittedSums& wanted) {
   // A weight is right to a thousandth, its eighth power to eight of them.
   EXPECT_LT((sums.direction - wanted.direction).norm(), 2e-3 * wanted.direction.norm() + 1e-6);
   EXPECT_NEAR(sums.weight, wanted.weight, 1e-2 * wanted.weight);
-  EXPECT_LT((sums.place_m / sums.weight - wanted.place_m / wanted.weight).norm(), 5e-3);
+  EXPECT_LT((sums.point_m / sums.weight - wanted.point_m / wanted.weight).norm(), 5e-3);
   EXPECT_NEAR(sums.fitted_m, wanted.fitted_m, 1e-6);
   EXPECT_NEAR(sums.cores_m, wanted.cores_m, 1e-6);
 }
@@ -126,7 +126,7 @@ TEST(FittedSums, HaveTheSameBitsOnEveryInstructionSet) {
     EXPECT_GT(sets, 1);
     for (const FittedSums& sums : all) {
       EXPECT_EQ(sums.direction, all[0].direction);
-      EXPECT_EQ(sums.place_m, all[0].place_m);
+      EXPECT_EQ(sums.point_m, all[0].point_m);
       const auto rest = [](const FittedSums& of) { return std::array<double, 3>{of.weight, of.fitted_m, of.cores_m}; };
       EXPECT_EQ(rest(sums), rest(all[0]));
     }
@@ -155,8 +155,8 @@ TEST(FittedContact, OfTwoBallsIsTheirOwn) {
   ASSERT_TRUE(contact.present);
   EXPECT_LT((contact.direction - way).norm(), 1e-6);
   EXPECT_LT((contact.arm_m - 0.495 * way).norm(), 1e-6);
-  EXPECT_NEAR(contact.likely_m, -0.01, 1e-6);
-  EXPECT_NEAR(contact.surely_m, -0.01, 1e-6);
+  EXPECT_NEAR(contact.estimated_separation_m, -0.01, 1e-6);
+  EXPECT_NEAR(contact.certain_separation_m, -0.01, 1e-6);
 }
 
 TEST(FittedContact, OfCoincidingBallsHasADirection) {
@@ -167,7 +167,7 @@ TEST(FittedContact, OfCoincidingBallsHasADirection) {
   ASSERT_TRUE(contact.present);
   EXPECT_EQ(contact.direction, Vec3::UnitZ());
   EXPECT_TRUE(contact.moment_a_m.allFinite() && contact.moment_b_m.allFinite());
-  EXPECT_NEAR(contact.surely_m, -0.75, 1e-6);
+  EXPECT_NEAR(contact.certain_separation_m, -0.75, 1e-6);
 }
 
 TEST(FittedContact, ANodeWithoutSurfaceKeepsStillBesideOneThatHasSome) {
@@ -182,7 +182,7 @@ TEST(FittedContact, ANodeWithoutSurfaceKeepsStillBesideOneThatHasSome) {
   const PairContact both = answer(contacts.frame, contacts.front);
   EXPECT_LT((both.direction - alone.direction).norm(), 0.05);
   EXPECT_LT((both.arm_m - alone.arm_m).norm(), 1e-3);
-  EXPECT_EQ(both.likely_m, alone.likely_m);
+  EXPECT_EQ(both.estimated_separation_m, alone.estimated_separation_m);
 }
 
 }  // namespace

@@ -6,16 +6,16 @@
 #include <optional>
 #include <random>
 
-#include "collision/polygon_judge.h"
+#include "collision/polygon_oracle.h"
 #include "collision/shapes.h"
-#include "geometry/shape_surface.h"
+#include "geometry/shape/shape_surface.h"
 #include "poise/sphere_tree.h"
 
 namespace poise::collision {
 
 /// A mesh about the middle of its bounding box, its judge, and a shape that holds a tree of it.
-struct JudgedShape {
-  PolygonJudge judge;
+struct OracleShape {
+  PolygonOracle oracle;
   Shape shape;
   double diagonal_m = 0;
 };
@@ -33,8 +33,8 @@ inline void center_mesh(TriangleMesh& mesh) {
 }
 
 /// A shape without mass properties, which queries do not ask for, with its triangles.
-inline JudgedShape make_judged_shape(const TriangleMesh& mesh, SphereTree tree) {
-  JudgedShape judged{PolygonJudge(mesh), {}, mesh.diagonal_m()};
+inline OracleShape make_oracle_shape(const TriangleMesh& mesh, SphereTree tree) {
+  OracleShape judged{PolygonOracle(mesh), {}, mesh.diagonal_m()};
   const Sphere root = tree.sphere(0);
   judged.shape.bounding_radius_m = root.center_m.norm() + root.radius_m;
   judged.shape.tree = std::move(tree);
@@ -50,7 +50,7 @@ struct PosedPair {
 /// Two bodies, turned at random, near where they first meet on a random line: b comes along the line until the surfaces
 /// are within 0.2 % of the smaller diagonal, and is then put farther or nearer by up to `band` of it. About 10 m from
 /// the origin of the world, so that nothing is round.
-inline PosedPair pose_near_first_touch(const JudgedShape& a, const JudgedShape& b, double band,
+inline PosedPair pose_near_first_touch(const OracleShape& a, const OracleShape& b, double band,
                                        std::mt19937_64& random) {
   const double size = std::min(a.diagonal_m, b.diagonal_m);
   const double far = a.shape.bounding_radius_m + b.shape.bounding_radius_m;
@@ -62,7 +62,7 @@ inline PosedPair pose_near_first_touch(const JudgedShape& a, const JudgedShape& 
     // A body that moves by the distance cannot pass the other one. A graze that takes too many steps is left out.
     for (int step = 0; step < 60 && along > -far; ++step) {
       posed.b.position_m = posed.a.position_m + aside + along * direction;
-      const double distance = a.judge.distance_m(posed.a, b.judge, posed.b);
+      const double distance = a.oracle.distance_m(posed.a, b.oracle, posed.b);
       if (distance < 2e-3 * size) {
         posed.b.position_m += uniform(random, -band, band) * size * direction;
         return posed;

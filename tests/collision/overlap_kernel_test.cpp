@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "collision/overlap_kernel.h"
+#include "collision/front/overlap_kernel.h"
 
 #include <gtest/gtest.h>
 

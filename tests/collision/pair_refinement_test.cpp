@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "collision/pair_refinement.h"
+#include "collision/front/pair_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -16,14 +16,15 @@ std::vector<FrontPool> make_pools(int workers, std::uint32_t room = kRoom) {
   return pools;
 }
 
-LonePair start(const PairFrame& frame) {
-  LonePair pair;
+SinglePair start(const PairFrame& frame) {
+  SinglePair pair;
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   return pair;
 }
 
 // Refines one level, `units` expansions at a time, on the given worker.
-bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units, LonePair& pair) {
+bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
+                 SinglePair& pair) {
   LevelProgress progress = begin_level(pair, pools[static_cast<std::size_t>(worker)]);
   for (;;) {
     const Quantum quantum = run_quantum(frame, pools, worker, units, progress);
@@ -55,7 +56,7 @@ TEST(PairRefinement, NeverLosesATouchAndKnowsItsDepthAtTheLeaves) {
     const PairFrame frame = make_pair_frame(a, random_pose(random, 0.8), b, random_pose(random, 0.8), 0.02, 0.001);
     const double exact = least_leaf_gap(frame);
     auto pools = make_pools(1);
-    LonePair pair = start(frame);
+    SinglePair pair = start(frame);
     while (pair.refinable()) {
       ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
       if (exact < frame.margin_m) {
@@ -83,8 +84,8 @@ TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
         make_pair_frame(*worm, random_pose(random, 0.3), *worm, random_pose(random, 0.3), 0.05, 0.001);
     auto whole_pools = make_pools(1);
     auto split_pools = make_pools(3);
-    LonePair whole = start(frame);
-    LonePair split = start(frame);
+    SinglePair whole = start(frame);
+    SinglePair split = start(frame);
     while (whole.refinable()) {
       ASSERT_TRUE(refine_once(frame, whole_pools, 0, 1U << 30U, whole));
       ASSERT_TRUE(refine_once(frame, split_pools, static_cast<int>(random() % 3), 3, split));
@@ -92,7 +93,7 @@ TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
       ASSERT_EQ(whole.front_entries, split.front_entries);
       EXPECT_EQ(whole.contact.direction, split.contact.direction);
       EXPECT_EQ(whole.contact.moment_a_m, split.contact.moment_a_m);
-      EXPECT_EQ(whole.contact.likely_m, split.contact.likely_m);
+      EXPECT_EQ(whole.contact.estimated_separation_m, split.contact.estimated_separation_m);
       std::vector<NodeIndex> fronts[2];
       for_each_segment(whole_pools, whole.front, [&](auto entries) {
         for (auto e : entries) fronts[0].push_back(e.a * 1000 + e.b);
@@ -111,9 +112,9 @@ TEST(PairRefinement, AFullPoolRefusesTheLevelWhole) {
   const ShapePtr jack = make_jack();
   const PairFrame frame = make_pair_frame(*jack, Pose{}, *jack, Pose{Vec3(0.1, 0, 0), Mat3::Identity()}, 0.01, 0.001);
   auto pools = make_pools(1, 64);
-  LonePair pair = start(frame);
+  SinglePair pair = start(frame);
   ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
-  const LonePair before = pair;
+  const SinglePair before = pair;
   const FrontPool::Mark mark = pools[0].mark();
   EXPECT_FALSE(refine_once(frame, pools, 0, 512, pair));
   EXPECT_EQ(pair.level, before.level);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "collision/polygon_contact.h"
+#include "collision/triangles/polygon_contact.h"
 
 #include <gtest/gtest.h>
 
@@ -36,12 +36,12 @@ TEST(Polygons, ACornerOverAFaceHasTheFacesNormalAndItsOwnPlace) {
   const double corner = std::sqrt(0.75);
   for (const double gap : {0.03, 1e-3, 1e-6, -1e-6, -1e-3, -0.03}) {
     const Vec3 offset(0.2, -0.3, 0.25 + corner + gap);
-    const PairContact contact = answer_by_polygons(slab(), box(), on_its_corner(), offset, 0.05).contact;
+    const PairContact contact = solve_by_polygons(slab(), box(), on_its_corner(), offset, 0.05).contact;
     ASSERT_TRUE(contact.present) << gap;
     expect_near(contact.direction, Vec3::UnitZ(), 1e-6);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
-    EXPECT_EQ(contact.likely_m, contact.surely_m);
-    EXPECT_EQ(contact.likely_m, contact.spheres_m);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
+    EXPECT_EQ(contact.estimated_separation_m, contact.certain_separation_m);
+    EXPECT_EQ(contact.estimated_separation_m, contact.spheres_m);
     expect_near(contact.arm_m.cross(Vec3::UnitZ()), Vec3(0.2, -0.3, 0).cross(Vec3::UnitZ()),
                 1e-6 + 0.1 * std::max(0.0, -gap));
     expect_near(contact.moment_a_m, contact.arm_m.cross(contact.direction), 1e-6 + 0.1 * std::max(0.0, -gap));
@@ -58,10 +58,10 @@ TEST(Polygons, TwoCrossedEdgesAnswerSquareToBoth) {
     const PairFrame frame = make_pair_frame(box(), Pose{Vec3::Zero(), roof}, box(), Pose{offset, keel}, 0.03, 0);
     std::vector<FrontPool> pools;
     pools.emplace_back(1U << 18U);
-    const PairContact contact = answer_by_polygons(frame, pools).contact;
+    const PairContact contact = solve_by_polygons(frame, pools).contact;
     ASSERT_TRUE(contact.present) << gap;
     expect_near(roof * contact.direction, Vec3::UnitZ(), 1e-5);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     const Vec3 place = roof * contact.arm_m;
     // The edges meet where the upper one passes over the ridge y = 0.
     EXPECT_NEAR(place.y(), 0, 1e-6 + std::max(0.0, -gap));
@@ -72,10 +72,10 @@ TEST(Polygons, TwoCrossedEdgesAnswerSquareToBoth) {
 TEST(Polygons, AFaceOnAFaceAnswersInTheMiddleAndNotInACorner) {
   for (const double gap : {0.01, 1e-6, -1e-3}) {
     const Vec3 offset(0.31, -0.22, 0.75 + gap);
-    const PairContact contact = answer_by_polygons(slab(), box(), turned(0.4, Vec3::UnitZ()), offset, 0.02).contact;
+    const PairContact contact = solve_by_polygons(slab(), box(), turned(0.4, Vec3::UnitZ()), offset, 0.02).contact;
     ASSERT_TRUE(contact.present);
     expect_near(contact.direction, Vec3::UnitZ(), 1e-6);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     EXPECT_NEAR(contact.arm_m.x(), 0.31, 1e-3);
     EXPECT_NEAR(contact.arm_m.y(), -0.22, 1e-3);
   }
@@ -83,40 +83,40 @@ TEST(Polygons, AFaceOnAFaceAnswersInTheMiddleAndNotInACorner) {
 
 TEST(Polygons, BoxesInLineWithEachOtherAnswerAsAnyOthers) {
   for (const double gap : {1e-3, 0.0, -1e-3, -0.2}) {
-    const PairContact contact = answer_by_polygons(box(), box(), Mat3::Identity(), Vec3(0, 0, 1 + gap), 0.01).contact;
+    const PairContact contact = solve_by_polygons(box(), box(), Mat3::Identity(), Vec3(0, 0, 1 + gap), 0.01).contact;
     ASSERT_TRUE(contact.present) << gap;
     expect_near(contact.direction, Vec3::UnitZ(), 1e-6);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     EXPECT_LT(std::hypot(contact.arm_m.x(), contact.arm_m.y()), 1e-3);
   }
 }
 
 TEST(Polygons, ABallMeetsFacesEdgesAndCornersExactly) {
   for (const double gap : {0.01, -0.01, -0.2}) {
-    PairContact contact = answer_by_polygons(box(), ball(), Mat3::Identity(), Vec3(0.1, 0.2, 0.75 + gap), 0.02).contact;
+    PairContact contact = solve_by_polygons(box(), ball(), Mat3::Identity(), Vec3(0.1, 0.2, 0.75 + gap), 0.02).contact;
     ASSERT_TRUE(contact.present);
     expect_near(contact.direction, Vec3::UnitZ(), 1e-8);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     // The same with the ball first.
-    contact = answer_by_polygons(ball(), box(), Mat3::Identity(), Vec3(-0.1, -0.2, -0.75 - gap), 0.02).contact;
+    contact = solve_by_polygons(ball(), box(), Mat3::Identity(), Vec3(-0.1, -0.2, -0.75 - gap), 0.02).contact;
     expect_near(contact.direction, -Vec3::UnitZ(), 1e-8);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     const Vec3 over_edge = Vec3(0.5, 0.1, 0.5) + (0.25 + gap) * Vec3(1, 0, 1).normalized();
-    contact = answer_by_polygons(box(), ball(), Mat3::Identity(), over_edge, 0.02).contact;
+    contact = solve_by_polygons(box(), ball(), Mat3::Identity(), over_edge, 0.02).contact;
     expect_near(contact.direction, Vec3(1, 0, 1).normalized(), 1e-6);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     const Vec3 over_corner = Vec3(0.5, 0.5, -0.5) + (0.25 + gap) * Vec3(1, 1, -1).normalized();
-    contact = answer_by_polygons(box(), ball(), Mat3::Identity(), over_corner, 0.02).contact;
+    contact = solve_by_polygons(box(), ball(), Mat3::Identity(), over_corner, 0.02).contact;
     expect_near(contact.direction, Vec3(1, 1, -1).normalized(), 1e-6);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-8);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
   }
 }
 
 TEST(Polygons, ABallWhoseCentreIsInsideLeavesByTheNearestFace) {
-  const PairContact contact = answer_by_polygons(box(), ball(), Mat3::Identity(), Vec3(0.1, 0.2, 0.42), 0.02).contact;
+  const PairContact contact = solve_by_polygons(box(), ball(), Mat3::Identity(), Vec3(0.1, 0.2, 0.42), 0.02).contact;
   ASSERT_TRUE(contact.present);
   expect_near(contact.direction, Vec3::UnitZ(), 1e-12);
-  EXPECT_NEAR(contact.likely_m, -0.33, 1e-8);
+  EXPECT_NEAR(contact.estimated_separation_m, -0.33, 1e-8);
 }
 
 TEST(Polygons, APlaneMeetsTheLowestCorners) {
@@ -125,14 +125,14 @@ TEST(Polygons, APlaneMeetsTheLowestCorners) {
   pools.emplace_back(1U << 16U);
   for (const double gap : {0.01, -0.1}) {
     const Pose flat{Vec3(3, 4, 0.5 + gap), Mat3::Identity()};
-    PairContact contact = answer_by_polygons(make_pair_frame(box(), flat, *floor, Pose{}, 0.05, 0), pools).contact;
+    PairContact contact = solve_by_polygons(make_pair_frame(box(), flat, *floor, Pose{}, 0.05, 0), pools).contact;
     ASSERT_TRUE(contact.present);
     expect_near(contact.direction, -Vec3::UnitZ(), 1e-12);
-    EXPECT_NEAR(contact.likely_m, gap, 1e-12);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-12);
     expect_near(contact.arm_m, Vec3(0, 0, -0.5), 1e-12);
     const Pose tip{Vec3(3, 4, std::sqrt(0.75) + gap), on_its_corner()};
-    contact = answer_by_polygons(make_pair_frame(box(), tip, *floor, Pose{}, 0.05, 0), pools).contact;
-    EXPECT_NEAR(contact.likely_m, gap, 1e-12);
+    contact = solve_by_polygons(make_pair_frame(box(), tip, *floor, Pose{}, 0.05, 0), pools).contact;
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-12);
     expect_near(contact.arm_m, Vec3(-0.5, -0.5, -0.5), 1e-9);
   }
 }
@@ -140,9 +140,9 @@ TEST(Polygons, APlaneMeetsTheLowestCorners) {
 TEST(Polygons, WhatIsInsideAltogetherIsPushedAndNotForgotten) {
   static const ShapePtr crumb = mesh_shape(box_mesh(Vec3(0.2, 0.2, 0.2)));
   for (const Vec3& place : {Vec3(0.1, 0, 0.05), Vec3(0.2, 0.1, 0.395)}) {
-    const PairContact contact = answer_by_polygons(box(), *crumb, turned(0.3, Vec3(1, 2, 3)), place, 0.02).contact;
+    const PairContact contact = solve_by_polygons(box(), *crumb, turned(0.3, Vec3(1, 2, 3)), place, 0.02).contact;
     ASSERT_TRUE(contact.present);
-    EXPECT_LE(contact.surely_m, 0);
+    EXPECT_LE(contact.certain_separation_m, 0);
     EXPECT_TRUE(contact.direction.allFinite());
     EXPECT_GT(contact.direction.dot(place), 0);
   }
@@ -158,13 +158,13 @@ TEST(Polygons, DeepAndThinOverlapsStayFinite) {
     const Shape& a = *shapes[random() % 3];
     const Shape& b = *shapes[random() % 3];
     const PolygonAnswer answer =
-        answer_by_polygons(a, b, random_pose(random, 0).rotation, random_vector(random, 0.5), 0.01);
+        solve_by_polygons(a, b, random_pose(random, 0).rotation, random_vector(random, 0.5), 0.01);
     if (!answer.contact.present) continue;
     ++present;
     EXPECT_NEAR(answer.contact.direction.norm(), 1, 0.999) << "round " << round;
     EXPECT_TRUE(answer.contact.moment_a_m.allFinite() && answer.contact.moment_b_m.allFinite());
-    EXPECT_TRUE(std::isfinite(answer.contact.likely_m));
-    EXPECT_LT(std::abs(answer.contact.likely_m), 8);
+    EXPECT_TRUE(std::isfinite(answer.contact.estimated_separation_m));
+    EXPECT_LT(std::abs(answer.contact.estimated_separation_m), 8);
   }
   EXPECT_GT(present, 50);
 }
@@ -176,14 +176,14 @@ TEST(Polygons, PiecesOfAnySizeGiveTheSameBitsAndCostWhatWasForecast) {
   for (int round = 0; round < 20; ++round) {
     const Mat3 turn = random_pose(random, 0).rotation;
     const Vec3 offset = random_vector(random, 0.6);
-    const PolygonAnswer whole = answer_by_polygons(*torus, *torus, turn, offset, 0.01);
-    const PolygonAnswer pieces = answer_by_polygons(*torus, *torus, turn, offset, 0.01, 10);
+    const PolygonAnswer whole = solve_by_polygons(*torus, *torus, turn, offset, 0.01);
+    const PolygonAnswer pieces = solve_by_polygons(*torus, *torus, turn, offset, 0.01, 10);
     if (pieces.quanta > 1) ++split;
     EXPECT_LE(pieces.quanta, whole.units / 10 + 1);
     EXPECT_EQ(whole.contact.present, pieces.contact.present);
     EXPECT_EQ(whole.contact.direction, pieces.contact.direction);
     EXPECT_EQ(whole.contact.moment_a_m, pieces.contact.moment_a_m);
-    EXPECT_EQ(whole.contact.likely_m, pieces.contact.likely_m);
+    EXPECT_EQ(whole.contact.estimated_separation_m, pieces.contact.estimated_separation_m);
   }
   EXPECT_GT(split, 10);
 }
@@ -195,7 +195,7 @@ TEST(Polygons, CurvesOfACrossingCloseHoweverManyTrianglesMeet) {
   std::uint32_t most = 0;
   for (int round = 0; round < 30; ++round) {
     const PolygonSums sums =
-        answer_by_polygons(*torus, *torus, random_pose(random, 0).rotation, random_vector(random, 0.4), 1e-3).sums;
+        solve_by_polygons(*torus, *torus, random_pose(random, 0).rotation, random_vector(random, 0.4), 1e-3).sums;
     if (!sums.crossed) continue;
     ++crossed;
     most = std::max(most, sums.segments);
@@ -212,9 +212,9 @@ TEST(Polygons, TwoBallsOfTrianglesAnswerAsBalls) {
     const Vec3 between = random_pose(random, 0).rotation.col(0);
     const double gap = uniform(random, -0.05, 0.01);
     const PairContact contact =
-        answer_by_polygons(*round, *round, random_pose(random, 0).rotation, (1 + gap) * between, 0.02).contact;
+        solve_by_polygons(*round, *round, random_pose(random, 0).rotation, (1 + gap) * between, 0.02).contact;
     ASSERT_TRUE(contact.present);
-    EXPECT_NEAR(contact.likely_m, gap, 1.5e-2);
+    EXPECT_NEAR(contact.estimated_separation_m, gap, 1.5e-2);
     EXPECT_GT(contact.direction.dot(between), std::cos(0.12)) << gap;
   }
 }

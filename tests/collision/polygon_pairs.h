@@ -3,20 +3,20 @@
 
 #include <vector>
 
-#include "collision/polygon_contact.h"
 #include "collision/shapes.h"
-#include "geometry/kept_tree.h"
+#include "collision/triangles/polygon_contact.h"
 #include "geometry/meshes.h"
+#include "geometry/shared_tree.h"
 
 namespace poise::collision {
 
 inline ShapePtr mesh_shape(const TriangleMesh& mesh, Level depth = 2) {
-  return make_mesh_shape_with_tree(mesh, test::kept_tree(mesh, depth)).value();
+  return make_mesh_shape_with_tree(mesh, test::shared_tree(mesh, depth)).value();
 }
 
 /// What the polygons of one pair found.
 struct PolygonAnswer {
-  LonePair level;
+  SinglePair level;
   PolygonSums sums;
   std::uint32_t units = 0, quanta = 0;
   PairContact contact;
@@ -24,10 +24,10 @@ struct PolygonAnswer {
 
 /// Refines a pair to its leaves and through its polygons, `units` at a time; nothing but what is apart where a tree
 /// says so.
-inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontPool> pools,
-                                        std::uint32_t units = 1U << 30U, bool rests = true) {
+inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPool> pools,
+                                       std::uint32_t units = 1U << 30U, bool rests = true) {
   PolygonAnswer answer;
-  LonePair& pair = answer.level;
+  SinglePair& pair = answer.level;
   pools[0].clear();
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   allow_polygons(*frame.a, *frame.b, kMaxTreeDepth, pair);
@@ -51,11 +51,11 @@ inline PolygonAnswer answer_by_polygons(const PairFrame& frame, std::span<FrontP
 }
 
 /// The same with a pool of its own, a at rest at the origin, b turned and moved; the contact is in a's frame.
-inline PolygonAnswer answer_by_polygons(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& offset_m,
-                                        double margin_m, std::uint32_t units = 1U << 30U) {
+inline PolygonAnswer solve_by_polygons(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& offset_m,
+                                       double margin_m, std::uint32_t units = 1U << 30U) {
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 18U);
-  return answer_by_polygons(make_pair_frame(a, Pose{}, b, Pose{offset_m, turn}, margin_m, 0), pools, units);
+  return solve_by_polygons(make_pair_frame(a, Pose{}, b, Pose{offset_m, turn}, margin_m, 0), pools, units);
 }
 
 inline Mat3 turned(double angle_rad, const Vec3& axis) {

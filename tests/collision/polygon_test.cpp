@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "collision/front/pair_refinement.h"
 #include "collision/near_touch.h"
-#include "collision/pair_refinement.h"
 #include "collision/polygon_pairs.h"
 
 namespace poise::collision {
@@ -17,16 +17,16 @@ constexpr Level kDepth = 2;  // deeper trees take longer to build than a test ma
 
 const fs::path kMeshes = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry";
 
-JudgedShape judged_shape(const char* file) {
+OracleShape oracle_shape(const char* file) {
   TriangleMesh mesh = read_mesh(kMeshes / file, {}).value();
   center_mesh(mesh);
-  return make_judged_shape(mesh, test::kept_tree(mesh, kDepth));
+  return make_oracle_shape(mesh, test::shared_tree(mesh, kDepth));
 }
 
 // Levels that have a front, from 1: kDepth when the pair is never found apart.
 int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
   pools[0].clear();
-  LonePair pair;
+  SinglePair pair;
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   int levels = 0;
   while (pair.refinable()) {
@@ -39,20 +39,20 @@ int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
   return levels;
 }
 
-const JudgedShape* shapes() {
-  static const JudgedShape both[] = {judged_shape("Base.obj"), judged_shape("Wrist3.obj")};
+const OracleShape* shapes() {
+  static const OracleShape both[] = {oracle_shape("Base.obj"), oracle_shape("Wrist3.obj")};
   return both;
 }
 
 // By how much the judge's distance grows when b moves, over the length of the move: the normal, where the surfaces are
 // apart and one pair of features is the nearest.
-Vec3 gradient(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, double step_m) {
+Vec3 gradient(const OracleShape& a, const OracleShape& b, const PosedPair& posed, double step_m) {
   Vec3 slope;
   for (int axis = 0; axis < 3; ++axis) {
     const auto distance = [&](double side) {
       Pose moved = posed.b;
       moved.position_m[axis] += side * step_m;
-      return a.judge.distance_m(posed.a, b.judge, moved);
+      return a.oracle.distance_m(posed.a, b.oracle, moved);
     };
     slope[axis] = (distance(1) - distance(-1)) / (2 * step_m);
   }
@@ -65,26 +65,26 @@ struct Agreement {
 };
 
 // One pose against the judge.
-void compare(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed, std::span<FrontPool> pools,
+void compare(const OracleShape& a, const OracleShape& b, const PosedPair& posed, std::span<FrontPool> pools,
              bool with_normals, Agreement& sum) {
   const double size = std::min(a.diagonal_m, b.diagonal_m);
   const double band = 1e-4 * size;
   const double margin = 5e-3 * size;
   const auto ask = [&](const PosedPair& at) {
-    return answer_by_polygons(make_pair_frame(a.shape, at.a, b.shape, at.b, margin, 0), pools).contact;
+    return solve_by_polygons(make_pair_frame(a.shape, at.a, b.shape, at.b, margin, 0), pools).contact;
   };
   const PairContact contact = ask(posed);
-  const bool touches = a.judge.touches(posed.a, b.judge, posed.b);
-  const double distance = touches ? 0.0 : a.judge.distance_m(posed.a, b.judge, posed.b);
-  const bool says = contact.present && contact.likely_m <= 0;
+  const bool touches = a.oracle.touches(posed.a, b.oracle, posed.b);
+  const double distance = touches ? 0.0 : a.oracle.distance_m(posed.a, b.oracle, posed.b);
+  const bool says = contact.present && contact.estimated_separation_m <= 0;
   touches ? ++sum.touching : ++sum.apart;
-  const bool hair = distance < band && contact.present && std::abs(contact.likely_m) < band;
+  const bool hair = distance < band && contact.present && std::abs(contact.estimated_separation_m) < band;
   if (says != touches && !hair) ++sum.disagreed;
   const double within = std::cos(5 * M_PI / 180);
   if (!touches && distance < margin - band) {
     ++sum.gaps;
     ASSERT_TRUE(contact.present);
-    ASSERT_NEAR(contact.likely_m, distance, 1e-6 * size);
+    ASSERT_NEAR(contact.estimated_separation_m, distance, 1e-6 * size);
   }
   if (!with_normals) return;
   // A softness away from every other pair of features, or the answer is rightly a mean of both.
@@ -97,10 +97,10 @@ void compare(const JudgedShape& a, const JudgedShape& b, const PosedPair& posed,
   };
   if (!touches && distance > 2 * step && distance < margin - 2 * step)
     one_normal(posed, contact, sum.normals, sum.normals_off);
-  if (touches && contact.present && -contact.likely_m < 2e-3 * size) {
+  if (touches && contact.present && -contact.estimated_separation_m < 2e-3 * size) {
     // Lifted out along the answer's own normal, the surfaces must be just apart, and stand square to it.
     PosedPair lifted = posed;
-    lifted.b.position_m += posed.a.rotation * contact.direction * (3 * step - contact.likely_m);
+    lifted.b.position_m += posed.a.rotation * contact.direction * (3 * step - contact.estimated_separation_m);
     one_normal(lifted, contact, sum.lifted, sum.lifted_off);
   }
 }
@@ -113,8 +113,8 @@ TEST(PolygonsOfMeshes, AgreeWithTheJudgeAboutTouchGapAndNormal) {
   Agreement sum;
   PosedPair found;
   for (int round = 0; round < 1000; ++round) {
-    const JudgedShape& a = shapes()[round / 5 % 2];
-    const JudgedShape& b = shapes()[round / 10 % 2];
+    const OracleShape& a = shapes()[round / 5 % 2];
+    const OracleShape& b = shapes()[round / 10 % 2];
     // The search for a first touch is the judge's, and slow: each serves for five poses around it.
     if (round % 5 == 0) found = pose_near_first_touch(a, b, 4e-3, random);
     PosedPair posed = found;
@@ -143,8 +143,8 @@ TEST(TreesOfMeshes, NoLevelIsEmptyWhereTrianglesMeet) {
   int touching = 0;
   int told_apart = 0;
   for (int round = 0; round < 2000; ++round) {
-    const JudgedShape& a = shapes()[random() % 2];
-    const JudgedShape& b = shapes()[random() % 2];
+    const OracleShape& a = shapes()[random() % 2];
+    const OracleShape& b = shapes()[random() % 2];
     PosedPair posed;
     if (round % 10 == 0) {
       posed = pose_near_first_touch(a, b, 5e-3, random);
@@ -155,7 +155,7 @@ TEST(TreesOfMeshes, NoLevelIsEmptyWhereTrianglesMeet) {
     }
     const PairFrame frame = make_pair_frame(a.shape, posed.a, b.shape, posed.b, 0, 0);
     const int levels = levels_with_a_front(frame, pools);
-    if (a.judge.touches(posed.a, b.judge, posed.b)) {
+    if (a.oracle.touches(posed.a, b.oracle, posed.b)) {
       ++touching;
       ASSERT_EQ(levels, int{kDepth}) << "round " << round;
     } else if (levels < int{kDepth}) {

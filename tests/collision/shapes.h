@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "collision/pair_frame.h"
+#include "collision/front/pair_frame.h"
 #include "poise/shape.h"
 
 namespace poise::collision {

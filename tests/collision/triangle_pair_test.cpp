@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "collision/triangle_pair.h"
+#include "collision/triangles/triangle_pair.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "collision/polygon_contact.h"
 #include "collision/shapes.h"
+#include "collision/triangles/polygon_contact.h"
 
 namespace poise::collision {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "collision/true_surface.h"
+#include "collision/triangles/true_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "geometry/meshes.h"
-#include "geometry/triangle_distance.h"
+#include "geometry/primitives/triangle_distance.h"
 
 namespace poise::collision {
 namespace {

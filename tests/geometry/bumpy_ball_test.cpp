@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/bumpy_ball.h"
+#include "geometry/mesh/bumpy_ball.h"
 
 #include <gtest/gtest.h>
 

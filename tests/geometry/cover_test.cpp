@@ -5,12 +5,12 @@
 #include <numeric>
 
 #include "collision/instruction_sets.h"
-#include "geometry/cover_starts.h"
-#include "geometry/deep_candidates.h"
-#include "geometry/greedy_cover.h"
-#include "geometry/level_cover.h"
-#include "geometry/shell_samples.h"
-#include "geometry/solid_atoms.h"
+#include "geometry/sphere_tree/cover/cover_starts.h"
+#include "geometry/sphere_tree/cover/deep_candidates.h"
+#include "geometry/sphere_tree/cover/greedy_cover.h"
+#include "geometry/sphere_tree/cover/level_cover.h"
+#include "geometry/sphere_tree/cover/solid_cells.h"
+#include "geometry/sphere_tree/shell_samples.h"
 #include "meshes.h"
 
 // The stages of which a tree is built, each against a plain answer.
@@ -35,8 +35,8 @@ Vec3f random_vec(std::mt19937_64& random) {
   return test::random_in_box(random, Vec3::Constant(-1), Vec3::Constant(1)).cast<float>();
 }
 
-std::vector<std::uint32_t> all_of(const CoverAtoms& atoms) {
-  std::vector<std::uint32_t> all(atoms.size());
+std::vector<std::uint32_t> all_of(const CoverCells& cells) {
+  std::vector<std::uint32_t> all(cells.size());
   std::iota(all.begin(), all.end(), 0U);
   return all;
 }
@@ -90,38 +90,38 @@ TEST(CoverKernels, GiveTheBitsOfPlainLoopsForAnyLengthOnEveryInstructionSet) {
   }
 }
 
-TEST(CoverAtoms, RadiusAboutIsThatOfTheFarthestPointAndWithinNeverTakesAnAtomThatSticksOut) {
+TEST(CoverCells, RadiusAboutIsThatOfTheFarthestPointAndWithinNeverTakesAnAtomThatSticksOut) {
   const Bench bench(make_procedural_shape("jack").value());
-  const SolidAtoms solid = cut_into_atoms(bench.mesh, bench.bvh, 500, *bench.executor);
-  const CoverAtoms atoms(solid, bench.frame);
+  const SolidCells solid = cut_into_cells(bench.mesh, bench.bvh, 500, *bench.executor);
+  const CoverCells cells(solid, bench.frame);
   std::mt19937_64 random(4);
   for (int round = 0; round < 40; ++round) {
     std::vector<std::uint32_t> some;
-    for (std::uint32_t atom = 0; atom < atoms.size(); ++atom) {
-      if (random() % 4 == 0) some.push_back(atom);
+    for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
+      if (random() % 4 == 0) some.push_back(cell);
     }
     const Vec3f center = 0.5F * random_vec(random);
     double farthest = 0;
-    for (const std::uint32_t atom : some) {
-      for (const Vec3& p : solid.points_of(atom))
+    for (const std::uint32_t cell : some) {
+      for (const Vec3& p : solid.points_of(cell))
         farthest = std::max(farthest, (p - bench.frame.from(center)).norm() / bench.frame.diagonal_m);
     }
-    AtomSet set;
-    set.gather(atoms, some);
-    const float radius = set.radius_about(atoms, center, 9);
+    CellSet set;
+    set.gather(cells, some);
+    const float radius = set.radius_about(cells, center, 9);
     EXPECT_GE(static_cast<double>(radius), farthest - 1e-7);
     EXPECT_LE(static_cast<double>(radius), farthest + 1e-6);
     // An atom whose middle lies outside the ball is left out even if its points are all in it.
-    for (std::uint32_t atom = 0; atom < atoms.size(); ++atom) {
-      const float reach = atoms.reach_from(atom, center);
-      const float middle = (atoms.middles.at(atom) - center).norm();
+    for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
+      const float reach = cells.reach_from(cell, center);
+      const float middle = (cells.middles.at(cell) - center).norm();
       if (reach > 0.7F * radius + 1e-6F) {
-        EXPECT_FALSE(atoms.within(atom, center, 0.7F * radius));
+        EXPECT_FALSE(cells.within(cell, center, 0.7F * radius));
       } else if (std::max(reach, middle) < 0.7F * radius - 1e-6F) {
-        EXPECT_TRUE(atoms.within(atom, center, 0.7F * radius));
+        EXPECT_TRUE(cells.within(cell, center, 0.7F * radius));
       }
     }
-    EXPECT_GT(set.radius_about(atoms, center, 0.5F * radius), 0.5F * radius);
+    EXPECT_GT(set.radius_about(cells, center, 0.5F * radius), 0.5F * radius);
   }
 }
 
@@ -182,13 +182,13 @@ TEST(ShellSamples, RunsNearABallHoldAllThatAreInIt) {
   }
 }
 
-TEST(DeepPlaces, OfATorusAreAsDeepAsTheySayAndSomeReachItsMiddle) {
+TEST(DeepPoints, OfATorusAreAsDeepAsTheySayAndSomeReachItsMiddle) {
   const Bench bench(test::torus_mesh(0.7, 0.2, 48, 24));
-  const auto places = find_deep_places(bench.mesh, bench.bvh, bench.frame, 200, 1, *bench.executor);
-  ASSERT_EQ(places.size(), 200U);
+  const auto points = find_deep_points(bench.mesh, bench.bvh, bench.frame, 200, 1, *bench.executor);
+  ASSERT_EQ(points.size(), 200U);
   // Near an edge between two facets the ball that touches both is small, and most places are near some edge.
   int in_the_middle = 0;
-  for (const DeepPlace& place : places) {
+  for (const DeepPoint& place : points) {
     const Vec3 at = bench.frame.from(place.center);
     EXPECT_NEAR(-bench.bvh.signed_distance_m(at) / bench.frame.diagonal_m, static_cast<double>(place.depth), 1e-5);
     in_the_middle += std::hypot(std::hypot(at.x(), at.y()) - 0.7, at.z()) < 0.03 ? 1 : 0;
@@ -199,17 +199,17 @@ TEST(DeepPlaces, OfATorusAreAsDeepAsTheySayAndSomeReachItsMiddle) {
 TEST(GreedyCover, HoldsEveryAtomWithEightBallsOrFewer) {
   for (const char* kind : {"jack", "slab", "bowl"}) {
     const Bench bench(make_procedural_shape(kind).value());
-    const CoverAtoms atoms(cut_into_atoms(bench.mesh, bench.bvh, 800, *bench.executor), bench.frame);
-    const auto places = find_deep_places(bench.mesh, bench.bvh, bench.frame, 300, 1, *bench.executor);
+    const CoverCells cells(cut_into_cells(bench.mesh, bench.bvh, 800, *bench.executor), bench.frame);
+    const auto points = find_deep_points(bench.mesh, bench.bvh, bench.frame, 300, 1, *bench.executor);
     const GreedyCover cover =
-        cover_greedily(atoms, all_of(atoms), places, Vec3f::Zero(), 0.6F, bench.bvh, bench.frame, 1, {.atoms = 100000});
-    EXPECT_GE(cover.places.size(), 1U) << kind;
-    EXPECT_LE(cover.places.size(), std::size_t{kTreeBranching}) << kind;
-    for (std::uint32_t atom = 0; atom < atoms.size(); ++atom) {
-      const bool held = std::ranges::any_of(cover.places, [&](const DeepPlace& place) {
-        return atoms.reach_from(atom, place.center) <= place.depth + cover.stand_off + 1e-6F;
+        cover_greedily(cells, all_of(cells), points, Vec3f::Zero(), 0.6F, bench.bvh, bench.frame, 1, {.cells = 100000});
+    EXPECT_GE(cover.points.size(), 1U) << kind;
+    EXPECT_LE(cover.points.size(), std::size_t{kTreeBranching}) << kind;
+    for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
+      const bool held = std::ranges::any_of(cover.points, [&](const DeepPoint& place) {
+        return cells.reach_from(cell, place.center) <= place.depth + cover.stand_off + 1e-6F;
       });
-      EXPECT_TRUE(held) << kind << " atom " << atom;
+      EXPECT_TRUE(held) << kind << " atom " << cell;
     }
     // Far less than what the one ball around everything stands out by.
     EXPECT_LT(cover.stand_off, 0.25F) << kind;
@@ -224,15 +224,15 @@ class LevelCoverOf : public testing::Test {
       CoverParent parent;
       parent.center = Vec3f(side * 0.2F, 0, 0);
       parent.radius = 0.5F;
-      for (std::uint32_t atom = 0; atom < atoms_.size(); ++atom) {
-        if (atoms_.within(atom, parent.center, parent.radius)) parent.allowed.push_back(atom);
+      for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
+        if (cells_.within(cell, parent.center, parent.radius)) parent.allowed.push_back(cell);
       }
       parents_.push_back(std::move(parent));
     }
-    for (const std::uint32_t atom : all_of(atoms_)) {
-      const bool first = std::ranges::binary_search(parents_[0].allowed, atom);
-      EXPECT_TRUE(first || std::ranges::binary_search(parents_[1].allowed, atom)) << "the parents hold all atoms";
-      parents_[first ? 0 : 1].own.push_back(atom);
+    for (const std::uint32_t cell : all_of(cells_)) {
+      const bool first = std::ranges::binary_search(parents_[0].allowed, cell);
+      EXPECT_TRUE(first || std::ranges::binary_search(parents_[1].allowed, cell)) << "the parents hold all atoms";
+      parents_[first ? 0 : 1].own.push_back(cell);
     }
   }
 
@@ -240,8 +240,8 @@ class LevelCoverOf : public testing::Test {
     std::vector<CoverBall> balls;
     for (std::uint32_t p = 0; p < parents_.size(); ++p) {
       if (parents_[p].closed) continue;
-      const GreedyCover cover = cover_greedily(atoms_, parents_[p].own, places_, parents_[p].center, parents_[p].radius,
-                                               bench_.bvh, bench_.frame, 1, {.atoms = 500, .random_starts = 0});
+      const GreedyCover cover = cover_greedily(cells_, parents_[p].own, points_, parents_[p].center, parents_[p].radius,
+                                               bench_.bvh, bench_.frame, 1, {.cells = 500, .random_starts = 0});
       const std::vector<CoverBall> some = balls_of(cover, p);
       balls.insert(balls.end(), some.begin(), some.end());
     }
@@ -250,36 +250,36 @@ class LevelCoverOf : public testing::Test {
 
   /// The level after so many questions whether to go on.
   std::vector<CoverBall> level_after(int rounds, LevelScore* score = nullptr) const {
-    LevelCover cover(atoms_, shell_, bench_.bvh, bench_.frame, places_, parents_);
-    cover.improve(first_balls(), {.bids = 4, .sweeps = 2, .redone = 2}, [&] { return rounds-- > 0; });
+    LevelCover cover(cells_, shell_, bench_.bvh, bench_.frame, points_, parents_);
+    cover.improve(first_balls(), {.bids = 4, .iterations = 2, .redone = 2}, [&] { return rounds-- > 0; });
     return cover.take_best(score);
   }
 
   /// Each atom that no closed parent holds has one ball that answers for it, holds it, and whose parent may pass it on.
   void expect_cover(const std::vector<CoverBall>& balls) const {
-    std::vector<int> owners(atoms_.size(), 0);
+    std::vector<int> owners(cells_.size(), 0);
     std::vector<std::size_t> family(parents_.size(), 0);
     for (const CoverBall& ball : balls) {
       ++family[ball.parent];
       EXPECT_FALSE(parents_[ball.parent].closed);
-      for (const std::uint32_t atom : ball.own) {
-        ++owners[atom];
-        EXPECT_LE(atoms_.reach_from(atom, ball.center), ball.radius + 1e-6F);
-        EXPECT_TRUE(std::ranges::binary_search(parents_[ball.parent].allowed, atom));
+      for (const std::uint32_t cell : ball.own) {
+        ++owners[cell];
+        EXPECT_LE(cells_.reach_from(cell, ball.center), ball.radius + 1e-6F);
+        EXPECT_TRUE(std::ranges::binary_search(parents_[ball.parent].allowed, cell));
       }
     }
     for (const std::size_t size : family) EXPECT_LE(size, std::size_t{kTreeBranching});
-    for (std::uint32_t atom = 0; atom < atoms_.size(); ++atom) {
+    for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
       const bool elsewhere = std::ranges::any_of(parents_, [&](const CoverParent& parent) {
-        return parent.closed && std::ranges::binary_search(parent.allowed, atom);
+        return parent.closed && std::ranges::binary_search(parent.allowed, cell);
       });
-      EXPECT_EQ(owners[atom], elsewhere ? 0 : 1) << atom;
+      EXPECT_EQ(owners[cell], elsewhere ? 0 : 1) << cell;
     }
   }
 
   Bench bench_{make_procedural_shape("l").value()};
-  CoverAtoms atoms_{cut_into_atoms(bench_.mesh, bench_.bvh, 900, *bench_.executor), bench_.frame};
-  std::vector<DeepPlace> places_ = find_deep_places(bench_.mesh, bench_.bvh, bench_.frame, 200, 1, *bench_.executor);
+  CoverCells cells_{cut_into_cells(bench_.mesh, bench_.bvh, 900, *bench_.executor), bench_.frame};
+  std::vector<DeepPoint> points_ = find_deep_points(bench_.mesh, bench_.bvh, bench_.frame, 200, 1, *bench_.executor);
   ShellSamples shell_ = bench_.shell(0.15F, 4000);
   std::vector<CoverParent> parents_;
 };

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "geometry/mesh_volume.h"
+#include "geometry/mesh/mesh_volume.h"
 #include "meshes.h"
 
 namespace poise {

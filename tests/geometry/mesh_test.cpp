@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "geometry/mesh_counts.h"
-#include "geometry/polygon.h"
+#include "assets/mesh/mesh_counts.h"
+#include "geometry/mesh/ear_clipping.h"
 #include "meshes.h"
 
 namespace poise {
@@ -32,7 +32,7 @@ TEST(CleanMesh, WeldsATornMeshBackTogether) {
   EXPECT_EQ(check_closed(mesh).open_edges, 36U);
   const MeshRepair repair = clean_mesh(mesh, 1e-6);
   EXPECT_EQ(repair.vertices_welded, 28U);
-  EXPECT_EQ(repair.triangles_dropped, 0U);
+  EXPECT_EQ(repair.triangles_discarded, 0U);
   EXPECT_FALSE(repair.flipped);
   EXPECT_EQ(mesh.vertices_m.size(), 8U);
   EXPECT_TRUE(check_closed(mesh).closed());
@@ -67,7 +67,7 @@ TEST(CleanMesh, DropsTrianglesWithoutAreaAndRepeatedOnes) {
   mesh.triangles.push_back({3, 3, 4});
   mesh.triangles.push_back({mesh.triangles[2][1], mesh.triangles[2][2], mesh.triangles[2][0]});
   const MeshRepair repair = clean_mesh(mesh, 1e-6);
-  EXPECT_EQ(repair.triangles_dropped, 2U);
+  EXPECT_EQ(repair.triangles_discarded, 2U);
   EXPECT_EQ(mesh.triangles.size(), 12U);
   EXPECT_TRUE(check_closed(mesh).closed());
 }
@@ -77,7 +77,7 @@ TEST(CleanMesh, KeepsANeedleWithoutWhichTheMeshWouldBeOpen) {
   TriangleMesh mesh;
   mesh.vertices_m = {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), 0.5 * Vec3::UnitX()};
   mesh.triangles = {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}};
-  EXPECT_EQ(clean_mesh(mesh, 1e-6).triangles_dropped, 0U);
+  EXPECT_EQ(clean_mesh(mesh, 1e-6).triangles_discarded, 0U);
   EXPECT_TRUE(check_closed(mesh).closed());
 }
 
@@ -92,7 +92,7 @@ TEST(CleanMesh, LeavesOutUnusedVerticesAndTrianglesThatNameNone) {
   TriangleMesh mesh = box_mesh(Vec3::Ones());
   mesh.vertices_m.emplace_back(100, 100, 100);
   mesh.triangles.push_back({0, 1, 77});
-  EXPECT_EQ(clean_mesh(mesh, 1e-9).triangles_dropped, 1U);
+  EXPECT_EQ(clean_mesh(mesh, 1e-9).triangles_discarded, 1U);
   EXPECT_EQ(mesh.vertices_m.size(), 8U);
 }
 
@@ -110,7 +110,7 @@ RC_GTEST_PROP(CleanMesh, ASecondCleaningChangesNothing, (std::uint32_t seed)) {
   TriangleMesh again = mesh;
   const MeshRepair repair = clean_mesh(again, 1e-6);
   RC_ASSERT(repair.vertices_welded == 0U);
-  RC_ASSERT(repair.triangles_dropped == 0U);
+  RC_ASSERT(repair.triangles_discarded == 0U);
   RC_ASSERT(again.triangles == mesh.triangles);
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/procedural.h"
+#include "geometry/mesh/procedural.h"
 #include "poise/mesh.h"
 #include "poise/sphere_tree.h"
 

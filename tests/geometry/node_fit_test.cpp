@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/node_fit.h"
+#include "geometry/sphere_tree/node_fit.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "geometry/nearest_leaf.h"
-#include "geometry/procedural.h"
-#include "geometry/random.h"
-#include "geometry/tree_layout.h"
+#include "geometry/mesh/procedural.h"
+#include "geometry/primitives/random.h"
+#include "geometry/sphere_tree/nearest_leaf.h"
+#include "geometry/sphere_tree/tree_layout.h"
 #include "meshes.h"
 
 namespace poise::geometry {
@@ -18,7 +18,7 @@ SphereTree lone_sphere(const Vec3& center_m, double radius_m) {
   LooseNode node;
   node.center_m = center_m.cast<float>();
   node.radius_m = static_cast<float>(radius_m);
-  return lay_out_tree({node});
+  return flatten_tree({node});
 }
 
 NodeFit fit_of(const SphereTree& start, const TriangleMesh& mesh) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/procedural.h"
+#include "geometry/mesh/procedural.h"
 
 namespace poise::geometry {
 namespace {

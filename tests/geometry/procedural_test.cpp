@@ -22,7 +22,7 @@ TEST(ProceduralShape, EveryOneIsClosedOutwardAndAboutAMetreAcross) {
     EXPECT_LE(mesh.triangles.size(), 2000U) << kind;
     TriangleMesh again = mesh;
     const MeshRepair repair = clean_mesh(again, 1e-6);
-    EXPECT_EQ(repair.vertices_welded + repair.triangles_dropped, 0U) << kind;
+    EXPECT_EQ(repair.vertices_welded + repair.triangles_discarded, 0U) << kind;
     EXPECT_FALSE(repair.flipped) << kind;
   }
 }

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "geometry/random.h"
-#include "geometry/tree_layout.h"
-#include "geometry/tree_protrusion.h"
+#include "geometry/primitives/random.h"
+#include "geometry/sphere_tree/tree_layout.h"
+#include "geometry/sphere_tree/tree_protrusion.h"
 #include "meshes.h"
 
 namespace poise::geometry {
@@ -111,7 +111,7 @@ SphereTree root_and(const std::vector<Sphere>& children) {
     nodes[i + 1].radius_m = static_cast<float>(children[i].radius_m);
     nodes[0].children.push_back(static_cast<std::uint32_t>(i + 1));
   }
-  return lay_out_tree(nodes);
+  return flatten_tree(nodes);
 }
 
 TEST(Protrusion, OfTheBallAroundACubeIsBoundedByItsClosedForm) {
@@ -171,7 +171,7 @@ TEST(Protrusion, OfALeafIsTheLargestOverTheLevelsItServes) {
   nodes[2].children = {3};
   nodes[3].radius_m = 0.5F;
   nodes[3].center_m = {0, 0, 5};
-  SphereTree tree = lay_out_tree(nodes);
+  SphereTree tree = flatten_tree(nodes);
   const TriangleMesh mesh = test::box_mesh(Vec3::Constant(0.2));
   measure_protrusions(tree, TriangleBvh(mesh), *parallel::make_executor(ExecutorKind::Serial, 1));
   EXPECT_NEAR(tree.protrusion_max_m[1], 0.9, 0.02);

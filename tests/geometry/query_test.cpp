@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "geometry/enclosing_ball.h"
-#include "geometry/sampling.h"
-#include "geometry/triangle_bvh.h"
+#include "geometry/bvh/triangle_bvh.h"
+#include "geometry/primitives/enclosing_ball.h"
+#include "geometry/primitives/sampling.h"
 #include "meshes.h"
 
 namespace poise::geometry {

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "geometry/bumpy_ball.h"
+#include "geometry/mesh/bumpy_ball.h"
 #include "meshes.h"
 
 // What building promises for any mesh: coverage, progress, an end when asked, and fits that are worth their time.
@@ -170,7 +170,7 @@ std::vector<TreeLevelFigures> figures_of(TreePreset preset, int depth) {
   const SphereTree tree = build_sphere_tree(mesh, {.depth = static_cast<Level>(depth), .preset = preset}).value();
   EXPECT_EQ(uncovered(tree, test::surface_points(mesh, 3000)), 0U);
   EXPECT_EQ(uncovered(tree, test::inside_points(mesh, 300)), 0U);
-  return judge_tree(tree, mesh, {.samples = 20000}).value();
+  return measure_tree_quality(tree, mesh, {.samples = 20000}).value();
 }
 
 void expect_no_worse(const std::vector<TreeLevelFigures>& longer, const std::vector<TreeLevelFigures>& shorter) {

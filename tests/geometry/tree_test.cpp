@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <set>
 
-#include "geometry/sampling.h"
-#include "geometry/solid_atoms.h"
+#include "geometry/primitives/sampling.h"
+#include "geometry/sphere_tree/cover/solid_cells.h"
 #include "meshes.h"
 
 namespace poise {
@@ -82,7 +82,7 @@ TEST_P(TreeOfShape, FitsBetterAtEveryLevel) {
   const SphereTree tree = tree_of(mesh, 3);
   expect_well_formed(tree);
   expect_covered(mesh, tree, 1000, 300);
-  const auto levels = judge_tree(tree, mesh, {.samples = 5000, .seed = 1}).value();
+  const auto levels = measure_tree_quality(tree, mesh, {.samples = 5000, .seed = 1}).value();
   ASSERT_EQ(levels.size(), 4U);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     EXPECT_LT(levels[i].protrusion_max_m, levels[i - 1].protrusion_max_m);
@@ -169,16 +169,16 @@ TEST(SphereTree, RefusesBadOptionsAndMeshes) {
   EXPECT_FALSE(build_sphere_tree(test::box_mesh(Vec3::Constant(1e12)), {}).ok());
 }
 
-TEST(SolidAtoms, FillABoxWithAsManyPiecesAsAskedFor) {
+TEST(SolidCells, FillABoxWithAsManyPiecesAsAskedFor) {
   const TriangleMesh mesh = test::box_mesh({3, 2, 1});
   const geometry::TriangleBvh bvh(mesh);
   const auto serial = parallel::make_executor(ExecutorKind::Serial, 1);
-  const geometry::SolidAtoms atoms = geometry::cut_into_atoms(mesh, bvh, 4096, *serial);
-  EXPECT_GT(atoms.size(), 2000U);
-  EXPECT_LT(atoms.size(), 5000U);
+  const geometry::SolidCells cells = geometry::cut_into_cells(mesh, bvh, 4096, *serial);
+  EXPECT_GT(cells.size(), 2000U);
+  EXPECT_LT(cells.size(), 5000U);
   // All points are in the box, so the hulls are; all corners of the box are among them, so nothing is cut off.
   std::set<std::array<double, 3>> corners;
-  for (const Vec3& p : atoms.points_m) {
+  for (const Vec3& p : cells.points_m) {
     EXPECT_TRUE(((p.cwiseAbs() - Vec3(1.5, 1, 0.5)).array() <= 1e-12).all());
     if ((p.cwiseAbs() - Vec3(1.5, 1, 0.5)).norm() < 1e-12) corners.insert({p.x(), p.y(), p.z()});
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "geometry/triangle_distance.h"
+#include "geometry/primitives/triangle_distance.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "geometry/ball_tree.h"
-#include "geometry/triangle_bvh.h"
+#include "geometry/bvh/ball_tree.h"
+#include "geometry/bvh/triangle_bvh.h"
 
 namespace poise::geometry {
 namespace {

@@ -16,7 +16,7 @@ struct TailWork {
   std::uint64_t contacts = 0;         ///< pairs answered
   std::uint64_t candidate_pairs = 0;  ///< gone through when contacts are gathered
   std::uint64_t sphere_contacts = 0;  ///< answered one by one (0 for models with one impulse a pair)
-  std::uint64_t patch_visits =
+  std::uint64_t point_iterations =
       0;  ///< of places by resting contact, in all substeps: before the tail those that are likely, after it those made
   std::uint64_t coarse_contacts = 0;  ///< pairs whose coarsest contact is still to be made when refinement begins
 };
@@ -27,9 +27,9 @@ struct TailWork {
 /// drift of one frame and what was unknown at first. No clock: the caller measures.
 class TailForecast {
  public:
-  static constexpr std::size_t kFeatures = 7;        ///< one and the counts of TailWork, in its order
-  static constexpr std::size_t kPatchVisits = 5;     ///< place of TailWork::patch_visits; in nanoseconds each
-  static constexpr std::size_t kCoarseContacts = 6;  ///< likewise of TailWork::coarse_contacts
+  static constexpr std::size_t kFeatures = 7;         ///< one and the counts of TailWork, in its order
+  static constexpr std::size_t kPointIterations = 5;  ///< place of TailWork::patch_visits; in nanoseconds each
+  static constexpr std::size_t kCoarseContacts = 6;   ///< likewise of TailWork::coarse_contacts
   using Features = std::array<double, kFeatures>;
 
   TailForecast();

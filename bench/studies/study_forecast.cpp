@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "studies/study_forecast.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/exit_codes.h"
+#include "app/option_values.h"
+#include "app/refusal.h"
+#include "studies/forecast_trial.h"
+
+namespace poise::app {
+namespace {
+
+constexpr const char* kForecastScene = "pile";
+constexpr std::uint64_t kForecastFrames = 3000;
+constexpr std::uint64_t kForecastWarmUp = 0;
+// Frames that each method learns from before it is judged. Chosen: the start of a run is not what a margin is for.
+constexpr std::size_t kSkip = 200;
+
+// Of a frame that nobody disturbed at most so much of the tail's time may be missing: what reading the clocks makes of
+// it. Chosen.
+constexpr double kDisturbed = 0.03;
+
+std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::RunFrame>& frames, bool undisturbed) {
+  std::vector<simulation::RecordedTail> tails;
+  for (const simulation::RunFrame& frame : frames) {
+    const FrameReport& r = frame.report;
+    if (undisturbed && static_cast<double>(r.off_cpu.count()) > kDisturbed * static_cast<double>(r.tail_actual.count()))
+      continue;
+    if (r.tail_actual.count() <= 0) continue;
+    // What was done in time left over needed no reserve: by its share of the forecast.
+    const double kept = 1 - static_cast<double>(r.tail_left_over.count()) /
+                                static_cast<double>(std::max<std::int64_t>(r.tail_forecast.count(), 1));
+    const Nanoseconds actual(static_cast<std::int64_t>(kept * static_cast<double>(r.tail_actual.count())));
+    tails.push_back({r.tail_work, r.contact_pairs, std::min(r.point_iterations, r.tail_work.point_iterations), actual});
+  }
+  return tails;
+}
+
+std::string plot_of(const io::StudyTable& table) {
+  std::string text =
+      "set terminal pngcairo size 900,560 font \"sans,13\"\nset logscale x\nset grid xtics ytics lt 1 lw 1 lc rgb "
+      "\"#cccccc\"\nset key top right\n"
+      "set xlabel \"frames that took longer than their reserve in %\"\nset ylabel \"reserve / needed\"\nset yrange "
+      "[0:*]\n";
+  std::string plots;
+  std::vector<std::string> methods;
+  for (const auto& row : table.rows) {
+    const std::string& method = std::get<std::string>(row[2]);
+    if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
+  }
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    text += io::study_points(table, fmt::format("method{}", i), "exceeded", "reserve_over_actual",
+                             {{"method", methods[i]}});
+    plots += fmt::format("{}$method{} using ($1>0?$1:0.01):2 with points ps 2 pt {} title \"{}\"", i == 0 ? "" : ", ",
+                         i, i + 4, methods[i]);
+  }
+  return text + "plot " + plots + "\n";
+}
+
+}  // namespace
+
+void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
+  add_study_times_options(command, o.common, kForecastScene, kForecastFrames, kForecastWarmUp);
+  command.add_option("--bodies", o.bodies, "Populations, with commas between them (default 100,2000)")
+      ->delimiter(',')
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}))
+      ->type_name("LIST");
+  command
+      .add_option("--alpha", o.alphas,
+                  "Shares of frames that may take longer, with commas between them (default 0.01,0.001)")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-5, 0.5))
+      ->type_name("LIST");
+  command.add_flag("--undisturbed", o.undisturbed,
+                   "Leave out frames of which the machine took time away, to see the program's own variation alone");
+  command.footer(
+      "Examples:\n"
+      "  poise study forecast --markdown forecast.md --picture forecast.png      what docs/scheduling.md shows; 2 "
+      "minutes\n"
+      "  poise study forecast --scene gas --bodies 500 --alpha 0.05 --json -\n\n"
+      "Frames are recorded once, back to back under the deadline, and each method is played on the same ones, knowing "
+      "only those before.\n"
+      "The first 200 are not judged.");
+}
+
+int study_forecast(const StudyForecastOptions& o) {
+  const Status sound = check_study_times(o.common);
+  if (!sound)
+    return refuse("study forecast", sound.error().kind == ErrorKind::OutputFailed ? kExitOutputFailed : kExitBadUsage,
+                  sound.error().message);
+  const Result<StudyScene> scene = StudyScene::make(o.common, kForecastScene);
+  if (!scene) return refuse("study forecast", scene.error());
+  const std::vector<std::uint64_t> populations = o.bodies.empty() ? std::vector<std::uint64_t>{100, 2000} : o.bodies;
+  const std::vector<double> alphas = o.alphas.empty() ? std::vector<double>{0.01, 0.001} : o.alphas;
+  Progress progress(!o.common.quiet);
+  io::StudyTable table = begin_study("forecast", "poise study forecast");
+  table.columns = {{"bodies", "bodies", 0},
+                   {"alpha", "alpha", 3},
+                   {"method", "method", 0},
+                   {"exceeded", "longer than the reserve %", 2},
+                   {"reserve_over_actual", "reserve / needed", 2},
+                   {"pinball", "pinball loss %", 3},
+                   {"beyond_clip", "beyond clip", 0}};
+  table.facts = {{"scene", scene.value().name()},
+                 {"frames", o.common.frames.value_or(kForecastFrames)},
+                 {"deadline_ms", scene.value().deadline_ms()},
+                 {"undisturbed", o.undisturbed},
+                 {"threads", static_cast<std::uint64_t>(scene.value().threads())}};
+  for (const std::uint64_t bodies : populations) {
+    StudyRun run;
+    run.bodies = bodies;
+    run.frames = o.common.frames.value_or(kForecastFrames);
+    run.warm_up = o.common.warmup.value_or(kForecastWarmUp);
+    const auto frames = scene.value().run(run, fmt::format("{} bodies", bodies), progress);
+    if (!frames) {
+      progress.end();
+      return refuse("study forecast", frames.error());
+    }
+    const std::vector<simulation::RecordedTail> tails = tails_of(frames.value(), o.undisturbed);
+    for (const double alpha : alphas) {
+      for (const simulation::ForecastScore& score :
+           simulation::try_forecasts(tails, alpha, std::min(kSkip, tails.size() / 2))) {
+        table.rows.push_back({bodies, alpha, score.method, 100 * score.exceeded, score.reserve_over_actual,
+                              100 * score.pinball, score.beyond_clip});
+      }
+    }
+  }
+  progress.end();
+  const Status written = write_study(o.common, table, plot_of(table));
+  return written ? kExitDone : refuse("study forecast", written.error());
+}
+
+}  // namespace poise::app

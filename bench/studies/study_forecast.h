@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "studies/study_times.h"
+
+namespace poise::app {
+
+/// The command line of `poise study forecast`.
+struct StudyForecastOptions {
+  StudyTimesOptions common;
+  std::vector<std::uint64_t> bodies;  ///< empty: 100 and 2000
+  std::vector<double> alphas;         ///< empty: 0.01 and 0.001
+  bool undisturbed = false;           ///< leave out frames of which the machine took time away
+};
+void add_study_forecast_options(CLI::App& command, StudyForecastOptions& options);
+
+/// How well is the end of a frame forecast, on recorded frames, against simpler ways?
+int study_forecast(const StudyForecastOptions& options);
+
+/// The command line of `poise study constant-time`.
+struct StudyConstantTimeOptions {
+  StudyTimesOptions common;
+  std::optional<std::uint64_t> most_bodies;
+};
+void add_study_constant_time_options(CLI::App& command, StudyConstantTimeOptions& options);
+
+/// How does the time of a frame grow with the bodies, with and without a deadline?
+int study_constant_time(const StudyConstantTimeOptions& options);
+
+}  // namespace poise::app

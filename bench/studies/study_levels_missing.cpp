@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/exit_codes.h"
+#include "studies/study_levels.h"
+
+namespace poise::app {
+
+// In place of study_levels_run.cpp where the judge could not be built.
+int study_levels(const StudyLevelsOptions&) {
+  fmt::print(stderr, "poise study levels: this program was built without libfcl-dev, which judges exactly\n");
+  return kExitBadUsage;
+}
+
+}  // namespace poise::app

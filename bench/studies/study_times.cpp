@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "studies/study_times.h"
+
+#include <fmt/format.h>
+
+#include "app/option_values.h"
+#include "app/output_files.h"
+#include "app/run/run_options.h"
+#include "app/scene_files.h"
+#include "build_info.h"
+#include "parallel/executor.h"
+#include "scene/result_file.h"
+#include "studies/gnuplot.h"
+
+namespace poise::app {
+
+void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene,
+                             std::uint64_t default_frames, std::uint64_t default_warm_up) {
+  command
+      .add_option("--scene", o.scene,
+                  fmt::format("A scene with generators, by file or name (default {})", default_scene))
+      ->type_name("SCENE");
+  add_whole(command, "--frames", o.frames, 2, kMaxSceneFrames,
+            fmt::format("Measured frames a run (default {})", default_frames));
+  add_whole(command, "--warmup", o.warmup, 0, kMaxSceneFrames,
+            fmt::format("Frames before those, apart from the figures (default {})", default_warm_up));
+  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6,
+             "Deadline of a frame in ms (default: the scene's, else its time step)");
+  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
+  add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
+  add_path(command, "--picture", o.picture, "Draw the figures as a PNG (needs gnuplot)");
+  add_tree_cache_options(command, o.tree_cache);
+  command.add_flag("--quiet", o.quiet, "No table and no progress");
+}
+
+Status check_study_times(const StudyTimesOptions& o) {
+  if (o.json == "-" && o.markdown == "-")
+    return bad_input("only one of --json and --markdown can go to the standard output");
+  if (o.picture == "-") return bad_input("--picture must be a file");
+  const Status picture = check_picture(o.picture);
+  if (!picture) return picture;
+  const Result<TreeCacheSettings> cache = tree_cache_settings(o.tree_cache);
+  if (!cache) return cache.error();
+  const Status apart = check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--picture", o.picture}}, {});
+  return apart ? can_write({o.json, o.markdown, o.picture}) : apart;
+}
+
+Result<StudyScene> StudyScene::make(const StudyTimesOptions& options, const std::string& default_scene) {
+  const Result<std::filesystem::path> file = find_scene(options.scene.empty() ? default_scene : options.scene);
+  if (!file) return file.error();
+  Result<Scene> scene = read_scene(file.value());
+  if (!scene) return scene.error();
+  if (scene.value().generators.empty())
+    return bad_input(
+        fmt::format("--scene: {} has no generators, so its population cannot be chosen", scene.value().name));
+  StudyScene made;
+  made.scene_ = std::move(scene).value();
+  made.options_ = options;
+  return made;
+}
+
+double StudyScene::deadline_ms() const {
+  return options_.deadline_ms.value_or(scene_.deadline_ms.value_or(1000 * scene_.dt_s));
+}
+
+int StudyScene::threads() const {
+  const auto asked = static_cast<int>(options_.threads.value_or(0));
+  return asked > 0 ? asked : parallel::available_threads();
+}
+
+Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, const std::string& doing,
+                                                          Progress& progress) const {
+  progress.say(doing);
+  SceneRunOptions start;
+  start.world = world_settings(RunOptions{}, scene_);
+  start.world.threads = static_cast<int>(options_.threads.value_or(0));
+  start.world.alpha = run.alpha;
+  start.bodies = run.bodies;
+  start.tree_cache = tree_cache_settings(options_.tree_cache).value();
+  Result<SceneRun> made = SceneRun::create(scene_, start);
+  if (!made) return made.error();
+  LoopSettings loop;
+  loop.frames = run.frames;
+  loop.warm_up = run.warm_up;
+  loop.dt_s = scene_.dt_s;
+  loop.wall_clock = run.deadline;
+  loop.deadline = Nanoseconds(static_cast<std::int64_t>(deadline_ms() * 1e6));
+  loop.paced = run.paced;
+  loop.max_level = scene_.max_level;
+  loop.polygons = scene_.polygons;
+  loop.backtracking = scene_.backtracking;
+  std::uint64_t done = 0;
+  const auto told = [&](const simulation::RunFrame&) {
+    ++done;
+    progress.share(doing, static_cast<double>(done) / static_cast<double>(run.frames + run.warm_up));
+  };
+  Result<LoopResult> result = run_loop(made.value(), loop, {}, told);
+  if (!result) return result.error();
+  if (result.value().stopped) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  return std::move(result.value().frames);
+}
+
+io::StudyTable begin_study(const std::string& name, const std::string& command) {
+  io::StudyTable table;
+  table.schema = fmt::format("poise.{}/1", name);
+  table.command = command;
+  table.machine = io::this_machine();
+  table.version = POISE_BUILD_VERSION;
+  table.commit = POISE_BUILD_COMMIT;
+  table.compiler = POISE_BUILD_COMPILER;
+  table.flags = POISE_BUILD_FLAGS;
+  return table;
+}
+
+Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, const std::string& plot) {
+  Status written = write_to(o.json, io::study_json(table));
+  if (written) written = write_to(o.markdown, io::study_markdown(table));
+  if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(io::study_text(table));
+  if (!written || o.picture.empty()) return written;
+  const parallel::Interrupt interrupt;
+  const Result<std::string> picture = drawn_by_gnuplot(plot, interrupt);
+  return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
+}
+
+}  // namespace poise::app

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "studies/study_timing.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/exit_codes.h"
+#include "app/option_values.h"
+#include "app/output_files.h"
+#include "app/run/run_options.h"
+#include "app/scene_files.h"
+#include "build_info.h"
+#include "scene/result_file.h"
+
+namespace poise::app {
+namespace {
+
+void add_shared(CLI::App& command, StudyTimingOptions& o, bool timed) {
+  if (timed) {
+    command.add_option("--scene", o.scene, "A scene with generators (default jacks)")->type_name("SCENE");
+    command.add_option("--executor", o.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
+        ->check(CLI::IsMember({"tbb", "threads", "serial"}))
+        ->type_name("E");
+    add_tree_cache_options(command, o.tree_cache);
+  }
+  add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
+  add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
+  command.add_flag("--quiet", o.quiet, "No table and no progress");
+}
+
+}  // namespace
+
+void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
+  command.add_option("--bodies", o.bodies, "Populations (default 2000 8000 20000)")
+      ->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))
+      ->type_name("N...");
+  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames,
+            "Frames that are timed in each state and round (default 60)");
+  add_whole(command, "--skip", o.skip, 0, kMaxSceneFrames, "Frames before the falling ones (default 40)");
+  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames,
+            "Frames before the settled ones, from the start (default 600)");
+  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6, "Deadline of a frame in ms (default: the time step)");
+  add_whole(command, "--rounds", o.rounds, 1, 100, "How often all populations are run in turn (default 1)");
+  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  add_shared(command, o, true);
+  command.footer(
+      "Example:\n"
+      "  poise study cost --markdown cost.md --json cost.json     what docs/scheduling.md shows; takes minutes\n"
+      "  poise study cost --bodies 200 --frames 10 --settle 60 --markdown -\n\n"
+      "Each population runs under the deadline of its frames, so that every stage is the one of a run. Times are of "
+      "the wall: run it on a quiet machine.");
+}
+
+void add_study_kept_options(CLI::App& command, StudyTimingOptions& o) {
+  command.add_option("--bodies", o.bodies, "Population (default 10000)")
+      ->expected(1)
+      ->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))
+      ->type_name("N");
+  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames,
+            "Frames that start anew (default 40); three times as many do not");
+  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames, "Frames before those (default 1300)");
+  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  add_shared(command, o, true);
+  command.footer(
+      "Example:\n"
+      "  poise study kept --markdown kept.md     what docs/scheduling.md shows; takes a minute\n\n"
+      "Without a limit, so that all pairs are at their deepest level in both. To start anew, every body is moved away "
+      "and back before the frame.");
+}
+
+void add_study_scaling_options(CLI::App& command, StudyTimingOptions& o) {
+  command
+      .add_option("--threads", o.thread_counts,
+                  "Numbers of threads (default 1 2 4 8 16 as far as the machine has them)")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N...");
+  command.add_option("--bodies", o.bodies, "Population (default 4000)")
+      ->expected(1)
+      ->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))
+      ->type_name("N");
+  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames, "Frames that are timed for each number (default 40)");
+  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames, "Frames before them (default 400)");
+  add_shared(command, o, true);
+  command.footer(
+      "Example:\n"
+      "  poise study scaling --threads 1 2 --markdown scaling.md\n\n"
+      "A World for each number of threads, all in the same state; they step in turn, so that what the machine does "
+      "meanwhile meets all of them alike. Each timed frame starts\n"
+      "anew and has time for every level of every pair, in the order of the policy.");
+}
+
+void add_study_free_options(CLI::App& command, StudyTimingOptions& o) {
+  command.add_option("--bodies", o.bodies, "Population (default 40)")
+      ->expected(1)
+      ->check(CLI::Range(std::uint64_t{2}, std::uint64_t{100000}))
+      ->type_name("N");
+  add_whole(command, "--frames", o.frames, 1, 100000, "Frames (default 20)");
+  add_shared(command, o, false);
+  command.footer(
+      "Example:\n"
+      "  poise study free --markdown free.md     what docs/scheduling.md shows; needs valgrind, takes about a "
+      "minute\n\n"
+      "Runs this program under valgrind's callgrind, on one thread and by the work clock, and counts the instructions "
+      "inside World::step. Exit code 1 where\n"
+      "a feature that is off has a function of its own called.");
+}
+
+Status check_timing_options(const StudyTimingOptions& o) {
+  if (o.json == "-" && o.markdown == "-")
+    return bad_input("only one of --json and --markdown can go to the standard output");
+#ifndef POISE_APP_HAVE_TBB
+  if (o.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
+#endif
+  const Result<TreeCacheSettings> cache = tree_cache_settings(o.tree_cache);
+  if (!cache) return cache.error();
+  return check_outputs({{"--json", o.json}, {"--markdown", o.markdown}}, {});
+}
+
+ExecutorKind timed_executor(const StudyTimingOptions& o, int threads) {
+  if (threads == 1) return ExecutorKind::Serial;
+  RunOptions run;
+  run.executor = o.executor;
+  return executor_kind(run);
+}
+
+Result<SceneRun> timed_scene(const StudyTimingOptions& o, std::uint64_t bodies, int threads) {
+  const Result<std::filesystem::path> file = find_scene(o.scene);
+  if (!file) return file.error();
+  const Result<Scene> scene = read_scene(file.value());
+  if (!scene) return scene.error();
+  if (scene.value().generators.empty())
+    return bad_input("--scene " + o.scene + ": must have generators, so that it can have any number of bodies");
+  SceneRunOptions start;
+  start.world.policy = scene.value().policy;
+  start.world.executor = timed_executor(o, threads);
+  start.world.threads = threads;
+  start.bodies = bodies;
+  start.tree_cache = tree_cache_settings(o.tree_cache).value();
+  return SceneRun::create(scene.value(), start);
+}
+
+Status forget_pairs(SceneRun& run) {
+  World& world = run.world();
+  for (const RunBody& body : run.bodies()) {
+    if (body.is_static) continue;
+    const Result<BodyState> state = world.state(body.id);
+    if (!state) return state.error();
+    BodyState away = state.value();
+    away.position_m.x() += 1.0;
+    Status moved = world.set_state(body.id, away);
+    if (moved) moved = world.set_state(body.id, state.value());
+    if (!moved) return moved;
+  }
+  return Done{};
+}
+
+io::MeasuredBy measured_by(const StudyTimingOptions& o, int threads) {
+  io::MeasuredBy by;
+  by.machine = io::this_machine();
+  by.version = POISE_BUILD_VERSION;
+  by.commit = POISE_BUILD_COMMIT;
+  by.compiler = POISE_BUILD_COMPILER;
+  by.flags = POISE_BUILD_FLAGS;
+  by.threads = threads;
+  by.executor = executor_name(timed_executor(o, threads));
+  return by;
+}
+
+int write_timing(const StudyTimingOptions& o, const char* study, const std::string& json, const std::string& markdown) {
+  Status written = write_to(o.json, json);
+  if (written) written = write_to(o.markdown, markdown);
+  if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(markdown);
+  if (written) return kExitDone;
+  fmt::print(stderr, "poise study {}: {}\n", study, written.error().message);
+  return exit_code_of(written.error());
+}
+
+}  // namespace poise::app

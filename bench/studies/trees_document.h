@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/tree/tree_document.h"
+
+namespace poise::io {
+
+/// One mesh and the tree that was built for it; or why there is none.
+struct TreesRow {
+  std::string mesh;     ///< short name, for tables
+  std::string file;     ///< empty for a mesh that was made for the study
+  std::string refusal;  ///< empty where there is a tree
+  std::size_t triangles = 0;
+  double diagonal_m = 0;
+  Solidity solidity = Solidity::Solid;
+  MeasuredTree tree;
+};
+
+/// What `poise study trees` found.
+struct TreesDocument {
+  std::string study;  ///< meshes or scaling
+  std::size_t samples = 0;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  std::vector<TreesRow> rows;
+  Machine machine;
+  std::string version, commit, compiler, flags;
+};
+
+/// A row from what `poise tree --json` wrote. Refused: text that is not such a document.
+Result<TreesRow> row_of_tree_json(const std::string& text);
+
+/// `poise.trees/1`, ending in a newline.
+std::string trees_json(const TreesDocument& document);
+/// A table of fixed-width columns for a terminal: lengths in % of the diagonal, largest / mean / volume ratio a level.
+std::string trees_table(const TreesDocument& document);
+/// The same as a Markdown table with the machine below it.
+std::string trees_markdown(const TreesDocument& document);
+/// One line a mesh and level, with a header.
+std::string trees_csv(const TreesDocument& document);
+
+}  // namespace poise::io

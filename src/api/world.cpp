@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: MIT
+#include "poise/world.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/time_of_impact/least_extent.h"
+#include "dynamics/conserved.h"
+#include "frame/budget/frame_time.h"
+#include "frame/stages.h"
+#include "frame/world_state.h"
+#include "frame/sleeping.h"
+#include "world/validation.h"
+
+namespace poise {
+namespace {
+
+using simulation::check_range;
+using simulation::check_vector;
+
+Error stale(BodyId body) {
+  return {ErrorKind::StaleHandle, fmt::format("body {}.{} does not exist", body.slot, body.generation)};
+}
+
+simulation::ShapeFacts facts_of(ShapePtr shape) {
+  simulation::ShapeFacts facts;
+  const SphereTree& tree = shape->tree;
+  for (std::size_t level = 0; shape->kind == ShapeKind::Tree && level < facts.error_m.size(); ++level) {
+    double area = 0;
+    double sum = 0;
+    double deviations_m = 0;
+    int fitted = 0;
+    for (const NodeIndex node : tree.nodes_at(static_cast<Level>(std::min<std::size_t>(level, tree.depth())))) {
+      const double r = static_cast<double>(tree.radius_m[node]);
+      area += r * r;
+      sum += r * r * static_cast<double>(tree.protrusion_mean_m[node]);
+      const NodeFit& fit = tree.fit[node];
+      if (fit.radius_m < -tree.radius_m[0]) continue;  // no surface
+      deviations_m += std::sqrt(static_cast<double>(fit.variance_m2));
+      ++fitted;
+    }
+    facts.deviation_m[level] = fitted > 0 ? deviations_m / fitted : 0.0;
+    facts.error_m[level] = static_cast<float>(area > 0 ? sum / area : 0.0);
+  }
+  facts.least_extent_m = collision::least_extent_m(*shape);
+  facts.shape = std::move(shape);
+  return facts;
+}
+
+bool is_static(const dynamics::BodyStore& bodies, std::size_t slot) {
+  return bodies.dynamic[slot] == 0 && bodies.asleep[slot] == 0;
+}
+
+// A quaternion that is of unit length but for rounding stays as it is, so that a state that is read and set again is
+// the same to the bit.
+Quat unit(const Quat& turn) {
+  constexpr double kRounding = 1e-14;
+  return std::abs(turn.squaredNorm() - 1.0) <= kRounding ? turn : Quat(turn.normalized());
+}
+
+parallel::ExecutorSettings executor_settings(const WorldSettings& settings) {
+  parallel::ExecutorSettings executor;
+  executor.kind = settings.executor;
+  executor.threads = settings.threads;
+  executor.spin = settings.spin;
+  executor.processors = settings.processors;
+  executor.realtime_priority = settings.realtime_priority;
+  return executor;
+}
+
+// Beyond these a quantile of frames says nothing.
+constexpr double kLeastAlpha = 1e-5;
+constexpr double kMostAlpha = 0.5;
+
+Result<Done> check_settings(const WorldSettings& settings) {
+  if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
+  if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
+  if (auto bad = check_range("threads", settings.threads, 0, 256)) return *bad;
+  if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return *bad;
+  if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return *bad;
+  if (auto bad = check_range("max_partners", settings.max_partners, 1, 65536)) return *bad;
+  if (auto bad = check_range("max_front_entries", settings.max_front_entries, 64, 1U << 26U)) return *bad;
+  return Done{};
+}
+
+}  // namespace
+
+World::World(std::unique_ptr<simulation::WorldState> state) : state_(std::move(state)) {}
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+World::~World() = default;
+
+Result<World> World::create(const WorldSettings& settings) {
+  if (auto checked = check_settings(settings); !checked) return checked.error();
+  auto executor = parallel::make_executor(executor_settings(settings));
+  if (!executor) return executor.error();
+  auto state = std::make_unique<simulation::WorldState>();
+  state->settings = settings;
+  state->executor = std::move(executor).value();
+  state->substeps = settings.substeps;
+  simulation::forget_times(*state, {});
+  const auto workers = static_cast<std::size_t>(state->executor->concurrency());
+  for (std::size_t w = 0; w < workers; ++w) state->buffers.pools.emplace_back(settings.max_front_entries);
+  state->buffers.tallies.resize(workers);
+  return World(std::move(state));
+}
+
+ShapeId World::add_shape(ShapePtr shape) {
+  if (!shape) return {};
+  state_->settle();
+  state_->shapes.push_back(facts_of(std::move(shape)));
+  return {static_cast<std::uint32_t>(state_->shapes.size() - 1)};
+}
+
+Result<MaterialId> World::add_material(const Material& material) {
+  if (auto bad = check_range("restitution", material.restitution, 0, 1)) return *bad;
+  if (auto bad = check_range("friction", material.friction, 0, 1e6)) return *bad;
+  if (auto bad = check_range("density_kgpm3", material.density_kgpm3, simulation::kMinDensityKgpm3,
+                             simulation::kMaxDensityKgpm3)) {
+    return *bad;
+  }
+  state_->materials.push_back(material);
+  return MaterialId{static_cast<std::uint32_t>(state_->materials.size() - 1)};
+}
+
+Result<BodyId> World::add_body(const BodyDefinition& definition) {
+  if (definition.shape.index >= state_->shapes.size()) return bad_input("shape: this World has no such shape");
+  if (definition.material.index >= state_->materials.size()) {
+    return bad_input("material: this World has no such material");
+  }
+  const ShapePtr& shape = state_->shapes[definition.shape.index].shape;
+  if (auto bad = simulation::check_body(definition, *shape)) return *bad;
+  const Result<simulation::BodyMass> mass =
+      simulation::mass_of(definition, *shape, state_->materials[definition.material.index].density_kgpm3);
+  if (!mass) return mass.error();
+
+  state_->settle();
+  dynamics::BodyStore& bodies = state_->bodies;
+  const BodyId id = bodies.add();
+  const std::size_t i = id.slot;
+  const Quat turn = unit(definition.orientation);
+  bodies.shape[i] = shape;
+  bodies.material[i] = definition.material.index;
+  bodies.group[i] = definition.group;
+  bodies.collides_with[i] = definition.collides_with;
+  bodies.importance[i] = definition.importance;
+  bodies.set_orientation(i, turn);
+  bodies.set_position(i, definition.position_m + turn * shape->origin_offset_m);
+  state_->shape_of.resize(bodies.slot_count());
+  state_->shape_of[i] = definition.shape.index;
+  simulation::request_wake(*state_, id.slot);
+  if (definition.is_static) return id;
+  bodies.make_dynamic(id.slot);
+  bodies.mass_kg[i] = mass.value().mass_kg;
+  bodies.inverse_mass[i] = 1.0 / mass.value().mass_kg;
+  bodies.principal_kgm2[i] = mass.value().principal_kgm2;
+  bodies.set_velocity(i, definition.velocity_mps);
+  bodies.set_spin(i, definition.angular_velocity_radps);
+  return id;
+}
+
+Status World::remove_body(BodyId body) {
+  if (!contains(body)) return stale(body);
+  state_->settle();
+  simulation::request_wake(*state_, body.slot);
+  state_->bodies.remove(body.slot);
+  state_->removed_slots.push_back(body.slot);
+  state_->contacts.clear();
+  state_->contacts_listed = true;
+  state_->events.clear();
+  return Done{};
+}
+
+bool World::contains(BodyId body) const { return state_->bodies.contains(body); }
+std::size_t World::body_count() const { return state_->bodies.alive_count(); }
+int World::threads() const { return state_->executor->concurrency(); }
+
+Result<BodyState> World::state(BodyId body) const {
+  if (!contains(body)) return stale(body);
+  const dynamics::BodyStore& bodies = state_->bodies;
+  return BodyState{bodies.position(body.slot), bodies.orientation(body.slot), bodies.velocity(body.slot),
+                   bodies.spin(body.slot)};
+}
+
+Status World::set_state(BodyId body, const BodyState& state) {
+  if (!contains(body)) return stale(body);
+  dynamics::BodyStore& bodies = state_->bodies;
+  if (auto bad = simulation::check_state(state, is_static(bodies, body.slot))) return *bad;
+  simulation::request_wake(*state_, body.slot);
+  const Quat turn = unit(state.orientation);
+  if (bodies.position(body.slot) != state.position_m || bodies.orientation(body.slot).coeffs() != turn.coeffs()) {
+    state_->displaced_slots.push_back(body.slot);
+  }
+  bodies.set_position(body.slot, state.position_m);
+  bodies.set_orientation(body.slot, turn);
+  bodies.set_velocity(body.slot, state.velocity_mps);
+  bodies.set_spin(body.slot, state.angular_velocity_radps);
+  return Done{};
+}
+
+Result<bool> World::asleep(BodyId body) const {
+  if (!contains(body)) return stale(body);
+  return state_->bodies.asleep[body.slot] != 0;
+}
+
+Result<double> World::mass_kg(BodyId body) const {
+  if (!contains(body)) return stale(body);
+  return state_->bodies.mass_kg[body.slot];
+}
+
+Result<ShapePtr> World::shape(BodyId body) const {
+  if (!contains(body)) return stale(body);
+  return state_->bodies.shape[body.slot];
+}
+
+Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m) {
+  if (!contains(body)) return stale(body);
+  dynamics::BodyStore& bodies = state_->bodies;
+  if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
+  const Vec3 force = bodies.force(body.slot) + force_n;
+  const Vec3 torque = bodies.torque(body.slot) + (point_m - bodies.position(body.slot)).cross(force_n);
+  if (auto bad = check_vector("force_n", force, simulation::kMaxForceN)) return *bad;
+  if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
+  if (is_static(bodies, body.slot)) return Done{};
+  simulation::request_wake(*state_, body.slot);
+  bodies.set_force(body.slot, force);
+  bodies.set_torque(body.slot, torque);
+  bodies.pushed[body.slot] = 1;
+  return Done{};
+}
+
+Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
+  if (!contains(body)) return stale(body);
+  dynamics::BodyStore& bodies = state_->bodies;
+  const Vec3 torque = bodies.torque(body.slot) + torque_nm;
+  if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
+  if (is_static(bodies, body.slot)) return Done{};
+  simulation::request_wake(*state_, body.slot);
+  bodies.set_torque(body.slot, torque);
+  bodies.pushed[body.slot] = 1;
+  return Done{};
+}
+
+Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m) {
+  if (!contains(body)) return stale(body);
+  dynamics::BodyStore& bodies = state_->bodies;
+  if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
+  if (auto bad = check_vector("impulse_ns", impulse_ns, simulation::kMaxForceN)) return *bad;
+  if (is_static(bodies, body.slot)) return Done{};
+  // One that sleeps shows its mass for a moment; set_state wakes it if it accepts the new velocities.
+  const bool asleep = bodies.asleep[body.slot] != 0;
+  if (asleep) bodies.wake(body.slot);
+  BodyState state = this->state(body).value();
+  state.velocity_mps += bodies.inverse_mass[body.slot] * impulse_ns;
+  state.angular_velocity_radps +=
+      dynamics::inverse_inertia_world(bodies, body.slot) * (point_m - state.position_m).cross(impulse_ns);
+  if (asleep) bodies.put_to_sleep(body.slot);
+  return set_state(body, state);
+}
+
+Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with) {
+  if (!contains(body)) return stale(body);
+  simulation::request_wake(*state_, body.slot);
+  state_->bodies.group[body.slot] = group;
+  state_->bodies.collides_with[body.slot] = collides_with;
+  return Done{};
+}
+
+Status World::set_importance(BodyId body, double importance) {
+  if (!contains(body)) return stale(body);
+  if (auto bad = check_range("importance", importance, 0, simulation::kMaxImportance)) return *bad;
+  state_->bodies.importance[body.slot] = importance;
+  return Done{};
+}
+
+void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(actual); }
+scheduler::TimePriors World::time_priors() const { return simulation::times_of(*state_); }
+void World::set_time_priors(const scheduler::TimePriors& priors) { simulation::forget_times(*state_, priors); }
+std::span<const Contact> World::contacts() const {
+  if (!state_->contacts_listed) simulation::list_contacts(*state_);
+  return state_->contacts;
+}
+std::span<const ContactEvent> World::contact_events() const { return state_->events; }
+void World::decisions(FrameDecisions& decisions) const {
+  if (state_->decisions) {
+    state_->decisions->merge(decisions);
+  } else {
+    simulation::DecisionLog().merge(decisions);
+  }
+}
+Conserved World::conserved() const { return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2); }
+
+std::uint64_t World::state_hash() const {
+  const dynamics::BodyStore& bodies = state_->bodies;
+  std::uint64_t hash = XXH64(&state_->frame, sizeof(state_->frame), 0);
+  const auto mix = [&hash](const auto& column) {
+    hash = XXH64(column.data(), column.size() * sizeof(column[0]), hash);
+  };
+  for (const auto* column :
+       {&bodies.x_m,      &bodies.y_m,     &bodies.z_m,       &bodies.qw,     &bodies.qx,       &bodies.qy,
+        &bodies.qz,       &bodies.vx_mps,  &bodies.vy_mps,    &bodies.vz_mps, &bodies.wx_radps, &bodies.wy_radps,
+        &bodies.wz_radps, &bodies.fx_n,    &bodies.fy_n,      &bodies.fz_n,   &bodies.tx_nm,    &bodies.ty_nm,
+        &bodies.tz_nm,    &bodies.mass_kg, &bodies.importance}) {
+    mix(*column);
+  }
+  mix(bodies.generation);
+  mix(bodies.alive);
+  mix(bodies.group);
+  mix(bodies.collides_with);
+  const auto mix_pairs = [&](const parallel::LargeVector<simulation::CachedPair>& memory) {
+    for (const simulation::CachedPair& pair : memory) {
+      // Field by field: padding has no defined bits.
+      const std::uint64_t words[8] = {std::uint64_t{pair.low} << 32U | pair.high,
+                                      pair.frames_waited,
+                                      std::uint64_t{pair.level} << 16U | std::uint64_t{pair.point_count} << 8U |
+                                          (pair.solved ? 4U : 0U) | (pair.touching ? 2U : 0U) | (pair.apart ? 1U : 0U),
+                                      std::bit_cast<std::uint64_t>(pair.reach_m),
+                                      std::bit_cast<std::uint64_t>(pair.moved_m),
+                                      std::bit_cast<std::uint64_t>(pair.nearest_m),
+                                      std::bit_cast<std::uint64_t>(pair.impact_gap_m),
+                                      std::bit_cast<std::uint64_t>(pair.looked_m)};
+      hash = XXH64(words, sizeof(words), hash);
+      if (pair.point_count == 0) continue;
+      const std::size_t first = simulation::ContactCache::begin(pair.room);
+      hash = XXH64(state_->points.points.data() + first, pair.point_count * sizeof(solver::ContactPoint), hash);
+      hash = XXH64(state_->points.loads.data() + first, pair.point_count * sizeof(solver::AccumulatedImpulse), hash);
+    }
+  };
+  static_assert(
+      sizeof(solver::ContactPoint) == 10 * sizeof(double) && sizeof(solver::AccumulatedImpulse) == 4 * sizeof(double),
+      "no padding in what is hashed");
+  mix_pairs(state_->memory);
+  if (!state_->settings.sleeping) return hash;
+  const simulation::Sleep& sleep = state_->sleep;
+  mix(bodies.asleep);
+  mix(sleep.still_s);
+  mix(sleep.island);
+  mix(sleep.wake_requested);
+  mix(sleep.changed_statics);
+  mix_pairs(sleep.sleeping_pairs);
+  return hash;
+}
+
+}  // namespace poise

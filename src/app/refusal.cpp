@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include "app/refusal.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/exit_codes.h"
+
+namespace poise::app {
+
+int refuse(std::string_view command, int code, const std::string& message) {
+  fmt::print(stderr, "poise {}: {}\n", command, message);
+  return code;
+}
+
+int refuse(std::string_view command, const Error& error) { return refuse(command, exit_code_of(error), error.message); }
+
+}  // namespace poise::app

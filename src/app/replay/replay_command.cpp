@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include "app/replay/replay_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "app/exit_codes.h"
+#include "app/option_values.h"
+#include "app/output_files.h"
+#include "app/progress.h"
+#include "app/refusal.h"
+#include "app/replay/replay_loop.h"
+#include "app/run/run_options.h"
+#include "app/tree_cache_options.h"
+#include "build_info.h"
+#include "parallel/interrupt.h"
+#include "record/record_shapes.h"
+#include "scene/result_file.h"
+#include "scene/run/run_tables.h"
+
+namespace poise::app {
+namespace {
+
+struct ReplayOptions {
+  std::string record, files, executor, json, states;
+  std::optional<std::uint64_t> threads, frames, explain, limit;
+  TreeCacheOptions tree_cache;
+  bool quiet = false;
+};
+
+constexpr std::uint64_t kRows = 20;
+
+Status check(const ReplayOptions& options) {
+#ifndef POISE_APP_HAVE_TBB
+  if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
+#endif
+  if (options.states == "-") return bad_input("only --json can go to the standard output");
+  if (options.explain && options.frames)
+    return bad_input("--frames has no meaning with --explain, which replays up to its frame");
+  if (options.limit && !options.explain) return bad_input("--limit needs --explain");
+  const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
+  if (!cache) return cache.error();
+  return check_outputs({{"--json", options.json}, {"--states", options.states}}, {{"RECORD", options.record}});
+}
+
+/// The scene of a record, with its files where they are now.
+Result<Scene> scene_of(const ReplayOptions& options, const io::RecordHeader& header) {
+  const std::string folder = options.files.empty() ? header.scene_folder : options.files;
+  Result<Scene> scene = parse_scene(header.scene_text, options.record + ": scene " + header.scene_source, folder);
+  if (!scene) return scene;
+  const Status files = io::check_files(scene.value(), header.shapes);
+  if (!files) return files.error();
+  return scene;
+}
+
+Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& header, const Scene& scene) {
+  RunOptions threads;
+  threads.executor = options.executor;
+  SceneRunOptions start;
+  start.world = replay_world(header, executor_kind(threads), static_cast<int>(options.threads.value_or(0)));
+  start.bodies = header.bodies;
+  start.seed = header.seed;
+  start.tree_cache = tree_cache_settings(options.tree_cache).value();
+  Result<SceneRun> run = SceneRun::create(scene, start);
+  if (!run) return run;
+  const Status shapes = io::check_shapes(scene, run.value().shapes(), header.shapes);
+  if (!shapes) return shapes.error();
+  const std::uint64_t hash = run.value().world().state_hash();
+  if (hash != header.start_hash) {
+    return bad_input(
+        fmt::format("{}: the bodies stand otherwise at the start: state hash {:016x}, must be {:016x}: this program "
+                    "places them otherwise than the one "
+                    "that recorded",
+                    options.record, hash, header.start_hash));
+  }
+  return run;
+}
+
+const char* build_of(const io::RecordHeader& header) {
+  return header.commit == POISE_BUILD_COMMIT && header.version == POISE_BUILD_VERSION ? "the same build"
+                                                                                      : "another build";
+}
+
+std::string report(const ReplayResult& r) {
+  if (r.differs) {
+    return fmt::format("DIFFERENT after frame {}: state hash {:016x}, the record has {:016x}\n", *r.differs,
+                       r.state_hash, r.recorded_hash);
+  }
+  std::string text = fmt::format("{} frames done again, the state the same to the bit after each; state hash {:016x}\n",
+                                 r.frames, r.state_hash);
+  if (r.damage) {
+    text += fmt::format("DAMAGED after {} frames, at byte {} of the record: {}\n", r.frames, r.damage->byte,
+                        r.damage->what);
+  } else if (r.at_end) {
+    text += r.run_stopped ? "the record is whole; its run was stopped by Ctrl-C\n" : "the record is whole\n";
+  }
+  return text;
+}
+
+std::string table(const ReplayOptions& options, const io::RecordHeader& h, const ReplayResult& r, const World& world) {
+  std::string text =
+      fmt::format("{}: {}, recorded on {} threads ({}), {} clock, {}, {}\n", options.record, h.scene_name,
+                  h.world.threads, executor_name(h.world.executor), h.clock, h.machine.processor, h.machine.system);
+  text += fmt::format("made by poise {} commit {}, replayed on {} threads by {}\n", h.version, h.commit,
+                      world.threads(), build_of(h));
+  text += report(r);
+  if (r.explained) text += "\n" + io::explain_table(*r.explained, options.limit.value_or(kRows));
+  return text;
+}
+
+std::string json_of(const ReplayOptions& options, const io::RecordHeader& h, const ReplayResult& r,
+                    const World& world) {
+  using Json = nlohmann::ordered_json;
+  Json damage = nullptr;
+  if (r.damage) damage = {{"after_frames", r.frames}, {"byte", r.damage->byte}, {"what", r.damage->what}};
+  Json json = {{"schema", "poise.replay/1"},
+               {"record", options.record},
+               {"scene", h.scene_name},
+               {"recorded",
+                {{"frames_asked", h.frames},
+                 {"threads", h.world.threads},
+                 {"executor", executor_name(h.world.executor)},
+                 {"clock", h.clock},
+                 {"version", h.version},
+                 {"commit", h.commit},
+                 {"processor", h.machine.processor},
+                 {"system", h.machine.system}}},
+               {"threads", world.threads()},
+               {"frames", r.frames},
+               {"same", !r.differs},
+               {"first_difference", r.differs ? Json(*r.differs) : Json(nullptr)},
+               {"whole", r.at_end   ? Json(true)
+                         : r.damage ? Json(false)
+                                    : Json(nullptr)},
+               {"damage", damage},
+               {"stopped", r.stopped},
+               {"state_hash", fmt::format("{:016x}", r.state_hash)},
+               {"explain", r.explained ? io::explain_json(*r.explained) : Json(nullptr)}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+int exit_code(const ReplayOptions& options, const ReplayResult& r) {
+  if (r.differs) return kExitRequirementFailed;
+  if (r.stopped) return kExitStopped;
+  if (r.damage)
+    return refuse("replay", kExitBadInput,
+                  fmt::format("{}: damaged at byte {}, after {} frames: {}", options.record, r.damage->byte, r.frames,
+                              r.damage->what));
+  if (options.explain && !r.explained) {
+    return refuse("replay", kExitBadInput,
+                  fmt::format("--explain {}: the record ends after frame {}", *options.explain,
+                              r.frames == 0 ? 0 : r.frames - 1));
+  }
+  return kExitDone;
+}
+
+Status write_text(std::optional<io::AtomicFile>& file, const std::string& text) {
+  const Status written = file->write(text);
+  return written ? file->commit() : written;
+}
+
+int replay(const ReplayOptions& options) {
+  const Status sound = check(options);
+  if (!sound) return refuse("replay", kExitBadUsage, sound.error().message);
+  Result<io::RecordReader> record = io::RecordReader::open(options.record);
+  if (!record) return refuse("replay", record.error());
+  const io::RecordHeader& header = record.value().header();
+  const Result<Scene> scene = scene_of(options, header);
+  if (!scene) return refuse("replay", scene.error());
+  std::optional<io::AtomicFile> json, states;
+  for (const auto& [path, file] : {std::pair(&options.json, &json), std::pair(&options.states, &states)}) {
+    if (path->empty() || *path == "-") continue;
+    Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
+    if (!opened) return refuse("replay", opened.error());
+    *file = std::move(opened).value();
+  }
+  const parallel::Interrupt interrupt;
+  Progress progress(!options.quiet);
+  progress.say("loading shapes and building sphere trees");
+  Result<SceneRun> run = run_of(options, header, scene.value());
+  if (!run) {
+    progress.end();
+    return refuse("replay", run.error());
+  }
+  std::string text;
+  const auto tell = [&](std::uint64_t frame, std::span<const BodyState> bodies) {
+    text = frame == 0 ? io::states_header() : std::string();
+    io::append_states(frame, static_cast<double>(frame) * header.dt_s, bodies, text);
+    return states->write(text);
+  };
+  const auto told = [&](std::uint64_t done, std::uint64_t of) {
+    progress.share("replaying", of > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(of)) : 1.0);
+  };
+  const Result<ReplayResult> result =
+      replay_loop(record.value(), scene.value(), run.value(), {options.frames, options.explain, interrupt.token()},
+                  states ? ReplayStates(tell) : ReplayStates(), told);
+  progress.end();
+  if (!result) return refuse("replay", result.error());
+  const World& world = run.value().world();
+  Status written = states ? states->commit() : Status(Done{});
+  if (!written) return refuse("replay", written.error());
+  const std::string document = options.json.empty() ? std::string() : json_of(options, header, result.value(), world);
+  if (json) written = write_text(json, document);
+  if (!written) return refuse("replay", written.error());
+  if (options.json == "-") written = io::write_stdout(document);
+  if (written && !options.quiet && options.json != "-")
+    written = io::write_stdout(table(options, header, result.value(), world));
+  if (!written) return refuse("replay", written.error());
+  if (options.quiet && result.value().differs) fmt::print(stderr, "poise replay: {}", report(result.value()));
+  return exit_code(options, result.value());
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand("replay", "Do a recorded run again, bit for bit, and explain a frame");
+  command->add_option("record", options->record, "A file of poise run --record")->required()->type_name("RECORD");
+  add_whole(*command, "--explain", options->explain, 0, kMaxSceneFrames,
+            "Replay up to this frame (from 0, warm-up included) and tell which pairs it refined, in which order and "
+            "why, and what it left coarse");
+  add_whole(*command, "--limit", options->limit, 0, UINT64_MAX,
+            fmt::format("Rows of each list of --explain, 0 = all (default {})", kRows));
+  add_whole(*command, "--frames", options->frames, 1, kMaxSceneFrames, "Replay at most so many frames");
+  add_whole(*command, "--threads", options->threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  command
+      ->add_option("--executor", options->executor, "Threads by tbb, threads or serial (default: tbb where built in)")
+      ->check(CLI::IsMember({"tbb", "threads", "serial"}))
+      ->type_name("E");
+  add_path(*command, "--files", options->files,
+           "The folder that the scene's files are relative to (default: where it was when recorded)");
+  add_path(*command, "--json", options->json, "Write the result as JSON (poise.replay/1), - for the standard output");
+  add_path(*command, "--states", options->states, "Write every body after every frame as CSV");
+  add_tree_cache_options(*command, options->tree_cache);
+  command->add_flag("--quiet", options->quiet, "No progress and no table");
+  command->footer(
+      "Examples:\n"
+      "  poise run pile --deadline 4 --record pile.poise\n"
+      "  poise replay pile.poise --threads 1\n"
+      "  poise replay pile.poise --explain 200 --limit 40\n\n"
+      "Exit codes: 0 the state is that of the record after each frame, 1 it differs, 2 bad usage, 3 bad input or a "
+      "record that is cut short or "
+      "damaged (what could be read was replayed), 4 output failed, 130 stopped by Ctrl-C.");
+  command->callback([options, &exit_code] { exit_code = replay(*options); });
+}
+
+}  // namespace poise::app

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: MIT
+#include "app/run/run_command.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "app/exit_codes.h"
+#include "app/picture/picture.h"
+#include "app/progress.h"
+#include "app/refusal.h"
+#include "app/run/run_loop.h"
+#include "app/run/run_options.h"
+#include "app/run/run_record.h"
+#include "app/run/run_table.h"
+#include "app/run/run_trace.h"
+#include "app/scene_files.h"
+#include "build_info.h"
+#include "parallel/executor.h"
+#include "poise/scene/scene.h"
+#include "scene/result_file.h"
+#include "scene/run/policy_name.h"
+#include "scene/run/requirement.h"
+#include "scene/run/run_document.h"
+#include "scene/run/run_tables.h"
+#include "scene/scene_parse.h"
+
+namespace poise::app {
+namespace {
+
+/// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
+/// unless it is written to its end.
+struct Outputs {
+  std::optional<io::AtomicFile> json, states, frames_csv, picture, trace;
+
+  static Result<Outputs> open(const RunOptions& options) {
+    Outputs outputs;
+    const std::pair<const std::string*, std::optional<io::AtomicFile>*> wanted[] = {
+        {&options.json, &outputs.json},
+        {&options.states, &outputs.states},
+        {&options.frames_csv, &outputs.frames_csv},
+        {&options.picture, &outputs.picture},
+        {&options.trace, &outputs.trace}};
+    for (const auto& [path, file] : wanted) {
+      if (path->empty() || *path == "-") continue;
+      Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
+      if (!opened) return opened.error();
+      *file = std::move(opened).value();
+    }
+    return outputs;
+  }
+};
+
+/// Writes states as they come; in a paced run after it, since writing would eat the time between frames.
+class StatesWriter {
+ public:
+  StatesWriter(std::optional<io::AtomicFile>& file, bool keep, double dt_s) : file_(file), keep_(keep), dt_s_(dt_s) {}
+
+  StatesSink sink() {
+    if (!file_) return {};
+    return [this](std::uint64_t frame, std::span<const BodyState> states) -> Status {
+      if (!keep_) return write(frame, states);
+      kept_.emplace_back(states.begin(), states.end());
+      return Done{};
+    };
+  }
+  Status finish() {
+    if (!file_) return Done{};
+    for (std::size_t frame = 0; frame < kept_.size(); ++frame) {
+      const Status written = write(frame, kept_[frame]);
+      if (!written) return written;
+    }
+    return file_->commit();
+  }
+
+ private:
+  Status write(std::uint64_t frame, std::span<const BodyState> states) {
+    text_.clear();
+    if (frame == 0) text_ = io::states_header();
+    io::append_states(frame, static_cast<double>(frame) * dt_s_, states, text_);
+    return file_->write(text_);
+  }
+
+  std::optional<io::AtomicFile>& file_;
+  bool keep_;
+  double dt_s_;
+  std::string text_;
+  std::vector<std::vector<BodyState>> kept_;
+};
+
+LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
+  LoopSettings loop;
+  loop.frames = options.frames.value_or(scene.frames);
+  loop.warm_up = options.warmup.value_or(0);
+  loop.dt_s = scene.dt_s;
+  loop.wall_clock = options.clock == "wall";
+  const auto of_ms = [](double ms) { return Nanoseconds(static_cast<std::int64_t>(ms * 1e6)); };
+  loop.deadline = of_ms(options.deadline_ms.value_or(scene.deadline_ms.value_or(1000 * scene.dt_s)));
+  loop.paced = options.paced;
+  const std::optional<double> reserve_ms = scene.host_work ? scene.host_work->reserve_ms : std::nullopt;
+  loop.host_work = of_ms(options.host_work_ms.value_or(reserve_ms.value_or(0)));
+  if (loop.wall_clock) loop.render_load = render_load_of(options.time, scene, options.seed.value_or(scene.seed));
+  loop.learn_host_work = loop.render_load.any() && !options.host_work_ms && !reserve_ms;
+  loop.budget_work = options.budget_work;
+  loop.max_level = static_cast<Level>(options.max_level.value_or(scene.max_level));
+  loop.polygons = options.max_level ? options.polygons : scene.polygons;
+  loop.backtracking = options.backtracking || scene.backtracking;
+  loop.reference_every = options.reference_every;
+  return loop;
+}
+
+/// Everything that is known before the first frame.
+io::RunDocument document_of(const RunOptions& options, const Scene& scene, const SceneRun& run,
+                            const LoopSettings& loop) {
+  io::RunDocument d;
+  d.scene = scene.name;
+  d.scene_file = scene.source;
+  d.frames_asked = loop.frames;
+  d.dt_s = loop.dt_s;
+  d.seed = options.seed.value_or(scene.seed);
+  d.threads = run.world().threads();
+  const WorldSettings world = world_settings(options, scene);
+  d.executor = executor_name(world.executor);
+  d.policy = io::policy_name(world.policy.kind);
+  d.policy_weights = world.policy;
+  d.contact = options.contact;
+  d.clock = options.clock;
+  d.affinity = world.processors;
+  d.realtime_priority = world.realtime_priority;
+  d.spin_us = static_cast<double>(world.spin.count()) / 1e3;
+  d.paced = loop.paced;
+  if (loop.wall_clock) d.deadline_ms = static_cast<double>(loop.deadline.count()) / 1e6;
+  d.host_work_ms = static_cast<double>(loop.host_work.count()) / 1e6;
+  d.host_work_learned = loop.learn_host_work;
+  d.render_load_ms = static_cast<double>(loop.render_load.mean.count()) / 1e6;
+  d.render_load_jitter_ms = static_cast<double>(loop.render_load.jitter.count()) / 1e6;
+  d.alpha = world.alpha;
+  d.budget_work = loop.budget_work;
+  d.max_level = loop.max_level;
+  d.polygons = loop.polygons;
+  d.backtracking = loop.backtracking;
+  d.sleeping = world.sleeping;
+  d.reference_every = loop.reference_every;
+  d.tray_side_m = run.tray_side_m();
+  d.machine = io::this_machine();
+  d.version = POISE_BUILD_VERSION;
+  d.commit = POISE_BUILD_COMMIT;
+  d.compiler = POISE_BUILD_COMPILER;
+  d.flags = POISE_BUILD_FLAGS;
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    const bool at_origin = std::holds_alternative<SphereSource>(scene.shapes[i].source) ||
+                           std::holds_alternative<PlaneSource>(scene.shapes[i].source);
+    if (!at_origin) d.origin_offsets_m.emplace_back(scene.shapes[i].name, run.shapes()[i]->origin_offset_m);
+  }
+  d.warnings = run.warnings();
+  d.tree_cache_use = run.tree_cache_use();
+  d.requirement = options.require;
+  d.figures = simulation::run_figures({}, {loop.wall_clock, world.alpha});
+  return d;
+}
+
+io::TimePriorsKey priors_key_of(const io::RunDocument& d) {
+  return {d.machine.processor + ", " + d.machine.system, d.machine.cores, d.threads, d.executor, d.contact, d.alpha};
+}
+
+void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
+  d.bodies = run.bodies().size();
+  for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.is_static ? 0 : 1;
+  d.stopped = result.stopped;
+  d.figures = simulation::run_figures(result.frames, {loop.wall_clock, d.alpha});
+  d.start = result.start;
+  d.end = result.end;
+  d.energy_max_j = result.energy_max_j;
+  d.state_hash = run.world().state_hash();
+}
+
+Status write_frames(const LoopResult& result, double dt_s, io::AtomicFile& file) {
+  std::string text = io::frames_header();
+  for (std::size_t i = 0; i < result.frames.size(); ++i) {
+    io::append_frame(result.frames[i], static_cast<double>(i + 1) * dt_s, text);
+  }
+  const Status written = file.write(text);
+  return written ? file.commit() : written;
+}
+
+Status write_json(const RunOptions& options, const io::RunDocument& document, Outputs& outputs) {
+  if (options.json.empty()) return Done{};
+  const std::string text = io::run_json(document);
+  if (options.json == "-") return io::write_stdout(text);
+  const Status written = outputs.json->write(text);
+  return written ? outputs.json->commit() : written;
+}
+
+Status print_table(const RunOptions& options, const io::RunDocument& document) {
+  if (options.quiet) return Done{};
+  const std::string table = run_table(document);
+  if (options.json != "-") return io::write_stdout(table);
+  fmt::print(stderr, "{}", table);
+  return Done{};
+}
+
+/// As large as the scene's camera says.
+Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& file) {
+  const std::array<double, 2> size_px = scene.camera.value_or(SceneCamera{}).resolution_px;
+  const io::Image image =
+      io::draw_run(run, static_cast<std::uint32_t>(size_px[0]), static_cast<std::uint32_t>(size_px[1]));
+  const Result<std::string> png = io::png_bytes(image);
+  if (!png) return png.error();
+  const Status written = file.write(png.value());
+  return written ? file.commit() : written;
+}
+
+/// What the system does not permit, with the option that asked for it.
+std::string placing_refused(const RunOptions& options, const Error& error) {
+  const bool both = !options.affinity.empty() && options.realtime;
+  return fmt::format("{}: {}",
+                     both               ? "--affinity, --realtime"
+                     : options.realtime ? "--realtime"
+                                        : "--affinity",
+                     error.message);
+}
+
+/// From a scene that stands to the exit code.
+int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene,
+                 const std::string& scene_text, SceneRun& run, Outputs& outputs, RunRecord& record,
+                 Progress& progress) {
+  LoopSettings loop = loop_settings(options, scene);
+  std::optional<Trace> trace;
+  if (outputs.trace) loop.trace = &trace.emplace(kTraceRoom);
+  io::RunDocument document = document_of(options, scene, run, loop);
+  for (const std::string& warning : document.warnings) {
+    progress.end();
+    fmt::print(stderr, "poise run: warning: {}\n", warning);
+  }
+  const Status known = io::check_names(requirement, io::named_figures(document));
+  if (!known) return refuse("run", kExitBadUsage, "--require: " + known.error().message);
+
+  const std::filesystem::path priors_folder =
+      loop.wall_clock ? time_priors_folder(options.time) : std::filesystem::path();
+  const io::TimePriorsKey priors_key = priors_key_of(document);
+  if (const auto priors = io::read_time_priors(priors_folder, priors_key)) {
+    run.world().set_time_priors(*priors);
+    document.time_priors_frames = priors->frames;
+  }
+  const Status begun = record.begin(options, scene, scene_text, run, loop);
+  if (!begun) return refuse("run", begun.error());
+  StatesWriter states(outputs.states, loop.paced, loop.dt_s);
+  std::uint64_t missed = 0;
+  std::uint64_t done = 0;
+  const auto told = [&](const simulation::RunFrame& frame) {
+    missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
+    progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
+  };
+  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told, record.sink(run));
+  progress.end();
+  if (!result) return refuse("run", result.error());
+
+  const scheduler::TimePriors learned = run.world().time_priors();
+  if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
+  add_results(run, loop, result.value(), document);
+  document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
+  Status written = record.finish(result.value().stopped);
+  if (!written) return refuse("run", written.error());
+  written = states.finish();
+  if (!written) return refuse("run", written.error());
+  if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
+  if (!written) return refuse("run", written.error());
+  if (trace) {
+    written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
+    if (!written) return refuse("run", written.error());
+    if (trace->dropped() > 0)
+      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(),
+                 kTraceRoom);
+  }
+  if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
+  if (!written) return refuse("run", written.error());
+  written = write_json(options, document, outputs);
+  if (!written) return refuse("run", written.error());
+  written = print_table(options, document);
+  if (!written) return refuse("run", written.error());
+  for (const std::string& failed : document.requirements_failed)
+    fmt::print(stderr, "poise run: --require: {}\n", failed);
+  if (document.stopped) return kExitStopped;
+  return document.requirements_failed.empty() ? kExitDone : kExitRequirementFailed;
+}
+
+int run_scene(const RunOptions& options) {
+  const Status sound = check_run_options(options);
+  if (!sound) return refuse("run", kExitBadUsage, sound.error().message);
+  io::Requirement requirement;
+  if (options.require) {
+    Result<io::Requirement> parsed = io::parse_requirement(*options.require);
+    if (!parsed) return refuse("run", kExitBadUsage, "--require: " + parsed.error().message);
+    requirement = std::move(parsed).value();
+  }
+  const Result<std::filesystem::path> file = find_scene(options.scene);
+  if (!file) return refuse("run", file.error());
+  const Result<std::string> text = io::read_scene_text(file.value());
+  if (!text) return refuse("run", text.error());
+  const Result<Scene> scene = parse_scene(text.value(), file.value().string(), file.value().parent_path());
+  if (!scene) return refuse("run", scene.error());
+  if (options.bodies && scene.value().generators.empty()) {
+    return refuse("run", kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
+  }
+  Result<Outputs> outputs = Outputs::open(options);
+  if (!outputs) return refuse("run", outputs.error());
+  Result<RunRecord> record = RunRecord::open(options.record);
+  if (!record) return refuse("run", record.error());
+  Progress progress(!options.quiet);
+  progress.say("loading shapes and building sphere trees");
+  SceneRunOptions start;
+  start.world = world_settings(options, scene.value());
+  start.bodies = options.bodies;
+  start.seed = options.seed;
+  const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
+  if (!cache) return refuse("run", kExitBadUsage, cache.error().message);
+  start.tree_cache = cache.value();
+  // Told before the shapes are loaded. The main thread is placed last, because threads inherit its place.
+  parallel::ExecutorSettings threads;
+  threads.kind = start.world.executor;
+  threads.processors = start.world.processors;
+  threads.realtime_priority = start.world.realtime_priority;
+  const Status permitted = parallel::check_executor(threads);
+  if (!permitted) return refuse("run", kExitBadInput, placing_refused(options, permitted.error()));
+  Result<SceneRun> run = SceneRun::create(scene.value(), start);
+  if (run) {
+    const Status placed = parallel::place_this_thread(threads.processors.empty() ? -1 : threads.processors.front(),
+                                                      threads.realtime_priority);
+    if (!placed) return refuse("run", kExitBadInput, placing_refused(options, placed.error()));
+  }
+  if (!run) {
+    progress.end();
+    return refuse("run", run.error());
+  }
+  if (run.value().tree_cache_use().not_writable > 0) {
+    progress.end();
+    fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
+  }
+  return run_prepared(options, requirement, scene.value(), text.value(), run.value(), outputs.value(), record.value(),
+                      progress);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Simulate a scene under a deadline");
+  add_run_options(*command, *options);
+  command->footer(
+      "Examples:\n"
+      "  poise run pile --deadline 16 --paced --json report.json\n"
+      "  poise run jacks --bodies 5000 --frames 300 --require 'miss_rate < 0.01'\n"
+      "  poise run gas --clock work --budget-work 2000 --states states.csv\n"
+      "  poise run pile --deadline 4 --record pile.poise   and then   poise replay pile.poise --explain 200\n"
+      "  poise run pile --deadline 4 --reference every=60 --require 'reference.e_rel_p50 < 0.2'\n\n"
+      "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
+      "Ctrl-C.");
+  command->callback([options, &exit_code] { exit_code = run_scene(*options); });
+}
+
+}  // namespace poise::app

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "app/run/run_loop.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string>
+
+#include "frame/budget/frame_time.h"
+#include "scene/run/release_grid.h"
+
+namespace poise::app {
+namespace {
+
+/// One frame in so many tells how deep bodies got: listing contacts takes time between frames. Chosen.
+constexpr std::uint64_t kLookAtLevels = 16;
+
+/// Set by Ctrl-C. A signal handler has no argument to carry this in.
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// Catches Ctrl-C while it lives, so that the frame is finished and the reports are written. A second one ends at once.
+class CtrlC {
+ public:
+  CtrlC() {
+    stop_asked = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { stop_asked = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    ::sigaction(SIGINT, &action, &before_);
+  }
+  ~CtrlC() { ::sigaction(SIGINT, &before_, nullptr); }
+  CtrlC(const CtrlC&) = delete;
+  CtrlC& operator=(const CtrlC&) = delete;
+  [[nodiscard]] static bool asked() { return stop_asked != 0; }
+
+ private:
+  struct sigaction before_ {};
+};
+
+/// steady_clock is CLOCK_MONOTONIC here, so its time points can be slept until without drift. Ends early at Ctrl-C.
+void sleep_until(SteadyClock::time_point when) {
+  const auto since = std::chrono::duration_cast<Nanoseconds>(when.time_since_epoch()).count();
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const timespec target{static_cast<time_t>(since / kSecond), static_cast<long>(since % kSecond)};
+  while (!CtrlC::asked() && ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) == EINTR) {
+  }
+}
+
+Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer, const StatesSink& sink) {
+  if (!sink) return Done{};
+  buffer.clear();
+  for (const RunBody& body : run.bodies()) {
+    const Result<BodyState> state = run.world().state(body.id);
+    if (!state) return state.error();
+    buffer.push_back(state.value());
+  }
+  return sink(frame, buffer);
+}
+
+StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
+  StepInput input;
+  input.dt_s = settings.dt_s;
+  input.view = run.view();
+  input.host_work.expected = settings.host_work;
+  input.host_work.learn = settings.learn_host_work;
+  input.max_level = settings.max_level;
+  input.polygons = settings.polygons;
+  input.backtracking = settings.backtracking;
+  input.measure_energy = true;
+  input.trace = settings.trace;
+  if (!settings.wall_clock && settings.budget_work) input.budget = Budget::work(*settings.budget_work);
+  return input;
+}
+
+}  // namespace
+
+Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
+                            const FrameSink& told, const RecordSink& record) {
+  const CtrlC ctrl_c;
+  LoopResult result;
+  std::vector<BodyState> buffer;
+  result.start = run.world().conserved();
+  result.energy_max_j = result.start.kinetic_j + result.start.potential_j;
+  Status status = tell_states(run, 0, buffer, states);
+  if (!status) return status.error();
+  StepInput input = step_input(run, settings);
+  input.record = static_cast<bool>(record);
+  const std::uint64_t total = settings.warm_up + settings.frames;
+  result.frames.reserve(total);
+  simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
+  for (std::uint64_t i = 0; i < total && !CtrlC::asked(); ++i) {
+    status = run.before_frame(i);
+    if (!status) return status.error();
+    if (settings.paced) {
+      sleep_until(grid.release());
+      if (CtrlC::asked()) break;
+    }
+    const SteadyClock::time_point begin = SteadyClock::now();
+    if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);
+    simulation::RunFrame frame;
+    frame.warm_up = i < settings.warm_up;
+    input.reference =
+        settings.reference_every && !frame.warm_up && (i - settings.warm_up + 1) % *settings.reference_every == 0;
+    input.measure_levels = i % kLookAtLevels == kLookAtLevels - 1;
+    frame.report = run.world().step(input);
+    if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
+    if (settings.render_load.any()) {
+      const simulation::LoadTime load = simulation::burn(simulation::load_of(settings.render_load, i));
+      run.world().report_host_work(load.wall);
+      simulation::add_host_work(load.wall, load.off_cpu, frame.report);
+    }
+    const SteadyClock::time_point recorded_from = SteadyClock::now();
+    status = record ? record(frame.report) : Status(Done{});
+    if (!status) return status.error();
+    const Nanoseconds recorded = record ? SteadyClock::now() - recorded_from : Nanoseconds(0);
+    status = tell_states(run, i + 1, buffer, states);
+    if (!status) return status.error();
+    if (settings.paced) {
+      frame.release_delay = begin - grid.release();
+      if (input.measure_levels) {
+        grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total));
+      } else {
+        grid.postpone(recorded);
+        if (frame.report.reference) grid.postpone(frame.report.reference->time);
+      }
+      frame.releases_skipped = grid.advance(SteadyClock::now());
+      // Releases that pass after the last frame were never to be served.
+      if (i + 1 == total) frame.releases_skipped = 0;
+    }
+    result.energy_max_j = std::max(result.energy_max_j, frame.report.kinetic_j + frame.report.potential_j);
+    result.frames.push_back(frame);
+    if (told) told(frame);
+  }
+  result.end = run.world().conserved();
+  result.stopped = CtrlC::asked();
+  return result;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "poise/scene/scene.h"
+#include "scene/run/render_load.h"
+#include "scene/run/run_report.h"
+
+namespace poise::app {
+
+/// How the frames of a run are driven.
+struct LoopSettings {
+  std::uint64_t warm_up = 0;
+  std::uint64_t frames = 1;  ///< measured ones, after warm_up
+  double dt_s = 1.0 / 60;
+  bool wall_clock = true;
+  Nanoseconds deadline{0};  ///< wall clock: of a frame, from its start or release
+  bool paced = false;       ///< wall clock: releases on a grid of dt_s
+  Nanoseconds host_work{0};
+  bool learn_host_work = false;              ///< reserve what the render load lets expect, instead of host_work
+  simulation::RenderLoad render_load;        ///< wall clock: after each step
+  std::optional<std::uint64_t> budget_work;  ///< work clock
+  Level max_level = kMaxTreeDepth;
+  bool polygons = false;
+  bool backtracking = false;
+  Trace* trace = nullptr;  ///< where the steps leave what the threads did when
+  std::optional<std::uint64_t>
+      reference_every;  ///< >= 1: a reference of each measured frame whose number from 1 it divides
+};
+
+struct LoopResult {
+  std::vector<simulation::RunFrame> frames;  ///< warm-up included
+  Conserved start, end;
+  double energy_max_j = 0;
+  bool stopped = false;  ///< by Ctrl-C
+};
+
+/// Told the states after each frame (and of the start, as frame 0), outside of the frame's time.
+using StatesSink = std::function<Status(std::uint64_t frame, std::span<const BodyState> states)>;
+/// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame:
+/// releases are put off by it.
+using RecordSink = std::function<Status(const FrameReport&)>;
+/// Told after each frame.
+using FrameSink = std::function<void(const simulation::RunFrame&)>;
+
+/// Runs a scene to its end or to Ctrl-C. `states` and `record` may be empty. Refused: what the World or a sink refuses.
+Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
+                            const FrameSink& frame, const RecordSink& record = {});
+
+}  // namespace poise::app

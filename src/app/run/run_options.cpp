@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include "app/run/run_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <system_error>
+
+#include "app/option_values.h"
+#include "app/output_files.h"
+#include "world/contact_model_names.h"
+
+namespace poise::app {
+namespace {
+
+constexpr double kLongestMs = 1e6;
+
+// A level of the trees, or the word for what lies beneath them.
+void add_max_level(CLI::App& command, RunOptions& options) {
+  const auto read = [&options](const std::string& text) {
+    options.polygons = text == "polygons";
+    if (options.polygons) {
+      options.max_level = kMaxTreeDepth;
+      return;
+    }
+    std::uint64_t level = 0;
+    const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), level);
+    if (failure != std::errc{} || stop != text.data() + text.size() || level > kMaxTreeDepth) {
+      throw CLI::ValidationError(
+          fmt::format("--max-level = {}, must be a whole number from 0 to {}, or polygons", text, kMaxTreeDepth),
+          CLI::ExitCodes::ValidationError);
+    }
+    options.max_level = level;
+  };
+  command
+      .add_option_function<std::string>("--max-level", read,
+                                        "Refine no pair beyond this level of its trees; polygons: all levels, then the "
+                                        "triangles of meshes (default: the scene's)")
+      ->type_name("N|polygons");
+}
+
+}  // namespace
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  constexpr std::uint64_t kMany = std::numeric_limits<std::uint64_t>::max();
+  command.add_option("scene", options.scene, "A scene file, or the name of a scene that ships (poise scenes)")
+      ->required()
+      ->type_name("SCENE");
+  add_whole(command, "--frames", options.frames, 1, kMaxSceneFrames,
+            "Frames to simulate and measure (default: the scene's)");
+  add_whole(command, "--bodies", options.bodies, 1, kMaxSceneBodies, "How many bodies the generators make together");
+  add_whole(command, "--warmup", options.warmup, 0, kMaxSceneFrames,
+            "Frames before those, simulated and written but kept apart from the figures (default 0)");
+  add_number(command, "--deadline", options.deadline_ms, 0, true, kLongestMs,
+             "Deadline of a frame in ms (default: the scene's deadline_ms, else its time step)");
+  command.add_flag("--paced", options.paced, "Release frames on a fixed grid of the time step instead of back to back");
+  add_number(command, "--host-work", options.host_work_ms, 0, false, kLongestMs,
+             "Work of the host in ms that is kept free before each deadline");
+  add_whole(command, "--threads", options.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+  command
+      .add_option("--policy", options.policy,
+                  "What is refined first: perceptual, fifo or random (default: the scene's)")
+      ->check(CLI::IsMember({"perceptual", "fifo", "random"}))
+      ->type_name("P");
+  command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default fitted)")
+      ->check(CLI::IsMember({"paper", "wrench", "fitted"}))
+      ->type_name("MODEL");
+  command
+      .add_option("--clock", options.clock,
+                  "wall: keep deadlines; work: count work, the same bits on any number of threads (default wall)")
+      ->check(CLI::IsMember({"wall", "work"}))
+      ->type_name("CLOCK");
+  add_whole(command, "--budget-work", options.budget_work, 0, kMany,
+            "Refinement a frame in node-pair expansions, with --clock work (default: unlimited)");
+  add_max_level(command, options);
+  command.add_flag("--backtracking", options.backtracking,
+                   "Answer bodies that move far in a step where they meet something within it (default: the scene's)");
+  command.add_flag("--sleeping", options.sleeping,
+                   "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
+  add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
+  command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
+      ->check(CLI::IsMember({"tbb", "threads", "serial"}))
+      ->type_name("E");
+  add_number(command, "--spin", options.spin_us, 0, false, 1e4,
+             "Microseconds that a thread without work looks for it before it sleeps, at most 10000 (default 50)")
+      ->type_name("US");
+  command
+      .add_option("--affinity", options.affinity,
+                  "Bind thread k, the main one as k = 0, to the k-th of these processors, in turn: 0,2 or 0-3 (needs "
+                  "--executor threads or serial, and "
+                  "chooses threads); as many threads as processors unless --threads says otherwise")
+      ->type_name("LIST");
+  add_whole(command, "--realtime", options.realtime, 1, 99,
+            "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with "
+            "--executor tbb)");
+  add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
+  add_path(command, "--states", options.states, "Write every body after every frame as CSV");
+  add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
+  add_path(command, "--trace", options.trace,
+           "Write what the threads did when as Chrome trace events (opens in ui.perfetto.dev)");
+  add_path(command, "--record", options.record, "Write what each frame decided, for poise replay");
+  add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
+  command
+      .add_option("--require", options.require,
+                  "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
+      ->type_name("EXPR");
+  add_every(command, "--reference", options.reference_every, kMaxSceneFrames,
+            "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence");
+  add_time_options(command, options.time);
+  add_tree_cache_options(command, options.tree_cache);
+  command.add_flag("--quiet", options.quiet, "No progress and no table");
+}
+
+Status check_run_options(const RunOptions& options) {
+  const bool work = options.clock == "work";
+  if (options.budget_work && !work) return bad_input("--budget-work needs --clock work");
+  if (work && options.deadline_ms) return bad_input("--deadline has no meaning with --clock work");
+  if (work && options.paced) return bad_input("--paced has no meaning with --clock work");
+  if (work && options.host_work_ms) return bad_input("--host-work has no meaning with --clock work");
+  const Status time = check_time_options(options.time, work);
+  if (!time) return time;
+#ifndef POISE_APP_HAVE_TBB
+  if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
+#endif
+  if (options.require && options.require->empty()) return bad_input("--require must not be empty");
+  const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
+  if (!cache) return cache.error();
+  const Result<std::vector<int>> processors = processor_list(options.affinity);
+  if (!processors) return processors.error();
+  for (const std::string* path :
+       {&options.states, &options.frames_csv, &options.picture, &options.trace, &options.record}) {
+    if (*path == "-") return bad_input("only --json can go to the standard output");
+  }
+  const Status picture = check_picture(options.picture);
+  if (!picture) return picture;
+  return check_outputs({{"--json", options.json},
+                        {"--states", options.states},
+                        {"--frames-csv", options.frames_csv},
+                        {"--trace", options.trace},
+                        {"--picture", options.picture},
+                        {"--record", options.record}},
+                       {{"SCENE", options.scene}});
+}
+
+Result<std::vector<int>> processor_list(const std::string& text) {
+  constexpr std::size_t kMost = 256;
+  std::vector<int> processors;
+  const auto wrong = [&] {
+    return bad_input(fmt::format("--affinity = {}, must be processors such as 0,2 or 0-3, at most {}", text, kMost));
+  };
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto number = [&](int& value) {
+    const auto [stop, failure] = std::from_chars(at, end, value);
+    const bool good = failure == std::errc{} && value >= 0;
+    at = stop;
+    return good;
+  };
+  while (at != end) {
+    int first = 0;
+    if (!number(first)) return wrong();
+    int last = first;
+    if (at != end && *at == '-') {
+      ++at;
+      if (!number(last)) return wrong();
+    }
+    if (last < first || static_cast<std::size_t>(last - first) >= kMost - std::min(kMost, processors.size()))
+      return wrong();
+    for (int processor = first; processor <= last; ++processor) processors.push_back(processor);
+    if (at == end) break;
+    if (*at != ',' || ++at == end) return wrong();
+  }
+  return processors;
+}
+
+ExecutorKind executor_kind(const RunOptions& options) {
+  if (options.executor == "serial") return ExecutorKind::Serial;
+  if (options.executor == "threads") return ExecutorKind::Threads;
+  // oneTBB's threads belong to the whole process and take no place or priority; who asks for it by name is told so.
+  if (options.executor.empty() && (!options.affinity.empty() || options.realtime)) return ExecutorKind::Threads;
+#ifdef POISE_APP_HAVE_TBB
+  return ExecutorKind::Tbb;
+#else
+  return ExecutorKind::Threads;
+#endif
+}
+
+WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
+  WorldSettings settings;
+  for (const simulation::NamedContactModel& named : simulation::kContactModels) {
+    if (options.contact == named.name) settings.contact = named.model;
+  }
+  settings.policy = scene.policy;
+  if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
+  if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;
+  if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
+  settings.alpha = options.time.alpha.value_or(scene.alpha.value_or(settings.alpha));
+  settings.sleeping = options.sleeping || scene.sleeping;
+  settings.executor = executor_kind(options);
+  settings.processors = processor_list(options.affinity).value();
+  settings.threads = static_cast<int>(options.threads.value_or(settings.processors.size()));
+  settings.realtime_priority = static_cast<int>(options.realtime.value_or(0));
+  if (options.spin_us) settings.spin = Nanoseconds(static_cast<std::int64_t>(*options.spin_us * 1e3));
+  return settings;
+}
+
+const char* executor_name(ExecutorKind kind) {
+  switch (kind) {
+    case ExecutorKind::Tbb:
+      return "tbb";
+    case ExecutorKind::Threads:
+      return "threads";
+    case ExecutorKind::Serial:
+      return "serial";
+  }
+  return "serial";
+}
+
+}  // namespace poise::app

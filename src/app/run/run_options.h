@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/time_options.h"
+#include "app/tree_cache_options.h"
+#include "poise/result.h"
+#include "poise/scene/scene.h"
+#include "poise/world.h"
+
+namespace poise::app {
+
+/// The command line of `poise run`, each value in its range, not yet checked against each other.
+struct RunOptions {
+  std::string scene;
+  std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every;
+  bool polygons = false;  ///< --max-level polygons
+  bool backtracking = false;
+  std::optional<double> deadline_ms, host_work_ms, spin_us;
+  bool sleeping = false;
+  bool paced = false;
+  bool quiet = false;
+  std::string policy, contact = "fitted", clock = "wall", executor;
+  std::string json, states, frames_csv, picture, trace, record;
+  std::string affinity;
+  std::optional<std::uint64_t> realtime;
+  std::optional<std::string> require;
+  TreeCacheOptions tree_cache;
+  TimeOptions time;
+};
+
+/// Declares the options on a subcommand.
+void add_run_options(CLI::App& command, RunOptions& options);
+
+/// Refused: options that contradict each other, as one line.
+Status check_run_options(const RunOptions& options);
+
+/// What the World is made with; gravity and seed come from the scene.
+WorldSettings world_settings(const RunOptions& options, const Scene& scene);
+ExecutorKind executor_kind(const RunOptions& options);
+/// `0,2-3` as 0, 2, 3; empty for no text. Refused: anything else, and more than 256.
+Result<std::vector<int>> processor_list(const std::string& text);
+/// `tbb`, `threads` or `serial`.
+const char* executor_name(ExecutorKind kind);
+
+}  // namespace poise::app

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "app/tree/tree_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/exit_codes.h"
+#include "app/output_files.h"
+#include "app/picture/picture.h"
+#include "app/picture/tree_picture.h"
+#include "app/progress.h"
+#include "app/refusal.h"
+#include "app/tree/mesh_report_table.h"
+#include "app/tree/tree_document.h"
+#include "app/tree/tree_options.h"
+#include "app/tree/tree_table.h"
+#include "app/tree/tree_work.h"
+#include "parallel/interrupt.h"
+#include "poise/assets/tree_formats.h"
+#include "scene/result_file.h"
+
+namespace poise::app {
+namespace {
+
+Status save_tree(const TreeOptions& options, const SphereTree& tree) {
+  const auto level = static_cast<Level>(options.level.value_or(tree.depth()));
+  return write_tree(tree, level, *tree_format_of(options.output), std::filesystem::path(options.output).stem().string(),
+                    options.output);
+}
+
+Status save_picture(const TreeOptions& options, const TreeWork& work) {
+  std::vector<io::DrawnTree> trees;
+  for (std::size_t i = 0; i < work.trees.size(); ++i) {
+    const std::string& file = work.document.trees[i].file;
+    const std::string name = file.empty() ? "built here" : std::filesystem::path(file).filename().string();
+    trees.push_back({&work.trees[i], work.trees.size() > 1 ? name : ""});
+  }
+  io::TreePictureSettings settings;
+  settings.up = axis_of(up_of(options));
+  if (options.front) settings.front = axis_of(*options.front);
+  settings.solidity = work.document.solidity;
+  settings.threads = work.document.threads;
+  const Result<io::Image> image = io::draw_trees(work.mesh, trees, settings);
+  if (!image) return image.error();
+  const Result<std::string> png = io::png_bytes(image.value());
+  return png ? io::write_file(options.picture, png.value()) : Status(png.error());
+}
+
+Status save_all(const TreeOptions& options, const TreeWork& work) {
+  Status written = Done{};
+  if (!options.output.empty()) written = save_tree(options, work.trees.front());
+  if (written && !options.picture.empty()) written = save_picture(options, work);
+  if (written && !options.json.empty()) {
+    const std::string text = io::tree_json(work.document);
+    written = options.json == "-" ? io::write_stdout(text) : io::write_file(options.json, text);
+  }
+  // The standard output is one document: the JSON where it was asked for, else the table.
+  if (written && !options.quiet && options.json != "-") written = io::write_stdout(tree_table(work.document));
+  return written;
+}
+
+int judge(const TreeOptions& options) {
+  const Status writable = can_write({options.output, options.json, options.picture});
+  if (!writable) return refuse("tree", writable.error());
+  Progress progress(!options.quiet);
+  const parallel::Interrupt interrupt;
+  const Result<TreeWork> work = do_tree_work(options, progress, interrupt);
+  if (work && !options.picture.empty()) progress.say("drawing");
+  const Status written = work ? save_all(options, work.value()) : Status(Done{});
+  progress.end();
+  if (!work) return refuse("tree", work.error());
+  if (!written) return refuse("tree", written.error());
+  const bool leaking = std::ranges::any_of(work.value().document.trees, [&](const io::MeasuredTree& tree) {
+    return io::leaks(tree, work.value().document.solidity);
+  });
+  return options.require_coverage && leaking
+             ? refuse("tree", kExitRequirementFailed, "--require-coverage: a tree leaks")
+             : kExitDone;
+}
+
+int convert(const TreeOptions& options) {
+  const Result<SphereTree> tree = read_tree(options.tree, options.level);
+  if (!tree) return refuse("tree", tree.error());
+  const Status written = save_tree(options, tree.value());
+  return written ? kExitDone : refuse("tree", written.error());
+}
+
+int tree_command(const TreeOptions& options) {
+  const Status sound = check_tree_options(options);
+  if (!sound) return refuse("tree", kExitBadUsage, sound.error().message);
+  switch (task_of(options)) {
+    case TreeTask::MeshFinding:
+      return print_mesh_reports(options);
+    case TreeTask::Convert:
+      return convert(options);
+    case TreeTask::Oracle:
+      break;
+  }
+  return judge(options);
+}
+
+}  // namespace
+
+void add_tree_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("tree", "Build, judge, compare, convert and draw sphere trees of meshes");
+  auto options = std::make_shared<TreeOptions>();
+  add_tree_options(*command, *options);
+  command->callback([options, &exit_code] { exit_code = tree_command(*options); });
+}
+
+}  // namespace poise::app

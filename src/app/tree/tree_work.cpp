@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "app/tree/tree_work.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <stop_token>
+#include <utility>
+
+#include "app/process_memory.h"
+#include "build_info.h"
+#include "poise/assets/tree_formats.h"
+
+namespace poise::app {
+namespace {
+
+double process_cpu_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+Error cancelled() { return {ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"}; }
+
+Error in_file(const std::string& file, const Error& error) {
+  return {error.kind, fmt::format("{}: {}", file, error.message)};
+}
+
+TreeBuildOptions build_options(const TreeOptions& options, Solidity solidity) {
+  TreeBuildOptions build;
+  build.depth = static_cast<Level>(options.depth.value_or(build.depth));
+  build.preset = preset_of(options.preset.value_or("default"));
+  build.solidity = solidity;
+  build.seed = options.seed.value_or(build.seed);
+  build.threads = static_cast<int>(options.threads.value_or(0));
+  return build;
+}
+
+Result<TreeWork> begin_work(const TreeOptions& options) {
+  TreeWork work;
+  io::TreeDocument& d = work.document;
+  d.mesh = options.meshes.front();
+  MeshReadOptions reading;
+  reading.scale = options.scale.value_or(1.0);
+  Result<TriangleMesh> mesh = read_mesh(d.mesh, reading, &d.repair);
+  if (!mesh) return mesh.error();
+  work.mesh = std::move(mesh).value();
+  d.vertices = work.mesh.vertices_m.size();
+  d.triangles = work.mesh.triangles.size();
+  d.diagonal_m = work.mesh.diagonal_m();
+  d.samples = options.samples.value_or(20000);
+  d.seed = options.seed.value_or(1);
+  d.threads = static_cast<int>(options.threads.value_or(0));
+  d.machine = io::this_machine();
+  d.version = POISE_BUILD_VERSION;
+  d.commit = POISE_BUILD_COMMIT;
+  d.compiler = POISE_BUILD_COMPILER;
+  d.flags = POISE_BUILD_FLAGS;
+  const Result<MeshReport> report = assess_mesh(work.mesh, d.threads);
+  if (!report) return in_file(d.mesh, report.error());
+  d.report = report.value().text;
+  d.closed = report.value().edges.closed();
+  d.volume_m3 = report.value().volume_m3;
+  // What encloses nothing is a shell, asked for or not.
+  d.solidity = options.shell ? Solidity::Shell : report.value().solidity;
+  return work;
+}
+
+/// Judges the tree and puts both into the work.
+Status add_tree(SphereTree tree, io::MeasuredTree judged, const std::stop_token& stop, TreeWork& work) {
+  io::TreeDocument& d = work.document;
+  Result<std::vector<TreeLevelFigures>> levels =
+      measure_tree_quality(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads, stop});
+  if (!levels && levels.error().kind == ErrorKind::Cancelled) return cancelled();
+  if (!levels) return in_file(judged.file.empty() ? d.mesh : judged.file, levels.error());
+  judged.levels = std::move(levels).value();
+  judged.nodes = tree.node_count();
+  judged.bytes = io::bytes_of(tree);
+  d.trees.push_back(std::move(judged));
+  work.trees.push_back(std::move(tree));
+  return Done{};
+}
+
+/// By the ending of the file.
+Result<SphereTree> read_any(const std::filesystem::path& file) {
+  const std::optional<TreeFormat> format = tree_format_of(file);
+  if (!format) return bad_input(fmt::format("{}: the ending must be .sph, .urdf, .yml, .yaml or .json", file.string()));
+  if (*format == TreeFormat::Sph) return read_sph(file);
+  const Result<std::vector<Sphere>> spheres = read_spheres(file);
+  if (!spheres) return spheres.error();
+  Result<SphereTree> tree = tree_of_spheres(spheres.value());
+  return tree ? std::move(tree) : in_file(file.string(), tree.error());
+}
+
+Status add_file(const std::string& file, std::optional<std::uint64_t> level, const std::stop_token& stop,
+                TreeWork& work) {
+  Result<SphereTree> tree = read_tree(file, level);
+  if (!tree) return tree.error();
+  io::MeasuredTree judged;
+  judged.file = file;
+  judged.depth = tree.value().depth();
+  return add_tree(std::move(tree).value(), std::move(judged), stop, work);
+}
+
+}  // namespace
+
+Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptions& options, io::TreeBuildCost& cost) {
+  forget_peak_memory();
+  const double cpu_ms = process_cpu_ms();
+  const auto start = std::chrono::steady_clock::now();
+  Result<SphereTree> tree = build_sphere_tree(mesh, options);
+  cost.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  cost.cpu_ms = process_cpu_ms() - cpu_ms;
+  cost.peak_bytes = peak_memory_bytes();
+  return tree;
+}
+
+Result<SphereTree> read_tree(const std::filesystem::path& file, std::optional<std::uint64_t> level) {
+  Result<SphereTree> tree = read_any(file);
+  if (!tree || level.value_or(0) <= tree.value().depth()) return tree;
+  return bad_input(fmt::format("{}: has no level {}, its deepest is {}", file.string(), *level, tree.value().depth()));
+}
+
+Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, const parallel::Interrupt& interrupt) {
+  progress.say("reading the mesh");
+  Result<TreeWork> begun = begin_work(options);
+  if (!begun) return begun;
+  TreeWork& work = begun.value();
+  if (options.tree.empty()) {
+    progress.say("building the tree");
+    TreeBuildOptions build = build_options(options, work.document.solidity);
+    build.stop = interrupt.token();
+    build.progress = [&progress](double share) { progress.share("building the tree", share); };
+    io::MeasuredTree judged;
+    judged.depth = build.depth;
+    judged.preset = build.preset;
+    judged.cost.emplace();
+    Result<SphereTree> tree = build_measured(work.mesh, build, *judged.cost);
+    if (interrupt.asked()) return cancelled();
+    if (!tree) return in_file(work.document.mesh, tree.error());
+    progress.say("judging the tree");
+    const Status added = add_tree(std::move(tree).value(), std::move(judged), interrupt.token(), work);
+    if (!added) return added.error();
+  }
+  // The level is that of what is written, which is the first tree.
+  const std::pair<const std::string&, std::optional<std::uint64_t>> files[] = {{options.tree, options.level},
+                                                                               {options.compare, {}}};
+  for (const auto& [file, level] : files) {
+    if (file.empty()) continue;
+    if (interrupt.asked()) return cancelled();
+    progress.say(fmt::format("judging {}", file));
+    const Status added = add_file(file, level, interrupt.token(), work);
+    if (!added) return added.error();
+  }
+  if (interrupt.asked()) return cancelled();
+  return begun;
+}
+
+}  // namespace poise::app

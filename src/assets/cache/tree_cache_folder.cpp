@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "assets/cache/tree_cache_folder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+#include <tuple>
+#include <vector>
+
+#include "assets/files/atomic_file.h"
+
+namespace poise::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kEnding = ".poisetree";
+/// A writer needs milliseconds; chosen.
+constexpr std::chrono::hours kPartsLive{1};
+
+/// Reads up to `size` bytes and says whether the file ended exactly there.
+bool read_all(int descriptor, std::size_t size, std::string& bytes) {
+  bytes.resize(size + 1);
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    const ssize_t count = ::read(descriptor, bytes.data() + got, bytes.size() - got);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    if (count == 0) break;
+    got += static_cast<std::size_t>(count);
+  }
+  bytes.resize(got);
+  return got == size;
+}
+
+/// Makes a folder and those above it, for this user alone, as the XDG base directory specification asks.
+bool make_folder(const fs::path& folder) {
+  std::error_code error;
+  if (folder.empty() || fs::is_directory(folder, error)) return true;
+  if (folder.has_parent_path() && folder.parent_path() != folder && !make_folder(folder.parent_path())) return false;
+  return ::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST;
+}
+
+struct Entry {
+  fs::file_time_type used;
+  fs::path file;
+  std::uintmax_t bytes = 0;
+};
+
+/// `.NAME.poisetree.PID-N.part`, as AtomicFile names what it writes.
+bool is_part(const std::string& name) {
+  return name.starts_with('.') && name.ends_with(".part") && name.find(kEnding) != std::string::npos;
+}
+
+}  // namespace
+
+EntryRead read_entry(const fs::path& file, std::uint64_t most_bytes, std::string& bytes) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return errno == ENOENT || errno == ENOTDIR ? EntryRead::Missing : EntryRead::Unusable;
+  struct stat status {};
+  const bool sound = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_size >= 0 &&
+                     static_cast<std::uint64_t>(status.st_size) <= most_bytes;
+  const bool read = sound && read_all(descriptor, static_cast<std::size_t>(status.st_size), bytes);
+  ::close(descriptor);
+  return read ? EntryRead::Found : EntryRead::Unusable;
+}
+
+void touch_entry(const fs::path& file) { static_cast<void>(::utimensat(AT_FDCWD, file.c_str(), nullptr, 0)); }
+
+bool write_entry(const fs::path& file, std::string_view bytes) {
+  if (!make_folder(file.parent_path())) return false;
+  std::error_code error;
+  // Never through a link or into a device that stands in the entry's place: those go, a folder stays and is a failure.
+  const fs::file_status status = fs::symlink_status(file, error);
+  if (fs::exists(status) && !fs::is_regular_file(status) && ::unlink(file.c_str()) != 0) return false;
+  return write_file(file, bytes).ok();
+}
+
+std::size_t keep_limit(const fs::path& kept, std::uint64_t limit_bytes) {
+  std::error_code error;
+  const fs::file_time_type now = fs::last_write_time(kept, error);
+  if (error) return 0;
+  std::vector<Entry> entries;
+  std::uintmax_t total = 0;
+  fs::directory_iterator points(kept.parent_path(), error);
+  for (; !error && points != fs::directory_iterator(); points.increment(error)) {
+    const std::string name = points->path().filename().string();
+    const bool part = is_part(name);
+    if (!part && !name.ends_with(kEnding)) continue;
+    // Another process may have removed it by now; then it is not counted.
+    std::error_code gone;
+    if (!points->is_regular_file(gone) || points->is_symlink(gone)) continue;
+    Entry entry{points->last_write_time(gone), points->path(), 0};
+    if (!gone) entry.bytes = points->file_size(gone);
+    if (gone) continue;
+    if (part && now - entry.used > kPartsLive) fs::remove(entry.file, gone);
+    if (part) continue;
+    total += entry.bytes;
+    if (points->path().filename() != kept.filename()) entries.push_back(std::move(entry));
+  }
+  std::ranges::sort(entries, {}, [](const Entry& entry) { return std::tie(entry.used, entry.file); });
+  std::size_t removed = 0;
+  for (const Entry& entry : entries) {
+    if (total <= limit_bytes) break;
+    std::error_code failed;
+    if (fs::remove(entry.file, failed)) ++removed;
+    if (!failed) total -= entry.bytes;
+  }
+  return removed;
+}
+
+}  // namespace poise::geometry

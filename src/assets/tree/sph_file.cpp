@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "assets/files/atomic_file.h"
+#include "assets/files/text_file.h"
+#include "assets/files/text_words.h"
+#include "assets/tree/tree_files.h"
+#include "geometry/primitives/rounding.h"
+#include "geometry/sphere_tree/tree_layout.h"
+#include "poise/sphere_tree.h"
+
+namespace poise {
+namespace {
+
+using geometry::LooseNode;
+
+/// Ten times what seven full levels take; chosen.
+constexpr std::uint64_t kMostBytes = 256ULL << 20;
+
+/// Words of a text, line by line. Invariant: `rest` begins at a line's start between calls.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {}
+  /// The next line's words, or nothing at the end.
+  std::optional<std::vector<std::string_view>> next() {
+    if (rest_.empty()) return std::nullopt;
+    ++number_;
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    const std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    return geometry::words_of(line);
+  }
+  [[nodiscard]] std::size_t number() const { return number_; }
+
+ private:
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+template <class T>
+bool parse(std::string_view word, T& value) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size();
+}
+
+struct Row {
+  std::array<float, 4> sphere{};  ///< x, y, z, r
+  bool used = false;
+};
+
+/// Empty when the row is fine.
+std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
+  if (words.size() != 4 && words.size() != 5)
+    return fmt::format("has {} numbers, must be 'x y z r occupancy'", words.size());
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!parse(words[i], row.sphere[i]) || !std::isfinite(row.sphere[i])) {
+      return fmt::format("'{}' must be a finite number in single precision", words[i].substr(0, 40));
+    }
+  }
+  double occupancy = 0;
+  if (words.size() == 5 && (!parse(words[4], occupancy) || !std::isfinite(occupancy))) {
+    return fmt::format("occupancy '{}' must be a finite number", words[4].substr(0, 40));
+  }
+  row.used = row.sphere[3] >= 0;
+  if (!row.used) return {};
+  const auto radius_m = static_cast<double>(row.sphere[3]);
+  if (radius_m < geometry::kSmallestLength_m || radius_m > geometry::kLargestLength_m) {
+    return fmt::format("radius = {}, must be from {} to {} m, or negative for an unused place", radius_m,
+                       geometry::kSmallestLength_m, geometry::kLargestLength_m);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (std::abs(static_cast<double>(row.sphere[i])) > geometry::kLargestLength_m) {
+      return fmt::format("coordinate = {}, must be within {} m", row.sphere[i], geometry::kLargestLength_m);
+    }
+  }
+  return {};
+}
+
+/// The rows of a full tree with `branch` children a node.
+struct Rows {
+  std::size_t branch;
+  std::vector<Row> rows;
+
+  [[nodiscard]] std::vector<std::size_t> children(std::size_t index) const {
+    std::vector<std::size_t> used;
+    for (std::size_t c = index * branch + 1; c <= index * branch + branch && c < rows.size(); ++c) {
+      if (rows[c].used) used.push_back(c);
+    }
+    return used;
+  }
+  /// Whether below this row there is nothing but its own repetitions: a node that ended early.
+  [[nodiscard]] bool only_repeats(std::size_t index) const {
+    for (;;) {
+      const std::vector<std::size_t> used = children(index);
+      if (used.empty()) return true;
+      if (used.size() > 1 || rows[used[0]].sphere != rows[index].sphere) return false;
+      index = used[0];
+    }
+  }
+  /// Adds the subtree of a row.
+  std::uint32_t add(std::size_t index, std::vector<LooseNode>& nodes) const {
+    const auto added = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back();
+    nodes[added].center_m = {rows[index].sphere[0], rows[index].sphere[1], rows[index].sphere[2]};
+    nodes[added].radius_m = rows[index].sphere[3];
+    if (only_repeats(index)) return added;
+    for (const std::size_t c : children(index)) {
+      const std::uint32_t child = add(c, nodes);
+      nodes[added].children.push_back(child);
+    }
+    return added;
+  }
+};
+
+Result<SphereTree> parse_sph(std::string_view text) {
+  Lines lines(text);
+  const auto refuse = [&](const std::string& rule) {
+    return bad_input(fmt::format("line {}: {}", lines.number(), rule));
+  };
+  const auto head = lines.next();
+  int levels = 0;
+  int branch = 0;
+  if (!head) return bad_input("is empty; line 1 must be 'levels branch', two whole numbers");
+  if (head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
+    return refuse("must be 'levels branch', two whole numbers");
+  }
+  if (levels < 1 || levels > kMaxTreeDepth + 1)
+    return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));
+  if (branch < 1 || branch > static_cast<int>(kTreeBranching)) {
+    return refuse(fmt::format("branch = {}, must be from 1 to {}", branch, kTreeBranching));
+  }
+  std::size_t points = 0;
+  std::size_t on_level = 1;
+  for (int l = 0; l < levels; ++l, on_level *= static_cast<std::size_t>(branch)) points += on_level;
+  Rows table{static_cast<std::size_t>(branch), {}};
+  std::vector<Row>& rows = table.rows;
+  while (rows.size() < points) {
+    const auto words = lines.next();
+    if (!words) return refuse(fmt::format("ends after {} of {} rows", rows.size(), points));
+    if (words->empty()) continue;
+    Row row;
+    if (const std::string wrong = parse_row(*words, row); !wrong.empty()) return refuse(wrong);
+    const std::size_t index = rows.size();
+    if (index == 0 && !row.used) return refuse("the root must have a radius > 0");
+    if (index > 0 && row.used && !rows[(index - 1) / table.branch].used) {
+      return refuse(fmt::format("node {} is used, but its parent {} is not", index, (index - 1) / table.branch));
+    }
+    rows.push_back(row);
+  }
+  std::vector<LooseNode> nodes;
+  table.add(0, nodes);
+  return geometry::flatten_tree(nodes);
+}
+
+/// Numbers are written with as many digits as a double needs for exactly the stored float: who reads them in double
+/// precision finds no sphere smaller by a rounding.
+void append_row(const SphereTree& tree, NodeIndex node, std::string& text) {
+  const Sphere sphere = tree.sphere(node);
+  fmt::format_to(std::back_inserter(text), "{} {} {} {} 1\n", sphere.center_m.x(), sphere.center_m.y(),
+                 sphere.center_m.z(), sphere.radius_m);
+}
+
+/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error
+/// of its spheres where these are known.
+void append_level_figures(const SphereTree& tree, Level level, std::size_t points, std::string& text) {
+  fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\n", level, points);
+  if (!geometry::protrusions_known(tree)) return;
+  const geometry::LevelErrors errors = geometry::level_errors(tree, tree.nodes_at(level));
+  fmt::format_to(std::back_inserter(text), "Best : {}\nWorst : {}\nMean : {}\n", errors.best_m, errors.worst_m,
+                 errors.mean_m);
+}
+
+std::string sph_text(const SphereTree& tree) {
+  std::string text = fmt::format("{} {}\n", tree.depth() + 1, kTreeBranching);
+  std::string figures;
+  constexpr NodeIndex kUnused = 0xffffffffU;
+  std::vector<NodeIndex> points{0};
+  for (Level level = 0; level <= tree.depth(); ++level) {
+    std::vector<NodeIndex> below;
+    for (const NodeIndex node : points) {
+      if (node == kUnused) {
+        text += "0 0 0 -1 0\n";
+        below.insert(below.end(), kTreeBranching, kUnused);
+        continue;
+      }
+      append_row(tree, node, text);
+      const NodeIndex children = tree.child_count[node];
+      for (NodeIndex c = 0; c < kTreeBranching; ++c) {
+        const NodeIndex own = children == 0 && c == 0 ? node : kUnused;
+        below.push_back(c < children ? tree.first_child[node] + c : own);
+      }
+    }
+    append_level_figures(tree, level, points.size(), figures);
+    if (level < tree.depth()) points = std::move(below);
+  }
+  return text + figures;
+}
+
+}  // namespace
+
+Result<SphereTree> read_sph(const std::filesystem::path& file) {
+  try {
+    const Result<std::string> text = geometry::read_text_file(file, kMostBytes);
+    if (!text) return text.error();
+    Result<SphereTree> tree = parse_sph(text.value());
+    if (!tree) return bad_input(fmt::format("{}: {}", file.string(), tree.error().message));
+    return tree;
+  } catch (const std::exception& failure) {
+    return bad_input(fmt::format("{}: {}", file.string(), failure.what()));
+  }
+}
+
+Status write_sph(const SphereTree& tree, const std::filesystem::path& file) {
+  if (tree.node_count() == 0) return bad_input("tree: there is no node, at least one is needed");
+  try {
+    return geometry::write_file(file, sph_text(tree));
+  } catch (const std::exception& failure) {
+    return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be written: {}", file.string(), failure.what())};
+  }
+}
+
+}  // namespace poise

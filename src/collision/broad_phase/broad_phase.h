@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "parallel/executor.h"
+#include "poise/types.h"
+
+namespace poise::collision {
+
+/// A ball that holds a body wherever it may be during the step.
+struct MotionBound {
+  Vec3 center_m = Vec3::Zero();
+  double radius_m = 0;  ///< bounding radius and all motion of the step, >= 0
+  std::uint32_t slot = 0;
+  std::uint32_t group = 1;
+  std::uint32_t collides_with = 0xffffffffU;
+  bool dynamic = true;
+};
+
+/// A body that moves far in the step: its ball at the start, and the straight way of its centre.
+struct SweptBound {
+  MotionBound start;
+  Vec3 motion_m = Vec3::Zero();
+};
+
+/// A static half-space normal . x <= height, world frame.
+struct PlaneBound {
+  Vec3 normal = Vec3::UnitZ();
+  double height_m = 0;
+  std::uint32_t slot = 0;
+  std::uint32_t group = 1;
+  std::uint32_t collides_with = 0xffffffffU;
+};
+
+/// Two bodies that may touch in the step; low < high are their slots.
+struct CandidatePair {
+  std::uint32_t low = 0;
+  std::uint32_t high = 0;
+  friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
+};
+
+/// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table whose
+/// cells in a row lie side by side. Invariant: buffers only grow, so that a scene that was seen once needs no
+/// allocation.
+class BroadPhase {
+ public:
+  struct Result {
+    std::span<const CandidatePair> pairs;  ///< sorted by (low, high), each once; valid until the next call
+    std::size_t discarded = 0;             ///< partners beyond max_partners
+  };
+  /// At least one of a pair is dynamic, and each is in a group that the other collides with. A bound keeps at most
+  /// `max_partners` partners that are found from it. The same result on any number of threads. Linear in bounds and
+  /// pairs. `swept` bodies have no part in the grid: each looks along its way, at the cells there or at all entries if
+  /// that is less, and keeps every partner that it meets, other swept ones by comparison with each. Without any,
+  /// nothing of that is done.
+  Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
+              parallel::Executor& executor, std::span<const SweptBound> swept = {});
+
+ private:
+  struct Cell {
+    std::int32_t x = 0, y = 0, z = 0;
+    std::int32_t grid = 0;
+    friend bool operator==(const Cell&, const Cell&) = default;
+  };
+  struct Entry {
+    Vec3 center_m = Vec3::Zero();
+    double radius_m = 0;
+    Cell cell;
+    std::uint32_t bound = 0;
+  };
+  struct Grid {
+    double widest_m = 0;
+    double cells_per_m = 1;
+    std::int64_t least[3] = {0, 0, 0}, most[3] = {0, 0, 0};  ///< cells, with a free border around those in use
+    std::uint64_t row = 1, layer = 1, base = 0;
+    bool used = false;
+  };
+  struct Collector;
+  struct Way;
+
+  void sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
+  void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
+              std::uint32_t max_partners, Collector& found) const;
+  void search_along(std::size_t own, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
+                    std::span<const SweptBound> swept, Collector& found) const;
+  template <class Visit>
+  void visit_along(const Way& way, int grid, Visit&& visit) const;
+  template <class Visit>
+  void visit_row(const Cell& first, std::int32_t count, Visit&& visit) const;
+  [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
+  std::size_t collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
+                      std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor,
+                      std::size_t& discarded);
+  void sort_pairs(std::size_t count, parallel::Executor& executor);
+
+  static constexpr int kGrids = 64;
+  std::vector<Grid> grids_ = std::vector<Grid>(kGrids);
+  std::vector<int> used_grids_;
+  std::vector<Cell> cell_of_;
+  std::vector<Entry> entries_;
+  std::vector<std::uint32_t> bucket_of_;
+  std::vector<std::uint32_t> bucket_begin_;
+  std::uint64_t mask_ = 0;
+  std::vector<CandidatePair> found_;
+  std::vector<CandidatePair> sorted_;
+  std::vector<std::uint32_t> low_begin_;
+};
+
+}  // namespace poise::collision

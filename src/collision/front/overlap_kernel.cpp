@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/front/overlap_kernel.cpp"
+#include <hwy/foreach_target.h>
+// Highway compiles this file once for each instruction set, so it comes after foreach_target.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "collision/front/overlap_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace poise::collision::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
+
+// The arrays of a tree that a test reads.
+struct Spheres {
+  const float* x;
+  const float* y;
+  const float* z;
+  const float* radius;
+  explicit Spheres(const SphereTree& tree)
+      : x(tree.x_m.data()), y(tree.y_m.data()), z(tree.z_m.data()), radius(tree.radius_m.data()) {}
+};
+
+// Bit 8 i + j is set when sphere first_a + i of a comes as near to sphere first_b + j of b as each limit says.
+struct Near {
+  std::uint64_t bits = 0, close = 0, wide = 0;
+};
+
+template <bool kTwice>
+HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b,
+                         const FloatFrame& frame, const Nearness& nearness, float closeness) {
+  const hn::CappedTag<float, kTreeBranching> d;
+  const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
+  Near found;
+  for (std::size_t j = 0; j < kTreeBranching; j += hn::Lanes(d)) {
+    const auto x = hn::LoadU(d, b.x + first_b + j);
+    const auto y = hn::LoadU(d, b.y + first_b + j);
+    const auto z = hn::LoadU(d, b.z + first_b + j);
+    const auto row = [&](int r) HWY_ATTR {
+      return hn::Add(hn::Add(hn::Mul(at(r), x), hn::Mul(at(r + 1), y)),
+                     hn::Add(hn::Mul(at(r + 2), z), hn::Set(d, frame.offset_m[r / 3])));
+    };
+    const auto moved_x = row(0);
+    const auto moved_y = row(3);
+    const auto moved_z = row(6);
+    const auto radius = hn::LoadU(d, b.radius + first_b + j);
+    const auto inflated = hn::Add(radius, hn::Set(d, nearness.inflation_m));
+    const auto wide = hn::Set(d, nearness.wide_m);
+    const auto closer = hn::Add(radius, hn::Set(d, closeness));
+    for (std::size_t i = 0; i < kTreeBranching; ++i) {
+      const auto dx = hn::Sub(moved_x, hn::Set(d, a.x[first_a + i]));
+      const auto dy = hn::Sub(moved_y, hn::Set(d, a.y[first_a + i]));
+      const auto dz = hn::Sub(moved_z, hn::Set(d, a.z[first_a + i]));
+      const auto reach = hn::Add(inflated, hn::Set(d, a.radius[first_a + i]));
+      const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+      const auto bits_of = [&](auto limit) HWY_ATTR {
+        std::uint8_t stored[8] = {};
+        hn::StoreMaskBits(d, hn::Lt(square, hn::Mul(limit, limit)), stored);
+        return std::uint64_t{stored[0]} << (kTreeBranching * i + j);
+      };
+      found.bits |= bits_of(reach);
+      found.wide |= bits_of(hn::Add(reach, wide));
+      if constexpr (kTwice) {
+        const auto near = hn::Add(closer, hn::Set(d, a.radius[first_a + i]));
+        found.close |= bits_of(hn::Max(near, hn::Zero(d)));
+      }
+    }
+  }
+  return found;
+}
+
+// Bits of the pairs of `rows` spheres of a and `columns` of b.
+HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
+  constexpr std::uint64_t kFirstColumn = 0x0101010101010101U;
+  return (kFirstColumn * ((1U << columns) - 1U)) & (~std::uint64_t{0} >> (kTreeBranching * (kTreeBranching - rows)));
+}
+
+// The pairs of an entry's children that overlap, as bits.
+struct Block {
+  Near found;
+  FrontEntry first;
+};
+
+// Writes the pairs of a block in order; places of `out` beyond them may be overwritten, but none beyond the block's
+// own 64.
+HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
+  constexpr int kAtOnce = 4;  // most blocks have no more, and then the loop ends as foreseen
+  const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
+  while (bits != 0) {
+    for (int k = 0; k < kAtOnce; ++k) {
+      const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
+      *out++ = {first.a + place / kTreeBranching, first.b + place % kTreeBranching};
+      bits &= bits - 1;
+    }
+  }
+  return hits;
+}
+
+template <bool kTwice>
+HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
+                                   const Nearness& nearness, float closeness, std::span<const FrontEntry> front,
+                                   std::span<FrontEntry> out, std::span<FrontEntry> close) {
+  // Tests of many entries first, then their lists: tests without a branch run into each other, while a list's length,
+  // which no processor foresees, holds up what comes after it.
+  constexpr std::size_t kBlocks = 32;
+  constexpr std::size_t kPairs = std::size_t{kTreeBranching} * kTreeBranching;
+  const Spheres spheres_a(a);
+  const Spheres spheres_b(b);
+  const NodeIndex* const children_a = a.first_child.data();
+  const NodeIndex* const children_b = b.first_child.data();
+  const std::uint8_t* const counts_a = a.child_count.data();
+  const std::uint8_t* const counts_b = b.child_count.data();
+  const FloatFrame moved = frame;
+  std::array<Block, kBlocks> blocks;
+  Expansion result;
+  while (result.consumed < front.size()) {
+    const std::size_t count = std::min(kBlocks, front.size() - result.consumed);
+    for (std::size_t k = 0; k < count; ++k) {
+      const FrontEntry entry = front[result.consumed + k];
+      const FrontEntry first{children_a[entry.a], children_b[entry.b]};
+      const std::uint32_t rows = std::max<std::uint32_t>(counts_a[entry.a], 1);
+      const std::uint32_t columns = std::max<std::uint32_t>(counts_b[entry.b], 1);
+      const std::uint64_t used = used_bits(rows, columns);
+      const Near found = overlaps<kTwice>(spheres_a, first.a, spheres_b, first.b, moved, nearness, closeness);
+      blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first};
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      if (out.size() - result.hits < kPairs) return result;
+      result.nearly = result.nearly || blocks[k].found.wide != blocks[k].found.bits;
+      result.hits += list_hits(blocks[k].found.bits, blocks[k].first, out.data() + result.hits);
+      if constexpr (kTwice) {
+        if (close.size() - result.close < kPairs) return result;
+        result.close += list_hits(blocks[k].found.close, blocks[k].first, close.data() + result.close);
+      }
+      ++result.consumed;
+    }
+  }
+  return result;
+}
+
+Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
+                 std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  return expand_blocks<false>(a, b, frame, nearness, 0, front, out, {});
+}
+
+Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
+                       float closeness, std::span<const FrontEntry> front, std::span<FrontEntry> out,
+                       std::span<FrontEntry> close) {
+  return expand_blocks<true>(a, b, frame, nearness, closeness, front, out, close);
+}
+
+}  // namespace poise::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace poise::collision {
+
+HWY_EXPORT(expand);
+HWY_EXPORT(expand_twice);
+
+Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
+                       std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  return HWY_DYNAMIC_DISPATCH(expand)(a, b, frame, nearness, front, out);
+}
+
+Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
+                             const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
+                             std::span<FrontEntry> out, std::span<FrontEntry> close) {
+  return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, nearness, closeness_m, front, out, close);
+}
+
+Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, const Nearness& nearness,
+                             std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  Expansion result;
+  for (const FrontEntry entry : front) {
+    if (out.size() - result.hits < kTreeBranching) return result;
+    const NodeIndex first = a.first_child[entry.a];
+    const std::uint32_t count = a.child_count[entry.a] == 0 ? 1U : a.child_count[entry.a];
+    for (NodeIndex node = first; node < first + count; ++node) {
+      const float height = normal[0] * a.x_m[node] + normal[1] * a.y_m[node] + normal[2] * a.z_m[node] - offset_m;
+      const float reach = a.radius_m[node] + nearness.inflation_m;
+      if (height < reach) {
+        out[result.hits++] = {node, 0};
+      } else if (height < reach + nearness.wide_m) {
+        result.nearly = true;
+      }
+    }
+    ++result.consumed;
+  }
+  return result;
+}
+
+}  // namespace poise::collision
+#endif

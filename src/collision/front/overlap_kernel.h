@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "collision/front/front.h"
+#include "poise/sphere_tree.h"
+
+namespace poise::collision {
+
+/// The frame of b in the frame of a, single precision: p_a = rotation * p_b + offset, rotation by rows.
+struct FloatFrame {
+  float rotation[9];
+  float offset_m[3];
+};
+
+/// How near is near: on top of the two radii, metres.
+struct Nearness {
+  float inflation_m = 0;  ///< covers the rounding of single precision
+  float wide_m = 0;       ///< >= 0: what misses by less has nearly overlapped
+};
+
+/// How far an expansion came.
+struct Expansion {
+  std::uint32_t consumed =
+      0;                    ///< entries of the input that were expanded; fewer than given when there was no room left
+  std::uint32_t hits = 0;   ///< entries written
+  std::uint32_t close = 0;  ///< entries written to the second list
+  bool nearly = false;      ///< some two nodes that do not overlap would with wide_m more
+};
+
+/// Expands each entry of a front into the overlapping pairs of its nodes' children (a leaf stands for itself), in
+/// order. Two nodes overlap when |o_a - o_b| < r_a + r_b + inflation_m. Needs kTreeBranching^2 free entries for each
+/// block. Any instruction set gives the same bits.
+Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
+                       std::span<const FrontEntry> front, std::span<FrontEntry> out);
+
+/// The same, and those of them with |o_a - o_b| < r_a + r_b + closeness_m once more in a list of their own, in order;
+/// it needs as much room.
+Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
+                             const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
+                             std::span<FrontEntry> out, std::span<FrontEntry> close);
+
+/// The same against the half-space normal . p <= offset, given in the frame of a: nodes with
+/// normal . o - offset < r + inflation_m. The b of each entry stays 0.
+Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, const Nearness& nearness,
+                             std::span<const FrontEntry> front, std::span<FrontEntry> out);
+
+}  // namespace poise::collision

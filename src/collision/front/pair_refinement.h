@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "collision/front/front.h"
+#include "collision/front/pair_frame.h"
+#include "collision/manifold/contact_sums.h"
+#include "collision/manifold/manifold_point.h"
+#include "poise/types.h"
+
+namespace poise::collision {
+
+/// The deepest completed level of a pair in this frame, and what it says.
+struct PairLevel {
+  Level level = 0;
+  Level deepest = 0;                ///< no level below brings anything
+  bool polygons = false;            ///< the deepest level is that of the polygons, after all levels of the trees
+  bool apart = false;               ///< no two nodes of this level are nearer than the margin
+  bool nearly = false;              ///< some that were passed over would be with PairFrame::nearness.wide_m more
+  SegmentRef front;                 ///< none at level 0: the two roots
+  std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
+  std::uint32_t next_units = 1;     ///< what the next level costs, in node-pair expansions
+  [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
+  [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
+  [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
+};
+
+/// What that level found out, if there is one: apart from it, because most pairs of a calm scene have none.
+struct LevelContact {
+  PairContact contact;             ///< answers impacts
+  ManifoldPoints manifold_points;  ///< where the pair rests; filled with the contact
+};
+
+/// Both together, for who refines one pair by itself.
+struct SinglePair : PairLevel, LevelContact {};
+
+/// A level that is being worked out, by one worker at a time, in bounded pieces.
+struct LevelProgress {
+  SegmentRef reading;        ///< of the front that is expanded
+  std::uint32_t offset = 0;  ///< entries of it that are done
+  SegmentRef first, last;    ///< of the front that is made
+  std::uint32_t entries = 0;
+  bool nearly = false;  ///< likewise of PairLevel
+  ContactSums sums;
+  FrontPool::Mark mark{};  ///< of the worker's pool when the level was begun
+};
+
+enum class Quantum : std::uint8_t {
+  More,      ///< the level is not complete yet
+  Complete,  ///< the level may be published
+  Full,      ///< the pool has no room: the level is to be dropped whole
+};
+
+/// The deepest level of the trees that refining two shapes can reach; b may be a plane.
+Level deepest_level(const Shape& a, const Shape& b, Level max_level);
+
+/// A root sphere in the world, and the centre of mass of its body.
+struct PlacedRoot {
+  const Shape* shape = nullptr;
+  Vec3 center_m = Vec3::Zero();
+  Vec3 mass_center_m = Vec3::Zero();
+};
+/// How far beneath the root sphere the surface is likely to be where bodies meet at level 0: likely gaps are larger by
+/// that of both.
+double coarsest_lift_m(const Shape& shape);
+/// The contact of level 0: that of the two root spheres, whatever their distance.
+PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
+/// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
+PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
+
+LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
+
+/// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
+Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
+                    LevelProgress& progress);
+
+/// Makes a complete level the pair's own, and finds where the pair rests if it is nearer than the margin.
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools,
+                   const LevelProgress& progress, PairLevel& pair, LevelContact& found);
+
+/// A contact as the one place where a pair rests, in the frame of a.
+ManifoldPoint impact_point(const PairContact& contact, const Mat3& rotation_a);
+
+/// Calls visit(span of entries) over the pair's front, in order.
+template <class Visit>
+void for_each_segment(std::span<const FrontPool> pools, SegmentRef front, Visit&& visit);
+
+inline constexpr std::uint32_t kSegmentIndexBits = 24;
+inline SegmentRef segment_ref(int worker, std::uint32_t index) {
+  return {static_cast<std::uint32_t>(worker) << kSegmentIndexBits | index};
+}
+inline std::uint32_t segment_worker(SegmentRef ref) { return ref.bits >> kSegmentIndexBits; }
+inline std::uint32_t segment_index(SegmentRef ref) { return ref.bits & ((1U << kSegmentIndexBits) - 1U); }
+
+template <class Visit>
+void for_each_segment(std::span<const FrontPool> pools, SegmentRef front, Visit&& visit) {
+  if (front.none()) {
+    const FrontEntry roots{0, 0};
+    visit(std::span<const FrontEntry>(&roots, 1));
+    return;
+  }
+  for (SegmentRef ref = front; !ref.none();) {
+    const FrontPool& pool = pools[segment_worker(ref)];
+    const FrontSegment& segment = pool.segment(segment_index(ref));
+    visit(pool.entries(segment));
+    ref = segment.next;
+  }
+}
+
+}  // namespace poise::collision

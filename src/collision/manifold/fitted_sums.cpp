@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/manifold/fitted_sums.cpp"
+#include <hwy/foreach_target.h>
+// Highway compiles this file once for each instruction set, so it comes after foreach_target.
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "collision/manifold/fitted_sums.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace poise::collision::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kLanes = 8;
+// Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers
+// stay within single precision, and out of the numbers near 0 that are slow.
+constexpr float kLargest = 6, kSmallest = -16;
+constexpr float kLeastOfPoints = 4.54e-5F;  ///< of the weights, exp(-10)
+constexpr float kBeyond = 1e30F;
+
+// Fits of one side, a figure an array.
+struct Fits {
+  alignas(32) float x[kLanes], y[kLanes], z[kLanes], radius[kLanes], core[kLanes];
+};
+
+template <NodeIndex FrontEntry::*kSide>
+HWY_INLINE void gather(const NodeFit* fits, std::span<const FrontEntry> entries, Fits& into) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const NodeFit& fit = fits[entries[std::min(k, entries.size() - 1)].*kSide];
+    into.x[k] = fit.x_m;
+    into.y[k] = fit.y_m;
+    into.z[k] = fit.z_m;
+    into.radius[k] = fit.radius_m;
+    into.core[k] = fit.core_m;
+  }
+}
+
+// What the lanes have gathered.
+struct Lanes {
+  alignas(32) float direction[3][kLanes] = {}, place[3][kLanes] = {}, weight[kLanes] = {}, gap[kLanes], cores[kLanes];
+};
+
+// exp(t) to a thousandth for |t| <= 6 and to a half down to -16, of operations that round alike everywhere: a
+// polynomial to the sixteenth power.
+template <class D, class V>
+HWY_INLINE V exponential(D d, V t) {
+  const V x = hn::Mul(t, hn::Set(d, 1.0F / 16));
+  V sum = hn::Add(hn::Mul(x, hn::Set(d, 1.0F / 24)), hn::Set(d, 1.0F / 6));
+  sum = hn::Add(hn::Mul(x, sum), hn::Set(d, 0.5F));
+  sum = hn::Add(hn::Mul(x, sum), hn::Set(d, 1.0F));
+  sum = hn::Add(hn::Mul(x, sum), hn::Set(d, 1.0F));
+  for (int i = 0; i < 4; ++i) sum = hn::Mul(sum, sum);
+  return sum;
+}
+
+// Contacts of some lanes: where the fitted spheres of a are, the way to those of b, and how far it is.
+template <class V>
+struct LaneContacts {
+  V ax, ay, az, dx, dy, dz, distance, radius_a, radius_b, core;
+};
+
+// For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
+template <class D>
+HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fits& b, std::size_t k) {
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
+  const auto at = [&](const float* from) HWY_ATTR { return hn::Load(d, from + k); };
+  LaneContacts<hn::Vec<D>> c;
+  c.ax = at(a.x);
+  c.ay = at(a.y);
+  c.az = at(a.z);
+  c.radius_a = at(a.radius);
+  c.core = at(a.core);
+  if (frame.with_plane()) {
+    const auto nx = set(frame.plane_normal.x());
+    const auto ny = set(frame.plane_normal.y());
+    const auto nz = set(frame.plane_normal.z());
+    const auto height =
+        hn::Sub(hn::Add(hn::Add(hn::Mul(nx, c.ax), hn::Mul(ny, c.ay)), hn::Mul(nz, c.az)), set(frame.plane_height_m));
+    c.dx = hn::Neg(hn::Mul(height, nx));
+    c.dy = hn::Neg(hn::Mul(height, ny));
+    c.dz = hn::Neg(hn::Mul(height, nz));
+    c.radius_b = hn::Zero(d);
+  } else {
+    const auto bx = at(b.x);
+    const auto by = at(b.y);
+    const auto bz = at(b.z);
+    const auto row = [&](int r) HWY_ATTR {
+      const float* const turn = frame.rounded.rotation + 3 * r;
+      return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), bx), hn::Mul(hn::Set(d, turn[1]), by)),
+                     hn::Add(hn::Mul(hn::Set(d, turn[2]), bz), hn::Set(d, frame.rounded.offset_m[r])));
+    };
+    c.dx = hn::Sub(row(0), c.ax);
+    c.dy = hn::Sub(row(1), c.ay);
+    c.dz = hn::Sub(row(2), c.az);
+    c.radius_b = at(b.radius);
+    c.core = hn::Add(c.core, at(b.core));
+  }
+  const auto square = hn::Add(hn::Add(hn::Mul(c.dx, c.dx), hn::Mul(c.dy, c.dy)), hn::Mul(c.dz, c.dz));
+  c.distance = hn::Sqrt(square);
+  // A centre beneath the plane is at a negative distance from it, and the direction stays that of the plane.
+  if (frame.with_plane()) {
+    const auto along =
+        hn::Add(hn::Add(hn::Mul(c.dx, set(frame.plane_normal.x())), hn::Mul(c.dy, set(frame.plane_normal.y()))),
+                hn::Mul(c.dz, set(frame.plane_normal.z())));
+    c.distance = hn::CopySign(c.distance, hn::Neg(along));
+  }
+  return c;
+}
+
+// Adds up to eight contacts to the lanes.
+void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lanes& sums) {
+  const hn::CappedTag<float, kLanes> d;
+  alignas(32) static constexpr float kPoints[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+  Fits a;
+  Fits b;
+  gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
+  if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto used = hn::Lt(hn::Load(d, kPoints + k), hn::Set(d, static_cast<float>(entries.size())));
+    const auto c = contacts_of(d, frame, a, b, k);
+    const auto ax = c.ax;
+    const auto ay = c.ay;
+    const auto az = c.az;
+    const auto dx = c.dx;
+    const auto dy = c.dy;
+    const auto dz = c.dz;
+    const auto distance = c.distance;
+    const auto radius_a = c.radius_a;
+    const auto radius_b = c.radius_b;
+    const auto core = c.core;
+    const auto gap = hn::Sub(distance, hn::Add(radius_a, radius_b));
+    const auto steepness = hn::Mul(hn::Sub(set(frame.expected_gap_m), gap), set(1.0 / frame.width_m));
+    const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, kSmallest)), hn::Set(d, kLargest));
+    const auto weight = hn::IfThenElseZero(used, exponential(d, exponent));
+    auto sharp = hn::IfThenElseZero(used, hn::Max(weight, hn::Set(d, kLeastOfPoints)));
+    sharp = hn::Mul(sharp, sharp);
+    sharp = hn::Mul(sharp, sharp);
+    sharp = hn::Mul(sharp, sharp);
+    const auto apart = hn::Ne(distance, hn::Zero(d));
+    const auto inverse = hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1.0F), distance));
+    const auto half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(inverse, hn::Add(distance, hn::Sub(radius_a, radius_b))));
+    const auto broad = hn::Mul(weight, inverse);
+    const auto add = [&](float* to, auto value) HWY_ATTR { hn::Store(hn::Add(hn::Load(d, to + k), value), d, to + k); };
+    add(sums.direction[0], hn::Mul(broad, dx));
+    add(sums.direction[1], hn::Mul(broad, dy));
+    add(sums.direction[2], hn::Mul(broad, dz));
+    const auto px = hn::Add(ax, hn::Mul(half, dx));
+    const auto py = hn::Add(ay, hn::Mul(half, dy));
+    const auto pz = hn::Add(az, hn::Mul(half, dz));
+    add(sums.place[0], hn::Mul(sharp, px));
+    add(sums.place[1], hn::Mul(sharp, py));
+    add(sums.place[2], hn::Mul(sharp, pz));
+    add(sums.weight, sharp);
+    const auto far = hn::Set(d, kBeyond);
+    const auto lower = [&](float* to, auto value) HWY_ATTR {
+      hn::Store(hn::Min(hn::Load(d, to + k), hn::IfThenElse(used, value, far)), d, to + k);
+    };
+    lower(sums.gap, gap);
+    lower(sums.cores, hn::Sub(distance, core));
+  }
+}
+
+// Up to eight contacts, a figure an array.
+struct BlockContacts {
+  alignas(32) float gap[kLanes], cores[kLanes], normal[3][kLanes], point[3][kLanes];
+};
+
+void block_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, BlockContacts& into) {
+  const hn::CappedTag<float, kLanes> d;
+  Fits a;
+  Fits b;
+  gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
+  if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto c = contacts_of(d, frame, a, b, k);
+    const auto apart = hn::Ne(c.distance, hn::Zero(d));
+    const auto inverse = hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1.0F), c.distance));
+    const auto half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(inverse, hn::Add(c.distance, hn::Sub(c.radius_a, c.radius_b))));
+    hn::Store(hn::Sub(c.distance, hn::Add(c.radius_a, c.radius_b)), d, into.gap + k);
+    hn::Store(hn::Sub(c.distance, c.core), d, into.cores + k);
+    hn::Store(hn::Mul(inverse, c.dx), d, into.normal[0] + k);
+    hn::Store(hn::Mul(inverse, c.dy), d, into.normal[1] + k);
+    hn::Store(hn::Mul(inverse, c.dz), d, into.normal[2] + k);
+    hn::Store(hn::Add(c.ax, hn::Mul(half, c.dx)), d, into.point[0] + k);
+    hn::Store(hn::Add(c.ay, hn::Mul(half, c.dy)), d, into.point[1] + k);
+    hn::Store(hn::Add(c.az, hn::Mul(half, c.dz)), d, into.point[2] + k);
+  }
+}
+
+void points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& into) {
+  const auto reach = static_cast<float>(frame.margin_m);
+  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
+    const std::size_t count = std::min(kLanes, entries.size() - begin);
+    BlockContacts block;
+    block_contacts(frame, entries.subspan(begin, count), block);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (block.gap[k] >= reach) continue;
+      const auto vector = [k](const float(&of)[3][kLanes]) {
+        return Vec3(static_cast<double>(of[0][k]), static_cast<double>(of[1][k]), static_cast<double>(of[2][k]));
+      };
+      NodeContact contact{vector(block.normal), vector(block.point), static_cast<double>(block.gap[k]),
+                          static_cast<double>(block.cores[k])};
+      if (frame.with_plane()) contact.normal = -frame.plane_normal;
+      // Centres that coincide have no direction of their own.
+      if (contact.normal.isZero(0))
+        contact.normal = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
+      into.add(contact);
+    }
+  }
+}
+
+void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
+  Lanes lanes;
+  std::fill_n(lanes.gap, kLanes, kBeyond);
+  std::fill_n(lanes.cores, kLanes, kBeyond);
+  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
+    add_block(frame, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), lanes);
+  }
+  const auto sum = [](const float(&of)[kLanes]) {
+    return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
+  };
+  const auto least = [](const float(&of)[kLanes]) { return static_cast<double>(*std::min_element(of, of + kLanes)); };
+  const auto sum3 = [&](const float(&of)[3][kLanes]) { return Vec3(sum(of[0]), sum(of[1]), sum(of[2])); };
+  sums.direction += sum3(lanes.direction);
+  sums.point_m += sum3(lanes.place);
+  sums.weight += sum(lanes.weight);
+  sums.fitted_m = std::min(sums.fitted_m, least(lanes.gap));
+  sums.cores_m = std::min(sums.cores_m, least(lanes.cores));
+}
+
+}  // namespace poise::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace poise::collision {
+
+HWY_EXPORT(add);
+HWY_EXPORT(points);
+
+void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
+  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, sums);
+}
+
+void add_points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points) {
+  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(points)(frame, entries, points);
+}
+
+}  // namespace poise::collision
+#endif

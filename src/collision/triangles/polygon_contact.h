@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "collision/front/front.h"
+#include "collision/front/pair_frame.h"
+#include "collision/front/pair_refinement.h"
+#include "collision/triangles/point_list.h"
+#include "collision/triangles/polygon_sums.h"
+
+namespace poise::collision {
+
+/// Pairs of numbers that were met before. Invariant: what was once in it stays, so that a pair which is not in it when
+/// it is full never was and never will be.
+class MetPairs {
+ public:
+  enum class Answer : std::uint8_t { New, Met, NoRoom };
+  MetPairs() { keys_.fill(kNone); }
+  Answer meet(std::uint32_t a, std::uint32_t b);
+
+ private:
+  static constexpr std::size_t kPoints = 1024;
+  static constexpr std::size_t kMost = 768;
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::array<std::uint64_t, kPoints> keys_;
+  std::size_t count_ = 0;
+};
+
+/// The level of polygons of a pair while it is worked out, by one worker, in bounded pieces. About 32 KB, on the stack.
+struct PolygonProgress {
+  SegmentRef reading;        ///< of the front of leaves
+  bool roots = false;        ///< the front is the two roots
+  std::uint32_t offset = 0;  ///< entries of it that are done
+  std::uint32_t block = 0;   ///< blocks of the entry that are done
+  std::uint32_t place = 0;   ///< of the entry in the whole front
+  PlacedSurface on_a, on_b;
+  double most_m = 0;  ///< the surfaces are not farther apart than this, or than the margin
+  PolygonSums sums;
+  MetPairs met;
+  bool rests = true;  ///< the pair's patches are asked for
+  PointList points;
+
+  /// Beyond this, what faces each other no longer counts for an impact.
+  [[nodiscard]] double reach_m(const PairFrame& frame) const;
+  /// The same for places to rest on.
+  [[nodiscard]] double points_reach_m(const PairFrame& frame) const;
+};
+
+/// Adds the level of polygons to a pair at level 0 whose `deepest` is set, where a shape has a surface and the trees of
+/// both end within `max_level`. b may be a plane.
+void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& pair);
+
+/// What the polygons of a front of leaves (none: the two roots) cost, in node-pair expansions; at most 2^32 - 1.
+std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
+
+/// With `rests` false the pair gets no patches, and nothing is done for them.
+void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
+                    PolygonProgress& progress, bool rests = true);
+
+/// Goes on for about `units`: at most one block of triangles more. Bounded, allocates nothing. More or Complete.
+Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
+                     PolygonProgress& progress);
+
+/// Makes the complete level the pair's own, its patches with it. The front stays that of the leaves.
+void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair,
+                      LevelContact& found);
+
+}  // namespace poise::collision

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "frame/ccd/swept.h"
+#include "frame/ccd/swept_contact.h"
+#include "frame/stages.h"
+#include "parallel/shared_counters.h"
+#include "solver/impact_row.h"
+#include "solver/solver.h"
+
+namespace poise::simulation {
+namespace {
+
+using collision::MovingBody;
+using collision::TimeOfImpact;
+
+constexpr std::size_t kTrajectoryGrain = 256;
+
+// How far the response is about to move a body.
+Vec3 planned_motion_m(const WorldState& world, std::size_t i, double h_s) {
+  const solver::SolverBody& solved = world.buffers.solver_bodies[i];
+  if (solved.solved) return solved.moved_m;
+  return h_s * solved.velocity_mps - (0.5 * h_s * h_s) * world.buffers.accelerations[i].linear_mps2;
+}
+
+// Its velocity on the way: forces act all along it, unless it rests on something.
+Vec3 velocity_at_mps(const WorldState& world, std::size_t i, double time_s, double h_s) {
+  const solver::SolverBody& solved = world.buffers.solver_bodies[i];
+  if (solved.solved) return solved.velocity_mps;
+  return solved.velocity_mps - (h_s - time_s) * world.buffers.accelerations[i].linear_mps2;
+}
+
+// When a body has to stop so that it does not leave what was swept for it: a slow one its slack (and what forces move
+// it), a fast one its slack about its way.
+double limit_of_s(const WorldState& world, std::size_t i, double h_s) {
+  const SweptFrame& swept = world.buffers.swept;
+  const Vec3 motion = planned_motion_m(world, i, h_s);
+  const double slack_m = swept_slack_m(world, i);
+  if (swept.fast(static_cast<std::uint32_t>(i))) {
+    const Vec3& foreseen = swept.bounds[swept.bound_of[i]].motion_m;
+    if ((motion - foreseen).norm() <= slack_m) return h_s;
+    return h_s * std::min(1.0, slack_m / std::max(motion.norm(), slack_m));
+  }
+  const double may_m = slack_m + (0.5 * h_s * h_s) * world.buffers.accelerations[i].linear_mps2.norm();
+  const double length = motion.norm();
+  return length <= may_m ? h_s : h_s * (may_m / length);
+}
+
+std::uint32_t trajectory_of(WorldState& world, std::uint32_t slot, double h_s) {
+  SweptFrame& swept = world.buffers.swept;
+  std::uint32_t& place = swept.trajectory_of[slot];
+  if (place != SweptFrame::kNone) return place;
+  place = static_cast<std::uint32_t>(swept.trajectories.size());
+  const dynamics::BodyStore& bodies = world.bodies;
+  Trajectory trajectory;
+  trajectory.slot = slot;
+  trajectory.dynamic = bodies.dynamic[slot] != 0;
+  trajectory.start.shape = bodies.shape[slot].get();
+  trajectory.start.position_m = bodies.position(slot);
+  trajectory.start.rotation.orientation = dynamics::principal_to_world(bodies, slot);
+  trajectory.stands = trajectory.start;
+  trajectory.stop_s = 0;
+  if (trajectory.dynamic) {
+    trajectory.stop_s = swept.limit_s[slot];
+    trajectory.start.velocity_mps = planned_motion_m(world, slot, h_s) / h_s;
+    trajectory.start.rotation.spin_radps = world.buffers.solver_bodies[slot].spin_radps;
+    trajectory.start.moments_kgm2 = bodies.principal_kgm2[slot];
+    if (trajectory.stop_s < h_s) {
+      trajectory.stopped = true;
+      trajectory.stands = collision::moved_on(trajectory.start, trajectory.stop_s);
+      trajectory.velocity_mps = velocity_at_mps(world, slot, trajectory.stop_s, h_s);
+    }
+  }
+  swept.trajectories.push_back(trajectory);
+  return place;
+}
+
+// Where a body is on its course. One that stands neither moves nor turns, whatever its velocity.
+MovingBody moving_body_at(const Trajectory& trajectory, double time_s) {
+  if (time_s >= trajectory.stop_s) {
+    MovingBody stands = trajectory.stands;
+    stands.velocity_mps = Vec3::Zero();
+    stands.rotation.spin_radps = Vec3::Zero();
+    stands.moments_kgm2 = Vec3::Zero();
+    return stands;
+  }
+  return time_s > 0 ? collision::moved_on(trajectory.start, time_s) : trajectory.start;
+}
+
+// The first meeting of two courses from a moment on, stretch by stretch between their stops.
+TimeOfImpact impact_of(const Trajectory& a, const Trajectory& b, double from_s, double until_s, double tolerance_m) {
+  TimeOfImpact impact;
+  double time_s = from_s;
+  while (time_s < until_s) {
+    double next_s = until_s;
+    bool moves = false;
+    for (const double stop_s : {a.stop_s, b.stop_s}) {
+      if (stop_s <= time_s) continue;
+      moves = true;
+      next_s = std::min(next_s, stop_s);
+    }
+    if (!moves) break;
+    collision::ImpactTerms terms;
+    terms.duration_s = next_s - time_s;
+    terms.tolerance_m = tolerance_m;
+    impact = collision::first_time_of_impact(moving_body_at(a, time_s), moving_body_at(b, time_s), terms);
+    if (impact.kind != TimeOfImpact::Kind::None) {
+      impact.time_s += time_s;
+      return impact;
+    }
+    time_s = next_s;
+  }
+  impact.kind = TimeOfImpact::Kind::None;
+  return impact;
+}
+
+// The events of one step in order of time.
+class Events {
+ public:
+  Events(WorldState& world, double dt_s, FrameReport& report)
+      : world_(world), swept_(world.buffers.swept), h_s_(dt_s), report_(report) {}
+
+  void run() {
+    list_trajectories();
+    const std::size_t count = swept_.pairs.size();
+    swept_.times_of_impact.resize(count);
+    swept_.looks.assign(count, 0);
+    parallel::parallel_for(*world_.executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) swept_.times_of_impact[k] = look(static_cast<std::uint32_t>(k), 0);
+    });
+    swept_.queue.clear();
+    for (std::uint32_t k = 0; k < count; ++k) wait_for(k);
+    while (!swept_.queue.empty()) {
+      std::pop_heap(swept_.queue.begin(), swept_.queue.end(), later);
+      const SweptEvent event = swept_.queue.back();
+      swept_.queue.pop_back();
+      if (event.look == swept_.looks[event.pair]) happen(event.pair);
+    }
+  }
+
+ private:
+  static bool later(const SweptEvent& x, const SweptEvent& y) {
+    return x.time_s > y.time_s || (x.time_s == y.time_s && x.pair > y.pair);
+  }
+
+  [[nodiscard]] const ActivePair& pair_of(std::uint32_t k) const { return world_.buffers.pairs[swept_.pairs[k].pair]; }
+  [[nodiscard]] Trajectory& trajectory(std::uint32_t slot) const {
+    return swept_.trajectories[swept_.trajectory_of[slot]];
+  }
+
+  void list_trajectories() {
+    for (const SweptPair& pair : swept_.pairs) {
+      trajectory_of(world_, world_.buffers.pairs[pair.pair].a, h_s_);
+      trajectory_of(world_, world_.buffers.pairs[pair.pair].b, h_s_);
+    }
+    swept_.pairs_begin.assign(swept_.trajectories.size() + 1, 0);
+    const auto each = [&](auto&& use) {
+      for (std::uint32_t k = 0; k < swept_.pairs.size(); ++k) {
+        for (const std::uint32_t slot : {pair_of(k).a, pair_of(k).b}) use(swept_.trajectory_of[slot], k);
+      }
+    };
+    each([&](std::uint32_t c, std::uint32_t) { ++swept_.pairs_begin[c + 1]; });
+    for (std::size_t c = 1; c < swept_.pairs_begin.size(); ++c) swept_.pairs_begin[c] += swept_.pairs_begin[c - 1];
+    swept_.pairs_of.resize(2 * swept_.pairs.size());
+    each([&](std::uint32_t c, std::uint32_t k) { swept_.pairs_of[swept_.pairs_begin[c]++] = k; });
+    // Each begin has moved on to its end.
+    std::copy_backward(swept_.pairs_begin.begin(), swept_.pairs_begin.end() - 1, swept_.pairs_begin.end());
+    swept_.pairs_begin[0] = 0;
+  }
+
+  [[nodiscard]] TimeOfImpact look(std::uint32_t k, double from_s) const {
+    return impact_of(trajectory(pair_of(k).a), trajectory(pair_of(k).b), from_s, h_s_, swept_.pairs[k].tolerance_m);
+  }
+
+  void wait_for(std::uint32_t k) {
+    const TimeOfImpact& impact = swept_.times_of_impact[k];
+    if (impact.kind == TimeOfImpact::Kind::None) return;
+    swept_.queue.push_back({impact.time_s, k, swept_.looks[k]});
+    std::push_heap(swept_.queue.begin(), swept_.queue.end(), later);
+  }
+
+  bool stop(Trajectory& trajectory, const MovingBody& where, double time_s) {
+    if (!trajectory.dynamic || trajectory.stop_s <= time_s) return false;
+    trajectory.velocity_mps = velocity_at_mps(world_, trajectory.slot, time_s, h_s_);
+    trajectory.stop_s = time_s;
+    trajectory.stopped = true;
+    trajectory.stands = where;
+    return true;
+  }
+
+  void happen(std::uint32_t k) {
+    const TimeOfImpact impact = swept_.times_of_impact[k];
+    const ActivePair& pair = pair_of(k);
+    Trajectory& a = trajectory(pair.a);
+    Trajectory& b = trajectory(pair.b);
+    const bool stopped_a = stop(a, impact.a, impact.time_s);
+    const bool stopped_b = stop(b, impact.b, impact.time_s);
+    ++swept_.looks[k];
+    if (impact.kind == TimeOfImpact::Kind::Cut) {
+      ++report_.swept_cut;
+    } else {
+      answer(k, impact, a, b);
+    }
+    if (stopped_a) look_again(pair.a, impact.time_s, k);
+    if (stopped_b) look_again(pair.b, impact.time_s, k);
+  }
+
+  void look_again(std::uint32_t slot, double time_s, std::uint32_t but) {
+    const std::uint32_t c = swept_.trajectory_of[slot];
+    for (std::uint32_t i = swept_.pairs_begin[c]; i < swept_.pairs_begin[c + 1]; ++i) {
+      const std::uint32_t k = swept_.pairs_of[i];
+      if (k == but) continue;
+      ++swept_.looks[k];
+      swept_.times_of_impact[k] = look(k, time_s);
+      wait_for(k);
+    }
+  }
+
+  [[nodiscard]] Mat3 inverse_inertia(const Trajectory& trajectory) const {
+    if (!trajectory.dynamic) return Mat3::Zero();
+    const Mat3 turn = trajectory.stands.rotation.orientation.toRotationMatrix();
+    return turn * world_.bodies.principal_kgm2[trajectory.slot].cwiseInverse().asDiagonal() * turn.transpose();
+  }
+
+  // One impulse, as solve_impacts gives it.
+  void answer(std::uint32_t k, const TimeOfImpact& impact, Trajectory& a, Trajectory& b) {
+    const ActivePair& pair = pair_of(k);
+    const dynamics::BodyStore& bodies = world_.bodies;
+    const collision::PairContact contact = contact_where_met(world_, pair, impact);
+    solver::ContactRow row;
+    row.direction = contact.direction;
+    row.moment_a_m = contact.moment_a_m;
+    row.moment_b_m = contact.moment_b_m;
+    if (!solver::prepare_row(row, bodies.inverse_mass[pair.a], inverse_inertia(a), bodies.inverse_mass[pair.b],
+                             inverse_inertia(b))) {
+      ++report_.degenerate;
+      return;
+    }
+    solver::SolverBody body_a;
+    solver::SolverBody body_b;
+    body_a.velocity_mps = a.velocity_mps;
+    body_a.spin_radps = a.stands.rotation.spin_radps;
+    body_b.velocity_mps = b.velocity_mps;
+    body_b.spin_radps = b.stands.rotation.spin_radps;
+    const double closing = solver::approach_mps(row, body_a, body_b);
+    // A body that stands since it was hit may have a velocity away from what has reached it: that one then only stops.
+    if (closing <= 0) return;
+    const double restitution = std::max(world_.materials[bodies.material[pair.a]].restitution,
+                                        world_.materials[bodies.material[pair.b]].restitution);
+    const double still = solver::still_mps({h_s_, world_.settings.gravity_mps2, world_.settings.substeps, {}});
+    const double lambda = (1.0 + (restitution * closing > still ? restitution : 0.0)) * closing * row.effective_mass;
+    solver::apply_impulse(row, lambda, body_a, body_b);
+    take(a, body_a);
+    take(b, body_b);
+    const double length = contact.direction.norm();
+    swept_.hits.push_back({swept_.pairs[k].pair, contact.direction / length, impact.a.position_m + contact.arm_m,
+                           impact.contact.gap_m, lambda * length});
+    ++report_.swept_hits;
+  }
+
+  static void take(Trajectory& trajectory, const solver::SolverBody& body) {
+    if (!trajectory.dynamic) return;
+    trajectory.velocity_mps = body.velocity_mps;
+    trajectory.stands.rotation.spin_radps = body.spin_radps;
+  }
+
+  WorldState& world_;
+  SweptFrame& swept_;
+  double h_s_;
+  FrameReport& report_;
+};
+
+}  // namespace
+
+void solve_swept(WorldState& world, const StepInput& input, FrameReport& report) {
+  SweptFrame& swept = world.buffers.swept;
+  const std::size_t slots = world.bodies.slot_count();
+  swept.limit_s.resize(slots);
+  swept.trajectory_of.assign(slots, SweptFrame::kNone);
+  parallel::parallel_for(*world.executor, slots, kTrajectoryGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      swept.limit_s[i] = world.bodies.dynamic[i] != 0 ? limit_of_s(world, i, input.dt_s) : 0.0;
+    }
+  });
+  for (std::uint32_t i = 0; i < slots; ++i) {
+    if (world.bodies.dynamic[i] != 0 && swept.limit_s[i] < input.dt_s) trajectory_of(world, i, input.dt_s);
+  }
+  Events(world, input.dt_s, report).run();
+  for (const Trajectory& trajectory : swept.trajectories) {
+    if (!trajectory.stopped) continue;
+    world.buffers.solver_bodies[trajectory.slot].velocity_mps = trajectory.velocity_mps;
+    world.buffers.solver_bodies[trajectory.slot].spin_radps = trajectory.stands.rotation.spin_radps;
+  }
+}
+
+}  // namespace poise::simulation

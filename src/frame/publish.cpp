@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/rotation.h"
+#include "frame/ccd/swept.h"
+#include "frame/stages.h"
+
+namespace poise::simulation {
+namespace {
+
+constexpr std::size_t kPublishGrain = 128;
+
+void integrate_body(WorldState& world, std::size_t i, double h_s) {
+  dynamics::BodyStore& bodies = world.bodies;
+  const solver::SolverBody& solved = world.buffers.solver_bodies[i];
+  const solver::Acceleration& pull = world.buffers.accelerations[i];
+  // A body that no resting contact held flies on a parabola, exactly: h (v+ + v_next) / 2.
+  const Vec3 moved =
+      solved.solved ? solved.moved_m : Vec3(h_s * solved.velocity_mps - (0.5 * h_s * h_s) * pull.linear_mps2);
+  bodies.set_position(i, bodies.position(i) + moved);
+  bodies.set_velocity(i, solved.velocity_mps);
+  const Quat before = bodies.orientation(i);
+  const Quat& axes = bodies.shape[i]->principal_axes;
+  dynamics::Rotation rotation{bodies.orientation(i) * axes, solved.spin_radps};
+  rotation = dynamics::turned_freely(rotation, bodies.principal_kgm2[i], h_s);
+  if (solved.solved) {
+    // What contacts turned the body beyond its spin, as where they pushed it out of an overlap. Its angular momentum
+    // stays.
+    const Quat turn = dynamics::rotation_by(solved.turned_rad - h_s * solved.spin_radps);
+    rotation = dynamics::turned_by(rotation, bodies.principal_kgm2[i], turn);
+  }
+  bodies.set_orientation(i, (rotation.orientation * axes.conjugate()).normalized());
+  bodies.set_spin(i, rotation.spin_radps);
+  // A point of the surface moves along a chord of its turn.
+  const double sine = (bodies.orientation(i) * before.conjugate()).vec().norm();
+  world.buffers.motions[i] = {moved, 2.0 * bodies.shape[i]->bounding_radius_m * sine};
+  if (bodies.pushed[i] != 0) {
+    bodies.set_force(i, Vec3::Zero());
+    bodies.set_torque(i, Vec3::Zero());
+    bodies.pushed[i] = 0;
+  }
+}
+
+// What an answered pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
+Contact contact_of(const WorldState& world, std::uint32_t index, const solver::ContactRow* row, const Vec3& rest_ns) {
+  const ActivePair& pair = world.buffers.pairs[index];
+  Contact contact;
+  contact.a = world.bodies.id_of(pair.low());
+  contact.b = world.bodies.id_of(pair.high());
+  contact.level = pair.solved_level();
+  const double sign = pair.a == pair.low() ? 1.0 : -1.0;
+  const solver::PlacedPoint place = impact_point_of(world, pair);
+  contact.normal = sign * place.normal;
+  contact.point_m = world.buffers.poses[pair.a].position_m + place.arm_m;
+  contact.gap_m = solved_gap_m(world, index);
+  contact.impulse_ns = sign * rest_ns;
+  if (row != nullptr) contact.impulse_ns += sign * row->impact_ns();
+  return contact;
+}
+
+// What a pair takes along, the motion of this step counted.
+CachedPair remembered(const FrameBuffers& buffers, const ActivePair& pair) {
+  CachedPair memory = pair.memory;
+  memory.frames_waited = pair.solved_level() > 0 || !pair.refinable() ? 0 : memory.frames_waited + 1;
+  memory.touching = false;
+  memory.solved = pair.solved;
+  memory.point_count = pair.point_count;
+  if (pair.fresh()) {
+    memory.level = pair.level.level;
+    memory.apart = pair.level.apart;
+    memory.reach_m = pair.reach_m;
+    if (pair.level.apart && pair.level.front_entries == 0 && !pair.level.nearly && !pair.exact)
+      memory.reach_m += wide_m(pair);
+    memory.moved_m = 0;
+  } else if (pair.cached == CacheUse::None) {
+    // The one place of level 0 is kept like others; that nothing is answered there is no knowledge.
+    const bool holds = pair.point_count > 0 && !pair.exact && pair.reach_m > pair.margin_m;
+    memory.level = 0;
+    memory.apart = false;
+    memory.reach_m = holds ? pair.reach_m : 0;
+    memory.moved_m = 0;
+  }
+  const StepMotion& a = buffers.motions[pair.a];
+  const StepMotion& b = buffers.motions[pair.b];
+  memory.moved_m += (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
+  return memory;
+}
+
+// Pairs that met within the step, put in among the others.
+void add_swept_contacts(WorldState& world) {
+  const FrameBuffers& buffers = world.buffers;
+  if (buffers.swept.hits.empty()) return;
+  for (const SweptHit& hit : buffers.swept.hits) {
+    const ActivePair& pair = buffers.pairs[hit.pair];
+    const double sign = pair.a == pair.low() ? 1.0 : -1.0;
+    Contact contact;
+    contact.a = world.bodies.id_of(pair.low());
+    contact.b = world.bodies.id_of(pair.high());
+    contact.level = collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], kMaxTreeDepth);
+    contact.normal = sign * hit.normal;
+    contact.point_m = hit.point_m;
+    contact.gap_m = hit.gap_m;
+    contact.impulse_ns = hit.impulse_ns * contact.normal;
+    world.contacts.push_back(contact);
+  }
+  std::stable_sort(world.contacts.begin(), world.contacts.end(), [](const Contact& x, const Contact& y) {
+    return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot);
+  });
+  // A pair that touched at the start too is one contact.
+  std::size_t cached = 0;
+  for (std::size_t k = 1; k < world.contacts.size(); ++k) {
+    if (world.contacts[k].a == world.contacts[cached].a && world.contacts[k].b == world.contacts[cached].b) {
+      world.contacts[cached].impulse_ns += world.contacts[k].impulse_ns;
+    } else {
+      world.contacts[++cached] = world.contacts[k];
+    }
+  }
+  world.contacts.resize(cached + 1);
+}
+
+// What of the last frame's pairs is none of this frame's: a touch ends, and its room is free.
+void forget_parted(WorldState& world) {
+  const std::vector<std::uint8_t>& recalled = world.buffers.recalled;
+  for (auto at = recalled.begin(); (at = std::find(at, recalled.end(), std::uint8_t{0})) != recalled.end(); ++at) {
+    const CachedPair& pair = world.memory[static_cast<std::size_t>(at - recalled.begin())];
+    world.points.give_back(pair.room);
+    if (pair.touching)
+      world.events.push_back({ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+  }
+}
+
+// Touches that began or ended since the last frame, in canonical order.
+void make_events(WorldState& world) {
+  const FrameBuffers& buffers = world.buffers;
+  forget_parted(world);
+  const std::size_t parted = world.events.size();
+  const std::vector<std::uint8_t>& turned = buffers.turned;
+  for (auto at = turned.begin(); (at = std::find(at, turned.end(), std::uint8_t{1})) != turned.end(); ++at) {
+    const CachedPair& pair = world.next_memory[static_cast<std::size_t>(at - turned.begin())];
+    world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End,
+                            world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+  }
+  if (parted == 0) return;
+  // A pair has one event at most.
+  std::sort(world.events.begin(), world.events.end(), [](const ContactEvent& x, const ContactEvent& y) {
+    return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot);
+  });
+}
+
+// Does the pair of the k-th row touch? Impulses make a touch of what is apart.
+bool touches(const WorldState& world, std::size_t k) {
+  const FrameBuffers& buffers = world.buffers;
+  const std::uint32_t place = buffers.coloring.order()[k];
+  if (!buffers.applied_impulse_ns[place].isZero(0)) return true;
+  const solver::ContactRow* row = row_of(buffers, k);
+  if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
+  const std::uint32_t index = buffers.manifolds[place].pair;
+  const ActivePair& pair = buffers.pairs[index];
+  if (pair.from_cache() && std::abs(pair.memory.impact_gap_m) > pair.memory.changed_m())
+    return pair.memory.impact_gap_m <= 0;
+  return solved_gap_m(world, index) <= 0;
+}
+
+}  // namespace
+
+void integrate(WorldState& world, const StepInput& input) {
+  world.buffers.motions.assign(world.bodies.slot_count(), StepMotion{});
+  parallel::parallel_for(*world.executor, world.bodies.slot_count(), kPublishGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t i = begin; i < end; ++i) {
+                             if (world.bodies.dynamic[i] == 0) continue;
+                             if (input.backtracking && place_stopped(world, static_cast<std::uint32_t>(i))) continue;
+                             integrate_body(world, i, input.dt_s);
+                           }
+                         });
+}
+
+void publish(WorldState& world) {
+  FrameBuffers& buffers = world.buffers;
+  world.next_memory.clear();
+  // Both, since they change places: a later frame must find the room that this one needed.
+  world.memory.reserve(buffers.pairs.capacity());
+  world.next_memory.reserve(buffers.pairs.capacity());
+  world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
+  world.next_memory.resize(buffers.pairs.size());
+  buffers.turned.resize(buffers.pairs.size());
+  parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kPublishGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t i = begin; i < end; ++i) {
+                             world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
+                             buffers.turned[i] = buffers.pairs[i].memory.touching ? 1 : 0;
+                           }
+                         });
+  parallel::parallel_for(*world.executor, buffers.manifolds.size(), 4 * kPublishGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t k = begin; k < end; ++k) {
+                             if (!touches(world, k)) continue;
+                             const std::uint32_t i = buffers.manifolds[buffers.coloring.order()[k]].pair;
+                             world.next_memory[i].touching = true;
+                             buffers.turned[i] ^= 1U;
+                           }
+                         });
+  for (const SweptHit& hit : buffers.swept.hits) {
+    bool& touching = world.next_memory[hit.pair].touching;
+    if (!touching) buffers.turned[hit.pair] ^= 1U;
+    touching = true;
+  }
+  world.contacts_listed = false;
+  world.events.clear();
+  make_events(world);
+  std::swap(world.memory, world.next_memory);
+}
+
+void list_contacts(WorldState& world) {
+  const FrameBuffers& buffers = world.buffers;
+  world.contacts.resize(buffers.manifolds.size());
+  for (std::size_t k = 0; k < buffers.manifolds.size(); ++k) {
+    const std::uint32_t place = buffers.coloring.order()[k];
+    world.contacts[place] =
+        contact_of(world, buffers.manifolds[place].pair, row_of(buffers, k), buffers.applied_impulse_ns[place]);
+  }
+  add_swept_contacts(world);
+  world.contacts_listed = true;
+}
+
+}  // namespace poise::simulation

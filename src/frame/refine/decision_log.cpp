@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "frame/refine/decision_log.h"
+
+#include <algorithm>
+#include <array>
+
+namespace poise::simulation {
+
+void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size_t workers, std::size_t most_steps) {
+  frame_ = frame;
+  active_pairs_ = active_pairs;
+  known_ = true;
+  substeps_ = point_iterations_ = 0;
+  reused_.clear();
+  reused_.reserve(most_steps);
+  if (lanes_.size() < workers) lanes_.resize(workers);
+  for (Lane& lane : lanes_) {
+    lane.steps.clear();
+    lane.steps.reserve(most_steps);
+  }
+}
+
+void DecisionLog::merge(FrameDecisions& decisions) const {
+  decisions.steps.clear();
+  decisions.reused.clear();
+  decisions.substeps = decisions.visits = 0;
+  decisions.frame = known_ ? frame_ : 0;
+  decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
+  if (!known_) return;
+  decisions.substeps = substeps_;
+  decisions.visits = point_iterations_;
+  decisions.reused = reused_;
+  std::sort(decisions.reused.begin(), decisions.reused.end());
+  constexpr std::size_t kMostWorkers = 256;
+  std::array<std::size_t, kMostWorkers> next{};
+  for (;;) {
+    std::size_t first = lanes_.size();
+    for (std::size_t w = 0; w < lanes_.size(); ++w) {
+      if (next[w] == lanes_[w].steps.size()) continue;
+      if (first == lanes_.size() || lanes_[w].steps[next[w]].when < lanes_[first].steps[next[first]].when) first = w;
+    }
+    if (first == lanes_.size()) return;
+    const Step& step = lanes_[first].steps[next[first]++];
+    decisions.steps.push_back({step.pair, static_cast<std::uint8_t>(first), step.kind});
+  }
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "poise/decisions.h"
+#include "poise/step.h"
+
+namespace poise::simulation {
+
+/// The steps of refinement of one frame, as the workers note them. Invariant: each worker's steps stand in the order of
+/// time.
+///
+/// Each worker writes to its own list and to no other; the lists have room for everything that a frame can do, so that
+/// noting allocates nothing once a frame of that size has begun.
+class DecisionLog {
+ public:
+  /// Forgets the last frame. `most_steps` is how many one worker may come to note.
+  void begin(std::uint64_t frame, std::size_t active_pairs, std::size_t workers, std::size_t most_steps);
+  /// The frame is not recorded: nothing is known of it.
+  void forget() { known_ = false; }
+
+  /// From the thread of `worker`.
+  void note(int worker, std::uint32_t pair, RefinementStep::Kind kind, SteadyClock::time_point when) {
+    lanes_[static_cast<std::size_t>(worker)].steps.push_back({when, pair, kind});
+  }
+  /// For work that goes in rounds: from the thread that chooses them, in their order.
+  void note_round(std::uint32_t pair, RefinementStep::Kind kind) { note(0, pair, kind, SteadyClock::time_point{}); }
+
+  /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that
+  /// answered by what it kept though that was too old. From the thread of the step, after begin.
+  void substeps(std::uint32_t count) { substeps_ = count; }
+  /// Likewise the visits that a substep may make (0: as many as the solver does by itself).
+  void visits(std::uint32_t most) { point_iterations_ = most; }
+  void reused(std::uint32_t pair) { reused_.push_back(pair); }
+
+  /// All lists as one, by time; of one time the lower worker first. Uses the room of `decisions` again.
+  void merge(FrameDecisions& decisions) const;
+
+ private:
+  struct Step {
+    SteadyClock::time_point when;
+    std::uint32_t pair;
+    RefinementStep::Kind kind;
+  };
+  // One cache line each: what one worker notes must not hold up the others.
+  struct alignas(64) Lane {
+    std::vector<Step> steps;
+  };
+  std::vector<Lane> lanes_;
+  std::uint64_t frame_ = 0;
+  std::size_t active_pairs_ = 0;
+  std::uint32_t substeps_ = 0, point_iterations_ = 0;
+  std::vector<std::uint32_t> reused_;
+  bool known_ = false;
+};
+
+}  // namespace poise::simulation

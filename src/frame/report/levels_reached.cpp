@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "frame/report/levels_reached.h"
+
+#include <algorithm>
+
+#include "frame/stages.h"
+#include "frame/view_cues.h"
+
+namespace poise::simulation {
+namespace {
+
+double radius_m(const WorldState& world, BodyId body) {
+  const ShapePtr& shape = world.bodies.shape[body.slot];
+  return shape->kind == ShapeKind::Plane ? 1e30 : static_cast<double>(shape->tree.radius_m[0]);
+}
+
+// What a viewer can notice of an error at a contact: the cues of the policy but for how long the pair has waited.
+double weight_of(const WorldState& world, const View& view, const Contact& contact) {
+  PairView pair_view;
+  pair_view.point_m = contact.point_m;
+  pair_view.normal = contact.normal;
+  pair_view.extent_m = std::min(radius_m(world, contact.a), radius_m(world, contact.b));
+  pair_view.importance = world.bodies.importance[contact.a.slot] * world.bodies.importance[contact.b.slot];
+  const scheduler::PairCues cues = cues_of(view, pair_view);
+  scheduler::Policy plain;
+  plain.waiting = 0;
+  return scheduler::cue_weight(plain, cues) * cues.angle_radpm;
+}
+
+// Polygons count as the place of their own, whatever level the trees of the pair end at.
+std::size_t bin_of(const WorldState& world, const Contact& contact) {
+  const auto depth = [&](BodyId body) {
+    const ShapePtr& shape = world.bodies.shape[body.slot];
+    return shape->kind == ShapeKind::Plane ? Level{0} : shape->tree.depth();
+  };
+  return contact.level > std::max(depth(contact.a), depth(contact.b)) ? kPolygonBin : contact.level;
+}
+
+}  // namespace
+
+LevelsReached levels_reached(WorldState& world, const View& view) {
+  constexpr std::uint8_t kUntouched = 0xffU;
+  LevelsReached reached;
+  if (!world.contacts_listed) list_contacts(world);
+  std::vector<std::uint8_t> least(world.bodies.slot_count(), kUntouched);
+  for (const Contact& contact : world.contacts) {
+    const std::size_t place = bin_of(world, contact);
+    reached.weight[place] += weight_of(world, view, contact);
+    for (const BodyId body : {contact.a, contact.b}) {
+      if (world.bodies.dynamic[body.slot] != 0)
+        least[body.slot] = std::min(least[body.slot], static_cast<std::uint8_t>(place));
+    }
+  }
+  for (const std::uint8_t place : least) {
+    if (place != kUntouched) ++reached.bodies[place];
+  }
+  for (const ActivePair& pair : world.buffers.pairs) {
+    if (pair.apart() || !pair.refinable()) continue;
+    ++(pair.full ? reached.left_for_room : reached.left_for_time);
+    reached.longest_wait = std::max(reached.longest_wait, pair.solved_level() > 0 ? 0U : pair.memory.frames_waited + 1);
+  }
+  return reached;
+}
+
+}  // namespace poise::simulation

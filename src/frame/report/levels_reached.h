@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "frame/world_state.h"
+
+namespace poise::simulation {
+
+/// How deep the step that has just ended got, for StepInput::measure_levels. Lists the contacts of the step.
+LevelsReached levels_reached(WorldState& world, const View& view);
+
+}  // namespace poise::simulation

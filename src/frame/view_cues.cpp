@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "frame/view_cues.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poise::simulation {
+namespace {
+
+// Nearer than this nothing gets larger: a contact at the eye must not outweigh the world.
+constexpr double kNearestM = 0.05;
+constexpr double kLeastAcross = 0.1;
+
+}  // namespace
+
+ViewQuery::ViewQuery(const View& from) : view(from) {
+  if (!from.present) return;
+  right = from.forward.cross(from.up).normalized();
+  up = right.cross(from.forward);
+  tangent_up = std::tan(0.5 * from.vertical_fov_rad);
+  tangent_right = tangent_up * from.aspect;
+  per_up = 1.0 / std::hypot(1.0, tangent_up);
+  per_right = 1.0 / std::hypot(1.0, tangent_right);
+}
+
+bool in_frustum(const ViewQuery& view_query, const Vec3& center_m, double radius_m) {
+  const Vec3 to_center = center_m - view_query.view.position_m;
+  const double depth = to_center.dot(view_query.view.forward);
+  if (depth < -radius_m) return false;
+  // Distance beyond each pair of side planes, along their normals.
+  const double beyond_up = (std::abs(to_center.dot(view_query.up)) - depth * view_query.tangent_up) * view_query.per_up;
+  const double beyond_right =
+      (std::abs(to_center.dot(view_query.right)) - depth * view_query.tangent_right) * view_query.per_right;
+  return beyond_up < radius_m && beyond_right < radius_m;
+}
+
+scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair) {
+  scheduler::PairCues cues;
+  cues.closing_mps = std::max(0.0, pair.closing_mps);
+  cues.importance = pair.importance;
+  cues.frames_waited = pair.frames_waited;
+  const View& view = view_query.view;
+  if (!view.present) return cues;
+  const Vec3 ray = pair.point_m - view.position_m;
+  const double distance = std::max(ray.norm(), kNearestM);
+  const Vec3 direction = ray / distance;
+  cues.visibility = in_frustum(view_query, pair.point_m, pair.extent_m) ? 1.0 : scheduler::kOutsideFrustum;
+  const double along = std::min(1.0, std::abs(direction.dot(pair.normal)));
+  cues.angle_radpm = std::max(kLeastAcross, std::sqrt(1.0 - along * along)) / distance;
+  cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));
+  return cues;
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "poise/scheduler/policy.h"
+#include "poise/step.h"
+
+namespace poise::simulation {
+
+/// Where and how a pair meets, for the viewer's sake.
+struct PairView {
+  Vec3 point_m = Vec3::Zero();  ///< world frame
+  Vec3 normal = Vec3::UnitZ();  ///< about unit
+  double extent_m = 0;          ///< radius of the smaller body
+  double closing_mps = 0;
+  double importance = 1;
+  std::uint32_t frames_waited = 0;
+};
+
+/// A view with what all questions about it share. Made of a view by itself, so that who asks once need not name it.
+struct ViewQuery {
+  ViewQuery(const View& from);  // NOLINT(google-explicit-constructor)
+  View view;
+  Vec3 up = Vec3::UnitZ(), right = Vec3::UnitX();  ///< of the picture, unit
+  double tangent_up = 0, tangent_right = 0;        ///< of half the angles of view
+  double per_up = 1, per_right = 1;                ///< cosines of these
+};
+
+/// What the viewer can notice of a pair. Without a view: everything alike. The visible angle of an error is that of its
+/// part across the view ray: sin(angle between normal and ray) / distance, at least a tenth of it. Any thread.
+scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair);
+
+/// Does a ball meet the view's frustum?
+bool in_frustum(const ViewQuery& view_query, const Vec3& center_m, double radius_m);
+
+}  // namespace poise::simulation

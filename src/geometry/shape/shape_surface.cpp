@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/shape/shape_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/mesh/mesh_edges.h"
+
+namespace poise::geometry {
+namespace {
+
+using SurfaceTriangle = ShapeSurface::Triangle;
+
+// Sine of the angle of an edge that counts as flat. Chosen: far above the rounding of files in single precision, far
+// below the bends of a round mesh of a million triangles (2e-3).
+constexpr double kFlat = 1e-6;
+// Spheres are met with this much to spare, as a share of the radius: more than the rounding of a distance.
+constexpr double kSpare = 1e-9;
+
+void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
+  surface.triangles.resize(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    SurfaceTriangle& t = surface.triangles[i];
+    t.vertex = mesh.triangles[i];
+    t.across.fill(ShapeSurface::kNone);
+    const Vec3& p = surface.vertices_m[t.vertex[0]];
+    const Vec3& q = surface.vertices_m[t.vertex[1]];
+    const Vec3& r = surface.vertices_m[t.vertex[2]];
+    const Vec3 across = (q - p).cross(r - p);
+    const double length = across.norm();
+    if (length > 0) t.normal = across / length;
+    // The ball over the longest side as its diameter, grown to hold the third corner.
+    const std::array<double, 3> length2{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
+    const auto longest = static_cast<std::size_t>(std::ranges::max_element(length2) - length2.begin());
+    t.center_m = 0.5 * (surface.vertices_m[t.vertex[longest]] + surface.vertices_m[t.vertex[(longest + 1) % 3]]);
+    for (const std::uint32_t v : t.vertex)
+      t.radius_m = std::max(t.radius_m, (surface.vertices_m[v] - t.center_m).norm());
+    t.radius_m *= 1 + kSpare;
+  }
+}
+
+void set_pair_records(ShapeSurface& surface) {
+  // Each length comes from a few roundings of numbers no larger than the farthest coordinate.
+  constexpr double kRoundings = 16;
+  double farthest = 0;
+  for (const SurfaceTriangle& t : surface.triangles) {
+    const Vec3& c = t.center_m;
+    surface.pair_records.push_back(
+        {{static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())},
+         static_cast<float>(t.radius_m),
+         {static_cast<float>(t.normal.x()), static_cast<float>(t.normal.y()), static_cast<float>(t.normal.z())},
+         0.0F});
+    farthest = std::max(farthest, c.norm() + t.radius_m);
+  }
+  surface.rounding_m =
+      static_cast<float>(kRoundings * static_cast<double>(std::numeric_limits<float>::epsilon()) * farthest);
+}
+
+void set_vertex_normals(ShapeSurface& surface) {
+  surface.vertex_normal.assign(surface.vertices_m.size(), Vec3::Zero());
+  for (const SurfaceTriangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& at = surface.vertices_m[t.vertex[k]];
+      const Vec3 u = surface.vertices_m[t.vertex[(k + 1) % 3]] - at;
+      const Vec3 v = surface.vertices_m[t.vertex[(k + 2) % 3]] - at;
+      surface.vertex_normal[t.vertex[k]] += std::atan2(u.cross(v).norm(), u.dot(v)) * t.normal;
+    }
+  }
+  for (Vec3& normal : surface.vertex_normal) {
+    const double length = normal.norm();
+    if (length > 0) normal /= length;
+  }
+}
+
+std::size_t side_of(const SurfaceTriangle& t, const EdgeUse& use) {
+  const std::uint32_t from = use.direction > 0 ? use.low : use.high;
+  return static_cast<std::size_t>(std::ranges::find(t.vertex, from) - t.vertex.begin());
+}
+
+// Can something outside touch along this side of t first? Beyond it lies the triangle `other`.
+bool stands_out(const ShapeSurface& surface, const SurfaceTriangle& t, const EdgeUse& use,
+                const SurfaceTriangle& other) {
+  for (const std::uint32_t v : other.vertex) {
+    if (v == use.low || v == use.high) continue;
+    const Vec3 away = surface.vertices_m[v] - surface.vertices_m[use.low];
+    const double side = t.normal.dot(away);
+    const double flat = kFlat * away.norm();
+    return surface.solid ? side < -flat : std::abs(side) > flat;
+  }
+  return true;
+}
+
+// Sides, what lies across them, and which of them and of the corners can touch first.
+void set_edges(ShapeSurface& surface, std::span<const EdgeUse> uses) {
+  std::vector<char> sharp(surface.vertices_m.size(), 0);
+  for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
+    bool out = edge.size() != 2;
+    if (edge.size() == 2) {
+      SurfaceTriangle& t = surface.triangles[edge[0].triangle];
+      SurfaceTriangle& u = surface.triangles[edge[1].triangle];
+      t.across[side_of(t, edge[0])] = edge[1].triangle;
+      u.across[side_of(u, edge[1])] = edge[0].triangle;
+      // A needle without area has no normal to judge by: its sides count.
+      out = t.normal.isZero(0) || u.normal.isZero(0) || stands_out(surface, t, edge[0], u);
+    }
+    if (!out) return;
+    SurfaceTriangle& owner = surface.triangles[edge[0].triangle];
+    owner.features = static_cast<std::uint8_t>(owner.features | ShapeSurface::kEdge0 << side_of(owner, edge[0]));
+    sharp[edge[0].low] = sharp[edge[0].high] = 1;
+  });
+  for (SurfaceTriangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (sharp[t.vertex[k]] == 0) continue;
+      sharp[t.vertex[k]] = 0;
+      t.features = static_cast<std::uint8_t>(t.features | ShapeSurface::kVertex0 << k);
+    }
+  }
+}
+
+void set_neighbors(ShapeSurface& surface, std::span<const EdgeUse> uses) {
+  std::vector<std::uint32_t>& begin = surface.neighbor_begin;
+  begin.assign(surface.vertices_m.size() + 1, 0);
+  for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
+    ++begin[edge[0].low + 1];
+    ++begin[edge[0].high + 1];
+  });
+  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  surface.neighbors.resize(begin.back());
+  std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
+  for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
+    surface.neighbors[at[edge[0].low]++] = edge[0].high;
+    surface.neighbors[at[edge[0].high]++] = edge[0].low;
+  });
+  for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
+    std::sort(surface.neighbors.begin() + begin[v], surface.neighbors.begin() + begin[v + 1]);
+  }
+}
+
+// Which leaves each triangle meets, from which triangles each leaf meets.
+void set_leaves(const SphereTree& tree, ShapeSurface& surface) {
+  std::vector<std::uint32_t> near;
+  surface.leaf_begin.assign(tree.node_count() + 1, 0);
+  surface.triangle_leaf_begin.assign(surface.triangles.size() + 1, 0);
+  for (NodeIndex node = 0; node < tree.node_count(); ++node) {
+    surface.leaf_begin[node] = static_cast<std::uint32_t>(surface.leaf_triangles.size());
+    if (tree.child_count[node] != 0) continue;
+    const Sphere leaf = tree.sphere(node);
+    const double reach_m = leaf.radius_m * (1 + kSpare);
+    near.clear();
+    surface.bvh.triangles_near(leaf.center_m, reach_m, near);
+    std::erase_if(near, [&](std::uint32_t t) {
+      return (closest_on_triangle(leaf.center_m, surface.bvh.corners(t)) - leaf.center_m).squaredNorm() >
+             reach_m * reach_m;
+    });
+    std::sort(near.begin(), near.end());
+    surface.leaf_triangles.insert(surface.leaf_triangles.end(), near.begin(), near.end());
+    for (const std::uint32_t t : near) ++surface.triangle_leaf_begin[t + 1];
+  }
+  surface.leaf_begin.back() = static_cast<std::uint32_t>(surface.leaf_triangles.size());
+  std::vector<std::uint32_t>& begin = surface.triangle_leaf_begin;
+  for (std::size_t t = 1; t < begin.size(); ++t) begin[t] += begin[t - 1];
+  surface.triangle_leaves.resize(begin.back());
+  std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
+  for (NodeIndex node = 0; node < tree.node_count(); ++node) {
+    for (const std::uint32_t t : surface.triangles_of(node)) surface.triangle_leaves[at[t]++] = node;
+  }
+}
+
+TriangleMesh moved(const TriangleMesh& mesh, const Vec3& offset_m) {
+  TriangleMesh result = mesh;
+  for (Vec3& v : result.vertices_m) v -= offset_m;
+  return result;
+}
+
+}  // namespace
+
+ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidity solidity, const SphereTree& tree) {
+  const TriangleMesh there = moved(mesh, offset_m);
+  ShapeSurface surface(TriangleBvh(there, solidity));
+  surface.solid = solidity == Solidity::Solid && surface.bvh.closed();
+  surface.vertices_m = there.vertices_m;
+  set_triangles(there, surface);
+  set_pair_records(surface);
+  set_vertex_normals(surface);
+  const std::vector<EdgeUse> uses = edge_uses(there.triangles);
+  set_edges(surface, uses);
+  set_neighbors(surface, uses);
+  set_leaves(tree, surface);
+  return surface;
+}
+
+}  // namespace poise::geometry

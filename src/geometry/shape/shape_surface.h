@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "geometry/bvh/triangle_bvh.h"
+#include "poise/sphere_tree.h"
+#include "poise/types.h"
+
+namespace poise {
+
+/// The triangles of a shape and where its tree meets them: what the level of polygons reads. Body frame, metres.
+/// Immutable once made; any number of threads may read.
+struct ShapeSurface {
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+  static constexpr std::uint8_t kVertex0 =
+      1;                                     ///< the triangle stands for its corner 0; shifted left for corners 1 and 2
+  static constexpr std::uint8_t kEdge0 = 8;  ///< for its side from corner 0 to corner 1; shifted left for the next two
+
+  /// A triangle with a ball around it.
+  struct Triangle {
+    std::array<std::uint32_t, 3> vertex{};  ///< counter-clockwise from outside
+    std::array<std::uint32_t, 3>
+        across{};  ///< the triangle beyond side k (corner k to k + 1); kNone at a rim or where more than two meet
+    Vec3 normal = Vec3::Zero();  ///< unit, outward; 0 without area
+    Vec3 center_m = Vec3::Zero();
+    double radius_m = 0;
+    std::uint8_t features =
+        0;  ///< corners and sides that this triangle answers for, each of them in one triangle of the mesh
+  };
+
+  explicit ShapeSurface(geometry::TriangleBvh searched) : bvh(std::move(searched)) {}
+
+  /// Single precision, for a first look: a ball and a plane, each up to `rounding_m` off.
+  struct PairRecord {
+    std::array<float, 3> center_m;
+    float radius_m;
+    std::array<float, 3> normal;  ///< the plane goes through the centre
+    float unused;                 ///< keeps two in a cache line
+  };
+
+  bool solid = false;  ///< closed, and its inside counts: normals tell in from out
+  std::vector<Vec3> vertices_m;
+  std::vector<Vec3> vertex_normal;  ///< angle-weighted sum of the normals around, about unit, 0 for an unused vertex
+  std::vector<std::uint32_t> neighbor_begin;  ///< per vertex, then the end
+  std::vector<std::uint32_t> neighbors;       ///< vertices that share an edge with it, ascending
+  std::vector<Triangle> triangles;
+  std::vector<PairRecord> pair_records;  ///< beside triangles
+  float rounding_m = 0;
+  std::vector<std::uint32_t> leaf_begin;  ///< per node of the tree, then the end; nothing for a node that is no leaf
+  std::vector<std::uint32_t> leaf_triangles;       ///< those that meet the leaf's ball, ascending
+  std::vector<std::uint32_t> triangle_leaf_begin;  ///< per triangle, then the end
+  std::vector<NodeIndex> triangle_leaves;          ///< the leaves that it meets, ascending
+  geometry::TriangleBvh bvh;                       ///< same frame and triangles
+
+  [[nodiscard]] std::span<const std::uint32_t> triangles_of(NodeIndex leaf) const {
+    return std::span(leaf_triangles).subspan(leaf_begin[leaf], leaf_begin[leaf + 1] - leaf_begin[leaf]);
+  }
+  [[nodiscard]] std::span<const NodeIndex> leaves_of(std::uint32_t triangle) const {
+    return std::span(triangle_leaves)
+        .subspan(triangle_leaf_begin[triangle], triangle_leaf_begin[triangle + 1] - triangle_leaf_begin[triangle]);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> neighbors_of(std::uint32_t vertex) const {
+    return std::span(neighbors).subspan(neighbor_begin[vertex], neighbor_begin[vertex + 1] - neighbor_begin[vertex]);
+  }
+};
+
+namespace geometry {
+
+/// The surface of a mesh moved by -offset_m, against the leaves of `tree` (already in the moved frame). The mesh as
+/// clean_mesh leaves it, with indices in range. Only corners and sides that can touch first are answered for: of a
+/// solid the convex ones, of any other surface all that are not flat.
+ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidity solidity, const SphereTree& tree);
+
+}  // namespace geometry
+}  // namespace poise

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "geometry/sphere_tree/cover/cover_cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poise::geometry {
+namespace {
+
+/// What single precision may be wrong by in a distance of at most the unit.
+constexpr float kRounding = 3e-7F;
+
+}  // namespace
+
+CoverCells::CoverCells(const SolidCells& cells, const CoverFrame& frame) : begin(cells.begin) {
+  points.reserve(cells.points_m.size());
+  for (const Vec3& p : cells.points_m) points.push_back(frame.to(p));
+  for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
+    Vec3f low = points[begin[cell]];
+    Vec3f high = low;
+    for (std::size_t i = begin[cell] + 1; i < begin[cell + 1]; ++i) {
+      low = low.cwiseMin(points[i]);
+      high = high.cwiseMax(points[i]);
+    }
+    middles.add(0.5F * (low + high));
+    reach.push_back(reach_from(cell, middles.at(cell)));
+  }
+}
+
+float CoverCells::reach_from(std::uint32_t cell, const Vec3f& place) const {
+  float largest = 0;
+  for (std::size_t i = begin[cell]; i < begin[cell + 1]; ++i)
+    largest = std::max(largest, (points[i] - place).squaredNorm());
+  return std::sqrt(largest);
+}
+
+bool CoverCells::within(std::uint32_t cell, const Vec3f& center, float radius) const {
+  const float square = (middles.at(cell) - center).squaredNorm();
+  if (square > radius * radius) return false;
+  if (std::sqrt(square) + reach[cell] <= radius) return true;
+  return reach_from(cell, center) <= radius;
+}
+
+void CellSet::gather(const CoverCells& cells, const std::vector<std::uint32_t>& ids) {
+  middles_.clear();
+  reach_.clear();
+  ids_ = ids;
+  largest_reach_ = 0;
+  for (const std::uint32_t cell : ids) {
+    middles_.add(cells.middles.at(cell));
+    reach_.push_back(cells.reach[cell]);
+    largest_reach_ = std::max(largest_reach_, cells.reach[cell]);
+  }
+  if (distances_.size() < ids.size()) distances_.resize(ids.size());
+}
+
+float CellSet::radius_about(const CoverCells& cells, const Vec3f& center, float limit) {
+  if (ids_.empty()) return 0;
+  const float most = squared_distances(middles_, center, distances_.data());
+  // Some point of an atom is at least this far: its middle is within its reach of all of them.
+  const float sure = std::sqrt(most) - largest_reach_;
+  if (sure > limit) return sure;
+  const auto farthest =
+      static_cast<std::size_t>(std::find(distances_.begin(), distances_.end(), most) - distances_.begin());
+  float radius = cells.reach_from(ids_[farthest], center) + kRounding;
+  if (radius > limit) return radius;
+  float least = std::max(0.0F, radius - largest_reach_);
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (distances_[i] < least * least || std::sqrt(distances_[i]) + reach_[i] <= radius) continue;
+    const float reach = cells.reach_from(ids_[i], center) + kRounding;
+    if (reach <= radius) continue;
+    if (reach > limit) return reach;
+    radius = reach;
+    least = std::max(0.0F, radius - largest_reach_);
+  }
+  return radius;
+}
+
+}  // namespace poise::geometry

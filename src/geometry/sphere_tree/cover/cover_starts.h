@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "geometry/sphere_tree/cover/greedy_cover.h"
+#include "geometry/sphere_tree/cover/level_cover.h"
+#include "parallel/executor.h"
+
+namespace poise::geometry {
+
+/// What every stage of building one tree needs. All outlive it.
+struct CoverScene {
+  const TriangleMesh& mesh;
+  const TriangleBvh& bvh;
+  const CoverFrame& frame;
+  const std::vector<DeepPoint>& points;
+  std::uint64_t seed;
+};
+
+struct StartSettings {
+  int tries = 9;
+  std::size_t samples = 15000;
+  LevelSettings level{.bids = 12, .iterations = 2};
+};
+
+/// Searches for the balls of level 1 with coarse atoms: several random covers are improved and compared by what they
+/// let stand out and by how far the balls below would stand out, estimated by a quick greedy cover of each; the best is
+/// returned, its atoms being those of `atoms`. Tries run side by side; the result does not depend on the executor.
+std::vector<CoverBall> find_start(const CoverScene& scene, const CoverCells& cells, const CoverParent& root,
+                                  const StartSettings& settings, parallel::Executor& executor,
+                                  const std::function<bool()>& keep_going);
+
+/// Balls for the places of a greedy cover, below one parent.
+std::vector<CoverBall> balls_of(const GreedyCover& cover, std::uint32_t parent);
+
+}  // namespace poise::geometry

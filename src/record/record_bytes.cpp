@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "record/record_bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace poise::io {
+namespace {
+
+constexpr std::size_t kMostWorkers = 256;
+constexpr unsigned kKindBits = 2;
+
+// Seven bits a byte, the lowest first; the top bit says that more follow (as LEB128 of the DWARF standard has it).
+void put(std::uint64_t value, std::string& out) {
+  while (value >= 0x80U) {
+    out.push_back(static_cast<char>(value | 0x80U));
+    value >>= 7U;
+  }
+  out.push_back(static_cast<char>(value));
+}
+
+void put(Nanoseconds time, std::string& out) {
+  put(static_cast<std::uint64_t>(std::max<std::int64_t>(time.count(), 0)), out);
+}
+
+void put_fixed(std::uint64_t value, std::string& out) {
+  for (int byte = 0; byte < 8; ++byte) out.push_back(static_cast<char>(value >> (8 * byte)));
+}
+
+// Small differences of either sign as small numbers.
+std::uint64_t folded(std::uint32_t value, std::uint32_t before) {
+  const std::int64_t change = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(before);
+  return change < 0 ? (static_cast<std::uint64_t>(-(change + 1)) << 1U) | 1U : static_cast<std::uint64_t>(change) << 1U;
+}
+
+std::int64_t unfolded(std::uint64_t value) {
+  const auto half = static_cast<std::int64_t>(value >> 1U);
+  return (value & 1U) != 0 ? -half - 1 : half;
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t number() {
+    std::uint64_t value = 0;
+    for (unsigned shift = 0; shift < 64; shift += 7) {
+      const std::uint8_t byte = this->byte();
+      if (shift == 63 && byte > 1) sound_ = false;
+      value |= static_cast<std::uint64_t>(byte & 0x7fU) << shift;
+      if ((byte & 0x80U) == 0) return value;
+    }
+    sound_ = false;
+    return 0;
+  }
+  std::uint8_t byte() {
+    if (at_ == bytes_.size()) {
+      sound_ = false;
+      return 0;
+    }
+    return static_cast<std::uint8_t>(bytes_[at_++]);
+  }
+  std::uint64_t fixed() {
+    std::uint64_t value = 0;
+    for (int i = 0; i < 8; ++i) value |= static_cast<std::uint64_t>(byte()) << (8 * i);
+    return value;
+  }
+  std::uint32_t number32() {
+    const std::uint64_t value = number();
+    if (value > std::numeric_limits<std::uint32_t>::max()) sound_ = false;
+    return static_cast<std::uint32_t>(value);
+  }
+  Nanoseconds time() {
+    const std::uint64_t value = number();
+    if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) sound_ = false;
+    return Nanoseconds(static_cast<std::int64_t>(value));
+  }
+  // Of things that take at least a byte each.
+  std::size_t count() {
+    const std::uint64_t value = number();
+    if (value > left()) sound_ = false;
+    return sound_ ? static_cast<std::size_t>(value) : 0;
+  }
+  void refuse() { sound_ = false; }
+  [[nodiscard]] bool sound() const { return sound_; }
+  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
+  [[nodiscard]] Status end(const char* what) const {
+    if (sound_ && left() == 0) return Done{};
+    return bad_input(std::string(what) + " has a form that no writer makes");
+  }
+
+ private:
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  bool sound_ = true;
+};
+
+// Each step against the one before it of the same worker, which goes up through the pairs within a band; who did it
+// stands apart, since that compresses to next to nothing.
+void put_steps(const std::vector<RefinementStep>& steps, std::string& out) {
+  put(steps.size(), out);
+  std::array<std::uint32_t, kMostWorkers> before{};
+  bool alone = true;
+  for (const RefinementStep& step : steps) {
+    put(folded(step.pair, before[step.worker]) << kKindBits | static_cast<std::uint64_t>(step.kind), out);
+    before[step.worker] = step.pair;
+    alone = alone && step.worker == 0;
+  }
+  out.push_back(alone ? '\0' : '\1');
+  if (alone) return;
+  for (const RefinementStep& step : steps) out.push_back(static_cast<char>(step.worker));
+}
+
+void take_steps(std::uint32_t pairs, Reader& reader, std::vector<RefinementStep>& steps) {
+  steps.assign(reader.count(), {});
+  // Read first, because the places follow from the workers, which stand behind them.
+  std::vector<std::uint64_t> words(steps.size());
+  for (std::uint64_t& word : words) word = reader.number();
+  const std::uint8_t several = reader.byte();
+  if (several > 1) reader.refuse();
+  if (several == 1) {
+    for (RefinementStep& step : steps) step.worker = reader.byte();
+  }
+  std::array<std::uint32_t, kMostWorkers> before{};
+  for (std::size_t i = 0; i < steps.size() && reader.sound(); ++i) {
+    RefinementStep& step = steps[i];
+    const std::uint64_t kind = words[i] & ((1U << kKindBits) - 1U);
+    const std::int64_t pair = static_cast<std::int64_t>(before[step.worker]) + unfolded(words[i] >> kKindBits);
+    if (kind > static_cast<std::uint64_t>(RefinementStep::Kind::Full) || pair < 0 ||
+        pair >= static_cast<std::int64_t>(pairs))
+      return reader.refuse();
+    step.kind = static_cast<RefinementStep::Kind>(kind);
+    step.pair = before[step.worker] = static_cast<std::uint32_t>(pair);
+  }
+}
+
+}  // namespace
+
+void write_frame(const RecordedFrame& frame, std::string& out) {
+  const FrameDecisions& d = frame.decisions;
+  put(d.frame, out);
+  put_fixed(frame.state_hash, out);
+  for (const Nanoseconds time : {frame.budget, frame.refine_available, frame.reserve, frame.lateness}) put(time, out);
+  put(d.active_pairs, out);
+  put(d.substeps, out);
+  put(d.visits, out);
+  put(d.reused.size(), out);
+  std::uint32_t before = 0;
+  for (const std::uint32_t pair : d.reused) {
+    put(folded(pair, before), out);
+    before = pair;
+  }
+  put_steps(d.steps, out);
+}
+
+Status read_frame(std::string_view bytes, RecordedFrame& frame) {
+  Reader reader(bytes);
+  FrameDecisions& d = frame.decisions;
+  d.frame = reader.number();
+  frame.state_hash = reader.fixed();
+  for (Nanoseconds* time : {&frame.budget, &frame.refine_available, &frame.reserve, &frame.lateness})
+    *time = reader.time();
+  d.active_pairs = reader.number32();
+  d.substeps = reader.number32();
+  d.visits = reader.number32();
+  d.reused.assign(reader.count(), 0);
+  std::int64_t pair = 0;
+  for (std::uint32_t& reused : d.reused) {
+    pair += unfolded(reader.number());
+    if (pair < 0 || pair >= static_cast<std::int64_t>(d.active_pairs)) {
+      reader.refuse();
+      break;
+    }
+    reused = static_cast<std::uint32_t>(pair);
+  }
+  take_steps(d.active_pairs, reader, d.steps);
+  return reader.end("the frame");
+}
+
+void write_end(const RecordEnd& end, std::string& out) {
+  put(end.frames, out);
+  out.push_back(end.stopped ? '\1' : '\0');
+}
+
+Status read_end(std::string_view bytes, RecordEnd& end) {
+  Reader reader(bytes);
+  end.frames = reader.number();
+  const std::uint8_t stopped = reader.byte();
+  if (stopped > 1) reader.refuse();
+  end.stopped = stopped == 1;
+  return reader.end("the end");
+}
+
+}  // namespace poise::io

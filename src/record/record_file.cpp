@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "record/record_file.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+#include <utility>
+
+#include "record/record_bytes.h"
+
+namespace poise::io {
+namespace {
+
+// A file is kMagic and then blocks: kind, size before squeezing, size as stored, stored bytes, CRC-32 of all of that.
+// Sizes and CRC have four bytes, the lowest first.
+constexpr std::string_view kMagic = "poise.record/2\n";
+constexpr std::string_view kMagicOfAny = "poise.record/";
+constexpr std::size_t kHeadBytes = 9;
+constexpr std::size_t kTailBytes = 4;
+// Chosen: a frame of ten million pairs is smaller, and a length that is not so is no reason to take memory.
+constexpr std::uint32_t kMostBlockBytes = 1U << 28U;
+// The fastest: a frame of the run waits for it.
+constexpr int kLevel = 1;
+
+constexpr char kHeader = 'H';
+constexpr char kScene = 'S';
+constexpr char kFrame = 'F';
+constexpr char kEnd = 'E';
+
+void put32(std::uint32_t value, std::string& out) {
+  for (int byte = 0; byte < 4; ++byte) out.push_back(static_cast<char>(value >> (8 * byte)));
+}
+
+std::uint32_t get32(const char* bytes) {
+  std::uint32_t value = 0;
+  for (int byte = 0; byte < 4; ++byte)
+    value |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[byte])) << (8 * byte);
+  return value;
+}
+
+// zlib reads through pointers to what is not const.
+Bytef* bytes_of(const char* text) { return const_cast<Bytef*>(reinterpret_cast<const Bytef*>(text)); }
+
+std::uint32_t crc_of(std::string_view text) {
+  return static_cast<std::uint32_t>(::crc32_z(0, bytes_of(text.data()), text.size()));
+}
+
+}  // namespace
+
+class Squeeze {
+ public:
+  static std::unique_ptr<Squeeze> packer() {
+    auto made = std::unique_ptr<Squeeze>(new Squeeze(true));
+    return made->sound_ ? std::move(made) : nullptr;
+  }
+  static std::unique_ptr<Squeeze> unpacker() {
+    auto made = std::unique_ptr<Squeeze>(new Squeeze(false));
+    return made->sound_ ? std::move(made) : nullptr;
+  }
+  ~Squeeze() {
+    if (!sound_) return;
+    if (packs_) {
+      ::deflateEnd(&stream_);
+    } else {
+      ::inflateEnd(&stream_);
+    }
+  }
+  Squeeze(const Squeeze&) = delete;
+  Squeeze& operator=(const Squeeze&) = delete;
+
+  /// Appends what `raw` becomes.
+  bool pack(std::string_view raw, std::string& stored) {
+    std::array<char, 1U << 14U> room;
+    stream_.next_in = bytes_of(raw.data());
+    stream_.avail_in = static_cast<uInt>(raw.size());
+    do {
+      stream_.next_out = bytes_of(room.data());
+      stream_.avail_out = static_cast<uInt>(room.size());
+      const int done = ::deflate(&stream_, Z_SYNC_FLUSH);
+      if (done != Z_OK && done != Z_BUF_ERROR) return false;
+      stored.append(room.data(), room.size() - stream_.avail_out);
+    } while (stream_.avail_out == 0);
+    return true;
+  }
+  /// Makes `raw` what was packed, which had `size` bytes; false if it had not.
+  bool unpack(std::string_view stored, std::size_t size, std::string& raw) {
+    std::array<char, 1U << 14U> room;
+    raw.clear();
+    stream_.next_in = bytes_of(stored.data());
+    stream_.avail_in = static_cast<uInt>(stored.size());
+    do {
+      stream_.next_out = bytes_of(room.data());
+      stream_.avail_out = static_cast<uInt>(room.size());
+      const int done = ::inflate(&stream_, Z_SYNC_FLUSH);
+      if (done != Z_OK && done != Z_BUF_ERROR) return false;
+      raw.append(room.data(), room.size() - stream_.avail_out);
+      if (raw.size() > size) return false;
+    } while (stream_.avail_out == 0);
+    return stream_.avail_in == 0 && raw.size() == size;
+  }
+
+ private:
+  explicit Squeeze(bool packs) : packs_(packs) {
+    sound_ = (packs ? deflateInit(&stream_, kLevel) : inflateInit(&stream_)) == Z_OK;
+  }
+  z_stream stream_{};
+  bool packs_;
+  bool sound_ = false;
+};
+
+RecordWriter::RecordWriter(AtomicFile file) : file_(std::move(file)), squeeze_(Squeeze::packer()) {}
+RecordWriter::RecordWriter(RecordWriter&&) noexcept = default;
+RecordWriter& RecordWriter::operator=(RecordWriter&&) noexcept = default;
+RecordWriter::~RecordWriter() = default;
+
+Result<RecordWriter> RecordWriter::open(const std::filesystem::path& path) {
+  Result<AtomicFile> file = AtomicFile::open(path);
+  if (!file) return file.error();
+  RecordWriter writer(std::move(file).value());
+  if (!writer.squeeze_) return Error{ErrorKind::OutputFailed, path.string() + ": cannot be written: no memory"};
+  return writer;
+}
+
+Status RecordWriter::block(char kind, std::string_view raw) {
+  stored_.assign(1, kind);
+  if (raw.size() > kMostBlockBytes)
+    return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: a frame has more than 256 MiB"};
+  put32(static_cast<std::uint32_t>(raw.size()), stored_);
+  put32(0, stored_);
+  if (!squeeze_->pack(raw, stored_))
+    return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: it cannot be compressed"};
+  std::string size;
+  put32(static_cast<std::uint32_t>(stored_.size() - kHeadBytes), size);
+  std::copy(size.begin(), size.end(), stored_.begin() + 5);
+  put32(crc_of(stored_), stored_);
+  bytes_ += stored_.size();
+  return file_.write(stored_);
+}
+
+Status RecordWriter::begin(const RecordHeader& header) {
+  const Status written = file_.write(kMagic);
+  if (!written) return written;
+  bytes_ = kMagic.size();
+  const Status first = block(kHeader, header_json(header));
+  return first ? block(kScene, header.scene_text) : first;
+}
+
+Status RecordWriter::frame(const RecordedFrame& frame) {
+  raw_.clear();
+  write_frame(frame, raw_);
+  ++frames_;
+  return block(kFrame, raw_);
+}
+
+Status RecordWriter::finish(bool stopped) {
+  raw_.clear();
+  write_end({frames_, stopped}, raw_);
+  const Status written = block(kEnd, raw_);
+  return written ? file_.commit() : written;
+}
+
+RecordReader::RecordReader() : squeeze_(Squeeze::unpacker()) {}
+RecordReader::RecordReader(RecordReader&&) noexcept = default;
+RecordReader& RecordReader::operator=(RecordReader&&) noexcept = default;
+RecordReader::~RecordReader() = default;
+
+Result<RecordReader> RecordReader::open(const std::filesystem::path& path) {
+  RecordReader reader;
+  reader.name_ = path.string();
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure)) return bad_input(reader.name_ + ": no such file");
+  reader.stream_.open(path, std::ios::binary);
+  reader.size_ = std::filesystem::file_size(path, failure);
+  if (!reader.stream_ || failure) return bad_input(reader.name_ + ": cannot be opened for reading");
+  if (!reader.squeeze_) return bad_input(reader.name_ + ": cannot be read: no memory");
+  const Status begun = reader.begin();
+  if (!begun) return bad_input(reader.name_ + ": " + begun.error().message);
+  return reader;
+}
+
+Status RecordReader::begin() {
+  std::string magic(std::min<std::uint64_t>(kMagic.size(), size_), '\0');
+  stream_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  if (magic != kMagic) {
+    if (!magic.starts_with(kMagicOfAny)) return bad_input("not a record of poise run --record");
+    return bad_input("a record of another version, must be " + std::string(kMagic.substr(0, kMagic.size() - 1)));
+  }
+  at_ = kMagic.size();
+  const Result<Block> header = block();
+  if (!header) return bad_input("the beginning is damaged: " + header.error().message);
+  if (header.value().kind != kHeader) return bad_input("the beginning is damaged: it has no header");
+  Result<RecordHeader> read = read_header(header.value().raw, "header");
+  if (!read) return read.error();
+  header_ = std::move(read).value();
+  const Result<Block> scene = block();
+  if (!scene) return bad_input("the beginning is damaged: " + scene.error().message);
+  if (scene.value().kind != kScene) return bad_input("the beginning is damaged: it has no scene");
+  header_.scene_text = scene.value().raw;
+  return Done{};
+}
+
+Result<RecordReader::Block> RecordReader::block() {
+  const std::uint64_t left = size_ - at_;
+  if (left == 0) return bad_input("the file ends here, before the end of the run");
+  if (left < kHeadBytes + kTailBytes) return bad_input("the file ends within a block");
+  stored_.resize(kHeadBytes);
+  if (!stream_.read(stored_.data(), kHeadBytes)) return bad_input("the file cannot be read");
+  const std::uint32_t raw_bytes = get32(stored_.data() + 1);
+  const std::uint32_t stored_bytes = get32(stored_.data() + 5);
+  if (stored_bytes > left - kHeadBytes - kTailBytes)
+    return bad_input("the file ends within a block, or the block's length is damaged");
+  if (raw_bytes > kMostBlockBytes || stored_bytes > kMostBlockBytes) return bad_input("the block's length is damaged");
+  stored_.resize(kHeadBytes + stored_bytes + kTailBytes);
+  if (!stream_.read(stored_.data() + kHeadBytes, static_cast<std::streamsize>(stored_bytes + kTailBytes)))
+    return bad_input("the file cannot be read");
+  const std::string_view checked = std::string_view(stored_).substr(0, kHeadBytes + stored_bytes);
+  if (crc_of(checked) != get32(stored_.data() + checked.size()))
+    return bad_input("the block's checksum is not that of its bytes");
+  if (!squeeze_->unpack(checked.substr(kHeadBytes), raw_bytes, raw_))
+    return bad_input("the block cannot be decompressed");
+  at_ += stored_.size();
+  return Block{stored_[0], raw_};
+}
+
+RecordReader::Next RecordReader::damaged(std::string what) {
+  damage_ = Damage{at_, std::move(what)};
+  return Next::Damaged;
+}
+
+RecordReader::Next RecordReader::next(RecordedFrame& frame) {
+  if (damage_) return Next::Damaged;
+  if (ended_) return Next::End;
+  const std::uint64_t begin = at_;
+  const Result<Block> found = block();
+  if (!found) return damaged(found.error().message);
+  const auto refuse = [&](std::string what) {
+    at_ = begin;
+    return damaged(std::move(what));
+  };
+  if (found.value().kind == kFrame) {
+    const Status read = read_frame(found.value().raw, frame);
+    if (!read) return refuse(read.error().message);
+    if (frame.decisions.frame != frames_)
+      return refuse(fmt::format("frame {} stands where frame {} should", frame.decisions.frame, frames_));
+    ++frames_;
+    return Next::Frame;
+  }
+  if (found.value().kind != kEnd) return refuse("a block of no known kind");
+  const Status read = read_end(found.value().raw, end_);
+  if (!read) return refuse(read.error().message);
+  if (end_.frames != frames_)
+    return refuse(fmt::format("the end counts {} frames, {} are there", end_.frames, frames_));
+  if (at_ != size_) return damaged("something stands behind the end");
+  ended_ = true;
+  return Next::End;
+}
+
+}  // namespace poise::io

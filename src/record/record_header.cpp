@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "record/record_bytes.h"
+#include "scene/field_reader.h"
+#include "world/contact_model_names.h"
+
+namespace poise::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// 16 hexadecimal digits: not every reader of JSON keeps 64 bits of a number.
+std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
+
+struct PolicyName {
+  const char* name;
+  scheduler::PolicyKind kind;
+};
+constexpr std::array kPolicies{PolicyName{"perceptual", scheduler::PolicyKind::Perceptual},
+                               PolicyName{"fifo", scheduler::PolicyKind::Fifo},
+                               PolicyName{"random", scheduler::PolicyKind::Random}};
+struct ExecutorName {
+  const char* name;
+  ExecutorKind kind;
+};
+constexpr std::array kExecutors{ExecutorName{"tbb", ExecutorKind::Tbb}, ExecutorName{"threads", ExecutorKind::Threads},
+                                ExecutorName{"serial", ExecutorKind::Serial}};
+struct WeightName {
+  const char* name;
+  double scheduler::Policy::*weight;
+};
+constexpr std::array kWeights{WeightName{"frustum", &scheduler::Policy::frustum},
+                              WeightName{"size", &scheduler::Policy::size},
+                              WeightName{"eccentricity", &scheduler::Policy::eccentricity},
+                              WeightName{"closing", &scheduler::Policy::closing},
+                              WeightName{"waiting", &scheduler::Policy::waiting},
+                              WeightName{"importance", &scheduler::Policy::importance}};
+
+Json optional_number(const std::optional<std::uint64_t>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json shapes_json(const std::vector<RecordedShape>& shapes) {
+  Json list = Json::array();
+  for (const RecordedShape& shape : shapes) {
+    Json files = Json::array();
+    for (const RecordedFile& file : shape.files)
+      files.push_back({{"path", file.path}, {"bytes", file.bytes}, {"xxh64", hex(file.hash)}});
+    list.push_back({{"name", shape.name}, {"files", files}, {"xxh64", hex(shape.hash)}});
+  }
+  return list;
+}
+
+Json world_json(const WorldSettings& world) {
+  Json json;
+  for (const simulation::NamedContactModel& named : simulation::kContactModels) {
+    if (named.model == world.contact) json["contact"] = named.name;
+  }
+  for (const PolicyName& named : kPolicies) {
+    if (named.kind == world.policy.kind) json["policy"] = named.name;
+  }
+  for (const WeightName& named : kWeights) json["weights"][named.name] = world.policy.*named.weight;
+  for (const ExecutorName& named : kExecutors) {
+    if (named.kind == world.executor) json["executor"] = named.name;
+  }
+  json["threads"] = world.threads;
+  json["sleeping"] = world.sleeping;
+  json["substeps"] = world.substeps;
+  json["max_partners"] = world.max_partners;
+  json["max_front_entries"] = world.max_front_entries;
+  return json;
+}
+
+// The entry of a list of names that a member is.
+template <class Named>
+const Named* named_in(const ObjectReader& reader, std::string_view key, std::span<const Named> names) {
+  const JsonValue* value = reader.require(key);
+  if (value == nullptr) return nullptr;
+  for (const Named& named : names) {
+    if (value->kind == JsonValue::Kind::String && value->text == named.name) return &named;
+  }
+  reader.problems().refuse(reader.path(key), *value, "must be a name that this program knows");
+  return nullptr;
+}
+
+void read_hex(const ObjectReader& reader, std::string_view key, std::uint64_t& target) {
+  const JsonValue* value = reader.require(key);
+  if (value == nullptr) return;
+  const std::string& text = value->text;
+  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), target, 16);
+  if (value->kind != JsonValue::Kind::String || text.size() != 16 || failure != std::errc{} ||
+      stop != text.data() + text.size()) {
+    reader.problems().refuse(reader.path(key), *value, "must be 16 hexadecimal digits");
+  }
+}
+
+void read_optional(const ObjectReader& reader, std::string_view key, std::optional<std::uint64_t>& target) {
+  const JsonValue* value = reader.require(key);
+  if (value == nullptr || value->kind == JsonValue::Kind::Null) return;
+  std::uint64_t number = 0;
+  reader.whole(key, 0, UINT64_MAX, number);
+  target = number;
+}
+
+void read_text(const ObjectReader& reader, std::string_view key, std::string& target) {
+  reader.require(key);
+  reader.text(key, target);
+}
+
+void read_whole_of(const ObjectReader& reader, std::string_view key, std::uint64_t min, std::uint64_t max,
+                   std::uint64_t& target) {
+  reader.require(key);
+  reader.whole(key, min, max, target);
+}
+
+void read_shape(const JsonValue& value, const std::string& path, Problems& problems, RecordedShape& shape) {
+  const ObjectReader reader(value, path, problems, {"name", "files", "xxh64"});
+  read_text(reader, "name", shape.name);
+  read_hex(reader, "xxh64", shape.hash);
+  const JsonValue* files = reader.require("files");
+  if (files == nullptr) return;
+  for (std::size_t i = 0; i < files->items.size(); ++i) {
+    const ObjectReader file(files->items[i], item_path(reader.path("files"), i), problems, {"path", "bytes", "xxh64"});
+    RecordedFile read;
+    read_text(file, "path", read.path);
+    read_whole_of(file, "bytes", 0, UINT64_MAX, read.bytes);
+    read_hex(file, "xxh64", read.hash);
+    shape.files.push_back(read);
+  }
+}
+
+void read_world(const JsonValue& value, Problems& problems, WorldSettings& world) {
+  const ObjectReader reader(value, "world", problems,
+                            {"contact", "policy", "weights", "executor", "threads", "sleeping", "substeps",
+                             "max_partners", "max_front_entries"});
+  if (const auto* named =
+          named_in(reader, "contact", std::span<const simulation::NamedContactModel>(simulation::kContactModels)))
+    world.contact = named->model;
+  if (const auto* named = named_in(reader, "policy", std::span<const PolicyName>(kPolicies)))
+    world.policy.kind = named->kind;
+  if (const auto* named = named_in(reader, "executor", std::span<const ExecutorName>(kExecutors)))
+    world.executor = named->kind;
+  if (const JsonValue* weights = reader.require("weights")) {
+    const ObjectReader each(*weights, reader.path("weights"), problems,
+                            {"frustum", "size", "eccentricity", "closing", "waiting", "importance"});
+    for (const WeightName& named : kWeights) {
+      each.require(named.name);
+      each.number(named.name, kNotNegative, world.policy.*named.weight);
+    }
+  }
+  reader.require("sleeping");
+  reader.flag("sleeping", world.sleeping);
+  std::uint64_t threads = 1, substeps = 1, partners = 1, entries = 64;
+  read_whole_of(reader, "threads", 1, 256, threads);
+  read_whole_of(reader, "substeps", 1, 16, substeps);
+  read_whole_of(reader, "max_partners", 1, 65536, partners);
+  read_whole_of(reader, "max_front_entries", 64, 1U << 26U, entries);
+  world.threads = static_cast<int>(threads);
+  world.substeps = static_cast<int>(substeps);
+  world.max_partners = static_cast<std::uint32_t>(partners);
+  world.max_front_entries = static_cast<std::uint32_t>(entries);
+}
+
+void read_made_by(const ObjectReader& top, RecordHeader& header) {
+  const JsonValue* value = top.require("made_by");
+  if (value == nullptr) return;
+  const ObjectReader reader(*value, "made_by", top.problems(),
+                            {"version", "commit", "compiler", "flags", "system", "processor", "cores"});
+  read_text(reader, "version", header.version);
+  read_text(reader, "commit", header.commit);
+  read_text(reader, "compiler", header.compiler);
+  read_text(reader, "flags", header.flags);
+  read_text(reader, "system", header.machine.system);
+  read_text(reader, "processor", header.machine.processor);
+  std::uint64_t cores = 0;
+  read_whole_of(reader, "cores", 0, 1U << 20U, cores);
+  header.machine.cores = static_cast<int>(cores);
+}
+
+void read_scene_part(const ObjectReader& top, RecordHeader& header) {
+  const JsonValue* value = top.require("scene");
+  if (value == nullptr) return;
+  const ObjectReader reader(*value, "scene", top.problems(),
+                            {"name", "file", "folder", "bodies", "seed", "start_hash", "shapes"});
+  read_text(reader, "name", header.scene_name);
+  read_text(reader, "file", header.scene_source);
+  read_text(reader, "folder", header.scene_folder);
+  read_optional(reader, "bodies", header.bodies);
+  read_optional(reader, "seed", header.seed);
+  read_hex(reader, "start_hash", header.start_hash);
+  const JsonValue* shapes = reader.require("shapes");
+  if (shapes == nullptr) return;
+  for (std::size_t i = 0; i < shapes->items.size(); ++i) {
+    header.shapes.emplace_back();
+    read_shape(shapes->items[i], item_path("scene.shapes", i), top.problems(), header.shapes.back());
+  }
+}
+
+void read_step_part(const ObjectReader& top, RecordHeader& header) {
+  const JsonValue* value = top.require("step");
+  if (value == nullptr) return;
+  const ObjectReader reader(
+      *value, "step", top.problems(),
+      {"dt_s", "max_level", "polygons", "backtracking", "frames", "clock", "paced", "deadline_ms", "budget_work"});
+  reader.require("dt_s");
+  reader.number("dt_s", Range{0, kMaxTimeStepS, true}, header.dt_s);
+  std::uint64_t level = 0;
+  read_whole_of(reader, "max_level", 0, kMaxTreeDepth, level);
+  header.max_level = static_cast<Level>(level);
+  for (const auto& [key, flag] : {std::pair("polygons", &header.polygons),
+                                  std::pair("backtracking", &header.backtracking), std::pair("paced", &header.paced)}) {
+    reader.require(key);
+    reader.flag(key, *flag);
+  }
+  read_whole_of(reader, "frames", 0, UINT64_MAX, header.frames);
+  read_text(reader, "clock", header.clock);
+  reader.require("deadline_ms");
+  reader.number("deadline_ms", kNotNegative, header.deadline_ms);
+  read_optional(reader, "budget_work", header.budget_work);
+}
+
+}  // namespace
+
+std::string header_json(const RecordHeader& header) {
+  const Json json = {{"scene",
+                      {{"name", header.scene_name},
+                       {"file", header.scene_source},
+                       {"folder", header.scene_folder},
+                       {"bodies", optional_number(header.bodies)},
+                       {"seed", optional_number(header.seed)},
+                       {"start_hash", hex(header.start_hash)},
+                       {"shapes", shapes_json(header.shapes)}}},
+                     {"world", world_json(header.world)},
+                     {"step",
+                      {{"dt_s", header.dt_s},
+                       {"max_level", header.max_level},
+                       {"polygons", header.polygons},
+                       {"backtracking", header.backtracking},
+                       {"frames", header.frames},
+                       {"clock", header.clock},
+                       {"paced", header.paced},
+                       {"deadline_ms", header.deadline_ms},
+                       {"budget_work", optional_number(header.budget_work)}}},
+                     {"made_by",
+                      {{"version", header.version},
+                       {"commit", header.commit},
+                       {"compiler", header.compiler},
+                       {"flags", header.flags},
+                       {"system", header.machine.system},
+                       {"processor", header.machine.processor},
+                       {"cores", header.machine.cores}}}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<RecordHeader> read_header(std::string_view json, const std::string& name) {
+  const Result<JsonValue> root = parse_json(json, name);
+  if (!root) return root.error();
+  RecordHeader header;
+  Problems problems(name);
+  const ObjectReader top(root.value(), "", problems, {"scene", "world", "step", "made_by"});
+  read_scene_part(top, header);
+  if (const JsonValue* world = top.require("world")) read_world(*world, problems, header.world);
+  read_step_part(top, header);
+  read_made_by(top, header);
+  if (problems.first()) return *problems.first();
+  return header;
+}
+
+}  // namespace poise::io

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "scene/generators.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "geometry/primitives/random.h"
+
+namespace poise {
+namespace io {
+namespace {
+
+using geometry::Random;
+
+std::uint64_t own_count(const SceneGenerator& generator) {
+  if (const auto* stream = std::get_if<StreamGenerator>(&generator)) return stream->total;
+  const auto& grid = std::get<GridGenerator>(generator);
+  if (grid.in_tray) return grid.bodies;
+  std::uint64_t product = 1;
+  for (const std::uint64_t n : grid.count) {
+    // Three counts of up to 10^7 would overflow; anything beyond the limit is refused all the same.
+    product = std::min(product * n, kMaxSceneBodies + 1);
+  }
+  return product;
+}
+
+/// Everything but the place. Drawn in a fixed order from a generator of the body's own.
+GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& random) {
+  GeneratedBody body;
+  body.kind = &kind;
+  const std::uint64_t pick = kind.mix_by_seed ? random.below(kind.shapes.size()) : index % kind.shapes.size();
+  body.shape = kind.shapes[pick];
+  if (kind.random_orientation) body.orientation = random.rotation();
+  body.velocity_mps = kind.velocity_mps;
+  if (kind.speed_mps > 0) body.velocity_mps += kind.speed_mps * random.direction();
+  if (kind.spin_radps > 0) body.angular_velocity_radps = kind.spin_radps * random.direction();
+  return body;
+}
+
+/// From the point of a grid to the farthest that its body can reach: the largest bounding radius and the jitter.
+double reach_m(const GridGenerator& grid, std::span<const double> radius_m) {
+  double largest_m = 0;
+  for (const std::size_t shape : grid.kind.shapes) largest_m = std::max(largest_m, radius_m[shape]);
+  return largest_m + grid.jitter_m;
+}
+
+struct Layout {
+  std::uint64_t nx = 1, ny = 1;
+  Vec3 first_m = Vec3::Zero();
+};
+
+Result<Layout> layout_of(const GridGenerator& grid, std::size_t number, const Scene& scene,
+                         const ExpandOptions& options) {
+  if (!grid.in_tray) return Layout{grid.count[0], grid.count[1], grid.origin_m};
+  const double reach = reach_m(grid, options.radius_m);
+  const double room_m = options.tray_side_m - 2 * reach;
+  if (!(room_m >= 0)) {
+    return bad_input(
+        fmt::format("{}: generators[{}].grid.in_tray: a tray of side {:g} m is too small for a body of radius {:g} m "
+                    "with jitter {:g} m",
+                    scene.source, number, options.tray_side_m, reach - grid.jitter_m, grid.jitter_m));
+  }
+  const double across = std::min(std::floor(room_m / grid.spacing_m), static_cast<double>(kMaxSceneBodies)) + 1;
+  const double first = -0.5 * (across - 1) * grid.spacing_m;
+  const auto n = static_cast<std::uint64_t>(across);
+  return Layout{n, n, {first, first, grid.bottom_m + reach}};
+}
+
+void expand_grid(const GridGenerator& grid, const Layout& layout, std::uint64_t bodies, std::uint64_t seed,
+                 std::vector<GeneratedBody>& out) {
+  for (std::uint64_t k = 0; k < bodies; ++k) {
+    Random random = Random::of(seed, k);
+    GeneratedBody body = draw_body(grid.kind, k, random);
+    const Vec3 cell(static_cast<double>(k % layout.nx), static_cast<double>(k / layout.nx % layout.ny),
+                    static_cast<double>(k / layout.nx / layout.ny));
+    Vec3 jitter = Vec3::Zero();
+    if (grid.jitter_m > 0) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis) jitter[axis] = grid.jitter_m * random.symmetric();
+    }
+    body.center_m = layout.first_m + grid.spacing_m * cell + jitter;
+    out.push_back(body);
+  }
+}
+
+void expand_stream(const StreamGenerator& stream, std::uint64_t bodies, std::uint64_t seed,
+                   std::vector<GeneratedBody>& out) {
+  const double step_s = bodies > 0 ? (stream.to_s - stream.from_s) / static_cast<double>(bodies) : 0;
+  for (std::uint64_t k = 0; k < bodies; ++k) {
+    Random random = Random::of(seed, k);
+    GeneratedBody body = draw_body(stream.kind, k, random);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double low = stream.region_min_m[axis];
+      body.center_m[axis] = low + (stream.region_max_m[axis] - low) * random.unit();
+    }
+    body.streamed = true;
+    body.due_s = stream.from_s + static_cast<double>(k) * step_s;
+    out.push_back(body);
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> share_bodies(std::span<const std::uint64_t> own, std::uint64_t total) {
+  const std::uint64_t sum = std::accumulate(own.begin(), own.end(), std::uint64_t{0});
+  std::vector<std::uint64_t> shares(own.size());
+  if (sum == 0) return shares;
+  std::uint64_t given = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    shares[i] = own[i] * total / sum;
+    given += shares[i];
+  }
+  for (std::size_t i = 0; i < own.size() && given < total; ++i, ++given) ++shares[i];
+  return shares;
+}
+
+double tray_side_m(const Scene& scene, std::uint64_t generated, std::span<const double> radius_m) {
+  if (!scene.tray) return 0;
+  if (scene.tray->side_m > 0) return scene.tray->side_m;
+  double side_m = scene.tray->side_per_sqrt_body_m * std::sqrt(static_cast<double>(generated));
+  for (const SceneGenerator& generator : scene.generators) {
+    const auto* grid = std::get_if<GridGenerator>(&generator);
+    if (grid != nullptr && grid->in_tray) side_m = std::max(side_m, 2 * reach_m(*grid, radius_m));
+  }
+  return side_m;
+}
+
+Result<std::vector<GeneratedBody>> expand_generators(const Scene& scene, const ExpandOptions& options) {
+  std::vector<std::uint64_t> counts;
+  for (const SceneGenerator& generator : scene.generators) counts.push_back(own_count(generator));
+  if (options.bodies) counts = share_bodies(counts, *options.bodies);
+  std::vector<GeneratedBody> start;
+  std::vector<GeneratedBody> streamed;
+  for (std::size_t i = 0; i < scene.generators.size(); ++i) {
+    if (const auto* grid = std::get_if<GridGenerator>(&scene.generators[i])) {
+      const Result<Layout> layout = layout_of(*grid, i, scene, options);
+      if (!layout) return layout.error();
+      expand_grid(*grid, layout.value(), counts[i], Random::of(options.seed, i).next() ^ grid->kind.seed, start);
+    } else {
+      const auto& stream = std::get<StreamGenerator>(scene.generators[i]);
+      expand_stream(stream, counts[i], Random::of(options.seed, i).next() ^ stream.kind.seed, streamed);
+    }
+  }
+  std::stable_sort(streamed.begin(), streamed.end(),
+                   [](const GeneratedBody& a, const GeneratedBody& b) { return a.due_s < b.due_s; });
+  start.insert(start.end(), streamed.begin(), streamed.end());
+  return start;
+}
+
+}  // namespace io
+
+std::uint64_t generated_body_count(const Scene& scene) {
+  std::uint64_t sum = 0;
+  for (const SceneGenerator& generator : scene.generators) sum += io::own_count(generator);
+  return sum;
+}
+
+}  // namespace poise

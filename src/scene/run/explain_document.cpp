@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+#include "scene/run/explain_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "scene/run/policy_name.h"
+
+namespace poise::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = RefinementStep::Kind;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// What became of a pair, one of these each.
+enum class Fate : std::uint8_t { KnownApart, Reused, Mandatory, FoundApart, Deepest, Known, CutOff, NoRoom, Unserved };
+struct FateText {
+  Fate fate;
+  const char* key;
+  const char* text;
+};
+constexpr std::array kFates{
+    FateText{Fate::KnownApart, "known_apart", "known from an earlier frame to be apart: nothing to do"},
+    FateText{Fate::Known, "known_places", "answered by places known from an earlier frame: nothing more to gain"},
+    FateText{Fate::Mandatory, "mandatory", "of a fast body: refined whole, whatever the budget"},
+    FateText{Fate::FoundApart, "found_apart", "refined and found apart"},
+    FateText{Fate::Deepest, "deepest", "refined to the deepest level: nothing more to gain"},
+    FateText{Fate::Reused, "reused", "left as it was answered last, because the frame was infeasible"},
+    FateText{Fate::CutOff, "cut_off", "left coarse: its next level was begun and did not end in time"},
+    FateText{Fate::NoRoom, "no_room", "left coarse: its front had no room"},
+    FateText{Fate::Unserved, "unserved", "left coarse: the budget was used up before its turn"},
+};
+
+const FateText& text_of(Fate fate) {
+  return *std::find_if(kFates.begin(), kFates.end(), [fate](const FateText& text) { return text.fate == fate; });
+}
+
+bool left_coarse(Fate fate) { return fate == Fate::CutOff || fate == Fate::NoRoom || fate == Fate::Unserved; }
+
+std::vector<Fate> fates_of(const ExplainedFrame& e) {
+  const std::vector<PairExplanation>& pairs = e.explanation.pairs;
+  std::vector<Fate> fates(pairs.size(), Fate::Deepest);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const PairExplanation& pair = pairs[i];
+    if (pair.cached == PairExplanation::CacheUse::Separated) {
+      fates[i] = Fate::KnownApart;
+    } else if (pair.mandatory) {
+      fates[i] = Fate::Mandatory;
+    } else if (pair.apart) {
+      fates[i] = Fate::FoundApart;
+    } else if (pair.refinable) {
+      fates[i] = Fate::Unserved;
+    } else if (pair.cached == PairExplanation::CacheUse::Points && pair.level == 0) {
+      fates[i] = Fate::Known;
+    }
+  }
+  for (const RefinementStep& step : e.frame.decisions.steps) {
+    if (step.pair >= fates.size() || fates[step.pair] != Fate::Unserved) continue;
+    if (step.kind == Kind::Cut) fates[step.pair] = Fate::CutOff;
+    if (step.kind == Kind::Full) fates[step.pair] = Fate::NoRoom;
+  }
+  for (const std::uint32_t pair : e.frame.decisions.reused) {
+    if (pair < fates.size() && pairs[pair].level == 0) fates[pair] = Fate::Reused;
+  }
+  return fates;
+}
+
+/// A completed level in the order of time.
+struct Turn {
+  std::size_t order = 0;  ///< from 1
+  std::uint8_t worker = 0;
+  const LevelExplanation* level = nullptr;
+};
+
+std::vector<Turn> turns_of(const ExplainedFrame& e) {
+  const std::vector<LevelExplanation>& levels = e.explanation.levels;
+  // Where the levels of each pair begin.
+  std::vector<std::size_t> next(e.explanation.pairs.size(), levels.size());
+  for (std::size_t k = levels.size(); k-- > 0;) next[levels[k].pair] = k;
+  std::vector<Turn> turns;
+  for (const RefinementStep& step : e.frame.decisions.steps) {
+    if (step.kind != Kind::Completed || step.pair >= next.size()) continue;
+    const std::size_t k = next[step.pair]++;
+    if (k < levels.size() && levels[k].pair == step.pair) turns.push_back({turns.size() + 1, step.worker, &levels[k]});
+  }
+  return turns;
+}
+
+std::vector<std::size_t> left_by_score(const ExplainedFrame& e, const std::vector<Fate>& fates) {
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (left_coarse(fates[i])) left.push_back(i);
+  }
+  std::stable_sort(left.begin(), left.end(), [&](std::size_t x, std::size_t y) {
+    return e.explanation.pairs[x].next_score > e.explanation.pairs[y].next_score;
+  });
+  return left;
+}
+
+const char* cache_use_word(PairExplanation::CacheUse kept) {
+  switch (kept) {
+    case PairExplanation::CacheUse::None:
+      return "-";
+    case PairExplanation::CacheUse::Separated:
+      return "apart";
+    case PairExplanation::CacheUse::Points:
+      return "places";
+    case PairExplanation::CacheUse::Expired:
+      return "stale";
+  }
+  return "-";
+}
+
+NamedBody body_of(const ExplainedFrame& e, const BodyId& id) {
+  return id.slot < e.bodies.size() ? e.bodies[id.slot] : NamedBody{};
+}
+
+std::string shown(const ExplainedFrame& e, const BodyId& id) {
+  constexpr std::size_t kLongest = 12;
+  const NamedBody body = body_of(e, id);
+  const std::string name = body.name.size() > kLongest ? body.name.substr(0, kLongest - 1) + "~" : body.name;
+  return fmt::format("{} {}", body.index, name);
+}
+
+std::string cue_cells(const PairExplanation& pair) {
+  const scheduler::PairCues& c = pair.cues;
+  return fmt::format("{:>8.3g} {:>7.2f} {:>8.4f} {:>7.1f} {:>11.3g} {:>6} {:>7.3g}", pair.weight, c.visibility,
+                     c.angle_radpm, c.eccentricity_rad * kDegrees, c.closing_mps, c.frames_waited, c.importance);
+}
+
+constexpr const char* kCueHeads = "  weight visible    rad/m ecc deg closing m/s waited  import";
+
+std::string shares(std::size_t shown, std::size_t all) {
+  return shown < all ? fmt::format("{} of {}; --limit 0 shows all", shown, all) : fmt::format("{}", all);
+}
+
+std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
+  const RecordedFrame& f = e.frame;
+  const auto ms = [](Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; };
+  std::vector<bool> served(e.explanation.pairs.size(), false);
+  for (const Turn& turn : turns) served[turn.level->pair] = true;
+  std::string text =
+      fmt::format("frame {}: {} active pairs, {} levels of {} pairs completed\n", f.decisions.frame,
+                  e.explanation.pairs.size(), turns.size(), std::count(served.begin(), served.end(), true));
+  if (e.wall_clock) {
+    text += fmt::format(
+        "time: {:.3f} ms from the start to the deadline, {:.3f} ms for refinement, {:.3f} ms kept for what came after "
+        "it, late by {:.3f} ms\n",
+        ms(f.budget), ms(f.refine_available), ms(f.reserve), ms(f.lateness));
+  }
+  if (f.decisions.visits > 0)
+    text += fmt::format("resting contact had time for {} visits of places in a substep\n", f.decisions.visits);
+  if (f.decisions.substeps > 0)
+    text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
+  const scheduler::Policy& p = e.explanation.policy;
+  text += fmt::format("policy: {}", policy_name(p.kind));
+  if (p.kind == scheduler::PolicyKind::Perceptual) {
+    text += fmt::format(
+        "; exponents of the cues: frustum {:g}, size {:g}, eccentricity {:g}, closing {:g}, waiting {:g}, importance "
+        "{:g}",
+        p.frustum, p.size, p.eccentricity, p.closing, p.waiting, p.importance);
+  }
+  return text + "\n";
+}
+
+std::string refined_table(const ExplainedFrame& e, const std::vector<Turn>& turns, std::size_t limit) {
+  const std::size_t rows = limit == 0 ? turns.size() : std::min(limit, turns.size());
+  std::string text = fmt::format("\nrefined, in the order in which levels ended ({})\n", shares(rows, turns.size()));
+  text += fmt::format("{:>6} {:>6}  {:<18} {:<18} {:>5} {:>6} {:>10} {}  then\n", "order", "thread", "body", "body",
+                      "level", "units", "score", kCueHeads);
+  for (std::size_t k = 0; k < rows; ++k) {
+    const LevelExplanation& level = *turns[k].level;
+    const PairExplanation& pair = e.explanation.pairs[level.pair];
+    const bool polygons = pair.polygons && level.level == pair.deepest;
+    text += fmt::format("{:>6} {:>6}  {:<18} {:<18} {:>5} {:>6} {:>10.4g} {}  {}\n", turns[k].order, turns[k].worker,
+                        shown(e, pair.a), shown(e, pair.b), polygons ? "poly" : fmt::format("{}", level.level),
+                        level.units, level.score, cue_cells(pair), level.ended ? "apart" : "contact");
+  }
+  return text;
+}
+
+std::string left_table(const ExplainedFrame& e, const std::vector<Fate>& fates, std::size_t limit) {
+  const std::vector<std::size_t> left = left_by_score(e, fates);
+  const std::size_t rows = limit == 0 ? left.size() : std::min(limit, left.size());
+  std::string text = fmt::format("\nleft coarse, the highest score first ({})\n", shares(rows, left.size()));
+  if (left.empty()) return text;
+  text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10} {}  why\n", "body", "body", "level", "deepest",
+                      "kept", "units", "score", kCueHeads);
+  for (std::size_t k = 0; k < rows; ++k) {
+    const PairExplanation& pair = e.explanation.pairs[left[k]];
+    const Fate fate = fates[left[k]];
+    const char* why = fate == Fate::CutOff ? "begun, cut off" : fate == Fate::NoRoom ? "no room" : "budget used up";
+    text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10.4g} {}  {}\n", shown(e, pair.a), shown(e, pair.b),
+                        pair.level, pair.deepest, cache_use_word(pair.cached), pair.next_units, pair.next_score,
+                        cue_cells(pair), why);
+  }
+  return text;
+}
+
+Json pair_json(const ExplainedFrame& e, const PairExplanation& pair) {
+  const scheduler::PairCues& c = pair.cues;
+  return {{"a", body_of(e, pair.a).index},
+          {"b", body_of(e, pair.b).index},
+          {"weight", pair.weight},
+          {"cues",
+           {{"visibility", c.visibility},
+            {"angle_radpm", c.angle_radpm},
+            {"eccentricity_rad", c.eccentricity_rad},
+            {"closing_mps", c.closing_mps},
+            {"frames_waited", c.frames_waited},
+            {"importance", c.importance}}},
+          {"kept", cache_use_word(pair.cached)},
+          {"kept_level", pair.cached_level},
+          {"deepest", pair.deepest},
+          {"polygons", pair.polygons}};
+}
+
+Json counts_json(const std::vector<Fate>& fates) {
+  Json counts = Json::object();
+  for (const FateText& text : kFates) counts[text.key] = std::count(fates.begin(), fates.end(), text.fate);
+  return counts;
+}
+
+}  // namespace
+
+std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
+  std::vector<NamedBody> named;
+  const std::span<const RunBody> bodies = run.bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::uint32_t slot = bodies[i].id.slot;
+    if (slot >= named.size()) named.resize(slot + std::size_t{1});
+    NamedBody& body = named[slot];
+    body.index = i;
+    if (i < scene.bodies.size()) body.name = scene.bodies[i].name;
+    if (body.name.empty())
+      body.name = bodies[i].shape < scene.shapes.size() ? scene.shapes[bodies[i].shape].name : "tray";
+  }
+  return named;
+}
+
+std::string explain_table(const ExplainedFrame& e, std::size_t limit) {
+  const std::vector<Turn> turns = turns_of(e);
+  const std::vector<Fate> fates = fates_of(e);
+  std::string text = head_of(e, turns) + "\npairs by what became of them\n";
+  for (const FateText& fate : kFates) {
+    const auto count = std::count(fates.begin(), fates.end(), fate.fate);
+    if (count > 0) text += fmt::format("{:>7}  {}\n", count, fate.text);
+  }
+  return text + refined_table(e, turns, limit) + left_table(e, fates, limit);
+}
+
+nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
+  const std::vector<Fate> fates = fates_of(e);
+  Json refined = Json::array();
+  for (const Turn& turn : turns_of(e)) {
+    const LevelExplanation& level = *turn.level;
+    Json row = {{"order", turn.order},  {"worker", turn.worker}, {"level", level.level},
+                {"units", level.units}, {"score", level.score},  {"apart", level.ended}};
+    row.update(pair_json(e, e.explanation.pairs[level.pair]));
+    refined.push_back(std::move(row));
+  }
+  Json left = Json::array();
+  for (const std::size_t i : left_by_score(e, fates)) {
+    const PairExplanation& pair = e.explanation.pairs[i];
+    Json row = {{"why", text_of(fates[i]).key},
+                {"level", pair.level},
+                {"next_units", pair.next_units},
+                {"next_score", pair.next_score}};
+    row.update(pair_json(e, pair));
+    left.push_back(std::move(row));
+  }
+  const RecordedFrame& f = e.frame;
+  return {{"frame", f.decisions.frame},
+          {"policy", policy_name(e.explanation.policy.kind)},
+          {"active_pairs", e.explanation.pairs.size()},
+          {"budget_ms", static_cast<double>(f.budget.count()) / 1e6},
+          {"refine_available_ms", static_cast<double>(f.refine_available.count()) / 1e6},
+          {"reserve_ms", static_cast<double>(f.reserve.count()) / 1e6},
+          {"lateness_ms", static_cast<double>(f.lateness.count()) / 1e6},
+          {"substeps", f.decisions.substeps},
+          {"visits", f.decisions.visits},
+          {"pairs", counts_json(fates)},
+          {"refined", std::move(refined)},
+          {"left_coarse", std::move(left)}};
+}
+
+}  // namespace poise::io

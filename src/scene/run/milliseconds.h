@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+
+namespace poise {
+
+/// A duration in milliseconds, as reports and tables have it.
+inline double ms(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) / 1e6; }
+
+}  // namespace poise

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "poise/scene/scene.h"
+#include "scene/run/run_report.h"
+
+namespace poise::io {
+
+/// What a run was measured on.
+struct Machine {
+  std::string system;  ///< kernel name, release and architecture
+  std::string processor;
+  int cores = 0;  ///< that this process may use
+};
+/// Asks the system; unknown parts are "unknown".
+Machine this_machine();
+
+/// Everything that a result file says of a run (docs/run-report.md).
+struct RunDocument {
+  std::string scene;
+  std::string scene_file;
+  std::size_t bodies = 0;  ///< at the end, static ones and planes included
+  std::size_t dynamic_bodies = 0;
+  std::uint64_t frames_asked = 0;  ///< without warm-up
+  bool stopped = false;            ///< by Ctrl-C
+  double dt_s = 0;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  std::string executor, policy, contact, clock;
+  scheduler::Policy policy_weights;
+  std::vector<int> affinity;  ///< processors that the threads were bound to, in turn; empty: none
+  int realtime_priority = 0;  ///< 0: none
+  double spin_us = 0;
+  bool paced = false;
+  std::optional<double> deadline_ms;
+  double host_work_ms = 0;  ///< kept free, unless it is learned
+  bool host_work_learned = false;
+  double render_load_ms = 0, render_load_jitter_ms = 0;
+  double alpha = 0.01;                   ///< WorldSettings::alpha
+  std::uint64_t time_priors_frames = 0;  ///< of earlier runs that the time forecasts began from; 0: from nothing
+  std::optional<std::uint64_t> budget_work;
+  int max_level = 0;
+  bool polygons = false;
+  bool backtracking = false;
+  bool sleeping = false;
+  std::optional<std::uint64_t> reference_every;
+  double tray_side_m = 0;
+  Machine machine;
+  std::string version, commit, compiler, flags;
+  simulation::RunFigures figures;
+  Conserved start, end;
+  double energy_max_j = 0;  ///< largest sum of kinetic and potential energy after any frame
+  std::uint64_t state_hash = 0;
+  /// Mesh, tree and sphere-list shapes: from the origin of the shape to its centre of mass.
+  std::vector<std::pair<std::string, Vec3>> origin_offsets_m;
+  std::vector<std::string> warnings;  ///< SceneRun::warnings
+  TreeCacheUse tree_cache_use;
+  std::vector<std::string> requirements_failed;
+  std::optional<std::string> requirement;
+};
+
+/// A number of the document by its dotted path; empty where the run does not define it.
+struct NamedFigure {
+  std::string name;
+  std::optional<double> value;
+};
+
+/// The document as `poise.run/1` JSON, numbers with full precision, ending in a newline.
+std::string run_json(const RunDocument& document);
+
+/// Every number (and undefined number) of the document in its order, plus `miss_rate` for `misses.rate`.
+std::vector<NamedFigure> named_figures(const RunDocument& document);
+
+}  // namespace poise::io

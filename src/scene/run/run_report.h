@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "poise/step.h"
+#include "scene/run/percentiles.h"
+#include "scene/run/reference_run.h"
+
+namespace poise::simulation {
+
+/// One frame of a run as its driver saw it.
+struct RunFrame {
+  FrameReport report;
+  bool warm_up = false;                ///< simulated, but apart from the figures
+  std::uint64_t releases_skipped = 0;  ///< paced runs: releases that passed while this frame was still running
+  Nanoseconds release_delay{0};        ///< paced runs: from the release to the start of the frame
+};
+
+/// What the figures of a run depend on besides its frames.
+struct RunTerms {
+  bool deadlines = true;  ///< wall clock: a late frame is a miss; otherwise misses are not defined
+  double alpha = 0.01;    ///< share of frames whose tail may take longer than its reserve
+};
+
+struct Interval {
+  double low = 0, high = 1;
+};
+/// Exact interval of Clopper and Pearson ("The use of confidence or fiducial limits", Biometrika 1934) for `hits` of
+/// `trials` at the given confidence in (0, 1); [0, 1] without a trial.
+Interval clopper_pearson(std::uint64_t hits, std::uint64_t trials, double confidence);
+/// Regularised incomplete beta function I_x(a, b), a and b > 0, x in [0, 1], to 1e-12 for a + b up to 10^4; the error
+/// grows with the logarithms of the factorials.
+double incomplete_beta(double a, double b, double x);
+
+/// Late frames and passed releases. `count` is the sum of the four causes; a passed release has the cause of the frame
+/// that was running.
+struct MissFigures {
+  std::uint64_t count = 0;
+  std::uint64_t releases = 0;  ///< frames and passed releases
+  double rate = 0;             ///< count / releases
+  Interval interval_95;
+  std::uint64_t infeasible = 0, machine = 0, overrun = 0, forecast = 0;
+  std::uint64_t skipped_releases = 0;
+  std::uint64_t longest_run = 0;  ///< of releases missed one after another
+  std::uint64_t worst_1000 = 0;   ///< most misses among 1000 frames in a row
+  Percentiles tardiness_ms;       ///< of late frames
+  double share_of_time_late = 0;  ///< sum of lateness / sum of frame times
+};
+
+/// How the reserve for the tail did, over frames that had a forecast.
+struct TailFigures {
+  std::uint64_t frames = 0;
+  double coverage = 0;               ///< share of frames whose tail took no longer than its reserve
+  double reserve_over_actual = 0;    ///< mean
+  double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
+  Percentiles actual_over_forecast;  ///< of the point forecast, without margin
+  /// Mean pinball loss of the reserve as a forecast of the (1 - alpha) quantile of the tail (Koenker and Bassett,
+  /// "Regression quantiles", Econometrica 1978): (1 - alpha) of what it was too short by, alpha of what it was too long
+  /// by.
+  double pinball_loss_ms = 0;
+  double margin_last = 1;
+  std::uint64_t beyond_clip = 0;  ///< frames whose actual / forecast the bound on misses does not speak of
+};
+
+/// Frames that left something out because it was forecast not to fit, and what.
+struct DegradedFigures {
+  std::uint64_t frames = 0;               ///< that left something out
+  std::uint64_t fewer_iterations = 0;     ///< of them whose resting contact was stopped before it had settled
+  std::uint64_t fewer_substeps = 0;       ///< of them with fewer substeps
+  std::uint64_t pairs_reused = 0;         ///< sum over the frames
+  std::uint64_t infeasible_forecast = 0;  ///< frames of which what every frame must do was forecast not to fit
+};
+
+/// How deep frames got, over those that were looked at (StepInput::measure_levels); places are levels, the last one is
+/// polygons.
+struct LevelFigures {
+  std::uint64_t frames = 0;
+  std::array<std::uint64_t, kPolygonBin + 1> bodies{};  ///< by the least level of their contacts
+  std::array<double, kPolygonBin + 1>
+      weight{};  ///< share of what a viewer can notice, by the level of the contact; sums to 1 unless there is none
+  double left_for_time_mean = 0, left_for_room_mean = 0;  ///< pairs
+  std::uint32_t longest_wait = 0;  ///< starvation: frames since a pair that was left coarse was answered beyond level 0
+};
+
+struct StageFigures {
+  const char* name = "";
+  Percentiles ms;
+};
+
+struct WorkFigures {
+  double mandatory_mean = 0, refine_mean = 0;
+  std::uint64_t mandatory = 0, refine = 0;
+  std::uint64_t jobs_done = 0, jobs_discarded = 0, jobs_abandoned = 0, pairs_separated = 0;
+  std::uint64_t cached_separations = 0, cached_contacts = 0;
+  double candidate_pairs_mean = 0, coarse_pairs_mean = 0, pairs_left_mean = 0;
+  std::uint64_t frames_with_pairs_left = 0;
+};
+
+/// Bodies that slept (WorldSettings::sleeping).
+struct SleepFigures {
+  std::uint64_t asleep_end = 0;              ///< after the last frame
+  double asleep_mean = 0;                    ///< after a frame
+  std::uint64_t fell_asleep = 0, woken = 0;  ///< sums over the frames
+};
+
+/// Sums of what was left out because a capacity was full; all 0 in a healthy run.
+struct CapacityFigures {
+  std::uint64_t pairs_discarded = 0, fronts_full = 0, colors_full = 0, degenerate = 0;
+};
+
+/// Sums over the frames of what backtracking did.
+struct SweptFigures {
+  std::uint64_t pairs = 0, hits = 0, cut = 0;
+};
+
+struct RunFigures {
+  std::uint64_t frames = 0;  ///< without warm-up
+  std::uint64_t warm_up_frames = 0;
+  std::uint64_t warm_up_misses = 0;
+  Percentiles frame_ms;            ///< StageTimes::total
+  double low_1_percent_fps = 0;    ///< frames a second over the slowest hundredth (at least one frame)
+  double low_0_1_percent_fps = 0;  ///< likewise the slowest thousandth
+  Percentiles release_delay_ms;
+  std::optional<MissFigures> misses;  ///< not defined on the work clock
+  /// Time used for refinement / time that there was for it, over the frames that ended with refinable pairs left; not
+  /// defined without such a frame. Above 1 where refinement ran past its end.
+  std::optional<double> refinement_used;
+  std::optional<double> refinement_used_all;  ///< the same over all frames with time for refinement
+  TailFigures tail;
+  DegradedFigures degraded;
+  std::array<StageFigures, 8> stages;
+  double off_cpu_ms_max = 0;
+  double longest_job_ms_max = 0;
+  std::optional<double> level_mean;  ///< over contact pairs of all frames by their trees; not defined without one
+  std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by the level of their trees
+  std::uint64_t polygon_contacts = 0;  ///< contact pairs by polygons; not in the histogram and the mean
+  double contacts_mean = 0;
+  LevelFigures levels;
+  WorkFigures work;
+  CapacityFigures capacity;
+  SweptFigures swept;
+  SleepFigures sleep;
+  ReferenceRunFigures reference;
+};
+
+/// The figures of a run. A pure function: no clock, no order but that of the frames.
+RunFigures run_figures(std::span<const RunFrame> frames, const RunTerms& terms);
+
+/// `none`, `infeasible`, `machine`, `overrun` or `forecast`.
+const char* cause_name(MissCause cause);
+
+}  // namespace poise::simulation

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "poise/world.h"
+#include "scene/run/run_report.h"
+
+namespace poise::io {
+
+/// Header of the table of states, with its newline: one row a frame and body, world frame, 17 digits.
+std::string states_header();
+/// Appends the rows of one frame; body = place in scene order.
+void append_states(std::uint64_t frame, double time_s, std::span<const BodyState> states, std::string& out);
+
+/// Header of the table of frames, with its newline: every field of FrameReport, times in ms.
+std::string frames_header();
+/// Appends one row. `time_s` is the time at the end of the frame.
+void append_frame(const simulation::RunFrame& frame, double time_s, std::string& out);
+
+}  // namespace poise::io

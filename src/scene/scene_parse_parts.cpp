@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <numbers>
+#include <utility>
+
+#include "scene/scene_parse.h"
+
+namespace poise::io {
+namespace {
+
+constexpr Range kLength{1e-9, kMaxQuantity, false};
+constexpr Range kMass{0, 1e18, true};
+constexpr Range kResolution{1, 1e6, false};
+constexpr Range kFieldOfView{0, 179, true};
+
+void parse_sphere(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
+  const ObjectReader reader(value, path, problems, {"radius_m"});
+  SphereSource source;
+  reader.require("radius_m");
+  reader.number("radius_m", kLength, source.radius_m);
+  shape.source = source;
+}
+
+void parse_plane(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
+  const ObjectReader reader(value, path, problems, {"normal", "offset_m"});
+  PlaneSource source;
+  const JsonValue* normal = reader.require("normal");
+  reader.vec3("normal", kAnyQuantity, source.normal);
+  if (normal != nullptr && !(source.normal.norm() > 1e-100))
+    problems.refuse(reader.path("normal"), *normal, "must not be zero");
+  reader.number("offset_m", kAnyQuantity, source.offset_m);
+  shape.source = source;
+}
+
+void read_file_name(const ObjectReader& reader, const char* key, std::filesystem::path& target) {
+  const JsonValue* file = reader.find(key);
+  std::string text;
+  reader.text(key, text);
+  if (file != nullptr && file->kind == JsonValue::Kind::String &&
+      (text.empty() || text.find('\0') != std::string::npos)) {
+    reader.problems().refuse(reader.path(key), *file, "must be the name of a file");
+  }
+  target = text;
+}
+
+void read_file(const ObjectReader& reader, std::filesystem::path& target) {
+  reader.require("file");
+  read_file_name(reader, "file", target);
+}
+
+void parse_mesh(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
+  const ObjectReader reader(value, path, problems, {"file", "scale", "depth", "shell_thickness_m"});
+  MeshSource source;
+  read_file(reader, source.file);
+  reader.number("scale", kPositive, source.scale);
+  std::uint64_t depth = source.depth;
+  reader.whole("depth", 0, kMaxTreeDepth, depth);
+  source.depth = static_cast<Level>(depth);
+  reader.number("shell_thickness_m", kLength, source.shell_thickness_m);
+  shape.source = std::move(source);
+}
+
+void parse_tree(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
+  const ObjectReader reader(value, path, problems, {"file", "scale", "mesh", "allow_leaks", "shell_thickness_m"});
+  TreeSource source;
+  read_file(reader, source.file);
+  reader.number("scale", kPositive, source.scale);
+  read_file_name(reader, "mesh", source.mesh);
+  reader.flag("allow_leaks", source.allow_leaks);
+  reader.number("shell_thickness_m", kLength, source.shell_thickness_m);
+  for (const char* key : {"allow_leaks", "shell_thickness_m"}) {
+    const JsonValue* given = reader.find(key);
+    if (given != nullptr && reader.find("mesh") == nullptr)
+      problems.refuse(reader.path(key), *given, "needs a mesh beside it");
+  }
+  shape.source = std::move(source);
+}
+
+void parse_spheres(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
+  const ObjectReader reader(value, path, problems, {"centers_m", "radii_m"});
+  SpheresSource source;
+  const JsonValue* centers = reader.require("centers_m");
+  const JsonValue* radii = reader.require("radii_m");
+  if (centers == nullptr || radii == nullptr) return;
+  if (centers->kind != JsonValue::Kind::Array || centers->items.empty()) {
+    problems.refuse(reader.path("centers_m"), *centers, "must be a list of at least one point");
+    return;
+  }
+  if (radii->kind != JsonValue::Kind::Array || radii->items.size() != centers->items.size()) {
+    problems.refuse(reader.path("radii_m"), *radii,
+                    fmt::format("must be a list of {} numbers, one for each centre", centers->items.size()));
+    return;
+  }
+  source.spheres.resize(centers->items.size());
+  for (std::size_t i = 0; i < source.spheres.size(); ++i) {
+    read_vec3(centers->items[i], item_path(reader.path("centers_m"), i), kAnyQuantity, problems,
+              source.spheres[i].center_m);
+    read_number(radii->items[i], item_path(reader.path("radii_m"), i), kLength, problems, source.spheres[i].radius_m);
+  }
+  shape.source = std::move(source);
+}
+
+void parse_inertia(const ObjectReader& reader, BodyDefinition& body) {
+  const JsonValue* value = reader.find("inertia_kgm2");
+  if (value == nullptr) return;
+  reader.vec3("inertia_kgm2", kMass, body.inertia_kgm2);
+  const Vec3& moments = body.inertia_kgm2;
+  if (2 * moments.maxCoeff() > moments.sum()) {
+    reader.problems().refuse(reader.path("inertia_kgm2"), *value,
+                             "must keep the triangle inequality: no moment larger than the other two together");
+  }
+}
+
+void parse_orientation(const ObjectReader& reader, BodyDefinition& body) {
+  const JsonValue* value = reader.find("orientation_wxyz");
+  if (value == nullptr) return;
+  const std::string path = reader.path("orientation_wxyz");
+  if (value->kind != JsonValue::Kind::Array || value->items.size() != 4) {
+    reader.problems().refuse(path, *value, "must be a list of 4 numbers, w x y z");
+    return;
+  }
+  std::array<double, 4> wxyz{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    read_number(value->items[i], item_path(path, i), kAnyQuantity, reader.problems(), wxyz[i]);
+  }
+  const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (!(given.norm() > 1e-100)) {
+    reader.problems().refuse(path, *value, "must not be zero");
+    return;
+  }
+  body.orientation = given.normalized();
+}
+
+void check_static(const ObjectReader& reader, const Scene& scene, const SceneBody& body) {
+  Problems& problems = reader.problems();
+  if (is_plane(scene, body.shape) && !body.definition.is_static) {
+    problems.refuse(reader.path("static"), "must be true, since the shape is a plane");
+  }
+  if (!body.definition.is_static) return;
+  for (const char* key : {"velocity_mps", "angular_velocity_radps"}) {
+    const JsonValue* value = reader.find(key);
+    const Vec3& speed = key[0] == 'v' ? body.definition.velocity_mps : body.definition.angular_velocity_radps;
+    if (value != nullptr && !speed.isZero(0))
+      problems.refuse(reader.path(key), *value, "must be zero for a static body");
+  }
+}
+
+void parse_body(const JsonValue& value, const std::string& path, Problems& problems, Scene& scene) {
+  const ObjectReader reader(
+      value, path, problems,
+      {"name", "shape", "material", "static", "position_m", "orientation_wxyz", "velocity_mps",
+       "angular_velocity_radps", "mass_kg", "inertia_kgm2", "group", "collides_with", "importance"});
+  if (value.kind != JsonValue::Kind::Object) return;
+  SceneBody body;
+  reader.text("name", body.name);
+  if (const JsonValue* shape = reader.require("shape"))
+    read_shape_name(*shape, reader.path("shape"), problems, scene, body.shape);
+  read_material_name(reader, scene, body.material);
+  BodyDefinition& definition = body.definition;
+  reader.flag("static", definition.is_static);
+  reader.vec3("position_m", kAnyQuantity, definition.position_m);
+  parse_orientation(reader, definition);
+  reader.vec3("velocity_mps", kAnyQuantity, definition.velocity_mps);
+  reader.vec3("angular_velocity_radps", kAnyQuantity, definition.angular_velocity_radps);
+  reader.number("mass_kg", kMass, definition.mass_kg);
+  parse_inertia(reader, definition);
+  reader.bits("group", definition.group);
+  reader.bits("collides_with", definition.collides_with);
+  reader.number("importance", kNotNegative, definition.importance);
+  check_static(reader, scene, body);
+  scene.bodies.push_back(std::move(body));
+}
+
+}  // namespace
+
+void parse_materials(const JsonValue& value, Problems& problems, Scene& scene) {
+  if (value.kind != JsonValue::Kind::Object || value.items.empty()) {
+    problems.refuse("materials", value, "must be an object with at least one material");
+    return;
+  }
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    const ObjectReader reader(value.items[i], member_path("materials", value.keys[i]), problems,
+                              {"restitution", "friction", "density_kgpm3"});
+    SceneMaterial made{value.keys[i], {}};
+    reader.number("restitution", kFactor, made.material.restitution);
+    reader.number("friction", kNotNegative, made.material.friction);
+    reader.number("density_kgpm3", kPositive, made.material.density_kgpm3);
+    scene.materials.push_back(std::move(made));
+  }
+}
+
+void parse_shapes(const JsonValue& value, Problems& problems, Scene& scene) {
+  if (value.kind != JsonValue::Kind::Object || value.items.empty()) {
+    problems.refuse("shapes", value, "must be an object with at least one shape");
+    return;
+  }
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    const JsonValue& item = value.items[i];
+    const std::string path = member_path("shapes", value.keys[i]);
+    const ObjectReader reader(item, path, problems, {"sphere", "plane", "mesh", "spheres", "tree"});
+    if (item.kind == JsonValue::Kind::Object && item.items.size() != 1) {
+      problems.refuse(path, "must have exactly one of sphere, plane, mesh, spheres, tree");
+    }
+    SceneShape shape;
+    shape.name = value.keys[i];
+    if (const JsonValue* sphere = reader.find("sphere")) parse_sphere(*sphere, reader.path("sphere"), problems, shape);
+    if (const JsonValue* plane = reader.find("plane")) parse_plane(*plane, reader.path("plane"), problems, shape);
+    if (const JsonValue* mesh = reader.find("mesh")) parse_mesh(*mesh, reader.path("mesh"), problems, shape);
+    if (const JsonValue* spheres = reader.find("spheres"))
+      parse_spheres(*spheres, reader.path("spheres"), problems, shape);
+    if (const JsonValue* tree = reader.find("tree")) parse_tree(*tree, reader.path("tree"), problems, shape);
+    scene.shapes.push_back(std::move(shape));
+  }
+}
+
+void parse_bodies(const JsonValue& value, Problems& problems, Scene& scene) {
+  if (value.kind != JsonValue::Kind::Array) {
+    problems.refuse("bodies", value, "must be a list");
+    return;
+  }
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    parse_body(value.items[i], item_path("bodies", i), problems, scene);
+  }
+}
+
+void parse_camera(const JsonValue& value, Problems& problems, Scene& scene) {
+  const ObjectReader reader(value, "camera", problems,
+                            {"position_m", "look_at_m", "up", "vertical_fov_deg", "resolution_px"});
+  SceneCamera camera;
+  reader.require("position_m");
+  reader.require("look_at_m");
+  reader.vec3("position_m", kAnyQuantity, camera.position_m);
+  reader.vec3("look_at_m", kAnyQuantity, camera.look_at_m);
+  reader.vec3("up", kAnyQuantity, camera.up);
+  reader.number("vertical_fov_deg", kFieldOfView, camera.vertical_fov_deg);
+  reader.pair("resolution_px", kResolution, camera.resolution_px);
+  const Vec3 ahead = camera.look_at_m - camera.position_m;
+  if (!(ahead.norm() > 1e-9)) {
+    problems.refuse("camera.look_at_m", "must differ from camera.position_m");
+  } else if (!(camera.up.norm() > 1e-9) || !(ahead.normalized().cross(camera.up.normalized()).norm() > 1e-6)) {
+    problems.refuse("camera.up", "must not be zero, nor along the line of sight");
+  }
+  scene.camera = camera;
+}
+
+void parse_policy(const JsonValue& value, Problems& problems, Scene& scene) {
+  const ObjectReader reader(value, "policy", problems,
+                            {"kind", "frustum", "size", "eccentricity", "closing", "waiting", "importance"});
+  constexpr Range kExponent{0, 10, false};
+  std::string kind = "perceptual";
+  reader.text("kind", kind);
+  scheduler::Policy& policy = scene.policy;
+  if (kind == "fifo") {
+    policy.kind = scheduler::PolicyKind::Fifo;
+  } else if (kind == "random") {
+    policy.kind = scheduler::PolicyKind::Random;
+  } else if (kind != "perceptual") {
+    problems.refuse("policy.kind", *reader.find("kind"), "must be perceptual, fifo or random");
+  }
+  reader.number("frustum", kExponent, policy.frustum);
+  reader.number("size", kExponent, policy.size);
+  reader.number("eccentricity", kExponent, policy.eccentricity);
+  reader.number("closing", kExponent, policy.closing);
+  reader.number("waiting", kExponent, policy.waiting);
+  reader.number("importance", kExponent, policy.importance);
+}
+
+}  // namespace poise::io

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "solver/anderson_mixing.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <algorithm>
+
+namespace poise::solver {
+namespace {
+
+// A residual that grows to this many times the square of the last one says that what was learnt no longer holds.
+constexpr double kGrown = 4;
+// Keeps the small system solvable where steps repeat each other, and the next point near where they hardly differ:
+// stresses that bodies have among each other without moving would else wander until a place slips.
+constexpr double kRidge = 1e-6;
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+void AndersonMixing::begin(std::size_t size) {
+  size_ = size;
+  count_ = next_ = 0;
+  started_ = false;
+  residual_.resize(std::max(residual_.size(), size));
+  after_.resize(std::max(after_.size(), size));
+  for (Step& step : steps_) {
+    step.residual.resize(std::max(step.residual.size(), size));
+    step.after.resize(std::max(step.after.size(), size));
+  }
+}
+
+bool AndersonMixing::mix(std::span<const double> before, std::span<double> after) {
+  Step& newest = steps_[next_];
+  double square = 0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const double residual = after[i] - before[i];
+    square += residual * residual;
+    newest.residual[i] = residual - residual_[i];
+    newest.after[i] = after[i] - after_[i];
+    residual_[i] = residual;
+    after_[i] = after[i];
+  }
+  const bool learnt = started_ && square <= kGrown * last_square_;
+  if (started_ && !learnt) count_ = 0;
+  started_ = true;
+  last_square_ = square;
+  if (!learnt) return false;
+  next_ = (next_ + 1) % kDepth;
+  count_ = std::min(count_ + 1, kDepth);
+  using Small =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, static_cast<int>(kDepth), static_cast<int>(kDepth)>;
+  using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, static_cast<int>(kDepth), 1>;
+  const auto count = static_cast<Eigen::Index>(count_);
+  const auto place = [&](std::size_t k) { return (next_ + kDepth - 1 - k) % kDepth; };
+  const auto of = [&](const std::vector<double>& v) { return std::span(v).first(size_); };
+  const std::size_t fresh = place(0);
+  for (std::size_t k = 0; k < count_; ++k) {
+    products_[fresh][place(k)] = products_[place(k)][fresh] =
+        dot(of(steps_[fresh].residual), of(steps_[place(k)].residual));
+  }
+  Small products(count, count);
+  Few right(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const std::size_t row = place(static_cast<std::size_t>(r));
+    right[r] = dot(of(steps_[row].residual), of(residual_));
+    for (Eigen::Index c = 0; c < count; ++c) products(r, c) = products_[row][place(static_cast<std::size_t>(c))];
+  }
+  products.diagonal().array() += kRidge * products.trace();
+  const Few parts = products.ldlt().solve(right);
+  if (!parts.allFinite()) return false;
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const std::span<const double> step = of(steps_[place(static_cast<std::size_t>(r))].after);
+    for (std::size_t i = 0; i < size_; ++i) after[i] -= parts[r] * step[i];
+  }
+  return true;
+}
+
+}  // namespace poise::solver

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "solver/contact_blocks.h"
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace poise::solver {
+namespace {
+
+template <class T>
+void set(const Vec3& from, std::size_t lane, T (&into)[3][kLanes]) {
+  for (std::size_t k = 0; k < 3; ++k) into[k][lane] = static_cast<T>(from[static_cast<Eigen::Index>(k)]);
+}
+template <class T>
+Vec3 get(const T (&from)[3][kLanes], std::size_t lane) {
+  return {static_cast<double>(from[0][lane]), static_cast<double>(from[1][lane]), static_cast<double>(from[2][lane])};
+}
+
+// What of a pair all its places share.
+template <class T>
+void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t lane, RestBlock& block,
+               PairLanes<T>& shared, StartLanes<T>& start) {
+  const SolverBody& a = system.bodies[pair.a];
+  const SolverBody& b = system.bodies[pair.b];
+  const double unit_kg = 1.0 / (a.inverse_mass + b.inverse_mass);
+  set(Vec3(system.poses[pair.b].position_m - system.poses[pair.a].position_m), lane, shared.a_to_b);
+  shared.dynamic_a[lane] = static_cast<T>(unit_kg * a.inverse_mass);
+  shared.dynamic_b[lane] = static_cast<T>(unit_kg * b.inverse_mass);
+  shared.friction[lane] = static_cast<T>(pair.friction);
+  shared.newton_s[lane] = static_cast<T>(unit_kg);
+  set(Vec3(a.velocity_mps - b.velocity_mps), lane, start.velocity);
+  set(a.spin_radps, lane, start.spin_a);
+  set(b.spin_radps, lane, start.spin_b);
+  start.restitution[lane] = static_cast<T>(pair.restitution);
+  if (a.inverse_mass > 0) block.dynamic_a = static_cast<std::uint8_t>(block.dynamic_a | 1U << lane);
+  if (b.inverse_mass > 0) block.dynamic_b = static_cast<std::uint8_t>(block.dynamic_b | 1U << lane);
+  block.frictional = block.frictional || pair.friction > 0;
+}
+
+template <class T>
+void fill_point(const ContactSystem& system, const Manifold& pair, double per_unit, std::size_t place, std::size_t lane,
+                PointLanes<T>& into) {
+  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[place]);
+  set(now.normal, lane, into.normal);
+  set(now.arm_m, lane, into.arm);
+  into.gap[lane] = static_cast<T>(now.gap_m);
+  into.certain[lane] = static_cast<T>(now.certain_separation_m + pair.slop_m);
+  into.mass[lane] = 1;
+  const AccumulatedImpulse& load = system.loads[place];
+  into.impulse[lane] = static_cast<T>(per_unit * load.impulse_ns);
+  set(Vec3(per_unit * load.friction_ns), lane, into.friction_impulse);
+}
+
+}  // namespace
+
+void fetch_pairs(const ContactSystem& system, const RestBlock& block) {
+  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count))
+    hwy::Prefetch(&system.pairs[name]);
+}
+
+void fetch_points(const ContactSystem& system, const RestBlock& block) {
+  constexpr std::size_t kLine = 64;
+  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
+    const Manifold& pair = system.pairs[name];
+    if (pair.point_count == 0) continue;
+    const auto* place = reinterpret_cast<const std::byte*>(&system.points[pair.point_begin]);
+    const std::size_t bytes = pair.point_count * sizeof(ContactPoint);
+    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(place + at);
+    hwy::Prefetch(place + bytes - 1);
+    hwy::Prefetch(&system.loads[pair.point_begin]);
+    hwy::Prefetch(&system.loads[pair.point_begin + pair.point_count - 1U]);
+    for (const std::uint32_t body : {pair.a, pair.b}) {
+      hwy::Prefetch(&system.bodies[body]);
+      hwy::Prefetch(&system.poses[body]);
+      hwy::Prefetch(&system.poses[body].rotation(2, 2));
+    }
+  }
+}
+
+void fetch_loads(const ContactSystem& system, const RestBlock& block) {
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    const Manifold& pair = system.pairs[block.pair[lane]];
+    if (pair.point_count == 0) continue;
+    hwy::Prefetch(&system.loads[pair.point_begin]);
+    hwy::Prefetch(&system.loads[pair.point_begin + pair.point_count - 1U]);
+    hwy::Prefetch(&system.applied_impulse_ns[block.pair[lane]]);
+  }
+}
+
+template <class T>
+AngularResponse<T> angular_response(const SolverBody& body, const Mat3& inverse_inertia) {
+  AngularResponse<T> made;
+  if (body.inverse_mass == 0) return made;
+  const double kg = 1.0 / body.inverse_mass;
+  const double parts[6] = {inverse_inertia(0, 0), inverse_inertia(1, 1), inverse_inertia(2, 2),
+                           inverse_inertia(0, 1), inverse_inertia(0, 2), inverse_inertia(1, 2)};
+  for (std::size_t k = 0; k < 6; ++k) made.inertia[k] = static_cast<T>(kg * parts[k]);
+  return made;
+}
+
+template <class T>
+void fill_block(const ContactSystem& system, double still_mps, RestBlock& block, PairLanes<T>& shared,
+                Lanes<T>& lanes) {
+  const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
+  const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
+  shared = {};
+  for (PointLanes<T>& patch : manifold_points) patch = {};
+  StartLanes<T> start;
+  block.dynamic_a = block.dynamic_b = block.pushed = 0;
+  block.frictional = false;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    // Lanes that are not in use read what nobody else writes, and write nothing.
+    const std::uint32_t name = order[std::min<std::size_t>(lane, block.count - 1U)];
+    const Manifold& pair = system.pairs[name];
+    block.pair[lane] = name;
+    block.a[lane] = pair.a;
+    block.b[lane] = pair.b;
+    if (lane >= block.count) continue;
+    fill_pair(system, pair, lane, block, shared, start);
+    const SolverBody& a = system.bodies[pair.a];
+    const SolverBody& b = system.bodies[pair.b];
+    // Without a pull, what held the pair last time would add energy.
+    const double per_unit = a.pulled || b.pulled ? a.inverse_mass + b.inverse_mass : 0.0;
+    for (std::size_t p = 0; p < pair.point_count; ++p)
+      fill_point(system, pair, per_unit, pair.point_begin + p, lane, manifold_points[p]);
+  }
+  prepare_block(block, shared, start, static_cast<T>(still_mps), manifold_points, lanes.angular_responses.data());
+}
+
+template <class T>
+void add_totals(const RestBlock& block, Lanes<T>& lanes) {
+  for (PointLanes<T>& patch : lanes.manifold_points_of(block)) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        patch.total[k][lane] += patch.impulse[lane] * patch.normal[k][lane] + patch.friction_impulse[k][lane];
+    }
+  }
+}
+
+template <class T>
+void give_block(const ContactSystem& system, const RestBlock& block, const PairLanes<T>& shared, Lanes<T>& lanes) {
+  const std::span<const PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    const Manifold& pair = system.pairs[block.pair[lane]];
+    const double unit_ns = static_cast<double>(shared.newton_s[lane]);
+    Vec3 sum = Vec3::Zero();
+    Vec3 moment_a = Vec3::Zero();
+    for (std::size_t p = 0; p < pair.point_count; ++p) {
+      const PointLanes<T>& patch = manifold_points[p];
+      AccumulatedImpulse& load = system.loads[pair.point_begin + p];
+      load.impulse_ns = unit_ns * static_cast<double>(patch.impulse[lane]);
+      load.friction_ns = unit_ns * get(patch.friction_impulse, lane);
+      const Vec3 given = unit_ns * get(patch.total, lane);
+      sum += given;
+      moment_a += get(patch.arm, lane).cross(given);
+    }
+    system.applied_impulse_ns[block.pair[lane]] = sum;
+    const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
+    if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
+    SolverBody& a = system.bodies[pair.a];
+    SolverBody& b = system.bodies[pair.b];
+    if (a.inverse_mass > 0) {
+      a.velocity_mps -= a.inverse_mass * sum;
+      a.spin_radps -= system.inverse_inertia[pair.a] * moment_a;
+      a.solved = true;
+    }
+    if (b.inverse_mass > 0) {
+      const Vec3 a_to_b = system.poses[pair.b].position_m - system.poses[pair.a].position_m;
+      b.velocity_mps += b.inverse_mass * sum;
+      b.spin_radps += system.inverse_inertia[pair.b] * (moment_a - a_to_b.cross(sum));
+      b.solved = true;
+    }
+  }
+}
+
+template AngularResponse<float> angular_response(const SolverBody&, const Mat3&);
+template AngularResponse<double> angular_response(const SolverBody&, const Mat3&);
+template void fill_block(const ContactSystem&, double, RestBlock&, PairLanes<float>&, Lanes<float>&);
+template void fill_block(const ContactSystem&, double, RestBlock&, PairLanes<double>&, Lanes<double>&);
+template void add_totals(const RestBlock&, Lanes<float>&);
+template void add_totals(const RestBlock&, Lanes<double>&);
+template void give_block(const ContactSystem&, const RestBlock&, const PairLanes<float>&, Lanes<float>&);
+template void give_block(const ContactSystem&, const RestBlock&, const PairLanes<double>&, Lanes<double>&);
+
+}  // namespace poise::solver

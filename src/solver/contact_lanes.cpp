@@ -1,0 +1,547 @@
+// SPDX-License-Identifier: MIT
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "solver/contact_lanes.cpp"
+#include <hwy/foreach_target.h>
+// Highway compiles this file once for each instruction set, so it comes after foreach_target.
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "solver/contact_lanes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace poise::solver::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
+
+// Three numbers in each lane.
+template <class V>
+struct Triple {
+  V x, y, z;
+};
+
+template <class D, class T>
+HWY_INLINE Triple<hn::Vec<D>> load(D d, const T (*from)[kLanes], std::size_t lane) {
+  return {hn::Load(d, from[0] + lane), hn::Load(d, from[1] + lane), hn::Load(d, from[2] + lane)};
+}
+template <class D, class V, class T>
+HWY_INLINE void store(D d, const Triple<V>& value, T (*to)[kLanes], std::size_t lane) {
+  hn::Store(value.x, d, to[0] + lane);
+  hn::Store(value.y, d, to[1] + lane);
+  hn::Store(value.z, d, to[2] + lane);
+}
+template <class V>
+HWY_INLINE V dot(const Triple<V>& a, const Triple<V>& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+template <class V>
+HWY_INLINE Triple<V> sum(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+template <class V>
+HWY_INLINE Triple<V> difference(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+template <class V>
+HWY_INLINE Triple<V> scaled(const V& by, const Triple<V>& a) {
+  return {hn::Mul(by, a.x), hn::Mul(by, a.y), hn::Mul(by, a.z)};
+}
+template <class V>
+HWY_INLINE Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+
+// Four figures of as many bodies as there are lanes.
+template <class V>
+struct Columns {
+  V at[4];
+};
+
+// The figures from `offset` on of the structures of `bodies`, which begin with numbers of type T, one after another.
+template <class D, class S>
+HWY_INLINE Columns<hn::Vec<D>> gather_singly(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  alignas(64) T at[4][kLanes];
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    const T* const row = reinterpret_cast<const T*>(of + bodies[lane]) + offset;
+    for (std::size_t k = 0; k < 4; ++k) at[k][lane] = row[k];
+  }
+  return {{hn::Load(d, at[0]), hn::Load(d, at[1]), hn::Load(d, at[2]), hn::Load(d, at[3])}};
+}
+
+// The way back, for the bodies that yield.
+template <class D, class S>
+HWY_INLINE void scatter_singly(D d, const Columns<hn::Vec<D>>& from, std::uint32_t dynamic, S* of,
+                               const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  alignas(64) T at[4][kLanes];
+  for (std::size_t k = 0; k < 4; ++k) hn::Store(from.at[k], d, at[k]);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    if ((dynamic >> lane & 1U) == 0) continue;
+    T* const row = reinterpret_cast<T*>(of + bodies[lane]) + offset;
+    for (std::size_t k = 0; k < 4; ++k) row[k] = at[k][lane];
+  }
+}
+
+#if HWY_TARGET == HWY_SCALAR
+template <class D, class S>
+HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+  return gather_singly(d, of, bodies, offset);
+}
+template <class D, class S>
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t dynamic, S* of, const std::uint32_t* bodies,
+                        std::size_t offset) {
+  scatter_singly(d, from, dynamic, of, bodies, offset);
+}
+#else
+template <class D>
+HWY_INLINE Columns<hn::Vec<D>> transposed(D d, const Columns<hn::Vec<D>>& rows) {
+  const hn::RepartitionToWide<hn::RebindToUnsigned<D>> wide;
+  const auto low = [&](const auto& a, const auto& b)
+                       HWY_ATTR { return hn::BitCast(wide, hn::InterleaveLower(d, a, b)); };
+  const auto up = [&](const auto& a, const auto& b)
+                      HWY_ATTR { return hn::BitCast(wide, hn::InterleaveUpper(d, a, b)); };
+  const auto ab_low = low(rows.at[0], rows.at[1]);
+  const auto ab_up = up(rows.at[0], rows.at[1]);
+  const auto cd_low = low(rows.at[2], rows.at[3]);
+  const auto cd_up = up(rows.at[2], rows.at[3]);
+  return {{hn::BitCast(d, hn::InterleaveLower(wide, ab_low, cd_low)),
+           hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, cd_low)),
+           hn::BitCast(d, hn::InterleaveLower(wide, ab_up, cd_up)),
+           hn::BitCast(d, hn::InterleaveUpper(wide, ab_up, cd_up))}};
+}
+
+// Four bodies at a time: their figures are read whole and transposed in registers.
+template <class D, class S>
+HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+  using T = hn::TFromD<D>;
+  if constexpr (sizeof(T) == sizeof(float)) {
+    const hn::FixedTag<T, 4> four;
+    const auto row = [&](std::size_t lane)
+                         HWY_ATTR { return hn::Load(four, reinterpret_cast<const T*>(of + bodies[lane]) + offset); };
+    const auto first = transposed(four, {{row(0), row(1), row(2), row(3)}});
+    if constexpr (hn::MaxLanes(D()) == 8) {
+      const auto second = transposed(four, {{row(4), row(5), row(6), row(7)}});
+      return {{hn::Combine(d, second.at[0], first.at[0]), hn::Combine(d, second.at[1], first.at[1]),
+               hn::Combine(d, second.at[2], first.at[2]), hn::Combine(d, second.at[3], first.at[3])}};
+    } else {
+      return first;
+    }
+  } else {
+    return gather_singly(d, of, bodies, offset);
+  }
+}
+template <class D, class S>
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t dynamic, S* of, const std::uint32_t* bodies,
+                        std::size_t offset) {
+  using T = hn::TFromD<D>;
+  if constexpr (sizeof(T) == sizeof(float)) {
+    const hn::FixedTag<T, 4> four;
+    using Four = Columns<hn::Vec<decltype(four)>>;
+    const auto quad = [&](const Four& columns, std::size_t lane) HWY_ATTR {
+      const Four rows = transposed(four, columns);
+      for (std::size_t k = 0; k < 4; ++k) {
+        if ((dynamic >> (lane + k) & 1U) != 0)
+          hn::Store(rows.at[k], four, reinterpret_cast<T*>(of + bodies[lane + k]) + offset);
+      }
+    };
+    if constexpr (hn::MaxLanes(D()) == 8) {
+      quad(Four{{hn::LowerHalf(four, from.at[0]), hn::LowerHalf(four, from.at[1]), hn::LowerHalf(four, from.at[2]),
+                 hn::LowerHalf(four, from.at[3])}},
+           0);
+      quad(Four{{hn::UpperHalf(four, from.at[0]), hn::UpperHalf(four, from.at[1]), hn::UpperHalf(four, from.at[2]),
+                 hn::UpperHalf(four, from.at[3])}},
+           4);
+    } else {
+      quad(from, 0);
+    }
+  } else {
+    scatter_singly(d, from, dynamic, of, bodies, offset);
+  }
+}
+#endif
+
+// One side of some pairs: what the step changes, and how it turns per unit of an impulse's moment.
+template <class V>
+struct Side {
+  Triple<V> v, w, x, q;
+  V dynamic;
+  V xx, yy, zz, xy, xz, yz;
+};
+
+template <class D, class T>
+HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<D>& dynamic, const BodyLanes<T>& bodies,
+                                 bool moves) {
+  using V = hn::Vec<D>;
+  const auto turn = [&](const V& figure) HWY_ATTR { return hn::Mul(dynamic, figure); };
+  const Columns<V> first = gather(d, bodies.angular_responses, slots, 0);
+  const Columns<V> last = gather(d, bodies.angular_responses, slots, 4);
+  const V zero = hn::Zero(d);
+  const Triple<V> none = {zero, zero, zero};
+  Side<V> made = {none,
+                  none,
+                  none,
+                  none,
+                  dynamic,
+                  turn(first.at[0]),
+                  turn(first.at[1]),
+                  turn(first.at[2]),
+                  turn(first.at[3]),
+                  turn(last.at[0]),
+                  turn(last.at[1])};
+  if (!moves) return made;
+  const Columns<V> one = gather(d, bodies.motions, slots, 0);
+  const Columns<V> two = gather(d, bodies.motions, slots, 4);
+  const Columns<V> three = gather(d, bodies.motions, slots, 8);
+  made.v = {one.at[0], one.at[1], one.at[2]};
+  made.w = {one.at[3], two.at[0], two.at[1]};
+  made.x = {two.at[2], two.at[3], three.at[0]};
+  made.q = {three.at[1], three.at[2], three.at[3]};
+  return made;
+}
+
+template <class D, class T, class V>
+HWY_INLINE void keep(D d, const Side<V>& side, std::uint32_t dynamic, const std::uint32_t* slots, bool pushed,
+                     const BodyLanes<T>& bodies) {
+  scatter(d, {{side.v.x, side.v.y, side.v.z, side.w.x}}, dynamic, bodies.motions, slots, 0);
+  scatter(d, {{side.w.y, side.w.z, side.x.x, side.x.y}}, dynamic, bodies.motions, slots, 4);
+  if (pushed) scatter(d, {{side.x.z, side.q.x, side.q.y, side.q.z}}, dynamic, bodies.motions, slots, 8);
+}
+
+template <class V>
+HWY_INLINE Triple<V> turned(const Side<V>& side, const Triple<V>& t) {
+  return {dot(Triple<V>{side.xx, side.xy, side.xz}, t), dot(Triple<V>{side.xy, side.yy, side.yz}, t),
+          dot(Triple<V>{side.xz, side.yz, side.zz}, t)};
+}
+
+// Some lanes of a block, and one place of each.
+template <class V>
+struct Pairs {
+  Side<V> a, b;
+};
+template <class V>
+struct Arms {
+  Triple<V> a, b;
+};
+
+// Velocity of a against b at a place, on top of that at the start of the step.
+template <class V>
+HWY_INLINE Triple<V> slip(const Pairs<V>& pairs, const Arms<V>& arms) {
+  return difference(sum(pairs.a.v, cross(pairs.a.w, arms.a)), sum(pairs.b.v, cross(pairs.b.w, arms.b)));
+}
+template <class V>
+HWY_INLINE Triple<V> way(const Pairs<V>& pairs, const Arms<V>& arms) {
+  return difference(sum(pairs.a.x, cross(pairs.a.q, arms.a)), sum(pairs.b.x, cross(pairs.b.q, arms.b)));
+}
+
+// Gives b an impulse and a the opposite: to their velocities, or with `place` to where they are.
+template <bool kPoint, class V>
+HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pairs) {
+  const Triple<V> ma = scaled(pairs.a.dynamic, impulse);
+  const Triple<V> mb = scaled(pairs.b.dynamic, impulse);
+  const Triple<V> ta = turned(pairs.a, cross(arms.a, impulse));
+  const Triple<V> tb = turned(pairs.b, cross(arms.b, impulse));
+  Triple<V>& moving_a = kPoint ? pairs.a.x : pairs.a.v;
+  Triple<V>& moving_b = kPoint ? pairs.b.x : pairs.b.v;
+  Triple<V>& turning_a = kPoint ? pairs.a.q : pairs.a.w;
+  Triple<V>& turning_b = kPoint ? pairs.b.q : pairs.b.w;
+  moving_a = difference(moving_a, ma);
+  moving_b = sum(moving_b, mb);
+  turning_a = difference(turning_a, ta);
+  turning_b = sum(turning_b, tb);
+}
+
+template <class D, class T>
+HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PointLanes<T>& patch, const Triple<hn::Vec<D>>& a_to_b,
+                                    std::size_t lane) {
+  const auto arm = load(d, patch.arm, lane);
+  return {arm, difference(arm, a_to_b)};
+}
+
+// By how much one unit along l changes the speed along m: l . K m.
+template <class V>
+HWY_INLINE V dynamic(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<V>& tb_l, const Triple<V>& ta_m,
+                     const Triple<V>& tb_m) {
+  return hn::Add(dot(ta_l, turned(pairs.a, ta_m)), dot(tb_l, turned(pairs.b, tb_m)));
+}
+
+template <class T>
+void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps,
+             std::span<PointLanes<T>> manifold_points, const AngularResponse<T>* angular_responses) {
+  const hn::CappedTag<T, kLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d);
+  const V one = hn::Set(d, T(1));
+  const BodyLanes<T> bodies = {nullptr, angular_responses};
+  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
+    const Pairs<V> pairs = {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, false),
+                            side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, false)};
+    const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
+    const V newton_s = hn::Load(d, shared.newton_s + lane);
+    const V moving = hn::Add(pairs.a.dynamic, pairs.b.dynamic);
+    for (PointLanes<T>& patch : manifold_points) {
+      const Triple<V> n = load(d, patch.normal, lane);
+      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
+      const Triple<V> rate = sum(load(d, start.velocity, lane), difference(cross(load(d, start.spin_a, lane), arms.a),
+                                                                           cross(load(d, start.spin_b, lane), arms.b)));
+      const Triple<V> ta = cross(arms.a, n);
+      const Triple<V> tb = cross(arms.b, n);
+      const V k = hn::Add(moving, dynamic(pairs, ta, tb, ta, tb));
+      // The inverse masses make a sum of 1, so 1 / M is at least that.
+      auto counts = hn::And(hn::Gt(newton_s, zero), hn::Ge(k, hn::Set(d, T(0.5))));
+      counts = hn::And(counts, hn::Gt(hn::Load(d, patch.mass + lane), zero));
+      counts =
+          hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
+      store(d, rate, patch.rate, lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, patch.mass + lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Load(d, patch.impulse + lane)), d, patch.impulse + lane);
+      store(d, Triple<V>{zero, zero, zero}, patch.total, lane);
+      const auto frictional = hn::And(counts, hn::Gt(hn::Load(d, shared.friction + lane), zero));
+      if (!block.frictional || hn::AllFalse(d, frictional)) {
+        hn::Store(zero, d, patch.across + lane);
+        store(d, Triple<V>{zero, zero, zero}, patch.friction_impulse, lane);
+        continue;
+      }
+      const V sign = hn::CopySign(one, n.z);
+      const V p = hn::Neg(hn::Div(one, hn::IfThenElse(counts, hn::Add(sign, n.z), one)));
+      const V q = hn::Mul(hn::Mul(n.x, n.y), p);
+      const Triple<V> first = {hn::Add(one, hn::Mul(hn::Mul(sign, hn::Mul(n.x, n.x)), p)), hn::Mul(sign, q),
+                               hn::Neg(hn::Mul(sign, n.x))};
+      const Triple<V> second = {q, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), p)), hn::Neg(n.y)};
+      const Triple<V> ta1 = cross(arms.a, first);
+      const Triple<V> tb1 = cross(arms.b, first);
+      const Triple<V> ta2 = cross(arms.a, second);
+      const Triple<V> tb2 = cross(arms.b, second);
+      const V k1 = hn::Add(moving, dynamic(pairs, ta1, tb1, ta1, tb1));
+      const V k2 = hn::Add(moving, dynamic(pairs, ta2, tb2, ta2, tb2));
+      const V mixed = dynamic(pairs, ta1, tb1, ta2, tb2);
+      const V half = hn::Set(d, T(0.5));
+      const V apart = hn::Mul(half, hn::Sub(k1, k2));
+      // Both count with one mass, that of the direction which yields most: so friction points against the slip and
+      // never overshoots.
+      const V most =
+          hn::Add(hn::Mul(half, hn::Add(k1, k2)), hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
+      hn::Store(hn::IfThenElseZero(frictional, hn::Div(one, hn::IfThenElse(frictional, most, one))), d,
+                patch.across + lane);
+      // What it bore is across the normal of now.
+      const Triple<V> friction_impulse = load(d, patch.friction_impulse, lane);
+      const Triple<V> across = difference(friction_impulse, scaled(dot(friction_impulse, n), n));
+      store(d,
+            Triple<V>{hn::IfThenElseZero(frictional, across.x), hn::IfThenElseZero(frictional, across.y),
+                      hn::IfThenElseZero(frictional, across.z)},
+            patch.friction_impulse, lane);
+    }
+  }
+}
+
+template <class D, class T>
+HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const RestBlock& block, const PairLanes<T>& shared, std::size_t lane,
+                                      const BodyLanes<T>& bodies) {
+  return {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, true),
+          side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, true)};
+}
+template <class D, class T, class V>
+HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const RestBlock& block, std::size_t lane, bool pushed,
+                           const BodyLanes<T>& bodies) {
+  keep(d, pairs.a, std::uint32_t{block.dynamic_a} >> lane, block.a + lane, pushed, bodies);
+  keep(d, pairs.b, std::uint32_t{block.dynamic_b} >> lane, block.b + lane, pushed, bodies);
+}
+
+template <class T>
+void warm(const RestBlock& block, const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
+          const BodyLanes<T>& bodies) {
+  const hn::CappedTag<T, kLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
+    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
+    const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
+    for (const PointLanes<T>& patch : manifold_points) {
+      const Triple<V> along = scaled(hn::Load(d, patch.impulse + lane), load(d, patch.normal, lane));
+      give<false>(arms_of(d, patch, a_to_b, lane),
+                  block.frictional ? sum(along, load(d, patch.friction_impulse, lane)) : along, pairs);
+    }
+    keep_pairs(d, pairs, block, lane, false, bodies);
+  }
+}
+
+// The larger of what was and the largest of the lanes.
+template <class D, class V, class T>
+HWY_INLINE void note(D d, const V& value, T& largest) {
+  alignas(64) T lanes[kLanes];
+  hn::Store(value, d, lanes);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) largest = std::max(largest, lanes[k]);
+}
+
+// Friction at one place, clamped to the cone of the impulse along the normal; the size of what changed.
+template <class D, class T, class V>
+HWY_INLINE V apply_friction(D d, PointLanes<T>& patch, const V& friction, const Triple<V>& n, const Triple<V>& rate,
+                            const Arms<V>& arms, const V& impulse, std::size_t lane, Pairs<V>& pairs) {
+  const V one = hn::Set(d, T(1));
+  const V across = hn::Load(d, patch.across + lane);
+  const Triple<V> before = load(d, patch.friction_impulse, lane);
+  const Triple<V> velocity = sum(rate, slip(pairs, arms));
+  const Triple<V> sliding = difference(velocity, scaled(dot(velocity, n), n));
+  const Triple<V> wanted = sum(before, scaled(across, sliding));
+  const V most = hn::IfThenElseZero(hn::Gt(across, hn::Zero(d)), hn::Mul(friction, impulse));
+  const V size = hn::Sqrt(dot(wanted, wanted));
+  const auto beyond = hn::Gt(size, most);
+  const V scale = hn::IfThenElse(beyond, hn::Div(most, hn::IfThenElse(beyond, size, one)), one);
+  const Triple<V> after = scaled(scale, wanted);
+  const Triple<V> given = difference(after, before);
+  store(d, after, patch.friction_impulse, lane);
+  give<false>(arms, given, pairs);
+  return hn::Sqrt(dot(given, given));
+}
+
+template <class T>
+IterationChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
+                         const SubstepTerms<T>& terms, bool push, const BodyLanes<T>& bodies) {
+  const hn::CappedTag<T, kLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d);
+  const V per_h = hn::Set(d, T(1) / terms.h_s);
+  IterationChange<T> changed;
+  alignas(64) T loads[kLanes];
+  alignas(64) T strayed[kLanes];
+  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
+    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
+    const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
+    const V friction = hn::Load(d, shared.friction + lane);
+    bool any_pushed = false;
+    V load_sum = zero;
+    V strayed_sum = zero;
+    for (PointLanes<T>& patch : manifold_points) {
+      const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
+      const Triple<V> n = load(d, patch.normal, lane);
+      const Triple<V> rate = load(d, patch.rate, lane);
+      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
+      const V mass = load_at(patch.mass);
+      const V closed = dot(n, sum(scaled(hn::Set(d, terms.begun_s), rate), way(pairs, arms)));
+      const V gap = hn::Max(hn::Sub(load_at(patch.gap), closed), zero);
+      const V closing = dot(n, sum(rate, slip(pairs, arms)));
+      const V before = load_at(patch.impulse);
+      V after = hn::Max(hn::Add(before, hn::Mul(mass, hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
+      after = hn::IfThenElseZero(hn::Gt(mass, zero), after);
+      hn::Store(after, d, patch.impulse + lane);
+      const V units = hn::Sub(after, before);
+      give<false>(arms, scaled(units, n), pairs);
+      V change = hn::Abs(units);
+      if (block.frictional)
+        change = hn::Max(change, apply_friction(d, patch, friction, n, rate, arms, after, lane, pairs));
+      if (terms.watch) {
+        const V newton_s = load_at(shared.newton_s);
+        const auto counts = hn::Gt(mass, zero);
+        const V change_mps =
+            hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1)))));
+        const V load_ns = hn::Mul(newton_s, after);
+        note(d, change_mps, changed.change_mps);
+        note(d, hn::Mul(newton_s, change), changed.change_ns);
+        note(d, load_ns, changed.largest_ns);
+        load_sum = hn::Add(load_sum, load_ns);
+        strayed_sum = hn::Add(strayed_sum, hn::Mul(load_ns, change_mps));
+      } else {
+        // The only sweep of the substep.
+        Triple<V> total = sum(load(d, patch.total, lane), scaled(after, n));
+        if (block.frictional) total = sum(total, load(d, patch.friction_impulse, lane));
+        store(d, total, patch.total, lane);
+      }
+      if (!push) continue;
+      const V overlap = hn::Sub(closed, load_at(patch.certain));
+      // A pair that parts by itself need not be pushed.
+      const auto may =
+          hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
+      if (hn::AllFalse(d, may)) continue;
+      const V length = hn::Min(hn::Mul(overlap, hn::Set(d, terms.push_share)), hn::Set(d, terms.most_push_m));
+      give<true>(arms, scaled(hn::IfThenElseZero(may, hn::Mul(mass, length)), n), pairs);
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, may, bits);
+      block.pushed = static_cast<std::uint8_t>(block.pushed | (bits[0] << lane));
+      any_pushed = true;
+    }
+    keep_pairs(d, pairs, block, lane, any_pushed, bodies);
+    hn::Store(load_sum, d, loads + lane);
+    hn::Store(strayed_sum, d, strayed + lane);
+  }
+  // One lane after another, however many there are at once.
+  for (std::size_t k = 0; k < kLanes && terms.watch; ++k) {
+    changed.load_ns += loads[k];
+    changed.strayed_j += strayed[k];
+  }
+  return changed;
+}
+
+void prepare_float(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+                   float still_mps, std::span<PointLanes<float>> manifold_points,
+                   const AngularResponse<float>* angular_responses) {
+  prepare(block, pairs, start, still_mps, manifold_points, angular_responses);
+}
+void prepare_double(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+                    double still_mps, std::span<PointLanes<double>> manifold_points,
+                    const AngularResponse<double>* angular_responses) {
+  prepare(block, pairs, start, still_mps, manifold_points, angular_responses);
+}
+void warm_float(const RestBlock& block, const PairLanes<float>& pairs,
+                std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {
+  warm(block, pairs, manifold_points, bodies);
+}
+void warm_double(const RestBlock& block, const PairLanes<double>& pairs,
+                 std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
+  warm(block, pairs, manifold_points, bodies);
+}
+IterationChange<float> solve_float(RestBlock& block, const PairLanes<float>& pairs,
+                                   std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
+                                   bool push, const BodyLanes<float>& bodies) {
+  return solve(block, pairs, manifold_points, terms, push, bodies);
+}
+IterationChange<double> solve_double(RestBlock& block, const PairLanes<double>& pairs,
+                                     std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
+                                     bool push, const BodyLanes<double>& bodies) {
+  return solve(block, pairs, manifold_points, terms, push, bodies);
+}
+
+}  // namespace poise::solver::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace poise::solver {
+
+HWY_EXPORT(prepare_float);
+HWY_EXPORT(prepare_double);
+HWY_EXPORT(warm_float);
+HWY_EXPORT(warm_double);
+HWY_EXPORT(solve_float);
+HWY_EXPORT(solve_double);
+
+void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+                   float still_mps, std::span<PointLanes<float>> manifold_points,
+                   const AngularResponse<float>* angular_responses) {
+  HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, still_mps, manifold_points, angular_responses);
+}
+void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+                   double still_mps, std::span<PointLanes<double>> manifold_points,
+                   const AngularResponse<double>* angular_responses) {
+  HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, still_mps, manifold_points, angular_responses);
+}
+void warm_block(const RestBlock& block, const PairLanes<float>& pairs,
+                std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {
+  HWY_DYNAMIC_DISPATCH(warm_float)(block, pairs, manifold_points, bodies);
+}
+void warm_block(const RestBlock& block, const PairLanes<double>& pairs,
+                std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
+  HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, manifold_points, bodies);
+}
+IterationChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs,
+                                   std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
+                                   bool push, const BodyLanes<float>& bodies) {
+  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, terms, push, bodies);
+}
+IterationChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs,
+                                    std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
+                                    bool push, const BodyLanes<double>& bodies) {
+  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, terms, push, bodies);
+}
+
+}  // namespace poise::solver
+#endif

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: MIT
+#include "solver/contact_solver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "collision/manifold/manifold_point.h"
+#include "solver/anderson_mixing.h"
+#include "solver/contact_blocks.h"
+#include "solver/energy_guard.h"
+
+namespace poise::solver {
+namespace {
+
+// Share of a certain overlap that a substep takes back, and the greatest speed of that. Faster, and a pair that has
+// just been refined pops.
+constexpr double kPushShare = 0.1;
+constexpr double kMaxPushMps = 0.3;
+
+// Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no
+// approach by more than a share of what counts as still. So small scenes converge, and the cost of large ones is linear
+// in their places.
+constexpr std::uint32_t kMaxIterations = 60;
+constexpr double kSettledOfStill = 3e-5;
+// So many while places, by what they bear, are farther from their answer than a share of what counts as still: heavy
+// bodies on light ones.
+constexpr std::uint32_t kMaxHardIterations = 600;
+constexpr double kFarOfStill = 0.01;
+// Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of
+// plain ones. Plain ones in single precision are fewer than that.
+constexpr std::uint32_t kMixedIterations = 20;
+// A leap led astray if the bodies that touch then have so many times the energy that they had, or would have without
+// contacts.
+constexpr double kDiverged = 2;
+
+// How often a substep may go over its places.
+struct IterationLimit {
+  std::uint32_t most = 1;
+  std::uint32_t hard = 1;  // while they are far from their answer
+  bool mixed = false;      // sped up
+  [[nodiscard]] std::uint32_t iterations(bool far) const { return far ? hard : most; }
+};
+
+// With so many visits of a substep, at their cost.
+IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settings, std::uint32_t visits) {
+  const Stopping& stopping = settings.stopping;
+  if (stopping.converges()) return {stopping.max_iterations, stopping.max_iterations, false};
+  const std::uint32_t points = std::max(static_cast<std::uint32_t>(system.point_count), 1U);
+  const std::uint32_t sped_up = std::min(visits / kMixedIterationCost, kMixedPointIterations) / points;
+  const std::uint32_t plain = std::clamp(std::min(visits, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
+  if (sped_up < kMixedIterations) return {plain, plain, false};
+  const std::uint32_t most = std::min(sped_up, kMaxIterations);
+  // Without gravity nothing rests on anything, and still is no measure.
+  const bool weighs = !settings.gravity_mps2.isZero(0);
+  return {most, weighs ? std::min(sped_up, kMaxHardIterations) : most, true};
+}
+
+Vec3 normal_of(const PointLanes<double>& patch, std::size_t lane) {
+  return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]};
+}
+
+}  // namespace
+
+struct ContactSolver::Buffers {
+  parallel::LargeVector<RestBlock> blocks;
+  std::vector<std::size_t> block_begin;          // per colour, then the serial ones, then the end
+  std::vector<IterationChange<double>> changes;  // one a block, where sweeps converge
+  AndersonMixing mixing;
+  std::vector<double> before, after;  // impulses of all lanes, in roots of energy
+  std::vector<double> swept;          // impulses of all lanes as the last sweep left them
+  TouchingEnergy energy;
+  double alone_j = 0;  // in this substep without contacts: these only take from it
+  Lanes<float> single;
+  Lanes<double> twofold;
+
+  template <class T>
+  Lanes<T>& lanes() {
+    if constexpr (sizeof(T) == sizeof(float)) {
+      return single;
+    } else {
+      return twofold;
+    }
+  }
+
+  void add_blocks(const ContactSystem& system, std::size_t begin, std::size_t end, std::size_t width,
+                  std::uint32_t& lanes);
+  std::uint32_t make_blocks(const ContactSystem& system);
+  template <class Visit>
+  void iteration(parallel::Executor& executor, Visit&& visit);
+  template <class Visit>
+  void for_impulses(Visit&& visit);
+  std::size_t read_impulses(std::vector<double>& into);
+  void mix(parallel::Executor& executor);
+  void take_back(const ContactSystem& system, double h_s);
+  template <class T>
+  Convergence solve(const ContactSystem& system, const SolveSettings& settings, const IterationLimit& limit,
+                    parallel::Executor& executor);
+};
+
+// Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
+template <class Visit>
+void ContactSolver::Buffers::for_impulses(Visit&& visit) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    for (PointLanes<double>& patch : twofold.manifold_points_of(blocks[i])) {
+      for (std::size_t lane = 0; lane < blocks[i].count; ++lane)
+        visit(blocks[i].frictional, twofold.pairs[i], patch, lane);
+    }
+  }
+}
+
+// Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
+std::size_t ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
+  std::size_t at = 0;
+  const auto root_of = [](double newton_s, double mass) { return mass > 0 ? std::sqrt(newton_s / mass) : 0.0; };
+  for_impulses(
+      [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& patch, std::size_t lane) {
+        into[at++] = root_of(shared.newton_s[lane], patch.mass[lane]) * patch.impulse[lane];
+        const double across = root_of(shared.newton_s[lane], patch.across[lane]);
+        for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * patch.friction_impulse[k][lane];
+      });
+  return at;
+}
+
+// Goes from what the last sweep came to, to what the last few together let expect, within the cones; back if that makes
+// energy.
+void ContactSolver::Buffers::mix(parallel::Executor& executor) {
+  read_impulses(after);
+  if (!mixing.mix(before, after)) return;
+  const double swept_j = energy.joules(twofold.motions);
+  energy.keep(twofold.motions);
+  std::size_t at = 0;
+  std::size_t kept = 0;
+  const auto change_to = [&](double& impulse, double wanted) {
+    // What warm_block gives to the bodies is the change.
+    swept[kept] = impulse;
+    impulse = wanted - impulse;
+    after[kept++] = wanted;
+  };
+  const auto impulse_of = [](double value, double newton_s, double mass) {
+    return mass > 0 && newton_s > 0 ? value / std::sqrt(newton_s / mass) : 0.0;
+  };
+  for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& patch, std::size_t lane) {
+    const double newton_s = shared.newton_s[lane];
+    const double normal = std::max(0.0, impulse_of(after[at++], newton_s, patch.mass[lane]));
+    Vec3 across = Vec3::Zero();
+    for (Eigen::Index k = 0; k < 3 && frictional; ++k)
+      across[k] = impulse_of(after[at++], newton_s, patch.across[lane]);
+    // Friction along the normal and as much less along the normal itself would change nothing, so no sweep would ever
+    // take it back.
+    const Vec3 along = normal_of(patch, lane);
+    across -= across.dot(along) * along;
+    const double most = shared.friction[lane] * normal;
+    if (across.norm() > most) across *= most / across.norm();
+    change_to(patch.impulse[lane], normal);
+    for (std::size_t k = 0; k < 3 && frictional; ++k)
+      change_to(patch.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
+  });
+  iteration(executor, [&](std::size_t i) {
+    warm_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
+  });
+  const bool diverged = !(energy.joules(twofold.motions) <= kDiverged * std::max(swept_j, alone_j));
+  if (diverged) {
+    energy.restore(twofold.motions);
+    mixing.begin(kept);
+  }
+  const std::vector<double>& impulses = diverged ? swept : after;
+  at = 0;
+  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& patch, std::size_t lane) {
+    patch.impulse[lane] = impulses[at++];
+    for (std::size_t k = 0; k < 3 && frictional; ++k) patch.friction_impulse[k][lane] = impulses[at++];
+  });
+}
+
+// Places that part under their load push bodies that nothing pushes. Takes back what share of all impulses makes
+// energy.
+void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) {
+  const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
+  if (share == 1) return;
+  energy.scale(system, twofold.begun, h_s, share, twofold.motions);
+  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& patch, std::size_t lane) {
+    patch.impulse[lane] *= share;
+    for (std::size_t k = 0; k < 3 && frictional; ++k) patch.friction_impulse[k][lane] *= share;
+  });
+}
+
+// Blocks of the pairs at some places of the colouring, those with most places first.
+void ContactSolver::Buffers::add_blocks(const ContactSystem& system, std::size_t begin, std::size_t end,
+                                        std::size_t width, std::uint32_t& lanes) {
+  const std::span<const std::uint32_t> order = system.coloring.order();
+  for (; begin < end; begin += width) {
+    RestBlock block;
+    block.begin = static_cast<std::uint32_t>(begin);
+    block.count = static_cast<std::uint8_t>(std::min(width, end - begin));
+    block.first = lanes;
+    for (std::size_t k = begin; k < begin + block.count; ++k)
+      block.manifold_points = std::max(block.manifold_points, system.pairs[order[k]].point_count);
+    lanes += block.manifold_points;
+    blocks.push_back(block);
+  }
+}
+
+std::uint32_t ContactSolver::Buffers::make_blocks(const ContactSystem& system) {
+  blocks.clear();
+  block_begin.clear();
+  std::uint32_t lanes = 0;
+  const Coloring& coloring = system.coloring;
+  for (std::uint32_t color = 0; color < coloring.colors(); ++color) {
+    block_begin.push_back(blocks.size());
+    add_blocks(system, coloring.begin(color), coloring.begin(color + 1), kLanes, lanes);
+  }
+  block_begin.push_back(blocks.size());
+  add_blocks(system, coloring.serial_begin(), system.pairs.size(), 1, lanes);
+  block_begin.push_back(blocks.size());
+  return lanes;
+}
+
+template <class Visit>
+void ContactSolver::Buffers::iteration(parallel::Executor& executor, Visit&& visit) {
+  constexpr std::size_t kGrain = 16;
+  for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
+    const std::size_t first = block_begin[color];
+    parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain,
+                           [&](std::size_t begin, std::size_t end, int) {
+                             for (std::size_t i = first + begin; i < first + end; ++i) visit(i);
+                           });
+  }
+  for (std::size_t i = block_begin[block_begin.size() - 2]; i < block_begin.back(); ++i) visit(i);
+}
+
+namespace {
+
+template <class T>
+std::array<T, 6> added_in(const Acceleration& pull, double h_s) {
+  std::array<T, 6> added;
+  for (std::size_t k = 0; k < 3; ++k) {
+    added[k] = static_cast<T>(h_s * pull.linear_mps2[static_cast<int>(k)]);
+    added[k + 3] = static_cast<T>(h_s * pull.angular_radps2[static_cast<int>(k)]);
+  }
+  return added;
+}
+
+// The figures of a motion one after another: v, w, x, q.
+template <class T>
+T* figures(Motion<T>& motion) {
+  return motion.v;
+}
+
+// Begins a substep: forces, and from the second one on what contacts gave in the one before.
+template <class T>
+void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
+  T* const now = figures(lanes.motions[i]);
+  T* const begun = figures(lanes.begun[i]);
+  const std::array<T, 6> added = added_in<T>(system.accelerations[i], h_s);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const T before = now[k];
+    // What changed in the substep before was the forces' part and the contacts': both come again.
+    now[k] = first ? before + added[k] : before + (before - begun[k]);
+    begun[k] = before;
+  }
+}
+
+template <class T>
+void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
+  T* const now = figures(lanes.motions[i]);
+  for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
+}
+
+// What a body does without contacts: impulses come on top of that.
+void fly(const ContactSystem& system, std::size_t i, double dt_s) {
+  SolverBody& body = system.bodies[i];
+  body.moved_m = dt_s * body.velocity_mps;
+  body.turned_rad = dt_s * body.spin_radps;
+  body.velocity_mps += dt_s * system.accelerations[i].linear_mps2;
+  body.spin_radps += dt_s * system.accelerations[i].angular_radps2;
+}
+
+}  // namespace
+
+template <class T>
+Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const SolveSettings& settings,
+                                          const IterationLimit& limit, parallel::Executor& executor) {
+  constexpr std::size_t kGrain = 512;
+  constexpr std::size_t kBlocksAtOnce = 16;
+  const Stopping& stopping = settings.stopping;
+  const IterationLimit full = limit_of(system, settings, kMaxPointIterations);
+  const double h_s = settings.dt_s / settings.substeps;
+  Lanes<T>& all = lanes<T>();
+  const std::uint32_t needed = make_blocks(system);
+  all.manifold_points.resize(std::max<std::size_t>(all.manifold_points.size(), needed));
+  all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
+  all.motions.resize(system.bodies.size());
+  all.begun.resize(system.bodies.size());
+  all.angular_responses.resize(system.bodies.size());
+  if (limit.mixed) {
+    before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
+    after.resize(before.size());
+    swept.resize(before.size());
+  }
+  changes.resize(blocks.size());
+  const auto for_bodies = [&](auto&& visit) {
+    parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  };
+  const auto for_blocks = [&](auto&& visit) {
+    parallel::parallel_for(executor, blocks.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  };
+  const BodyLanes<T> bodies = all.bodies();
+  for_bodies([&](std::size_t i) {
+    all.motions[i] = Motion<T>{};
+    all.angular_responses[i] = angular_response<T>(system.bodies[i], system.inverse_inertia[i]);
+    system.bodies[i].pulled = !system.accelerations[i].none();
+    begin_substep(system, i, h_s, true, all);
+  });
+  constexpr std::size_t kPairsAhead = 3;
+  constexpr std::size_t kAhead = 1;
+  iteration(executor, [&](std::size_t i) {
+    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) fetch_points(system, blocks[i + kAhead]);
+    fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
+    warm_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
+  });
+  if (limit.mixed) energy.begin(system, blocks);
+  const auto give = [&](std::size_t i) {
+    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
+    give_block(system, blocks[i], all.pairs[i], all);
+  };
+  SubstepTerms<T> terms;
+  terms.h_s = static_cast<T>(h_s);
+  terms.still_mps = static_cast<T>(still_mps(settings));
+  terms.push_share = static_cast<T>(kPushShare);
+  terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
+  terms.watch = limit.most > 1;
+  Convergence ended;
+  for (int substep = 0; substep < settings.substeps; ++substep) {
+    terms.begun_s = static_cast<T>(substep * h_s);
+    const bool last = substep + 1 == settings.substeps;
+    for_bodies([&](std::size_t i) {
+      if (substep > 0) {
+        end_substep(i, h_s, all);
+        begin_substep(system, i, h_s, false, all);
+      }
+      if (last) fly(system, i, settings.dt_s);
+    });
+    bool reached = !stopping.converges();
+    bool settled = false;
+    bool far = true;
+    if (limit.mixed) {
+      mixing.begin(read_impulses(before));
+      alone_j = energy.joules_alone(system, twofold.begun, h_s);
+    }
+    for (std::uint32_t round = 0; round < limit.iterations(far) && !settled; ++round) {
+      ++ended.iterations;
+      if (limit.mixed) read_impulses(before);
+      iteration(executor, [&](std::size_t i) {
+        const IterationChange<T> change =
+            solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), terms, round == 0, bodies);
+        if (terms.watch)
+          changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
+                        static_cast<double>(change.change_mps), static_cast<double>(change.load_ns),
+                        static_cast<double>(change.strayed_j)};
+        // While its lanes are at hand.
+        if (last && !terms.watch) give(i);
+      });
+      if (!terms.watch) break;
+      IterationChange<double> sum;
+      for (const IterationChange<double>& change : changes) {
+        sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
+        sum.change_ns = std::max(sum.change_ns, change.change_ns);
+        sum.change_mps = std::max(sum.change_mps, change.change_mps);
+        sum.load_ns += change.load_ns;
+        sum.strayed_j += change.strayed_j;
+      }
+      far = sum.strayed_j > kFarOfStill * still_mps(settings) * sum.load_ns;
+      if (stopping.converges()) {
+        settled = reached = sum.change_ns <= stopping.share * sum.largest_ns;
+      } else {
+        settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
+      }
+      // A plain sweep comes last.
+      if (limit.mixed && !settled && round + 1 < limit.iterations(far)) mix(executor);
+    }
+    if (limit.mixed && !settled && far) take_back(system, h_s);
+    if (terms.watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], all); });
+    ended.reached = ended.reached && reached;
+    ended.cut_short = ended.cut_short || (!settled && limit.iterations(far) < full.iterations(far));
+  }
+  ended.visits = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
+  for_bodies([&](std::size_t i) {
+    end_substep(i, h_s, all);
+    SolverBody& body = system.bodies[i];
+    const Motion<T>& motion = all.motions[i];
+    body.moved_m +=
+        Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
+    body.turned_rad +=
+        Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
+  });
+  if (terms.watch) iteration(executor, give);
+  return ended;
+}
+
+ContactSolver::ContactSolver() : buffers_(std::make_unique<Buffers>()) {}
+ContactSolver::~ContactSolver() = default;
+ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
+ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
+
+Convergence ContactSolver::solve(const ContactSystem& system, const SolveSettings& settings,
+                                 parallel::Executor& executor) {
+  const IterationLimit limit = limit_of(system, settings, std::min(settings.visits, kMaxPointIterations));
+  const bool twofold = settings.stopping.converges() || limit.mixed;
+  return twofold ? buffers_->solve<double>(system, settings, limit, executor)
+                 : buffers_->solve<float>(system, settings, limit, executor);
+}
+
+}  // namespace poise::solver

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "parallel/shared_counters.h"
+#include "solver/solver.h"
+#include "solver/solver_iteration.h"
+
+namespace poise::solver {
+namespace {
+
+// Is this step the one whose start is nearest to the moment when the surfaces meet? Waiting for overlap would answer
+// half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
+bool meets_now(double gap_m, double closing_mps, double dt_s) { return gap_m <= 0.5 * closing_mps * dt_s; }
+
+// DO eq. 1-3, contact by contact in canonical order, each with the approach speed taken anew.
+bool answer_points(const System& system, ContactRow& row, double dt_s, double still_mps) {
+  SolverBody& a = system.bodies[row.a];
+  SolverBody& b = system.bodies[row.b];
+  bool solved = false;
+  for (std::uint32_t p = row.points_begin; p < row.points_end; ++p) {
+    const PointContact& point = system.points[p];
+    const Vec3& n = point.normal;
+    const Vec3 velocity =
+        a.velocity_mps + a.spin_radps.cross(point.arm_a_m) - b.velocity_mps - b.spin_radps.cross(point.arm_b_m);
+    const double closing = n.dot(velocity);
+    if (closing <= still_mps || !meets_now(point.gap_m, closing, dt_s)) continue;
+    ContactRow single = row;
+    single.direction = n;
+    single.moment_a_m = point.arm_a_m.cross(n);
+    single.moment_b_m = point.arm_b_m.cross(n);
+    if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
+                     system.inverse_inertia[row.b])) {
+      continue;
+    }
+    const double e = row.restitution * closing > still_mps ? row.restitution : 0.0;
+    const double lambda = (1.0 + e) * closing * single.effective_mass;
+    apply_impulse(single, lambda, a, b);
+    row.point_impulse_ns += lambda * n;
+    solved = true;
+  }
+  return solved;
+}
+
+// Coulomb friction of one impulse along the wrench: what stops the slip at the place of contact, or as much as the cone
+// allows.
+void apply_friction(const System& system, ContactRow& row, double lambda_ns) {
+  SolverBody& a = system.bodies[row.a];
+  SolverBody& b = system.bodies[row.b];
+  const Vec3 arm_b = row.arm_m - row.a_to_b_m;
+  const Vec3 normal = row.direction.normalized();
+  Vec3 slip = b.velocity_mps + b.spin_radps.cross(arm_b) - a.velocity_mps - a.spin_radps.cross(row.arm_m);
+  slip -= slip.dot(normal) * normal;
+  const double speed = slip.norm();
+  if (!(speed > 0)) return;
+  ContactRow across = row;
+  across.direction = -slip / speed;
+  across.moment_a_m = row.arm_m.cross(across.direction);
+  across.moment_b_m = arm_b.cross(across.direction);
+  if (!prepare_row(across, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
+                   system.inverse_inertia[row.b]))
+    return;
+  const double applied_impulse_ns =
+      std::min(speed * across.effective_mass, row.friction * lambda_ns * row.direction.norm());
+  apply_impulse(across, applied_impulse_ns, a, b);
+  row.point_impulse_ns += applied_impulse_ns * across.direction;
+}
+
+bool answer_wrench(const System& system, ContactRow& row, double dt_s, double still_mps) {
+  SolverBody& a = system.bodies[row.a];
+  SolverBody& b = system.bodies[row.b];
+  const double closing = approach_mps(row, a, b);
+  if (closing <= still_mps) return false;
+  const bool rebounds = row.restitution * closing > still_mps;
+  double lambda = 0;
+  if (meets_now(row.gap_m, closing, dt_s)) {
+    lambda = (1.0 + (rebounds ? row.restitution : 0.0)) * closing * row.effective_mass;
+  } else if (!rebounds && closing * dt_s > row.gap_m) {
+    lambda = (closing - row.gap_m / dt_s) * row.effective_mass;
+  }
+  if (lambda <= 0) return false;
+  apply_impulse(row, lambda, a, b);
+  row.total_ns += lambda;
+  if (row.friction > 0) apply_friction(system, row, lambda);
+  return true;
+}
+
+// Places of the pair that overlap beyond doubt and would rebound: rest cannot take these, since it rebounds nothing.
+bool answer_places(const System& system, ContactRow& row, double still_mps) {
+  SolverBody& a = system.bodies[row.a];
+  SolverBody& b = system.bodies[row.b];
+  bool solved = false;
+  for (std::uint32_t p = row.point_begin; p < row.point_end; ++p) {
+    const PlacedPoint place = placed_point(system.poses[row.a], system.poses[row.b], system.contact_points[p]);
+    if (place.certain_separation_m > 0) continue;
+    ContactRow single = row;
+    single.arm_m = place.arm_m;
+    single.direction = place.normal;
+    single.moment_a_m = place.arm_m.cross(place.normal);
+    single.moment_b_m = (place.arm_m - row.a_to_b_m).cross(place.normal);
+    const double closing = approach_mps(single, a, b);
+    if (row.restitution * closing <= still_mps) continue;
+    if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
+                     system.inverse_inertia[row.b]))
+      continue;
+    const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
+    apply_impulse(single, lambda, a, b);
+    row.point_impulse_ns += lambda * place.normal;
+    solved = true;
+  }
+  return solved;
+}
+
+void note_rebound(const System& system, ContactRow& row, double still_mps) {
+  row.bounces = row.restitution * approach_mps(row, system.bodies[row.a], system.bodies[row.b]) > still_mps;
+}
+
+}  // namespace
+
+Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
+  const double still_mps = solver::still_mps(settings);
+  const Stopping& stopping = settings.stopping;
+  const std::uint32_t most = stopping.converges() ? stopping.max_iterations : kImpactIterations;
+  std::vector<double>& change_ns = system.scratch.change_ns;
+  Convergence ended{!stopping.converges(), 0};
+  std::vector<std::uint32_t>& changed = system.scratch.changed;
+  std::vector<RowActivation>& activations = system.scratch.activations;
+  if (system.source == nullptr) {
+    activations.clear();
+    for (const ContactRow& row : system.rows) activations.push_back({row.a, row.b, true, true});
+  } else if (std::none_of(activations.begin(), activations.end(),
+                          [](const RowActivation& gate) { return gate.fast; })) {
+    ended.reached = true;
+    return ended;
+  }
+  changed.assign(system.bodies.size(), 0);
+  for (std::uint32_t round = 1; round <= most; ++round) {
+    ++ended.iterations;
+    if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
+    parallel::Shared<int> solved(0);
+    iteration(system, executor, [&](std::size_t i) {
+      // What neither body's velocity has changed since the last round needs no other look, and at first only what is
+      // fast.
+      RowActivation& gate = activations[i];
+      const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
+      if (round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched) return;
+      ContactRow& row = system.rows[i];
+      if (!gate.ready) {
+        system.source->fill(i);
+        gate.ready = true;
+      }
+      if (round == 1) note_rebound(system, row, still_mps);
+      if (row.effective_mass == 0) return;
+      const double before_ns = row.total_ns;
+      const bool here = row.points_begin < row.points_end
+                            ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
+                            : answer_wrench(system, row, settings.dt_s, still_mps);
+      const bool there =
+          row.restitution > 0 && row.point_begin < row.point_end && answer_places(system, row, still_mps);
+      if (!here && !there) return;
+      if (row.inverse_mass_a > 0) changed[row.a] = round;
+      if (row.inverse_mass_b > 0) changed[row.b] = round;
+      if (solved.get() == 0) solved.set(1);
+      if (stopping.converges()) change_ns[i] = row.total_ns - before_ns;
+    });
+    if (solved.get() == 0 || (stopping.converges() && settled(system, stopping, &ContactRow::total_ns))) {
+      ended.reached = true;
+      break;
+    }
+  }
+  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's.
+  // The first sweep has noted it; what impulses have changed since is looked at again.
+  iteration(system, executor, [&](std::size_t i) {
+    if (changed[activations[i].a] == 0 && changed[activations[i].b] == 0) return;
+    if (activations[i].ready) note_rebound(system, system.rows[i], still_mps);
+  });
+  return ended;
+}
+
+}  // namespace poise::solver

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/solver.h"
+
+namespace poise::solver {
+
+/// Calls solve(i) for the place of every row, colour after colour: in parallel within a colour, whose rows share no
+/// yielding body, and one after another where no colour was free. The order is that of the rows, so threads do not
+/// show.
+template <class Solve>
+void iteration(const System& system, parallel::Executor& executor, Solve&& solve) {
+  constexpr std::size_t kGrain = 128;
+  for (std::uint32_t color = 0; color < system.coloring.colors(); ++color) {
+    const std::size_t first = system.coloring.begin(color);
+    const std::size_t count = system.coloring.begin(color + 1) - first;
+    parallel::parallel_for(executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = first + begin; i < first + end; ++i) solve(i);
+    });
+  }
+  for (std::size_t i = system.coloring.serial_begin(); i < system.rows.size(); ++i) solve(i);
+}
+
+/// Did the last sweep change no impulse by more than the share of the largest one that `stopping` allows? `impulse_ns`
+/// says which impulse of a row is meant.
+inline bool settled(const System& system, const Stopping& stopping, double ContactRow::*impulse_ns) {
+  double largest_ns = 0;
+  double change_ns = 0;
+  for (std::size_t i = 0; i < system.rows.size(); ++i) {
+    largest_ns = std::max(largest_ns, system.rows[i].*impulse_ns);
+    change_ns = std::max(change_ns, std::abs(system.scratch.change_ns[i]));
+  }
+  return change_ns <= stopping.share * largest_ns;
+}
+
+}  // namespace poise::solver

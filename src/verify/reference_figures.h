@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "poise/reference.h"
+#include "poise/step.h"
+
+namespace poise::simulation {
+
+/// A moving body in the run and in its reference. SI units, world frame.
+struct ComparedBody {
+  Vec3 dv_mps = Vec3::Zero(), dw_radps = Vec3::Zero();                      ///< change in the step, in the run
+  Vec3 reference_dv_mps = Vec3::Zero(), reference_dw_radps = Vec3::Zero();  ///< the same in the reference
+  Mat3 inertia_per_mass_m2 = Mat3::Zero();                                  ///< I / m
+  double weight = 1;                                                        ///< s
+  std::uint32_t slot = 0;
+};
+
+/// A pair in the run and in its reference.
+struct ComparedPair {
+  std::uint32_t a = 0, b = 0;  ///< slots
+  double run_ns = 0;           ///< size of the impulse in the run, N s
+  double reference_ns = 0;     ///< in the reference
+  double gap_m = 0;            ///< distance of the true surfaces at the start; read for contacts of the run only
+  double gap_px = 0;
+};
+
+/// Impulses below this share of the largest one of a frame are none: ten times what the reference converges to.
+inline constexpr double kNoImpulse = 1e-9;
+
+/// Size of the impulse from which on a pair of this frame counts as a contact, N s; > 0 unless all are 0.
+double least_impulse_ns(std::span<const ComparedPair> pairs);
+inline bool touches(double impulse_ns, double least_ns) { return impulse_ns > 0 && impulse_ns >= least_ns; }
+
+/// What the viewer could notice of an error of a body, docs/method.md; not a cue of any policy:
+///     s = visible min(1, (size / 1 degree)^2) / (1 + eccentricity / 2.5 degrees)^2                    ours
+/// size = 2 asin(R / d), the angle that its bounding ball fills; eccentricity = angle between gaze and its centre;
+/// visible = 1, 0.25 where `hidden`, 0.05 where the bounding ball is outside the frustum. 1 without a view. `hidden` is
+/// not asked outside the frustum.
+double error_weight(const View& view, const Vec3& center_m, double radius_m, bool hidden);
+
+/// Height of a picture that gaps are measured in, pixels.
+inline constexpr double kPictureHeightPx = 1080;
+/// How many pixels a length across the view fills at a point: length 1080 / (2 d tan(fov / 2)), d >= 0.05 m the
+/// distance of the viewer.
+double length_px(const View& view, const Vec3& point_m, double length_m);
+
+/// E, E_rel, E_seen over `bodies` (all of them touched), contacts and gaps over `pairs`. Sums in the given order.
+ReferenceFigures compare_frames(std::span<const ComparedBody> bodies, std::span<const ComparedPair> pairs, bool view);
+
+}  // namespace poise::simulation

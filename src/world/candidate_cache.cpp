@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "world/candidate_cache.h"
+
+#include <algorithm>
+
+#include "parallel/shared_counters.h"
+
+namespace poise::simulation {
+namespace {
+
+constexpr std::size_t kBoundGrain = 512;
+// Bounds are kept larger by this share, chosen: bodies at rest stay inside for seconds, and there are a sixth more
+// pairs.
+constexpr double kWider = 0.05;
+// A scene is calm when at most this share of its bodies has moved by a quarter of that since the bounds were kept.
+constexpr double kRestless = 0.05;
+
+bool same(const collision::PlaneBound& a, const collision::PlaneBound& b) {
+  return a.normal == b.normal && a.height_m == b.height_m && a.slot == b.slot && a.group == b.group &&
+         a.collides_with == b.collides_with;
+}
+
+}  // namespace
+
+CandidateCache::Look CandidateCache::look(std::span<const collision::MotionBound> bounds,
+                                          std::span<const collision::PlaneBound> planes,
+                                          parallel::Executor& executor) const {
+  if (bounds.size() != bounds_.size() ||
+      !std::equal(planes.begin(), planes.end(), planes_.begin(), planes_.end(), same))
+    return {};
+  parallel::Tickets outside;
+  parallel::Tickets restless;
+  parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::size_t left = 0;
+    std::size_t moved = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const collision::MotionBound& now = bounds[i];
+      const collision::MotionBound& cached = bounds_[i];
+      const double away_m = (now.center_m - cached.center_m).norm();
+      const bool fits = now.slot == cached.slot && now.group == cached.group &&
+                        now.collides_with == cached.collides_with && now.dynamic == cached.dynamic &&
+                        away_m + now.radius_m <= cached.radius_m;
+      left += fits ? 0U : 1U;
+      moved += away_m + now.radius_m - radius_m_[i] > 0.25 * kWider * radius_m_[i] ? 1U : 0U;
+    }
+    if (left > 0) outside.take(left);
+    if (moved > 0) restless.take(moved);
+  });
+  const auto most = static_cast<std::size_t>(kRestless * static_cast<double>(bounds.size()));
+  return {outside.take(0) == 0, restless.take(0) <= most};
+}
+
+collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_phase,
+                                                   std::span<const collision::MotionBound> bounds,
+                                                   std::span<const collision::PlaneBound> planes,
+                                                   std::span<const collision::SweptBound> swept,
+                                                   std::uint32_t max_partners, parallel::Executor& executor) {
+  if (!swept.empty()) {
+    bounds_.clear();
+    return broad_phase.find(bounds, planes, max_partners, executor, swept);
+  }
+  const Look seen = look(bounds, planes, executor);
+  if (wide_ && seen.inside) return found_;
+  wide_ = seen.calm && !bounds.empty();
+  bounds_.assign(bounds.begin(), bounds.end());
+  planes_.assign(planes.begin(), planes.end());
+  radius_m_.resize(bounds.size());
+  for (std::size_t i = 0; i < bounds_.size(); ++i) {
+    radius_m_[i] = bounds_[i].radius_m;
+    if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
+  }
+  found_ = broad_phase.find(bounds_, planes_, max_partners, executor, {});
+  if (wide_ && found_.discarded > 0) {
+    // What has no room is decided from the bounds of the frame.
+    wide_ = false;
+    found_ = broad_phase.find(bounds, planes, max_partners, executor, {});
+  }
+  return found_;
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "collision/broad_phase/broad_phase.h"
+#include "parallel/executor.h"
+
+namespace poise::simulation {
+
+/// Candidate pairs that outlive a frame: found once with bounds a little larger than needed, they hold all pairs of
+/// later frames whose bounds are inside those. They may hold more; who asks for pairs of the frame's own bounds looks
+/// at each. Whether they are found anew depends on the bounds alone, so results do on neither threads nor timing.
+/// Invariant: buffers only grow.
+class CandidateCache {
+ public:
+  /// As BroadPhase::find, but for pairs too many. With swept bounds nothing is kept.
+  collision::BroadPhase::Result find(collision::BroadPhase& broad_phase, std::span<const collision::MotionBound> bounds,
+                                     std::span<const collision::PlaneBound> planes,
+                                     std::span<const collision::SweptBound> swept, std::uint32_t max_partners,
+                                     parallel::Executor& executor);
+
+ private:
+  struct Look {
+    bool inside = false;  ///< every bound is inside the one that is kept
+    bool calm = false;    ///< few have moved much since these were kept
+  };
+  Look look(std::span<const collision::MotionBound> bounds, std::span<const collision::PlaneBound> planes,
+            parallel::Executor& executor) const;
+
+  std::vector<collision::MotionBound> bounds_;  // larger than asked for, if wide_
+  std::vector<collision::PlaneBound> planes_;
+  std::vector<double> radius_m_;  // as asked for
+  collision::BroadPhase::Result found_;
+  bool wide_ = false;
+};
+
+}  // namespace poise::simulation

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "world/contact_cache.h"
+
+namespace poise::simulation {
+
+solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint& manifold_point) {
+  solver::ContactPoint cached;
+  const Mat3 to_b = pair.b.rotation.transpose();
+  const Vec3 normal = pair.a.rotation * manifold_point.normal;
+  const Vec3 on_a = pair.a.position_m +
+                    pair.a.rotation * (manifold_point.point_m - (0.5 * manifold_point.gap_m) * manifold_point.normal);
+  // The normal of the pair points into the plane.
+  const double gap_m = pair.plane ? -normal.dot(on_a) - pair.height_m : manifold_point.gap_m;
+  cached.normal = to_b * normal;
+  cached.on_a_m = manifold_point.point_m - (0.5 * manifold_point.gap_m) * manifold_point.normal;
+  cached.on_b_m = to_b * (on_a + gap_m * normal - pair.b.position_m);
+  cached.certainty_m = manifold_point.certain_separation_m - manifold_point.gap_m;
+  return cached;
+}
+
+void ContactCache::reserve(std::size_t rooms) {
+  points.reserve(rooms * kPointsOfPair);
+  loads.reserve(rooms * kPointsOfPair);
+  free.reserve(rooms);
+}
+
+void ContactCache::reserve_slots(std::size_t rooms) {
+  if (rooms <= free.size()) return;
+  const std::size_t first = points.size() / kPointsOfPair;
+  const std::size_t more = rooms - free.size();
+  points.resize((first + more) * kPointsOfPair);
+  loads.resize(points.size());
+  free.reserve(first + more);
+  // The lowest of the new ones is taken first, after those that were given back.
+  free.insert(free.begin(), more, 0);
+  for (std::size_t k = 0; k < more; ++k) free[k] = static_cast<std::uint32_t>(first + more - 1 - k);
+}
+
+}  // namespace poise::simulation

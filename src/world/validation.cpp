@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "world/validation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace poise::simulation {
+
+std::optional<Error> check_range(const char* field, double value, double least, double most) {
+  if (value >= least && value <= most) return std::nullopt;
+  return bad_input(fmt::format("{} = {}, must be in [{}, {}]", field, value, least, most));
+}
+
+std::optional<Error> check_vector(const char* field, const Vec3& value, double most) {
+  if (value.allFinite() && value.cwiseAbs().maxCoeff() <= most) return std::nullopt;
+  return bad_input(fmt::format("{} = [{}, {}, {}], each must be finite and within {} of zero", field, value.x(),
+                               value.y(), value.z(), most));
+}
+
+std::optional<Error> check_state(const BodyState& state, bool is_static) {
+  if (auto bad = check_vector("position_m", state.position_m, kMaxPositionM)) return bad;
+  const Quat& q = state.orientation;
+  const double norm = q.norm();
+  if (!std::isfinite(norm) || !(norm > 1e-9)) {
+    return bad_input(
+        fmt::format("orientation_wxyz = [{}, {}, {}, {}], must be finite and not zero", q.w(), q.x(), q.y(), q.z()));
+  }
+  if (auto bad = check_vector("velocity_mps", state.velocity_mps, kMaxSpeedMps)) return bad;
+  if (auto bad = check_vector("angular_velocity_radps", state.angular_velocity_radps, kMaxSpinRadps)) return bad;
+  if (!is_static) return std::nullopt;
+  if (!state.velocity_mps.isZero(0)) return bad_input("velocity_mps: a static body must be at rest");
+  if (!state.angular_velocity_radps.isZero(0)) {
+    return bad_input("angular_velocity_radps: a static body must be at rest");
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape) {
+  if (shape.kind == ShapeKind::Plane && !definition.is_static)
+    return bad_input("static = false, a plane must be static");
+  if (auto bad = check_state(
+          {definition.position_m, definition.orientation, definition.velocity_mps, definition.angular_velocity_radps},
+          definition.is_static)) {
+    return bad;
+  }
+  if (auto bad = check_range("importance", definition.importance, 0, kMaxImportance)) return bad;
+  if (definition.mass_kg != 0) {
+    if (!(definition.mass_kg > 0)) {
+      return bad_input(fmt::format("mass_kg = {}, must be > 0", definition.mass_kg));
+    }
+    if (auto bad = check_range("mass_kg", definition.mass_kg, kMinMassKg, kMaxMassKg)) return bad;
+  }
+  const Vec3& inertia = definition.inertia_kgm2;
+  if (inertia.isZero(0)) return std::nullopt;
+  if (!inertia.allFinite() || !(inertia.minCoeff() > 0)) {
+    return bad_input(
+        fmt::format("inertia_kgm2 = [{}, {}, {}], each must be finite and > 0", inertia.x(), inertia.y(), inertia.z()));
+  }
+  // No mass distribution has a principal moment above the sum of the other two.
+  const double largest = inertia.maxCoeff();
+  if (largest > (inertia.sum() - largest) * (1.0 + 1e-9)) {
+    return bad_input(
+        fmt::format("inertia_kgm2 = [{}, {}, {}], the largest must be <= the sum of the others (triangle inequality)",
+                    inertia.x(), inertia.y(), inertia.z()));
+  }
+  return std::nullopt;
+}
+
+Result<BodyMass> mass_of(const BodyDefinition& definition, const Shape& shape, double density_kgpm3) {
+  BodyMass mass;
+  if (definition.is_static) return mass;
+  mass.mass_kg = definition.mass_kg != 0 ? definition.mass_kg : density_kgpm3 * shape.volume_m3;
+  if (auto bad = check_range("mass from density and volume, mass_kg", mass.mass_kg, kMinMassKg, kMaxMassKg))
+    return *bad;
+  mass.principal_kgm2 = definition.inertia_kgm2;
+  if (definition.inertia_kgm2.isZero(0)) mass.principal_kgm2 = shape.principal_m5 * (mass.mass_kg / shape.volume_m3);
+  if (!mass.principal_kgm2.allFinite() || !(mass.principal_kgm2.minCoeff() > 1e-60) ||
+      mass.principal_kgm2.maxCoeff() > 1e60) {
+    return bad_input("inertia_kgm2: what shape and mass give is not a positive finite inertia");
+  }
+  return mass;
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "collision/triangles/point_list.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "collision/shapes.h"
+
+namespace poise::collision {
+namespace {
+
+FoundPoint found(const Vec3& point, double gap, std::uint64_t order, const Vec3& normal = Vec3::UnitZ()) {
+  return {normal, point, gap, order, FoundPoint::kNoCorner, 0, false};
+}
+
+double widest(const ManifoldPoints& set) {
+  double most = 0;
+  for (const ManifoldPoint& p : set.all()) {
+    for (const ManifoldPoint& q : set.all()) most = std::max(most, (p.point_m - q.point_m).norm());
+  }
+  return most;
+}
+
+TEST(PointList, ChoosesTheDeepestAndTheOnesThatSpanTheRest) {
+  PointList list(1);
+  std::uint64_t order = 0;
+  for (int x = -3; x <= 3; ++x) {
+    for (int y = -3; y <= 3; ++y) list.add(found(Vec3(x, y, 0), x == 3 && y == 3 ? -0.1 : 0.0, order++));
+  }
+  const ManifoldPoints set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_EQ(set.manifold_point[0].gap_m, -0.1);
+  for (const ManifoldPoint& p : set.all()) {
+    EXPECT_EQ(std::abs(p.point_m.x()), 3);
+    EXPECT_EQ(std::abs(p.point_m.y()), 3);
+  }
+}
+
+TEST(PointList, WhatIsNearAnotherPlaceInTheSameDirectionIsTheSamePlace) {
+  PointList list(1);
+  list.add(found(Vec3(0, 0, 0), 1e-3, 1));
+  list.add(found(Vec3(5e-4, 0, 0), -1e-3, 2));
+  list.add(found(Vec3(0, 5e-4, 0), 2e-3, 0));
+  EXPECT_EQ(list.count(), 1U);
+  EXPECT_EQ(list.choose(0.1).manifold_point[0].gap_m, -1e-3);
+  list.add(found(Vec3(0, 0, 0), 0, 3, Vec3::UnitX()));
+  EXPECT_EQ(list.count(), 2U);
+  EXPECT_EQ(list.least_gap_m(), -1e-3);
+}
+
+TEST(PointList, EveryDirectionHasItsShare) {
+  PointList list(1);
+  for (int i = 0; i < 6; ++i) list.add(found(Vec3(i, i % 2, 0), -0.01, static_cast<std::uint64_t>(i)));
+  list.add(found(Vec3(2, 0, 0), 0.001, 9, Vec3::UnitX()));
+  ManifoldPoints set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_EQ(set.manifold_point[3].normal, Vec3::UnitX());
+  list.add(found(Vec3(2, 3, 0), 0.001, 10, Vec3::UnitX()));
+  list.add(found(Vec3(2, 4, 0), 0.001, 11, Vec3::UnitX()));
+  set = list.choose(0.01);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_EQ(std::ranges::count_if(set.all(), [](const ManifoldPoint& p) { return p.normal == Vec3::UnitX(); }), 2);
+}
+
+TEST(PointList, ACornerBeneathTwoFacesLeavesByTheNearerOneButInAGroove) {
+  for (const bool groove : {false, true}) {
+    PointList list(1);
+    FoundPoint up = found(Vec3::Zero(), -0.001, 1);
+    FoundPoint aside = found(Vec3::Zero(), -0.004, 0, Vec3::UnitX());
+    up.corner = aside.corner = 7;
+    up.in_groove = aside.in_groove = groove;
+    list.add(aside);
+    list.add(up);
+    const ManifoldPoints set = list.choose(0.01);
+    EXPECT_EQ(set.count, groove ? 2U : 1U);
+    EXPECT_EQ(set.manifold_point[groove ? 1 : 0].normal, Vec3::UnitZ());
+  }
+}
+
+TEST(PointList, TheOrderOfFindingDoesNotMatter) {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<FoundPoint> points;
+    for (std::uint64_t i = 0; i < 40; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 40;
+      points.push_back(found(Vec3(std::cos(angle), std::sin(angle), 0), 0, i));
+    }
+    PointList straight(1);
+    for (const FoundPoint& place : points) straight.add(place);
+    std::ranges::shuffle(points, random);
+    PointList shuffled(1);
+    for (const FoundPoint& place : points) shuffled.add(place);
+    const ManifoldPoints one = straight.choose(1);
+    const ManifoldPoints other = shuffled.choose(1);
+    ASSERT_EQ(one.count, 4U);
+    ASSERT_EQ(other.count, 4U);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one.manifold_point[i].point_m, other.manifold_point[i].point_m);
+  }
+}
+
+TEST(PointList, AFullListKeepsItsDeepestAndItsOutermost) {
+  std::mt19937_64 random(4);
+  PointList list(1);
+  double least = 1;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const double angle = uniform(random, 0, 2 * std::numbers::pi);
+    const double radius = uniform(random, 0, 5);
+    const double gap = uniform(random, -1, 0);
+    least = std::min(least, gap);
+    list.add(found(radius * Vec3(std::cos(angle), std::sin(angle), 0), gap, i));
+    ASSERT_LE(list.count(), PointList::kRoom);
+  }
+  const ManifoldPoints set = list.choose(1);
+  ASSERT_EQ(set.count, 4U);
+  EXPECT_NEAR(set.manifold_point[0].gap_m, least, 2e-6);
+  EXPECT_GT(widest(set), 9);
+}
+
+TEST(PointList, PlacesInARowAreTwo) {
+  PointList list(1);
+  for (std::uint64_t i = 0; i < 10; ++i) list.add(found(Vec3(0.1 * static_cast<double>(i), 0, 0), 0, i));
+  const ManifoldPoints set = list.choose(1);
+  EXPECT_EQ(set.count, 2U);
+  EXPECT_NEAR(widest(set), 0.9, 1e-12);
+}
+
+}  // namespace
+}  // namespace poise::collision

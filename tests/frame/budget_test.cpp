@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "frame/scenes.h"
+#include "frame/world_access.h"
+
+namespace poise {
+namespace {
+
+WorldSettings falling() {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  settings.threads = 2;
+  return settings;
+}
+
+TEST(Budget, RefinementIsChargedNoMoreThanTheWorkBudget) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(150, 5.2);
+  bool spent = false;
+  for (int i = 0; i < 100; ++i) {
+    StepInput input = step_of(1.0 / 60);
+    input.budget = Budget::work(200);
+    const FrameReport report = stage.world.step(input);
+    EXPECT_LE(report.work_refine, 200U);
+    spent = spent || (report.work_refine > 150 && report.pairs_left > 0);
+  }
+  EXPECT_TRUE(spent) << "the scene never asked for more than the budget";
+}
+
+TEST(Budget, NoWorkLeavesEveryPairAtItsMandatoryLevel) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 80; ++i) {
+    StepInput input = step_of(1.0 / 60);
+    input.budget = Budget::work(0);
+    const FrameReport report = stage.world.step(input);
+    EXPECT_EQ(report.jobs_done, 0U);
+    EXPECT_EQ(report.level_histogram[0], report.contact_pairs);
+    EXPECT_EQ(report.pairs_left, report.coarse_pairs);
+  }
+}
+
+TEST(Budget, ADeadlineThatHasPassedStillGivesASoundFrameAndIsCalledInfeasible) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 80; ++i) {
+    StepInput input = step_of(1.0 / 60);
+    input.budget = Budget::until(SteadyClock::now() - std::chrono::milliseconds(5));
+    const FrameReport report = stage.world.step(input);
+    EXPECT_EQ(report.jobs_done, 0U);
+    EXPECT_GT(report.lateness.count(), 0);
+    EXPECT_EQ(report.cause, MissCause::Infeasible);
+  }
+  for (const BodyId body : stage.bodies) EXPECT_GT(stage.at(body).position_m.z(), 0);
+}
+
+TEST(Budget, AFarDeadlineRefinesEverythingToTheBitLikeNoDeadline) {
+  std::uint64_t hashes[2];
+  for (int run = 0; run < 2; ++run) {
+    Stage stage(falling(), 0.2);
+    stage.jacks(100, 5);
+    for (int i = 0; i < 90; ++i) {
+      StepInput input = step_of(1.0 / 60);
+      if (run == 1) input.budget = Budget::within(std::chrono::minutes(10));
+      const FrameReport report = stage.world.step(input);
+      EXPECT_EQ(report.pairs_left, 0U);
+      EXPECT_EQ(report.lateness.count(), 0);
+    }
+    hashes[run] = stage.world.state_hash();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(Budget, HostWorkIsReservedWhetherGivenOrLearned) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 50; ++i) stage.world.step(step_of(1.0 / 60));
+  StepInput input = step_of(1.0 / 60);
+  input.budget = Budget::within(std::chrono::minutes(1));
+  input.host_work.expected = std::chrono::minutes(2);
+  FrameReport report = stage.world.step(input);
+  EXPECT_EQ(report.jobs_done, 0U) << "all of the time belongs to the host";
+  EXPECT_EQ(report.host_reserved, std::chrono::minutes(2));
+
+  input.budget = Budget::within(std::chrono::minutes(1));
+  input.host_work = {};
+  input.host_work.learn = true;
+  report = stage.world.step(input);
+  EXPECT_EQ(report.host_reserved.count(), 0) << "nothing was reported yet";
+  EXPECT_GT(report.jobs_done, 0U);
+  stage.world.report_host_work(std::chrono::minutes(2));
+  input.budget = Budget::within(std::chrono::minutes(1));
+  report = stage.world.step(input);
+  EXPECT_GE(report.host_reserved, std::chrono::minutes(2));
+  EXPECT_EQ(report.jobs_done, 0U);
+}
+
+// Putting pairs in order takes time too. Where there is too little of it, a part of them is, and others in the next
+// frame.
+TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(500, 6);
+  simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
+  const simulation::FrameBuffers& buffers = world.buffers;
+  StepInput input = step_of(1.0 / 60);
+  // Everything starts anew in every frame, so that every chunk has something to put in order.
+  const auto step_with = [&](double rank_cost_ns) {
+    for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
+    world.rank_cost_ns = rank_cost_ns;
+    input.budget = Budget::within(std::chrono::hours(1));
+    return stage.world.step(input);
+  };
+  for (int i = 0; i < 100; ++i) step_with(30);
+  ASSERT_GE(buffers.chunks(), 5U);
+  constexpr std::size_t kStride = 3;
+  std::size_t left_alone = 0;
+  for (std::size_t i = 0; i < 2 * kStride; ++i) {
+    // A quarter of an hour for all of them, were it three quarters.
+    const std::uint64_t frame = world.frame;
+    const double hour_ns = 3.6e12;
+    const FrameReport report =
+        step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / buffers.known_of_chunk.back().refinable);
+    EXPECT_GT(report.jobs_done, 0U);
+    for (std::size_t chunk = 0; chunk < buffers.chunks(); ++chunk) {
+      const bool turn = chunk % kStride == frame % kStride;
+      for (std::size_t k = buffers.begin_of(chunk); k < buffers.end_of(chunk); ++k) {
+        const simulation::ActivePair& pair = buffers.pairs[k];
+        if (turn) {
+          EXPECT_FALSE(pair.refinable()) << "there was an hour for it";
+        } else {
+          EXPECT_EQ(pair.level.level, 0);
+          left_alone += pair.refinable() ? 1U : 0U;
+        }
+      }
+    }
+  }
+  EXPECT_GT(left_alone, 500U);
+  EXPECT_EQ(step_with(1e15).jobs_done, 0U) << "there is no time for any";
+  EXPECT_EQ(step_with(30).pairs_left, 0U);
+}
+
+TEST(Budget, MaxLevelBoundsEveryPair) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(60, 4);
+  StepInput input = step_of(1.0 / 60);
+  input.max_level = 1;
+  for (int i = 0; i < 80; ++i) {
+    const FrameReport report = stage.world.step(input);
+    EXPECT_EQ(std::accumulate(report.level_histogram.begin() + 2, report.level_histogram.end(), 0U), 0U);
+  }
+}
+
+TEST(Budget, WhatIsSeenIsRefinedFirst) {
+  // Two heaps far apart, a viewer at one of them, and work for a part: the seen heap gets it.
+  WorldSettings settings = falling();
+  settings.policy.waiting = 0;
+  Stage stage(settings, 0.2);
+  const ShapeId jack = stage.jack();
+  stage.plane(Vec3::UnitZ(), 0);
+  for (int i = 0; i < 40; ++i) {
+    for (const double side : {-50.0, 50.0}) {
+      stage.add(jack, Vec3(side + 0.9 * (i % 4), 0.9 * ((i / 4) % 4), 0.9 + 0.9 * (i / 16)), Vec3::Zero(), Vec3::Zero(),
+                Quat(1, 0.1 * i, 0.3, 0.2));
+    }
+  }
+  StepInput input = step_of(1.0 / 60);
+  input.budget = Budget::work(60);
+  const Vec3 forward(1, 0, 0);
+  input.view = {true, Vec3(40, 1.5, 1), forward, Vec3::UnitZ(), 0.87, 1.78, forward};
+  std::size_t seen = 0;
+  std::size_t unseen = 0;
+  for (int i = 0; i < 30; ++i) {
+    stage.world.step(input);
+    for (const Contact& contact : stage.world.contacts()) {
+      if (contact.level > 0) ++(contact.point_m.x() > 0 ? seen : unseen);
+    }
+  }
+  EXPECT_GT(seen, 10 * std::max<std::size_t>(unseen, 1));
+}
+
+TEST(Capacity, AFullFrontLeavesThePairAtItsLevelAndIsCounted) {
+  std::uint64_t expected = 0;
+  for (const int threads : {1, 3}) {
+    WorldSettings settings = falling();
+    settings.max_front_entries = 1024;
+    settings.threads = threads;
+    Stage stage(settings, 0.2);
+    stage.jacks(120, 5);
+    std::size_t full = 0;
+    for (int i = 0; i < 90; ++i) {
+      StepInput input = step_of(1.0 / 60);
+      input.budget = Budget::work(1'000'000'000);
+      full += stage.world.step(input).fronts_full;
+    }
+    EXPECT_GT(full, 0U);
+    for (const BodyId body : stage.bodies) EXPECT_GT(stage.at(body).position_m.z(), 0);
+    if (expected == 0) expected = stage.world.state_hash();
+    EXPECT_EQ(stage.world.state_hash(), expected) << "which fronts were refused must not depend on threads";
+  }
+}
+
+TEST(Capacity, AFullFrontUnderADeadlineIsCountedToo) {
+  WorldSettings settings = falling();
+  settings.max_front_entries = 256;
+  settings.threads = 1;
+  Stage stage(settings, 0.2);
+  stage.jacks(120, 5);
+  std::size_t full = 0;
+  for (int i = 0; i < 90; ++i) {
+    StepInput input = step_of(1.0 / 60);
+    input.budget = Budget::within(std::chrono::minutes(1));
+    full += stage.world.step(input).fronts_full;
+  }
+  EXPECT_GT(full, 0U);
+}
+
+TEST(Capacity, PartnersBeyondTheLimitAreCounted) {
+  WorldSettings settings;
+  settings.max_partners = 4;
+  Stage stage(settings, 0);
+  const ShapeId ball = stage.ball(0.5);
+  for (int i = 0; i < 30; ++i) stage.add(ball, Vec3(0.01 * i, 0, 0));
+  EXPECT_GT(stage.world.step(step_of(0.01)).pairs_discarded, 0U);
+}
+
+TEST(Capacity, ContactsBeyondTheLastColourAreStillAnswered) {
+  WorldSettings settings;
+  Stage stage(settings, 0);
+  const ShapeId small = stage.ball(0.1);
+  stage.add(stage.ball(5), Vec3::Zero());
+  // A hundred balls all around, closing in on the one in the middle.
+  for (int i = 0; i < 100; ++i) {
+    const double z = -1 + (2.0 * i + 1) / 100;
+    const double angle = 2.39996322972865332 * i;
+    const Vec3 direction(std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle), z);
+    stage.add(small, 5.1 * direction, -direction);
+  }
+  const FrameReport report = stage.world.step(step_of(0.01));
+  EXPECT_EQ(report.contact_pairs, 100U);
+  EXPECT_EQ(report.colors_full, 36U);
+  for (std::size_t i = 1; i < stage.bodies.size(); ++i) {
+    EXPECT_LT(stage.at(stage.bodies[i]).velocity_mps.norm(), 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace poise

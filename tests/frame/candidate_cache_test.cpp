@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "world/candidate_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "geometry/primitives/random.h"
+
+namespace poise::simulation {
+namespace {
+
+using collision::CandidatePair;
+using collision::MotionBound;
+
+std::vector<MotionBound> cloud(std::size_t count) {
+  geometry::Random random(5);
+  std::vector<MotionBound> bounds(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    bounds[i].center_m = Vec3(10 * random.unit(), 10 * random.unit(), 10 * random.unit());
+    bounds[i].radius_m = 0.6;
+    bounds[i].slot = static_cast<std::uint32_t>(i);
+  }
+  return bounds;
+}
+
+bool meet(const MotionBound& a, const MotionBound& b) {
+  const double reach = a.radius_m + b.radius_m;
+  return (a.center_m - b.center_m).squaredNorm() < reach * reach;
+}
+
+TEST(CandidateCache, HoldEveryPairOfLaterFramesWhileBoundsMoveLittleAndAfterTheyMovedFar) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  collision::BroadPhase broad_phase;
+  CandidateCache cached;
+  geometry::Random random(6);
+  std::vector<MotionBound> bounds = cloud(300);
+  std::size_t reused = 0;
+  std::vector<CandidatePair> before;
+  for (int frame = 0; frame < 60; ++frame) {
+    // Still at first, then a jolt, then still again.
+    const double step = frame == 30 ? 0.5 : 2e-4;
+    for (MotionBound& bound : bounds)
+      bound.center_m += step * Vec3(random.symmetric(), random.symmetric(), random.symmetric());
+    const auto found = cached.find(broad_phase, bounds, {}, {}, 256, *executor);
+    const std::vector<CandidatePair> pairs(found.pairs.begin(), found.pairs.end());
+    EXPECT_EQ(found.discarded, 0U);
+    for (std::uint32_t i = 0; i < bounds.size(); ++i) {
+      for (std::uint32_t j = i + 1; j < bounds.size(); ++j) {
+        if (!meet(bounds[i], bounds[j])) continue;
+        ASSERT_TRUE(std::find(pairs.begin(), pairs.end(), CandidatePair{i, j}) != pairs.end()) << frame;
+      }
+    }
+    reused += pairs == before ? 1U : 0U;
+    before = pairs;
+  }
+  EXPECT_GT(reused, 40U);
+}
+
+TEST(CandidateCache, AreFoundAnewWhenABodyComesOrChangesItsGroup) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  collision::BroadPhase broad_phase;
+  CandidateCache cached;
+  std::vector<MotionBound> bounds = cloud(300);
+  const auto count = [&] { return cached.find(broad_phase, bounds, {}, {}, 256, *executor).pairs.size(); };
+  for (int frame = 0; frame < 3; ++frame) count();
+  const std::size_t all = count();
+  for (MotionBound& bound : bounds) bound.collides_with = 0;
+  EXPECT_EQ(count(), 0U);
+  for (MotionBound& bound : bounds) bound.collides_with = 0xffffffffU;
+  count();
+  EXPECT_EQ(count(), all);
+  bounds.pop_back();
+  EXPECT_LT(count(), all);
+}
+
+}  // namespace
+}  // namespace poise::simulation

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include "frame/budget/degrade.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "frame/budget/frame_time.h"
+#include "frame/scenes.h"
+#include "frame/stages.h"
+#include "frame/world_access.h"
+
+namespace poise {
+namespace {
+
+using simulation::WorldAccess;
+using simulation::WorldState;
+
+WorldSettings falling(int threads) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  settings.threads = threads;
+  return settings;
+}
+
+StepInput hopeless() {
+  StepInput input = step_of(1.0 / 60);
+  input.budget = Budget::until(SteadyClock::now() - std::chrono::hours(1));
+  return input;
+}
+StepInput easy() {
+  StepInput input = step_of(1.0 / 60);
+  input.budget = Budget::within(std::chrono::minutes(10));
+  return input;
+}
+
+TEST(Degrade, AnInfeasibleFrameSaysBeforehandThatItIsOneAndDoesWithFewerSubstepsAndOldPlaces) {
+  Stage stage(falling(2), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 60; ++i) stage.world.step(easy());
+  std::size_t reused = 0;
+  for (int i = 0; i < 30; ++i) {
+    const FrameReport report = stage.world.step(hopeless());
+    EXPECT_TRUE(report.infeasible_forecast);
+    EXPECT_EQ(report.degraded.substeps, 1);
+    reused += report.degraded.pairs_reused;
+  }
+  EXPECT_GT(reused, 0U) << "no pair's places ever grew too old";
+}
+
+TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
+  Stage stage(falling(2), 0.2);
+  stage.jacks(30, 3);
+  for (int i = 0; i < 90; ++i) {
+    const FrameReport report = stage.world.step(easy());
+    EXPECT_EQ(report.degraded.visits, 0U);
+  }
+  const WorldState& world = WorldAccess::of(stage.world);
+  for (int i = 0; i < 10; ++i) {
+    const FrameReport stopped = stage.world.step(hopeless());
+    EXPECT_GT(stopped.degraded.visits, 0U);
+    EXPECT_EQ(stopped.point_iterations, world.buffers.manifold_points) << "one sweep of one substep";
+    EXPECT_LT(stopped.mandatory, stopped.times.total + Nanoseconds(1));
+    const FrameReport whole = stage.world.step(easy());
+    EXPECT_EQ(whole.degraded.visits, 0U);
+    EXPECT_GT(whole.point_iterations, 2 * world.buffers.manifold_points)
+        << "it wanted no more than one sweep a substep";
+  }
+}
+
+TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
+  Stage stage(falling(1), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 90; ++i) stage.world.step(easy());
+  const WorldState& world = WorldAccess::of(stage.world);
+  StepInput input = step_of(1.0 / 60);
+  FrameReport report;
+  report.contact_pairs = world.buffers.manifolds.size();
+  const auto visits = [&](Nanoseconds time) {
+    input.budget = Budget::within(time);
+    report.refine_started = SteadyClock::now();
+    return simulation::iterations_in_time(world, input, report);
+  };
+  EXPECT_EQ(visits(std::chrono::hours(-1)), 1U);
+  EXPECT_EQ(visits(std::chrono::hours(1)), solver::kMaxPointIterations);
+  // What a visit costs is learned and positive, so there is a time at which it turns; far apart, since a clock is read.
+  const double us =
+      world.tail.coefficients_us()[scheduler::TailForecast::kPointIterations] * 1e-3 * world.margin.factor();
+  ASSERT_GT(us, 0);
+  const auto reserve = Nanoseconds(static_cast<std::int64_t>(
+      world.margin.factor() *
+      static_cast<double>(world.tail.forecast(simulation::tail_work(world, report.contact_pairs)).count())));
+  const auto half =
+      std::chrono::microseconds(static_cast<std::int64_t>(0.5 * us * solver::kMaxPointIterations * world.substeps));
+  const std::uint32_t some = visits(reserve + half);
+  EXPECT_GT(some, solver::kMaxPointIterations / 10);
+  report.host_reserved = std::chrono::hours(1);
+  EXPECT_EQ(visits(reserve + half), 1U) << "the host's time is not resting contact's";
+}
+
+TEST(Degrade, ItRecoversAtOnce) {
+  Stage stage(falling(2), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 60; ++i) stage.world.step(easy());
+  for (int i = 0; i < 30; ++i) stage.world.step(hopeless());
+  const FrameReport report = stage.world.step(easy());
+  EXPECT_FALSE(report.degraded.any());
+  EXPECT_FALSE(report.infeasible_forecast);
+  EXPECT_EQ(report.pairs_left, 0U);
+  EXPECT_EQ(report.lateness.count(), 0);
+}
+
+TEST(Degrade, CountedAndUnlimitedWorkIsNeverLeftOut) {
+  Stage stage(falling(2), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 90; ++i) {
+    StepInput input = step_of(1.0 / 60);
+    if (i % 2 == 0) input.budget = Budget::work(0);
+    const FrameReport report = stage.world.step(input);
+    EXPECT_FALSE(report.degraded.any());
+    EXPECT_FALSE(report.infeasible_forecast);
+  }
+}
+
+TEST(Degrade, TheSameIsLeftOutToTheBitOnAnyNumberOfThreads) {
+  std::uint64_t expected = 0;
+  for (const int threads : {1, 2, 3}) {
+    Stage stage(falling(threads), 0.2);
+    stage.jacks(100, 5);
+    for (int i = 0; i < 90; ++i) stage.world.step(i < 40 || i % 4 == 0 ? easy() : hopeless());
+    if (threads == 1) expected = stage.world.state_hash();
+    EXPECT_EQ(stage.world.state_hash(), expected);
+  }
+}
+
+TEST(Degrade, APileAtRestStaysAtRestWhileSubstepsComeAndGo) {
+  Stage stage(falling(1), 0);
+  stage.tray(4);
+  const ShapeId ball = stage.ball(0.5);
+  for (int i = 0; i < 6; ++i) stage.add(ball, Vec3(0, 0, 0.5 + 1.0 * i));
+  for (int i = 0; i < 120; ++i) stage.world.step(easy());
+  double fastest = 0;
+  for (int i = 0; i < 60; ++i) {
+    const FrameReport report = stage.world.step(i % 3 == 0 ? hopeless() : easy());
+    EXPECT_EQ(report.degraded.substeps, i % 3 == 0 ? 1 : 0);
+    for (const BodyId body : stage.bodies) fastest = std::max(fastest, stage.at(body).velocity_mps.norm());
+  }
+  EXPECT_LT(fastest, 0.01);
+  EXPECT_NEAR(stage.at(stage.bodies.back()).position_m.z(), 5.5, 0.02);
+}
+
+TEST(Degrade, WhatPlacesBoreIsKeptByTheSubstepAndScaledWithIt) {
+  Stage stage(falling(1), 0);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 90; ++i) stage.world.step(easy());
+  WorldState& world = WorldAccess::of(stage.world);
+  const auto loads = world.points.loads;
+  const std::uint64_t hash = stage.world.state_hash();
+  simulation::degrade(world, {1, 0});
+  EXPECT_EQ(world.substeps, 1);
+  double most_ns = 0;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    EXPECT_EQ(world.points.loads[i].impulse_ns, 2 * loads[i].impulse_ns);
+    EXPECT_EQ(world.points.loads[i].friction_ns, Vec3(2 * loads[i].friction_ns));
+    most_ns = std::max(most_ns, loads[i].impulse_ns);
+  }
+  EXPECT_GT(most_ns, 0) << "nothing bears anything";
+  simulation::restore(world);
+  EXPECT_EQ(world.substeps, 2);
+  EXPECT_EQ(stage.world.state_hash(), hash);
+}
+
+TEST(Degrade, TheLeastSeenAreReusedFirst) {
+  WorldSettings settings = falling(1);
+  Stage stage(settings, 0.2);
+  stage.jacks(120, 5);
+  WorldState& world = WorldAccess::of(stage.world);
+  StepInput input = easy();
+  const Vec3 forward = Vec3::UnitX();
+  input.view = {true, Vec3(-6, 0, 1), forward, Vec3::UnitZ(), 0.87, 1.78, forward};
+  // Until places are too old to be sure of: work for nothing for a while.
+  for (int i = 0; i < 70; ++i) stage.world.step(input);
+  input.budget = Budget::work(0);
+  std::size_t tried = 0;
+  for (int i = 0; i < 40 && tried < 5; ++i) {
+    FrameReport report;
+    simulation::predict(world, input);
+    simulation::find_pairs(world, input, report);
+    std::vector<simulation::CacheUse> before;
+    for (const auto& pair : world.buffers.pairs) before.push_back(pair.cached);
+    world.buffers.least_seen.reserve(world.buffers.pairs.size());
+    const std::size_t all = simulation::pairs_to_reuse(world, std::chrono::hours(1), 1, 1);
+    if (all >= 4) {
+      ++tried;
+      EXPECT_EQ(simulation::pairs_to_reuse(world, Nanoseconds(2), 1, 1), 2U) << "no more than are needed";
+      simulation::degrade(world, {0, all / 2});
+      double most_reused = 0;
+      double least_left = 1e300;
+      std::size_t reused = 0;
+      for (std::size_t k = 0; k < all; ++k) {
+        const auto& item = world.buffers.least_seen[k];
+        const bool is_reused = world.buffers.pairs[item.pair].cached != before[item.pair];
+        reused += is_reused ? 1U : 0U;
+        (is_reused ? most_reused : least_left) =
+            is_reused ? std::max(most_reused, item.weight) : std::min(least_left, item.weight);
+      }
+      EXPECT_EQ(reused, all / 2);
+      EXPECT_LE(most_reused, least_left);
+    }
+    stage.world.step(input);
+  }
+  EXPECT_GT(tried, 0U) << "no pair's places ever grew too old";
+}
+
+TEST(FrameTime, WhatOneWorldLearnedIsWhereAnotherBegins) {
+  Stage stage(falling(1), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 80; ++i) stage.world.step(easy());
+  const scheduler::TimePriors learned = stage.world.time_priors();
+  EXPECT_EQ(learned.frames, 80U);
+  EXPECT_GT(learned.spread, 0);
+  Stage other(falling(1), 0.2);
+  EXPECT_EQ(other.world.time_priors().frames, 0U);
+  other.world.set_time_priors(learned);
+  const scheduler::TimePriors taken = other.world.time_priors();
+  EXPECT_EQ(taken.tail_us, learned.tail_us);
+  EXPECT_EQ(taken.head_us, learned.head_us);
+  // A margin that is wider than one begins with is not taken over.
+  const double first = World::create(falling(1)).value().time_priors().log_quantile;
+  EXPECT_DOUBLE_EQ(taken.log_quantile, std::min(learned.log_quantile, first));
+  EXPECT_DOUBLE_EQ(taken.unit_cost_ns, learned.unit_cost_ns);
+  scheduler::TimePriors senseless = learned;
+  senseless.tail_us[1] = -3;
+  senseless.unit_cost_ns = 0;
+  other.world.set_time_priors(senseless);
+  EXPECT_GE(other.world.time_priors().tail_us[1], 0);
+  EXPECT_GT(other.world.time_priors().unit_cost_ns, 0);
+}
+
+TEST(FrameTime, ASmallerAlphaKeepsMore) {
+  WorldSettings rare = falling(1);
+  rare.alpha = 0.001;
+  const World careful = World::create(rare).value();
+  const World plain = World::create(falling(1)).value();
+  EXPECT_GT(careful.time_priors().log_quantile, plain.time_priors().log_quantile);
+  rare.alpha = 0.6;
+  EXPECT_FALSE(World::create(rare).ok());
+  rare.alpha = 0;
+  EXPECT_FALSE(World::create(rare).ok());
+}
+
+}  // namespace
+}  // namespace poise

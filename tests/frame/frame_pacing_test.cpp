@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "scene/run/release_grid.h"
+#include "scene/run/render_load.h"
+#include "studies/forecast_trial.h"
+
+// All times are invented, but for one that is counted on this thread.
+namespace poise::simulation {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+const SteadyClock::time_point kStart{std::chrono::hours(3)};
+
+TEST(ReleaseGrid, ALateFrameLeavesTheNextOneWhatIsLeftOfItsPeriodAndNoMore) {
+  ReleaseGrid grid(kStart, 0.010, milliseconds(10));
+  EXPECT_EQ(grid.release(), kStart);
+  EXPECT_EQ(grid.advance(kStart + milliseconds(13)), 0U);
+  EXPECT_EQ(grid.release(), kStart + milliseconds(10)) << "the grid did not move";
+  EXPECT_EQ(grid.deadline(), kStart + milliseconds(20));
+  // It makes up for it, and the one after has its whole period.
+  EXPECT_EQ(grid.advance(kStart + milliseconds(19)), 0U);
+  EXPECT_EQ(grid.release(), kStart + milliseconds(20));
+}
+
+TEST(ReleaseGrid, ReleasesThatCannotBeServedAnyMoreAreCountedAndSkipped) {
+  ReleaseGrid grid(kStart, 0.010, milliseconds(10));
+  EXPECT_EQ(grid.advance(kStart + milliseconds(47)), 3U);
+  EXPECT_EQ(grid.release(), kStart + milliseconds(40));
+  EXPECT_EQ(grid.deadline(), kStart + milliseconds(50));
+}
+
+TEST(ReleaseGrid, LatenessDoesNotAddUpOverThousandsOfFrames) {
+  // Each frame takes a tenth longer than its period: one release in about ten is lost, and no frame is released later
+  // than one period late.
+  ReleaseGrid grid(kStart, 0.010, milliseconds(10));
+  SteadyClock::time_point now = kStart;
+  std::uint64_t skipped = 0;
+  constexpr int kFrames = 5000;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    now = std::max(now, grid.release()) + milliseconds(11);
+    skipped += grid.advance(now);
+    EXPECT_LT(now - grid.release(), milliseconds(10));
+  }
+  EXPECT_NEAR(static_cast<double>(skipped), 0.1 * kFrames, 0.01 * kFrames);
+  // The load falls: the very next frame is on time.
+  now = std::max(now, grid.release()) + milliseconds(1);
+  EXPECT_LT(now, grid.deadline());
+  grid.advance(now);
+  EXPECT_GE(grid.release(), now - milliseconds(10));
+}
+
+TEST(RenderLoad, IsTheSameForAFrameAndStaysWithinItsJitter) {
+  const RenderLoad load{milliseconds(4), milliseconds(1), 7};
+  Nanoseconds least = milliseconds(9);
+  Nanoseconds most{0};
+  for (std::uint64_t frame = 0; frame < 500; ++frame) {
+    const Nanoseconds time = load_of(load, frame);
+    EXPECT_EQ(time, load_of(load, frame));
+    least = std::min(least, time);
+    most = std::max(most, time);
+  }
+  EXPECT_GE(least, milliseconds(3));
+  EXPECT_LT(least, microseconds(3100));
+  EXPECT_LE(most, milliseconds(5));
+  EXPECT_GT(most, microseconds(4900));
+  EXPECT_EQ(load_of({milliseconds(1), milliseconds(5), 1}, 3), load_of({milliseconds(1), milliseconds(1), 1}, 3))
+      << "never negative";
+}
+
+TEST(RenderLoad, KeepsTheProcessorForAsLongAsItSays) {
+  const LoadTime load = burn(milliseconds(3));
+  EXPECT_GE(load.wall - load.off_cpu, milliseconds(3));
+  EXPECT_GE(load.off_cpu.count(), 0);
+}
+
+RecordedTail tail_of(std::uint64_t contacts, std::uint64_t visits, Nanoseconds actual) {
+  RecordedTail tail;
+  tail.forecast_for.bodies = 100;
+  tail.forecast_for.contacts = contacts;
+  tail.forecast_for.point_iterations = visits;
+  tail.contacts = contacts;
+  tail.actual = actual;
+  return tail;
+}
+
+TEST(ForecastTrial, AConstantTailIsExactlyItsMean) {
+  const std::vector<RecordedTail> tails(400, tail_of(50, 100, microseconds(700)));
+  const std::vector<ForecastScore> scores = try_forecasts(tails, 0.01, 100);
+  ASSERT_EQ(scores.size(), 6U);
+  for (const ForecastScore& score : scores) {
+    if (score.method.starts_with("mean") || score.method.starts_with("quantile")) {
+      EXPECT_EQ(score.exceeded, 0) << score.method;
+      EXPECT_NEAR(score.reserve_over_actual, 1, 1e-9) << score.method;
+      EXPECT_NEAR(score.pinball, 0, 1e-9) << score.method;
+    }
+  }
+}
+
+TEST(ForecastTrial, WorkThatRepeatsFromFrameToFrameIsForeseenByItsVisitsAlone) {
+  // Sweeps that come and go with no other count: contacts say nothing, the visits of the frame before say all.
+  std::vector<RecordedTail> tails;
+  for (int i = 0; i < 1500; ++i) {
+    const std::uint64_t visits = (i / 40) % 2 == 0 ? 2000 : 20000;
+    tails.push_back(tail_of(300, visits, microseconds(200) + Nanoseconds(50 * visits)));
+  }
+  const std::vector<ForecastScore> scores = try_forecasts(tails, 0.01, 200);
+  EXPECT_LT(scores[0].reserve_over_actual, 0.75 * scores[1].reserve_over_actual);
+  EXPECT_LT(scores[0].pinball, 0.5 * scores[1].pinball);
+  EXPECT_LE(scores[0].exceeded, 0.03);
+}
+
+TEST(ForecastTrial, FramesThatAreNotJudgedAreStillLearnedFrom) {
+  std::vector<RecordedTail> tails(100, tail_of(10, 10, microseconds(100)));
+  tails.back().actual = microseconds(900);
+  EXPECT_EQ(try_forecasts(tails, 0.01, 100)[3].exceeded, 0) << "none is judged";
+  EXPECT_EQ(try_forecasts(tails, 0.01, 99)[3].exceeded, 1) << "the last one alone";
+}
+
+}  // namespace
+}  // namespace poise::simulation

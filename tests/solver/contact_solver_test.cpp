@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: MIT
+#include "solver/contact_solver.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+
+namespace poise::solver {
+namespace {
+
+/// Bodies and pairs that rest on each other, the places of one pair given when the pair is added.
+struct Bench {
+  std::vector<SolverBody> bodies;
+  std::vector<collision::Pose> poses;
+  std::vector<Acceleration> accelerations;
+  std::vector<Mat3> inverse_inertia;
+  std::vector<Manifold> pairs;
+  std::vector<ContactPoint> points;
+  std::vector<AccumulatedImpulse> loads;
+  std::vector<Vec3> applied_impulse_ns;
+  Coloring coloring;
+  SolveSettings settings;
+  ContactSolver solver;
+  std::unique_ptr<parallel::Executor> executor = parallel::make_executor(ExecutorKind::Serial, 1);
+
+  std::uint32_t add_body(double mass_kg, const Vec3& point_m = Vec3::Zero(), const Vec3& velocity = Vec3::Zero()) {
+    SolverBody body;
+    body.velocity_mps = velocity;
+    body.inverse_mass = mass_kg > 0 ? 1 / mass_kg : 0;
+    bodies.push_back(body);
+    poses.push_back({point_m, Mat3::Identity()});
+    Acceleration pull;
+    if (mass_kg > 0) pull.linear_mps2 = settings.gravity_mps2;
+    accelerations.push_back(pull);
+    inverse_inertia.push_back(mass_kg > 0 ? Mat3(Mat3::Identity() / (0.4 * mass_kg)) : Mat3(Mat3::Zero()));
+    return static_cast<std::uint32_t>(bodies.size() - 1);
+  }
+  // Surfaces that are this far apart at world points.
+  void add_pair(std::uint32_t a, std::uint32_t b, const Vec3& normal, std::vector<Vec3> points_m, double friction = 0,
+                double gap_m = 0) {
+    Manifold pair;
+    pair.a = a;
+    pair.b = b;
+    pair.point_begin = static_cast<std::uint32_t>(points.size());
+    pair.point_count = static_cast<std::uint8_t>(points_m.size());
+    pair.friction = friction;
+    pairs.push_back(pair);
+    for (const Vec3& point : points_m) {
+      points.push_back({normal, point - 0.5 * gap_m * normal - poses[a].position_m,
+                        point + 0.5 * gap_m * normal - poses[b].position_m, 0});
+      loads.emplace_back();
+    }
+  }
+  Convergence solve() {
+    std::vector<Coloring::Edge> edges;
+    std::uint64_t point_count = 0;
+    for (const Manifold& pair : pairs) {
+      edges.push_back(
+          {pair.a, pair.b, bodies[pair.a].inverse_mass > 0, bodies[pair.b].inverse_mass > 0, pair.point_count});
+      point_count += pair.point_count;
+    }
+    coloring.color(edges, bodies.size());
+    applied_impulse_ns.resize(pairs.size());
+    return solver.solve({bodies, accelerations, inverse_inertia, poses, pairs, points, loads, applied_impulse_ns,
+                         coloring, point_count},
+                        settings, *executor);
+  }
+  Vec3 momentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (const SolverBody& body : bodies) {
+      if (body.inverse_mass > 0) sum += body.velocity_mps / body.inverse_mass;
+    }
+    return sum;
+  }
+  Vec3 angular_momentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i].inverse_mass == 0) continue;
+      sum += poses[i].position_m.cross(bodies[i].velocity_mps) / bodies[i].inverse_mass +
+             inverse_inertia[i].inverse() * bodies[i].spin_radps;
+    }
+    return sum;
+  }
+};
+
+// Boxes of 1 kg in a column, each on four places of the one below.
+void stack(Bench& bench, int boxes) {
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  bench.add_body(0);
+  for (int i = 0; i < boxes; ++i) {
+    const double z_m = i;
+    const auto box = bench.add_body(1, Vec3(0, 0, z_m + 0.5));
+    bench.add_pair(box - 1, box, Vec3(0, 0, 1),
+                   {{0.4, 0.4, z_m}, {-0.4, 0.4, z_m}, {-0.4, -0.4, z_m}, {0.4, -0.4, z_m}}, 0.5);
+  }
+}
+
+TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
+  constexpr std::uint32_t kPoints = 10 * 4;
+  constexpr std::uint32_t kMixedIteration = kPoints * kMixedIterationCost;
+  struct Allowed {
+    std::uint32_t visits, most_a_substep;
+  };
+  std::uint64_t before = 0;
+  double drop_before_mps = 1e300;
+  for (const auto& [visits, most] :
+       {Allowed{1, kPoints}, Allowed{3 * kPoints, 3 * kPoints}, Allowed{12 * kPoints, 12 * kPoints},
+        Allowed{25 * kMixedIteration, 25 * kMixedIteration}}) {
+    Bench bench;
+    stack(bench, 10);
+    bench.settings.visits = visits;
+    const Convergence ended = bench.solve();
+    EXPECT_TRUE(ended.cut_short) << visits;
+    EXPECT_LE(ended.visits, std::uint64_t{most} * static_cast<std::uint64_t>(bench.settings.substeps)) << visits;
+    EXPECT_GT(ended.visits, before) << visits;
+    before = ended.visits;
+    double drop_mps = 0;
+    for (const SolverBody& body : bench.bodies) drop_mps = std::max(drop_mps, body.velocity_mps.norm());
+    EXPECT_LT(drop_mps, drop_before_mps) << visits << ": more visits hold it no better";
+    drop_before_mps = drop_mps;
+  }
+  Bench whole;
+  stack(whole, 10);
+  EXPECT_FALSE(whole.solve().cut_short) << "nothing was kept from it";
+  Bench alone;
+  stack(alone, 1);
+  alone.settings.visits = 19 * 4;
+  EXPECT_FALSE(alone.solve().cut_short) << "one box settles before";
+}
+
+TEST(Rest, ABodyOnTheFloorStaysWhereItIs) {
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  const auto floor = bench.add_body(0);
+  const auto ball = bench.add_body(2, Vec3(0, 0, 1));
+  bench.add_pair(floor, ball, Vec3::UnitZ(), {Vec3::Zero()});
+  bench.solve();
+  EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), 0, 1e-7);
+  EXPECT_NEAR(bench.bodies[ball].moved_m.z(), 0, 1e-8);
+  EXPECT_TRUE(bench.bodies[ball].solved);
+  EXPECT_FALSE(bench.bodies[floor].solved);
+  EXPECT_NEAR(bench.applied_impulse_ns[0].z(), 2 * 9.81 / 60, 1e-6);
+  EXPECT_NEAR(bench.loads[0].impulse_ns, 2 * 9.81 / 120, 1e-6) << "a substep's";
+}
+
+TEST(Rest, AGapClosesAndNoMore) {
+  Bench bench;
+  bench.settings.dt_s = 0.1;
+  const auto wall = bench.add_body(0);
+  const auto ball = bench.add_body(1, Vec3(1, 0, 0), Vec3(-4, 0, 0));
+  bench.add_pair(wall, ball, Vec3::UnitX(), {Vec3::Zero()}, 0, 0.3);
+  bench.solve();
+  EXPECT_NEAR(bench.bodies[ball].moved_m.x(), -0.3, 1e-6);
+}
+
+TEST(Rest, OverlapIsPushedApartWithoutLeavingSpeedBehind) {
+  Bench bench;
+  const auto a = bench.add_body(1);
+  const auto b = bench.add_body(1, Vec3(1, 0, 0));
+  bench.add_pair(a, b, Vec3::UnitX(), {Vec3(0.5, 0, 0)}, 0, -0.1);
+  bench.solve();
+  EXPECT_GT(bench.bodies[b].moved_m.x() - bench.bodies[a].moved_m.x(), 1e-3);
+  EXPECT_TRUE(bench.bodies[a].solved);
+  EXPECT_TRUE(bench.bodies[b].velocity_mps.isZero(0));
+}
+
+TEST(Rest, WhatMayNotOverlapAtAllIsNotPushed) {
+  // A coarse level says that the surfaces likely meet, but is not sure of it.
+  Bench bench;
+  const auto a = bench.add_body(1);
+  const auto b = bench.add_body(1, Vec3(1, 0, 0));
+  bench.add_pair(a, b, Vec3::UnitX(), {Vec3(0.5, 0, 0)}, 0, -0.1);
+  bench.points[0].certainty_m = 0.3;
+  bench.solve();
+  EXPECT_TRUE(bench.bodies[a].moved_m.isZero(0));
+  EXPECT_FALSE(bench.bodies[a].solved);
+}
+
+TEST(Rest, APairWithoutPlacesIsLeftAlone) {
+  Bench bench;
+  const auto a = bench.add_body(1, Vec3::Zero(), Vec3(5, 0, 0));
+  const auto b = bench.add_body(0, Vec3(1, 0, 0));
+  bench.add_pair(a, b, Vec3::UnitX(), {});
+  bench.solve();
+  EXPECT_EQ(bench.bodies[a].velocity_mps, Vec3(5, 0, 0));
+}
+
+TEST(Rest, FrictionStopsABodyByCoulombsLaw) {
+  for (const double friction : {0.0, 0.3, 0.8}) {
+    Bench bench;
+    bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+    bench.settings.dt_s = 0.01;
+    const auto floor = bench.add_body(0);
+    const auto box = bench.add_body(2, Vec3(0, 0, 0.01), Vec3(1, 0.5, 0));
+    const auto corners = {Vec3(1, 1, 0), Vec3(-1, 1, 0), Vec3(-1, -1, 0), Vec3(1, -1, 0)};
+    bench.add_pair(floor, box, Vec3::UnitZ(), corners, friction);
+    for (int step = 0; step < 10; ++step) bench.solve();
+    const double speed = std::sqrt(1.25) - friction * 10 * 0.1;
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.norm(), speed, 0.01) << friction;
+    for (int step = 0; step < 90; ++step) bench.solve();
+    const double later = std::max(0.0, std::sqrt(1.25) - friction * 10 * 1.0);
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.norm(), later, 1e-3) << friction;
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.z(), 0, 1e-3);
+  }
+}
+
+TEST(Rest, FrictionHoldsAgainstAPullWithinTheConeAlone) {
+  for (const double pull : {0.45, 0.55}) {
+    Bench bench;
+    bench.settings.gravity_mps2 = Vec3(10 * pull, 0, -10);
+    const auto floor = bench.add_body(0);
+    const auto box = bench.add_body(3, Vec3(0, 0, 0.01));
+    bench.add_pair(floor, box, Vec3::UnitZ(), {Vec3(1, 1, 0), Vec3(-1, 1, 0), Vec3(-1, -1, 0), Vec3(1, -1, 0)}, 0.5);
+    for (int step = 0; step < 60; ++step) bench.solve();
+    EXPECT_NEAR(bench.bodies[box].velocity_mps.x(), pull < 0.5 ? 0 : 10 * (pull - 0.5), 0.01) << pull;
+  }
+}
+
+TEST(Rest, WhatIsLeftToTheImpactPhaseIsNotRubbedEither) {
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+  const auto floor = bench.add_body(0);
+  const auto ball = bench.add_body(1, Vec3(0, 0, 1), Vec3(3, 0, -5));
+  bench.add_pair(floor, ball, Vec3::UnitZ(), {Vec3::Zero()}, 0.5, 0.01);
+  bench.pairs[0].restitution = 0.5;
+  bench.solve();
+  EXPECT_EQ(bench.bodies[ball].velocity_mps.x(), 3);
+  EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), -5 - 10.0 / 60, 1e-12);
+}
+
+RC_GTEST_PROP(Rest, AnyPlacesKeepMomentumAndAngularMomentum, ()) {
+  const auto number = [] { return 1e-3 * *rc::gen::inRange(-1000, 1000); };
+  const auto vector = [&] { return Vec3(number(), number(), number()); };
+  Bench bench;
+  bench.settings.substeps = *rc::gen::inRange(1, 4);
+  const double friction = *rc::gen::element(0.0, 0.5);
+  for (int i = 0; i < 7; ++i) bench.add_body(0.1 + std::abs(number()), vector(), vector());
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    for (std::uint32_t j = i + 1; j < 7; ++j) {
+      std::vector<Vec3> points;
+      for (int k = *rc::gen::inRange(1, 5); k > 0; --k) points.push_back(vector());
+      bench.add_pair(i, j, (vector() + Vec3(0.1, 0.2, 0.3)).normalized(), points, friction);
+    }
+  }
+  const Vec3 momentum = bench.momentum();
+  const Vec3 angular = bench.angular_momentum();
+  bench.solve();
+  RC_ASSERT((bench.momentum() - momentum).norm() < 1e-12 * 10);
+  RC_ASSERT((bench.angular_momentum() - angular).norm() < 1e-12 * 10);
+}
+
+// A layer of balls on the ground, each against its neighbours: more pairs than lanes, of different patch counts.
+Bench layer(int threads) {
+  Bench bench;
+  bench.executor = parallel::make_executor(ExecutorKind::Threads, threads);
+  bench.settings.gravity_mps2 = Vec3(0.3, 0.2, -9.81);
+  const auto ground = bench.add_body(0);
+  for (int i = 0; i < 40; ++i) {
+    const double x = i % 7;
+    const double y = static_cast<double>(i / 7);
+    const auto ball = bench.add_body(1 + 0.1 * i, Vec3(x, y, 0.5), Vec3(0.1 * (i % 3), 0.05 * (i % 5), 0));
+    std::vector<Vec3> feet;
+    for (int k = 0; k <= i % 4; ++k) feet.emplace_back(x + 0.1 * (k % 2), y + 0.1 * (k / 2), 0);
+    bench.add_pair(ground, ball, Vec3::UnitZ(), feet, i % 2 == 0 ? 0.4 : 0.0, -1e-3 * (i % 3));
+    if (i % 7 > 0) bench.add_pair(ball - 1, ball, Vec3::UnitX(), {Vec3(x - 0.5, y, 0.5)}, 0.2, 1e-3);
+    if (i >= 7) bench.add_pair(ball - 7, ball, Vec3::UnitY(), {Vec3(x, y - 0.5, 0.5)}, 0, -2e-3);
+  }
+  for (int step = 0; step < 3; ++step) bench.solve();
+  return bench;
+}
+
+TEST(Rest, ThreadsDoNotShow) {
+  const Bench one = layer(1);
+  for (const int threads : {2, 4}) {
+    const Bench many = layer(threads);
+    for (std::size_t i = 0; i < one.bodies.size(); ++i) {
+      ASSERT_EQ(one.bodies[i].velocity_mps, many.bodies[i].velocity_mps);
+      ASSERT_EQ(one.bodies[i].moved_m, many.bodies[i].moved_m);
+      ASSERT_EQ(one.bodies[i].turned_rad, many.bodies[i].turned_rad);
+    }
+  }
+}
+
+// A column of equal bodies at rest on the ground: the impulse below body k carries all that stand on it.
+Bench column(std::uint32_t count) {
+  Bench bench;
+  bench.settings.dt_s = 0.01;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+  bench.settings.substeps = 1;
+  auto below = bench.add_body(0);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto body = bench.add_body(2, Vec3(0, 0, i + 0.5));
+    bench.add_pair(below, body, Vec3::UnitZ(), {Vec3(0, 0, i)});
+    below = body;
+  }
+  return bench;
+}
+
+TEST(Convergence, CarriesAColumnWithTheWeightAboveEachContact) {
+  Bench bench = column(15);
+  bench.settings.stopping = {1e-10, 100000};
+  const Convergence ended = bench.solve();
+  EXPECT_TRUE(ended.reached);
+  EXPECT_GT(ended.iterations, 50U);
+  for (std::size_t i = 0; i < 15; ++i)
+    EXPECT_NEAR(bench.applied_impulse_ns[i].z(), 2 * 10 * 0.01 * (15.0 - static_cast<double>(i)), 1e-6) << i;
+  for (const SolverBody& body : bench.bodies) EXPECT_NEAR(body.velocity_mps.z(), 0, 1e-7);
+}
+
+TEST(Convergence, OfASmallSceneNeedsNoAsking) {
+  Bench bench = column(10);
+  for (int step = 0; step < 10; ++step) bench.solve();
+  for (std::size_t i = 0; i < 10; ++i)
+    EXPECT_NEAR(bench.applied_impulse_ns[i].z(), 2 * 10 * 0.01 * (10.0 - static_cast<double>(i)), 1e-3) << i;
+}
+
+TEST(Convergence, OfALargeSceneComesWithTheStepsThatWarmStartEachOther) {
+  Bench bench;
+  bench.settings.dt_s = 0.01;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -10);
+  const auto ground = bench.add_body(0);
+  for (int stack = 0; stack < 20000; ++stack) {
+    const auto lower = bench.add_body(2, Vec3(stack, 0, 0.5));
+    const auto upper = bench.add_body(2, Vec3(stack, 0, 1.5));
+    bench.add_pair(ground, lower, Vec3::UnitZ(), {Vec3(stack, 0, 0)});
+    bench.add_pair(lower, upper, Vec3::UnitZ(), {Vec3(stack, 0, 1)});
+  }
+  Convergence ended;
+  for (int step = 0; step < 20; ++step) ended = bench.solve();
+  EXPECT_EQ(ended.iterations, 2U) << "one a substep";
+  EXPECT_NEAR(bench.applied_impulse_ns.front().z(), 2 * 2 * 10 * 0.01, 1e-4);
+  EXPECT_NEAR(bench.applied_impulse_ns.back().z(), 2 * 10 * 0.01, 1e-4);
+}
+
+TEST(Convergence, IsDeniedWhereSweepsWereCutOff) {
+  Bench bench = column(15);
+  bench.settings.stopping = {1e-10, 20};
+  const Convergence ended = bench.solve();
+  EXPECT_FALSE(ended.reached);
+  EXPECT_EQ(ended.iterations, 20U);
+}
+
+}  // namespace
+}  // namespace poise::solver

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "solver/solver.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <array>
+
+namespace poise::solver {
+namespace {
+
+/// A few bodies and rows, solved on one thread.
+struct Bench {
+  std::vector<SolverBody> bodies;
+  std::vector<Mat3> inverse_inertia;
+  std::vector<ContactRow> rows;
+  std::vector<PointContact> points;
+  Coloring coloring;
+  SolveScratch scratch;
+  SolveSettings settings;
+  std::unique_ptr<parallel::Executor> executor = parallel::make_executor(ExecutorKind::Serial, 1);
+
+  std::uint32_t add_body(double mass_kg, const Vec3& velocity, const Vec3& spin = Vec3::Zero()) {
+    SolverBody body;
+    body.velocity_mps = velocity;
+    body.spin_radps = spin;
+    body.inverse_mass = mass_kg > 0 ? 1 / mass_kg : 0;
+    bodies.push_back(body);
+    inverse_inertia.push_back(mass_kg > 0 ? Mat3(Mat3::Identity() / (0.4 * mass_kg)) : Mat3(Mat3::Zero()));
+    return static_cast<std::uint32_t>(bodies.size() - 1);
+  }
+  ContactRow& add_row(std::uint32_t a, std::uint32_t b, const Vec3& l, const Vec3& ta, const Vec3& tb, double e) {
+    ContactRow row;
+    row.a = a;
+    row.b = b;
+    row.direction = l;
+    row.moment_a_m = ta;
+    row.moment_b_m = tb;
+    row.restitution = e;
+    EXPECT_TRUE(
+        prepare_row(row, bodies[a].inverse_mass, inverse_inertia[a], bodies[b].inverse_mass, inverse_inertia[b]));
+    rows.push_back(row);
+    return rows.back();
+  }
+  System system() {
+    std::vector<Coloring::Edge> edges;
+    for (const ContactRow& row : rows) {
+      edges.push_back({row.a, row.b, bodies[row.a].inverse_mass > 0, bodies[row.b].inverse_mass > 0});
+    }
+    coloring.color(edges, bodies.size());
+    std::vector<ContactRow> ordered;
+    for (const std::uint32_t i : coloring.order()) ordered.push_back(rows[i]);
+    rows = ordered;
+    return {bodies, rows, points, {}, {}, inverse_inertia, coloring, scratch};
+  }
+  Convergence impacts() { return solve_impacts(system(), settings, *executor); }
+  double energy() const {
+    double sum = 0;
+    for (const SolverBody& body : bodies) {
+      if (body.inverse_mass == 0) continue;
+      sum += 0.5 / body.inverse_mass * (body.velocity_mps.squaredNorm() + 0.4 * body.spin_radps.squaredNorm());
+    }
+    return sum;
+  }
+  Vec3 momentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (const SolverBody& body : bodies) {
+      if (body.inverse_mass > 0) sum += body.velocity_mps / body.inverse_mass;
+    }
+    return sum;
+  }
+};
+
+TEST(Impact, TwoBallsHeadOnFollowTheClosedFormForAnyRestitution) {
+  for (const double e : {0.0, 0.25, 0.7, 1.0}) {
+    Bench bench;
+    const auto a = bench.add_body(2, Vec3(3, 0, 0));
+    const auto b = bench.add_body(5, Vec3(-1, 0, 0));
+    bench.add_row(a, b, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), e);
+    bench.impacts();
+    const double common = (2 * 3 + 5 * -1) / 7.0;
+    EXPECT_NEAR(bench.bodies[a].velocity_mps.x(), common - e * 5 * 4 / 7.0, 1e-14);
+    EXPECT_NEAR(bench.bodies[b].velocity_mps.x(), common + e * 2 * 4 / 7.0, 1e-14);
+  }
+}
+
+TEST(Impact, FiveBallsInARowPassTheMotionOn) {
+  Bench bench;
+  for (int i = 0; i < 5; ++i) bench.add_body(1, Vec3(i == 0 ? 1 : 0, 0, 0));
+  for (std::uint32_t i = 0; i < 4; ++i) bench.add_row(i, i + 1, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 1);
+  bench.impacts();
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(bench.bodies[i].velocity_mps.x(), i == 4 ? 1 : 0, 1e-9);
+}
+
+RC_GTEST_PROP(Impact, AnyWrenchKeepsMomentumAndNeverAddsEnergy, ()) {
+  const auto number = [] { return 1e-3 * *rc::gen::inRange(-1000, 1000); };
+  const auto vector = [&] { return Vec3(number(), number(), number()); };
+  Bench bench;
+  const double e = *rc::gen::element(0.0, 0.5, 1.0);
+  for (int i = 0; i < 6; ++i) bench.add_body(0.1 + std::abs(number()), vector(), vector());
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    for (std::uint32_t j = i + 1; j < 6; ++j) {
+      // One point for both bodies: angular momentum about it is kept by construction of the moments.
+      const Vec3 l = (vector() + Vec3(0.1, 0.2, 0.3)).normalized();
+      bench.add_row(i, j, l, vector(), vector(), e);
+    }
+  }
+  const double energy = bench.energy();
+  const Vec3 momentum = bench.momentum();
+  bench.impacts();
+  RC_ASSERT(bench.energy() <= energy * (1 + 1e-12));
+  RC_ASSERT((bench.momentum() - momentum).norm() < 1e-12 * 10);
+}
+
+TEST(Impact, AnElasticWrenchKeepsEnergyToRounding) {
+  Bench bench;
+  const auto a = bench.add_body(2, Vec3(3, 1, 0), Vec3(0.1, 0.2, 0.3));
+  const auto b = bench.add_body(5, Vec3(-1, 0, 0));
+  bench.add_row(a, b, Vec3(0.6, 0.3, 0.1), Vec3(0.1, -0.2, 0.05), Vec3(-0.1, 0.3, 0.2), 1);
+  const double energy = bench.energy();
+  bench.impacts();
+  EXPECT_NEAR(bench.energy(), energy, 1e-13 * energy);
+}
+
+TEST(Impact, APairThatSeparatesIsLeftAlone) {
+  Bench bench;
+  const auto a = bench.add_body(1, Vec3(-1, 0, 0));
+  const auto b = bench.add_body(1, Vec3(1, 0, 0));
+  bench.add_row(a, b, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 1).gap_m = -0.1;
+  bench.impacts();
+  EXPECT_EQ(bench.bodies[a].velocity_mps, Vec3(-1, 0, 0));
+}
+
+TEST(Impact, WithoutReboundAPairIsSlowedToJustTouch) {
+  Bench bench;
+  bench.settings.dt_s = 0.1;
+  const auto a = bench.add_body(1, Vec3(4, 0, 0));
+  const auto b = bench.add_body(0, Vec3::Zero());
+  bench.add_row(a, b, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0).gap_m = 0.3;
+  bench.impacts();
+  EXPECT_NEAR(bench.bodies[a].velocity_mps.x(), 3.0, 1e-12);  // 0.3 m in 0.1 s
+}
+
+TEST(Impact, PointContactsAreAnsweredOneByOneEachWithItsOwnApproach) {
+  // Two points of one flat meeting: the first takes all of the approach, the second finds none left (DO, eq. 1-3).
+  Bench bench;
+  const auto a = bench.add_body(1, Vec3(1, 0, 0));
+  const auto b = bench.add_body(0, Vec3::Zero());
+  ContactRow& row = bench.add_row(a, b, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0.5);
+  bench.points = {{Vec3::UnitX(), Vec3(1, 0, 0), Vec3::Zero(), -0.1},
+                  {Vec3::UnitX(), Vec3(1, 0, 0), Vec3::Zero(), -0.1}};
+  row.points_end = 2;
+  bench.impacts();
+  EXPECT_NEAR(bench.bodies[a].velocity_mps.x(), -0.5, 1e-14);
+  EXPECT_NEAR(bench.rows[0].point_impulse_ns.x(), 1.5, 1e-14);
+}
+
+TEST(Impact, FrictionTakesFromTheSlipAtMostItsShareOfTheImpulse) {
+  // A ball that spins and falls on the ground: the closed form of a rigid impact with Coulomb friction.
+  for (const double friction : {0.0, 0.1, 10.0}) {
+    Bench bench;
+    const double radius = 1;
+    const auto ground = bench.add_body(0, Vec3::Zero());
+    const auto ball = bench.add_body(2, Vec3(0, 0, -3), Vec3(0, 4, 0));
+    ContactRow& row = bench.add_row(ball, ground, -Vec3::UnitZ(), Vec3::Zero(), Vec3::Zero(), 0.5);
+    row.friction = friction;
+    row.arm_m = Vec3(0, 0, -radius);
+    row.a_to_b_m = Vec3(0, 0, -radius);
+    bench.impacts();
+    // The lowest point slips with w x r = -4 m/s; what stops it all is 2/7 of that, since I = 2/5 m r^2.
+    const double gained = std::min(friction * 1.5 * 3, 4 * 2.0 / 7);
+    EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), 1.5, 1e-13);
+    EXPECT_NEAR(bench.bodies[ball].velocity_mps.x(), gained, 1e-13) << friction;
+    EXPECT_NEAR(bench.bodies[ball].spin_radps.y(), 4 - gained / 0.4, 1e-12) << friction;
+  }
+}
+
+TEST(Convergence, OfImpactsGoesOnPastTheSweepsOfAFrame) {
+  // An inelastic row of thirty: each sweep passes motion on, and eight do not bring it to rest relative to itself.
+  const auto row = [](const Stopping& stopping, Convergence& ended) {
+    Bench bench;
+    bench.settings.stopping = stopping;
+    for (int i = 0; i < 30; ++i) bench.add_body(1, Vec3(i == 0 ? 30 : 0, 0, 0));
+    for (std::uint32_t i = 0; i < 29; ++i) bench.add_row(i, i + 1, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0);
+    ended = bench.impacts();
+    double closing = 0;
+    for (std::size_t i = 0; i + 1 < 30; ++i) {
+      closing = std::max(closing, bench.bodies[i].velocity_mps.x() - bench.bodies[i + 1].velocity_mps.x());
+    }
+    return closing;
+  };
+  Convergence quick, converged;
+  EXPECT_GT(row({}, quick), 1e-3);
+  EXPECT_EQ(quick.iterations, kImpactIterations);
+  EXPECT_LT(row({1e-10, 100000}, converged), 1e-6);
+  EXPECT_TRUE(converged.reached);
+  EXPECT_GT(converged.iterations, kImpactIterations);
+}
+
+}  // namespace
+}  // namespace poise::solver
