@@ -30,7 +30,7 @@ struct ExecutorName {
   ExecutorKind kind;
 };
 constexpr std::array kExecutors{ExecutorName{"tbb", ExecutorKind::Tbb}, ExecutorName{"threads", ExecutorKind::Threads},
-                                ExecutorName{"serial", ExecutorKind::Serial}};
+                                ExecutorName{"serial", ExecutorKind::Serial}, ExecutorName{"host", ExecutorKind::Host}};
 struct WeightName {
   const char* name;
   double scheduler::Policy::*weight;

@@ -34,6 +34,8 @@ constexpr std::array kRooms{
     Room{"src/geometry/", 2, "geometry"},
     Room{"include/poise/reference.h", 0, "values"},
     Room{"include/poise/trace.h", 0, "values"},
+    Room{"include/poise/executor.h", 0, "values"},
+    Room{"include/poise/time_arithmetic.h", 0, "values"},
     Room{"include/poise/decisions.h", 3, "interface"},
     Room{"include/poise/step.h", 3, "interface"},
     Room{"include/poise/world.h", 3, "interface"},
