@@ -85,6 +85,13 @@ Outline outline(const WorldState& world, const collision::CandidatePair& candida
   return pair;
 }
 
+bool may_meet(const WorldState& world, const collision::CandidatePair& pair) {
+  const dynamics::BodyStore& bodies = world.bodies;
+  const FilteredPair asked{bodies.id_of(pair.low), bodies.id_of(pair.high), bodies.user_data[pair.low],
+                           bodies.user_data[pair.high]};
+  return world.pair_filter.function(world.pair_filter.context, asked);
+}
+
 Glance glance(const WorldState& world, std::size_t i, const StepInput& input) {
   const dynamics::BodyStore& bodies = world.bodies;
   const collision::Pose& pose = world.buffers.poses[i];
@@ -286,6 +293,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       const Glance& a = buffers.glances[pair.a];
       const Glance& b = buffers.glances[pair.b];
       if (!swept && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
+      if (world.pair_filter.function != nullptr && !may_meet(world, found.pairs[i])) continue;
       pair.candidate = static_cast<std::uint32_t>(i);
       buffers.outlines[begin + active++] = pair;
     }

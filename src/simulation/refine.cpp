@@ -120,8 +120,9 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
 
 scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input) {
   scheduler::FrameFacts facts;
-  for (const ShapeFacts& shape : world.shapes)
-    facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  for (const ShapeFacts& shape : world.shapes) {
+    if (shape.shape) facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  }
   if (input.polygons) ++facts.deepest_level;
   facts.frame = world.frame;
   facts.seed = world.settings.seed;

@@ -164,6 +164,15 @@ void stir(WorldState& world, std::uint32_t slot) {
   if (world.bodies.dynamic[slot] == 0) world.sleep.stirred.push_back(slot);
 }
 
+void wake_all(WorldState& world) {
+  if (!world.settings.sleeping) return;
+  make_room(world);
+  for (std::uint32_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
+    if (world.bodies.asleep[slot] != 0) rouse(world, slot);
+  }
+  if (world.sleep.any_roused) wake_roused(world);
+}
+
 void wake_stirred(WorldState& world) {
   Sleep& sleep = world.sleep;
   make_room(world);

@@ -10,6 +10,7 @@
 #include "collision/pair_refinement.h"
 #include "collision/true_surface.h"
 #include "dynamics/body_store.h"
+#include "parallel/built_once.h"
 #include "parallel/executor.h"
 #include "parallel/large_pages.h"
 #include "parallel/priority_bands.h"
@@ -18,6 +19,7 @@
 #include "poise/scheduler/policy.h"
 #include "poise/scheduler/rounds.h"
 #include "poise/world.h"
+#include "query/body_index.h"
 #include "response/contact_row.h"
 #include "response/rest.h"
 #include "response/solve.h"
@@ -270,17 +272,22 @@ struct WorldState {
   std::vector<std::uint32_t> shape_of;  // per slot: index into shapes
   std::vector<ShapeFacts> shapes;
   std::vector<Material> materials;
+  std::vector<std::uint8_t> material_removed;  // one a material
+  PairFilter pair_filter;
   std::uint64_t frame = 0;
+  std::uint64_t changes = 1;                         // of where bodies are and which there are: what queries go by
+  parallel::BuiltOnce<query::BodyIndex> body_index;  // made by the first query
 
   parallel::LargeVector<PairMemory> memory;  // of the last step's active pairs, sorted
   parallel::LargeVector<PairMemory> next_memory;
   PlaceStore places;                           // of memory and of what sleeps
-  std::vector<std::uint32_t> removed_slots;    // since the last step
+  std::vector<BodyId> removed_bodies;          // since the last step
   std::vector<std::uint32_t> displaced_slots;  // likewise: put somewhere else by the caller
   Sleep sleep;
-  std::vector<Contact> contacts;
-  bool contacts_listed = true;  // contacts are those of the last step
+  parallel::BuiltOnce<std::vector<Contact>> contacts;  // of the last step, made when somebody asks
+  std::uint64_t contacts_version = 0;                  // of what contacts are made from; 0: there was no step
   std::vector<ContactEvent> events;
+  std::vector<ContactEvent> removal_events;  // ends of contacts of removed bodies, for the events of the step
 
   collision::BroadPhase broad_phase;
   KeptCandidates candidates;

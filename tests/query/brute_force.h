@@ -127,7 +127,8 @@ inline ShapePtr mesh_file(const std::filesystem::path& file, double shell_thickn
   MeshReadOptions options;
   Result<TriangleMesh> mesh = read_mesh(file, options);
   EXPECT_TRUE(mesh.ok()) << (mesh.ok() ? "" : mesh.error().message);
-  for (Vec3& v : mesh.value().vertices_m) v /= mesh.value().diagonal_m();
+  const double diagonal_m = mesh.value().diagonal_m();
+  for (Vec3& v : mesh.value().vertices_m) v /= diagonal_m;
   return mesh_shape(mesh.value(), shell_thickness_m);
 }
 
