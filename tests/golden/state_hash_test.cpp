@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "poise/scene.h"
+
+/// The state of every shipped scene after 200 frames under the work clock, to the bit. A hash that changes says that
+/// the motion changed: the commit that changes it says why. Run with --gtest_filter=StateHash.* after a deliberate
+/// change; each failure prints the new value.
+namespace poise {
+namespace {
+
+constexpr std::uint64_t kFrames = 200;
+
+struct Golden {
+  const char* scene;  // a file under scenes/
+  ContactModel contact = ContactModel::Fitted;
+  std::uint64_t bodies = 0;      // of the generators together; 0: the scene's own number
+  std::uint64_t work_units = 0;  // of refinement a frame; 0: without limit
+  const char* with = "";         // sleeping, polygons or backtracking beyond what the scene asks for
+  std::uint64_t hash = 0;
+};
+
+const char* name_of(ContactModel contact) {
+  constexpr std::array<const char*, 3> kNames{"Paper", "Wrench", "Fitted"};
+  return kNames[static_cast<std::size_t>(contact)];
+}
+
+void PrintTo(const Golden& golden, std::ostream* out) { *out << golden.scene << ' ' << name_of(golden.contact); }
+
+std::uint64_t hash_after(const Golden& golden, int threads) {
+  const std::filesystem::path file = std::filesystem::path(POISE_SOURCE_DIR) / "scenes" / golden.scene;
+  const Result<Scene> scene = read_scene(file);
+  EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
+  const std::string with = golden.with;
+  SceneRunOptions options;
+  options.world.contact = golden.contact;
+  options.world.threads = threads;
+  options.world.executor = ExecutorKind::Threads;
+  options.world.sleeping = with == "sleeping";
+  options.world.policy = scene.value().policy;
+  options.tree_cache = TreeCacheSettings{};
+  if (golden.bodies > 0) options.bodies = golden.bodies;
+  Result<SceneRun> run = SceneRun::create(scene.value(), options);
+  EXPECT_TRUE(run.ok()) << (run.ok() ? "" : run.error().message);
+  StepInput input;
+  input.dt_s = scene.value().dt_s;
+  input.budget = golden.work_units > 0 ? Budget::work(golden.work_units) : Budget::unlimited();
+  input.view = run.value().view();
+  input.max_level = scene.value().max_level;
+  input.polygons = scene.value().polygons || with == "polygons";
+  input.backtracking = scene.value().backtracking || with == "backtracking";
+  for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
+    EXPECT_TRUE(run.value().before_frame(frame).ok());
+    run.value().world().step(input);
+  }
+  return run.value().world().state_hash();
+}
+
+class StateHash : public testing::TestWithParam<Golden> {};
+
+TEST_P(StateHash, StaysAsItWasOnOneThreadAndOnTwo) {
+  const Golden& golden = GetParam();
+  for (const int threads : {1, 2}) {
+    const std::uint64_t hash = hash_after(golden, threads);
+    EXPECT_EQ(hash, golden.hash) << fmt::format("{} {}{}{} on {} threads: 0x{:016x}", golden.scene,
+                                                name_of(golden.contact), *golden.with == '\0' ? "" : " ", golden.with,
+                                                threads, hash);
+  }
+}
+
+using enum ContactModel;
+
+const std::vector<Golden> kGoldens = {
+#include "golden/state_hashes.inc"
+};
+
+std::string test_name(const testing::TestParamInfo<Golden>& info) {
+  std::string name = std::filesystem::path(info.param.scene).stem().string() + "_" + name_of(info.param.contact);
+  if (*info.param.with != '\0') name += std::string("_") + info.param.with;
+  std::erase(name, '-');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(OfScenes, StateHash, testing::ValuesIn(kGoldens), test_name);
+
+}  // namespace
+}  // namespace poise
