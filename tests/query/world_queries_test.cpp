@@ -147,10 +147,11 @@ TEST(WorldQueries, FollowStepsAndBodiesThatComeMoveAndGo) {
   Crowd crowd(80);
   std::mt19937_64 random(3);
   StepInput input;
+  input.dt_s = 0.2;  // far enough for a box that was left where it was to be found out
   for (int frame = 0; frame < 12; ++frame) {
     expect_like_one_by_one(crowd, random);
     ASSERT_EQ(crowd.world.step(input).status, StepStatus::Done);
-    expect_like_one_by_one(crowd, random);
+    for (int i = 0; i < 10; ++i) expect_like_one_by_one(crowd, random);
     const BodyId gone = crowd.bodies[static_cast<std::size_t>(5 * frame + 1)];
     ASSERT_TRUE(crowd.world.remove_body(gone));
     expect_like_one_by_one(crowd, random);
