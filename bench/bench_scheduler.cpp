@@ -6,9 +6,9 @@
 #include <array>
 #include <vector>
 
-#include "parallel/priority_bands.h"
 #include "poise/scheduler/frame_budget.h"
 #include "poise/scheduler/policy.h"
+#include "poise/scheduler/priority_bands.h"
 #include "poise/scheduler/rounds.h"
 
 namespace poise::scheduler {
@@ -64,12 +64,12 @@ BENCHMARK(rounds)->ArgName("candidates")->Arg(20000)->Unit(benchmark::kMicroseco
 
 void bands(benchmark::State& state) {
   constexpr std::uint32_t kItems = 20000;
-  parallel::PriorityBands shared;
+  PriorityBands shared;
   for (auto _ : state) {
     shared.reset(kItems);
-    for (std::uint32_t i = 0; i < kItems; ++i) shared.put(i, (i * 7919U) % parallel::PriorityBands::kBands);
+    for (std::uint32_t i = 0; i < kItems; ++i) shared.put(i, (i * 7919U) % kBands);
     std::uint32_t taken = 0;
-    while (shared.take() != parallel::PriorityBands::kNone) ++taken;
+    while (shared.take() != PriorityBands::kNone) ++taken;
     if (taken != kItems) state.SkipWithError("items were lost");
   }
   state.counters["s_per_item"] =

@@ -45,12 +45,4 @@ FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const T
   return budget;
 }
 
-Lateness classify(const LatenessFacts& facts) {
-  if (facts.lateness.count() <= 0) return Lateness::OnTime;
-  if (facts.mandatory > facts.budget) return Lateness::Infeasible;
-  if (facts.off_cpu >= facts.lateness) return Lateness::Machine;
-  if (facts.longest_overrun >= facts.lateness) return Lateness::Overrun;
-  return Lateness::Forecast;
-}
-
 }  // namespace poise::scheduler

@@ -10,6 +10,7 @@
 #include "poise/decisions.h"
 #include "poise/reference.h"
 #include "poise/scheduler/forecast.h"
+#include "poise/scheduler/miss_cause.h"
 #include "poise/trace.h"
 #include "poise/types.h"
 
@@ -103,7 +104,7 @@ struct StageTimes {
   Nanoseconds total{0};
 };
 
-enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Forecast };
+using scheduler::MissCause;
 
 /// How deep a step got, beside FrameReport::level_histogram; places are levels, the last one is polygons.
 struct LevelsReached {

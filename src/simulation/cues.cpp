@@ -33,8 +33,9 @@ bool in_frustum(const Sight& sight, const Vec3& center_m, double radius_m) {
   return beyond_up < radius_m && beyond_right < radius_m;
 }
 
-scheduler::PairCues cues_of(const Sight& sight, const PairSighting& pair) {
+scheduler::PairCues cues_of(const Sight& sight, const PairSighting& pair, const scheduler::Policy& policy) {
   scheduler::PairCues cues;
+  cues.angle_radpm = policy.plain_angle_radpm;
   cues.closing_mps = std::max(0.0, pair.closing_mps);
   cues.importance = pair.importance;
   cues.frames_waited = pair.frames_waited;
@@ -43,7 +44,7 @@ scheduler::PairCues cues_of(const Sight& sight, const PairSighting& pair) {
   const Vec3 ray = pair.point_m - view.position_m;
   const double distance = std::max(ray.norm(), kNearestM);
   const Vec3 direction = ray / distance;
-  cues.visibility = in_frustum(sight, pair.point_m, pair.extent_m) ? 1.0 : scheduler::kOutsideFrustum;
+  cues.visibility = in_frustum(sight, pair.point_m, pair.extent_m) ? 1.0 : policy.outside_frustum;
   const double along = std::min(1.0, std::abs(direction.dot(pair.normal)));
   cues.angle_radpm = std::max(kLeastAcross, std::sqrt(1.0 - along * along)) / distance;
   cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));

@@ -326,7 +326,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       }
       recall(world, pair);
       count_known(pair, fast(pair.a) || fast(pair.b), known);
-      if (pair.refinable()) buffers.cues[k] = cues_of(sight, sighting_of(world, pair));
+      if (pair.refinable()) buffers.cues[k] = cues_of(sight, sighting_of(world, pair), world.settings.policy);
     }
     // Not where it begins: the chunk before reads that.
     buffers.known_of_chunk[chunk].present = known.present;

@@ -27,7 +27,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
     const ActivePair& pair = buffers.pairs[index];
     return scheduler::Candidate{score_of(world, refinement.facts, pair, index), index, pair.level.next_units};
   };
-  world.rounds.begin_frame(budget_units, buffers.pairs.size());
+  world.rounds.begin_frame(budget_units, buffers.pairs.size(), world.settings.policy.round_pairs);
   for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
     if (buffers.pairs[i].refinable()) world.rounds.add(candidate(i));
   }

@@ -77,7 +77,9 @@ constexpr double kMostAlpha = 0.5;
 
 Result<Done> check_settings(const WorldSettings& settings) {
   if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
-  if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
+  if (const auto problem = scheduler::first_problem(settings.policy)) {
+    return bad_input("policy." + scheduler::text_of(*problem));
+  }
   if (auto bad = check_range("threads", settings.threads, 0, 256)) return *bad;
   if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return *bad;
   if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return *bad;

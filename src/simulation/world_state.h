@@ -12,10 +12,10 @@
 #include "dynamics/body_store.h"
 #include "parallel/executor.h"
 #include "parallel/large_pages.h"
-#include "parallel/priority_bands.h"
 #include "poise/scheduler/forecast.h"
 #include "poise/scheduler/frame_budget.h"
 #include "poise/scheduler/policy.h"
+#include "poise/scheduler/priority_bands.h"
 #include "poise/scheduler/rounds.h"
 #include "poise/world.h"
 #include "response/contact_row.h"
@@ -284,7 +284,7 @@ struct WorldState {
 
   collision::BroadPhase broad_phase;
   KeptCandidates candidates;
-  parallel::PriorityBands bands;
+  scheduler::PriorityBands bands;
   scheduler::RoundSelector rounds;
   scheduler::TailForecast tail;
   scheduler::TrackedQuantile margin;

@@ -85,7 +85,9 @@ bool is_thread_header(std::string_view name) {
 
 std::optional<std::string> wrong_include(const Room& room, bool is_public, char quote, std::string_view name) {
   const bool stops = name == "stop_token" && room.name == "scheduler";
-  if ((is_thread_header(name) && room.name != "parallel") || stops)
+  // The scheduler's queue is shared by the host's threads, so that room may use <atomic>, and nothing that waits.
+  const bool atomics = name == "atomic" && room.name == "scheduler";
+  if ((is_thread_header(name) && room.name != "parallel" && !atomics) || stops)
     return "threads, locks and atomics belong to src/parallel";
   if (quote == '<') {
     if (room.name == "scheduler" && name.find_first_of("./") != std::string_view::npos) {
@@ -115,8 +117,10 @@ std::optional<std::string> wrong_code(const Room& room, std::string_view path, s
   static const std::regex prints(
       R"(\bstd::(cout|cerr|clog|terminate|abort|exit|quick_exit)\b|\b(printf|fprintf|puts|abort|exit)\s*\(|\bfmt::print\b)");
   const bool stops = room.name == "scheduler" && code.find("std::stop_token") != std::string_view::npos;
-  if ((room.name != "parallel" && found(threads, code)) || stops)
-    return "threads, locks and atomics belong to src/parallel";
+  static const std::regex waits(
+      R"(\bstd::(jthread|thread|this_thread|mutex|shared_mutex|condition_variable|async|stop_source|stop_callback)\b|\.(wait|notify_one|notify_all)\()");
+  const bool wrong = room.name == "scheduler" ? found(waits, code) : room.name != "parallel" && found(threads, code);
+  if (wrong || stops) return "threads, locks and atomics belong to src/parallel";
   const bool may_read_clock =
       room.name == "parallel" || room.name == "simulation" || room.name == "app" || path == "include/poise/step.h";
   if (!may_read_clock && found(clocks, code))

@@ -107,34 +107,5 @@ TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
   EXPECT_GT(exceeded, 0.03 * (kFrames - 1000));
 }
 
-LatenessFacts late_by(Nanoseconds lateness) {
-  LatenessFacts facts;
-  facts.lateness = lateness;
-  facts.budget = milliseconds(16);
-  facts.mandatory = milliseconds(5);
-  return facts;
-}
-
-TEST(Lateness, NamesOneCauseEach) {
-  EXPECT_EQ(classify(late_by(Nanoseconds(0))), Lateness::OnTime);
-  EXPECT_EQ(classify(late_by(Nanoseconds(-5))), Lateness::OnTime);
-  EXPECT_EQ(classify(late_by(milliseconds(1))), Lateness::Forecast);
-
-  LatenessFacts infeasible = late_by(milliseconds(1));
-  infeasible.mandatory = milliseconds(17);
-  infeasible.off_cpu = milliseconds(9);
-  EXPECT_EQ(classify(infeasible), Lateness::Infeasible);
-
-  LatenessFacts machine = late_by(milliseconds(1));
-  machine.off_cpu = milliseconds(1);
-  machine.longest_overrun = milliseconds(2);
-  EXPECT_EQ(classify(machine), Lateness::Machine);
-
-  LatenessFacts overrun = late_by(milliseconds(1));
-  overrun.off_cpu = microseconds(999);
-  overrun.longest_overrun = milliseconds(1);
-  EXPECT_EQ(classify(overrun), Lateness::Overrun);
-}
-
 }  // namespace
 }  // namespace poise::scheduler

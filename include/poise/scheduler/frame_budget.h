@@ -40,21 +40,4 @@ struct FrameBudget {
 FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const TailForecast& tail,
                               const TrackedQuantile& margin, TailWork work, double unit_cost_ns);
 
-/// A bounded job: entries of a front that are expanded between two looks at the clock. At 25 to 40 ns each this is
-/// 15 to 20 us, within the quantum of 50 us also on a machine half as fast.
-inline constexpr std::uint64_t kQuantumUnits = 512;
-
-/// What a frame's measured times say about why it was late. Exclusive, in this order: the mandatory part alone did not
-/// fit; the machine took at least as much time away as the frame was late; one job ran longer than forecast by at least
-/// as much; all else is the forecast's.
-enum class Lateness : std::uint8_t { OnTime, Infeasible, Machine, Overrun, Forecast };
-struct LatenessFacts {
-  Nanoseconds lateness{0};         ///< past the deadline, <= 0 if on time
-  Nanoseconds mandatory{0};        ///< measured time of everything but refinement, host work included
-  Nanoseconds budget{0};           ///< from the start of the frame to its deadline
-  Nanoseconds off_cpu{0};          ///< taken by the machine
-  Nanoseconds longest_overrun{0};  ///< of a job beyond its forecast
-};
-Lateness classify(const LatenessFacts& facts);
-
 }  // namespace poise::scheduler
