@@ -16,6 +16,7 @@ constexpr std::array kWeights{
     PolicyField{"closing", &Policy::closing, 0, kMostExponent},
     PolicyField{"waiting", &Policy::waiting, 0, kMostExponent},
     PolicyField{"importance", &Policy::importance, 0, kMostExponent},
+    PolicyField{"host", &Policy::host, 0, kMostExponent},
 };
 // Each range holds whatever makes sense with some orders of magnitude to spare, and nothing that divides by zero.
 constexpr std::array kParameters{
@@ -60,6 +61,7 @@ double cue_weight(const Policy& policy, const PairCues& cues) {
   weight *= raised(1.0 + bounded(cues.closing_mps, kMostFactor) / policy.closing_scale_mps, policy.closing);
   weight *= raised(1.0 + static_cast<double>(cues.frames_waited), policy.waiting);
   weight *= raised(bounded(cues.importance, kMostFactor), policy.importance);
+  weight *= raised(bounded(static_cast<double>(cues.host), kMostHostFactor), policy.host);
   return weight;
 }
 
@@ -93,6 +95,9 @@ double score(const Policy& policy, const FrameFacts& frame, const PairChain& cha
     }
     case PolicyKind::Random:
       return unit_interval(mixed(chain.pair_id ^ mixed(frame.frame ^ mixed(frame.seed + chain.level))));
+    case PolicyKind::Custom:
+      if (policy.custom.function == nullptr) return 0;
+      return bounded(policy.custom.function(frame, chain, cues, policy.custom.context), kMostScore);
   }
   return 0;
 }
@@ -100,7 +105,8 @@ double score(const Policy& policy, const FrameFacts& frame, const PairChain& cha
 std::uint32_t band_of(const Policy& policy, double score) {
   // From 2^-56 to 2^8 radians per expansion.
   constexpr double kLowestOctave = -56.0;
-  return policy.kind == PolicyKind::Perceptual ? octave_band(score, kLowestOctave) : linear_band(score);
+  if (policy.kind == PolicyKind::Perceptual) return octave_band(score, kLowestOctave);
+  return policy.kind == PolicyKind::Custom ? octave_band(score) : linear_band(score);
 }
 
 std::span<const PolicyField> policy_weights() { return kWeights; }
@@ -125,8 +131,11 @@ std::optional<Problem> first_problem(const Policy& policy) {
                      {}};
     }
   }
-  if (policy.kind > PolicyKind::Random) {
-    return Problem{"kind", static_cast<double>(policy.kind), 0, static_cast<double>(PolicyKind::Random), {}};
+  if (policy.kind > PolicyKind::Custom) {
+    return Problem{"kind", static_cast<double>(policy.kind), 0, static_cast<double>(PolicyKind::Custom), {}};
+  }
+  if (policy.kind == PolicyKind::Custom && policy.custom.function == nullptr) {
+    return Problem{"custom.function", 0, 0, 0, "must be set where kind is custom"};
   }
   return std::nullopt;
 }

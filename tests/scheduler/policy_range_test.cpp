@@ -66,9 +66,10 @@ TEST(PolicyRange, EveryFieldIsRefusedBeyondItsRangeAndNamed) {
 }
 
 TEST(PolicyRange, NoFieldIsForgottenInTheTables) {
-  // A kind, six weights, seven parameters and two counts; a new field makes the policy larger than what is listed.
+  // A kind, weights, parameters, counts, and what a host adds; a new field makes the policy larger than what is listed.
   std::vector<PolicyField> fields = all_fields();
-  EXPECT_EQ(sizeof(Policy), (fields.size() + 1) * sizeof(double) + policy_counts().size() * sizeof(std::uint32_t));
+  EXPECT_EQ(sizeof(Policy), (fields.size() + 1) * sizeof(double) + policy_counts().size() * sizeof(std::uint32_t) +
+                                sizeof(HostCue) + sizeof(HostPolicy));
   const bool distinct = [&] {
     std::ranges::sort(fields, {}, &PolicyField::name);
     return std::ranges::adjacent_find(fields, {}, &PolicyField::name) == fields.end();
@@ -137,6 +138,7 @@ RC_GTEST_PROP(PolicyRange, NoAcceptedPolicyAndNoCueGivesANumberThatCannotBeRanke
     cues.eccentricity_rad = any_number();
     cues.closing_mps = any_number();
     cues.importance = any_number();
+    cues.host = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
     cues.frames_waited = *rc::gen::element(0U, 1U, 1000U, 0xffffffffU);
     std::array<float, 6> errors{};
     for (float& error_m : errors) error_m = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
