@@ -22,9 +22,9 @@ struct PolicyName {
   const char* name;
   scheduler::PolicyKind kind;
 };
-constexpr std::array kPolicies{PolicyName{"perceptual", scheduler::PolicyKind::Perceptual},
-                               PolicyName{"fifo", scheduler::PolicyKind::Fifo},
-                               PolicyName{"random", scheduler::PolicyKind::Random}};
+constexpr std::array kPolicies{
+    PolicyName{"perceptual", scheduler::PolicyKind::Perceptual}, PolicyName{"custom", scheduler::PolicyKind::Custom},
+    PolicyName{"fifo", scheduler::PolicyKind::Fifo}, PolicyName{"random", scheduler::PolicyKind::Random}};
 struct ExecutorName {
   const char* name;
   ExecutorKind kind;
