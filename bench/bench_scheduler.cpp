@@ -6,9 +6,10 @@
 #include <array>
 #include <vector>
 
-#include "parallel/priority_bands.h"
 #include "poise/scheduler/frame_budget.h"
 #include "poise/scheduler/policy.h"
+#include "poise/scheduler/priority_bands.h"
+#include "poise/scheduler/refine_until.h"
 #include "poise/scheduler/rounds.h"
 
 namespace poise::scheduler {
@@ -25,8 +26,14 @@ PairCues cues_of(std::size_t i) {
   return cues;
 }
 
+double errors_by_host(const FrameFacts& /*frame*/, const PairChain& chain, const PairCues& cues,
+                      void* /*context*/) noexcept {
+  return static_cast<double>(chain.error_m[chain.level]) * cues.angle_radpm * (1.0 + cues.closing_mps);
+}
+
 void score_and_band(benchmark::State& state) {
-  const Policy policy{static_cast<PolicyKind>(state.range(0))};
+  Policy policy{static_cast<PolicyKind>(state.range(0))};
+  policy.custom = {errors_by_host, nullptr};
   const FrameFacts frame{7, 1, 4, 1000};
   std::vector<PairCues> cues;
   for (std::size_t i = 0; i < 1000; ++i) cues.push_back(cues_of(i));
@@ -44,7 +51,7 @@ void score_and_band(benchmark::State& state) {
     i = i + 1 == cues.size() ? 0 : i + 1;
   }
 }
-BENCHMARK(score_and_band)->ArgName("policy")->DenseRange(0, 2);
+BENCHMARK(score_and_band)->ArgName("policy")->DenseRange(0, 3);
 
 void rounds(benchmark::State& state) {
   const auto count = static_cast<std::uint32_t>(state.range(0));
@@ -64,12 +71,12 @@ BENCHMARK(rounds)->ArgName("candidates")->Arg(20000)->Unit(benchmark::kMicroseco
 
 void bands(benchmark::State& state) {
   constexpr std::uint32_t kItems = 20000;
-  parallel::PriorityBands shared;
+  PriorityBands shared;
   for (auto _ : state) {
     shared.reset(kItems);
-    for (std::uint32_t i = 0; i < kItems; ++i) shared.put(i, (i * 7919U) % parallel::PriorityBands::kBands);
+    for (std::uint32_t i = 0; i < kItems; ++i) shared.put(i, (i * 7919U) % kBands);
     std::uint32_t taken = 0;
-    while (shared.take() != parallel::PriorityBands::kNone) ++taken;
+    while (shared.take() != PriorityBands::kNone) ++taken;
     if (taken != kItems) state.SkipWithError("items were lost");
   }
   state.counters["s_per_item"] =
@@ -77,9 +84,45 @@ void bands(benchmark::State& state) {
 }
 BENCHMARK(bands)->Unit(benchmark::kMicrosecond);
 
+double near_first(const PairView& view, void* /*context*/) noexcept { return 1.0 / (1.0 + view.distance_m); }
+
+void host_cue(benchmark::State& state) {
+  const HostCue cue{near_first, nullptr};
+  PairView view;
+  view.distance_m = 3;
+  if (host_factor(cue, view).factor != 0.25F) state.SkipWithError("a wrong answer");
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(view);
+    benchmark::DoNotOptimize(host_factor(cue, view));
+  }
+}
+BENCHMARK(host_cue);
+
+// The loop alone: jobs that do nothing, time that a counter gives.
+void refine_until_a_job(benchmark::State& state) {
+  constexpr std::uint32_t kItems = 20000;
+  RefineQueue queue;
+  const FrameBudget budget = make_frame_budget(TimePoint(std::chrono::hours(1)), Nanoseconds(0), TailForecast{},
+                                               TrackedQuantile{}, {2000, 0, 9000, 0}, 40);
+  for (auto _ : state) {
+    queue.begin_frame(kItems, kItems);
+    for (std::uint32_t i = 0; i < kItems; ++i) queue.add(i, (i * 7919U) % kBands, 8);
+    TimePoint clock{};
+    const RefineCounts counts = refine_until(
+        queue, budget, 512, [&] { return clock += Nanoseconds(1); },
+        [](std::uint32_t, std::uint64_t units) {
+          return JobOutcome{JobOutcome::Kind::Done, units, 0, 0, -1};
+        });
+    if (counts.jobs != kItems || queue.open() != 0) state.SkipWithError("items were lost");
+  }
+  state.counters["s_per_job"] =
+      benchmark::Counter(double{kItems}, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(refine_until_a_job)->Unit(benchmark::kMicrosecond);
+
 void admission(benchmark::State& state) {
-  const FrameBudget budget = make_frame_budget(TimePoint(std::chrono::hours(1)), Nanoseconds(0), {}, TrackedQuantile{},
-                                               {2000, 0, 9000, 0}, 40);
+  const FrameBudget budget = make_frame_budget(TimePoint(std::chrono::hours(1)), Nanoseconds(0), TailForecast{},
+                                               TrackedQuantile{}, {2000, 0, 9000, 0}, 40);
   if (!budget.admits(TimePoint{}, 100, 9000) || budget.admits(TimePoint(std::chrono::hours(1)), 1, 0)) {
     state.SkipWithError("a wrong answer");
   }

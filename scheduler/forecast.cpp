@@ -7,44 +7,36 @@
 namespace poise::scheduler {
 namespace {
 
-// How much a coefficient is thought to wander from frame to frame and one frame to be off, each as a share. Chosen: a
-// machine that changes its speed is followed within about ten frames.
-constexpr double kDrift = 0.02;
-constexpr double kNoise = 0.1;
-// Standard deviation of a coefficient of which nothing is known, as a share of its prior and of 1 us.
-constexpr double kIgnorance = 3.0;
-// Prior: 30 us, and per thousand: bodies 100 us, contacts 300 us, candidates 20 us, sphere contacts 100 us, patch
-// visits 30 us, coarse contacts 100 us. On the slow side of the machines that we tried; the first tens of frames
+// Prior: 30 us, and per thousand what follows. On the slow side of the machines that we tried; the first tens of frames
 // replace it.
-constexpr TailForecast::Features kPriorUs = {30.0, 100.0, 300.0, 20.0, 100.0, 30.0, 100.0};
-// The same of a coefficient that another run has learned. Chosen: scenes differ by about as much.
-constexpr double kDoubt = 0.5;
+constexpr std::array<ForecastFeature, TailForecast::kFeatures> kTailFeatures{{
+    {"constant", 30.0},
+    {"bodies", 100.0},
+    {"contacts", 300.0},
+    {"candidate_pairs", 20.0},
+    {"sphere_contacts", 100.0},
+    {"patch_visits", 30.0},
+    {"coarse_contacts", 100.0},
+}};
+
+// Beyond this a number of nanoseconds is no longer one.
+constexpr double kMostNs = 9e18;
 
 }  // namespace
 
-TailForecast::TailForecast() : coefficient_us_(kPriorUs) { set_ignorance(kIgnorance); }
+TailForecast::TailForecast() : linear_(kTailFeatures) {}
 
-TailForecast::TailForecast(const Features& coefficients_us) : coefficient_us_(kPriorUs) {
-  const bool known = std::all_of(coefficients_us.begin(), coefficients_us.end(),
-                                 [](double us) { return std::isfinite(us) && us >= 0; });
-  if (known) coefficient_us_ = coefficients_us;
-  set_ignorance(kIgnorance);
-  if (!known) return;
-  for (std::size_t i = 0; i < kFeatures; ++i) {
-    const double deviation_us = kDoubt * (coefficient_us_[i] + 1.0);
-    covariance_[i][i] = std::min(covariance_[i][i], deviation_us * deviation_us);
-  }
+TailForecast::TailForecast(const Features& coefficients_us) : linear_(kTailFeatures, coefficients_us) {}
+
+std::span<const ForecastFeature> TailForecast::features() { return kTailFeatures; }
+
+TailForecast::Features TailForecast::coefficients_us() const {
+  Features coefficients{};
+  std::copy_n(linear_.coefficients_us().begin(), kFeatures, coefficients.begin());
+  return coefficients;
 }
 
-void TailForecast::set_ignorance(double share) {
-  for (std::size_t i = 0; i < kFeatures; ++i) {
-    // A cost that another run found to be nothing may still be one here.
-    const double deviation_us = share * (std::max(coefficient_us_[i], 0.1 * kPriorUs[i]) + 1.0);
-    widest_[i] = covariance_[i][i] = deviation_us * deviation_us;
-  }
-}
-
-TailForecast::Features TailForecast::features(const TailWork& work) {
+TailForecast::Features TailForecast::values(const TailWork& work) {
   const auto thousands = [](std::uint64_t count) { return static_cast<double>(count) * 1e-3; };
   return {1.0,
           thousands(work.bodies),
@@ -55,50 +47,9 @@ TailForecast::Features TailForecast::features(const TailWork& work) {
           thousands(work.coarse_contacts)};
 }
 
-Nanoseconds TailForecast::forecast(const TailWork& work) const {
-  const Features x = features(work);
-  double us = 0;
-  for (std::size_t i = 0; i < kFeatures; ++i) us += coefficient_us_[i] * x[i];
-  return Nanoseconds(static_cast<std::int64_t>(std::max(us, 1.0) * 1e3));
-}
+Nanoseconds TailForecast::forecast(const TailWork& work) const { return linear_.forecast(values(work)); }
 
-void TailForecast::learn(const TailWork& work, Nanoseconds actual) {
-  const Features x = features(work);
-  const double actual_us = static_cast<double>(actual.count()) * 1e-3;
-  Features px{};
-  double xpx = 0;
-  double forecast_us = 0;
-  for (std::size_t i = 0; i < kFeatures; ++i) {
-    for (std::size_t j = 0; j < kFeatures; ++j) px[i] += covariance_[i][j] * x[j];
-    xpx += x[i] * px[i];
-    forecast_us += coefficient_us_[i] * x[i];
-  }
-  // A frame ten times off the forecast was disturbed, not informative: its pull is bounded.
-  const double bound_us = 2.0 * std::max(forecast_us, 10.0);
-  const double residual_us = std::clamp(actual_us - forecast_us, -bound_us, bound_us);
-  const double noise_us = kNoise * std::max(forecast_us, 10.0);
-  const double denominator = noise_us * noise_us + xpx;
-  for (std::size_t i = 0; i < kFeatures; ++i) {
-    // No work has a negative cost; a fit that says so would make a reserve of nothing for other counts.
-    coefficient_us_[i] = std::max(0.0, coefficient_us_[i] + px[i] / denominator * residual_us);
-    for (std::size_t j = 0; j < kFeatures; ++j) covariance_[i][j] -= px[i] * px[j] / denominator;
-  }
-  widen();
-}
-
-// Every coefficient may have wandered since; none can be less known than before the first frame.
-void TailForecast::widen() {
-  for (std::size_t i = 0; i < kFeatures; ++i) {
-    const double drift_us = kDrift * (std::abs(coefficient_us_[i]) + 1.0);
-    covariance_[i][i] += drift_us * drift_us;
-    if (covariance_[i][i] <= widest_[i]) continue;
-    const double scale = std::sqrt(widest_[i] / covariance_[i][i]);
-    for (std::size_t j = 0; j < kFeatures; ++j) {
-      covariance_[i][j] *= scale;
-      covariance_[j][i] *= scale;
-    }
-  }
-}
+void TailForecast::learn(const TailWork& work, Nanoseconds actual) { linear_.learn(values(work), actual); }
 
 TrackedQuantile::TrackedQuantile(double alpha, double eta, double start)
     : alpha_(std::clamp(alpha, 1e-6, 0.5)), eta_(std::clamp(eta, 1e-6, 1.0)), q_(std::clamp(start, kLow, kHigh)) {}
@@ -134,7 +85,7 @@ bool beyond_clip(Nanoseconds actual, Nanoseconds forecast) {
 
 Nanoseconds DurationForecast::reserve() const {
   if (!started_) return Nanoseconds(0);
-  return Nanoseconds(static_cast<std::int64_t>(mean_ns_ * margin_.factor()));
+  return Nanoseconds(static_cast<std::int64_t>(std::min(mean_ns_ * margin_.factor(), kMostNs)));
 }
 
 void DurationForecast::learn(Nanoseconds actual) {

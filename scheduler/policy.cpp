@@ -2,16 +2,44 @@
 #include "poise/scheduler/policy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace poise::scheduler {
 namespace {
 
-// Common weights are 0 and 1, and pow costs as much as the rest of the score.
+constexpr double kMostExponent = 10;
+constexpr std::array kWeights{
+    PolicyField{"frustum", &Policy::frustum, 0, kMostExponent},
+    PolicyField{"size", &Policy::size, 0, kMostExponent},
+    PolicyField{"eccentricity", &Policy::eccentricity, 0, kMostExponent},
+    PolicyField{"closing", &Policy::closing, 0, kMostExponent},
+    PolicyField{"waiting", &Policy::waiting, 0, kMostExponent},
+    PolicyField{"importance", &Policy::importance, 0, kMostExponent},
+    PolicyField{"host", &Policy::host, 0, kMostExponent},
+};
+// Each range holds whatever makes sense with some orders of magnitude to spare, and nothing that divides by zero.
+constexpr std::array kParameters{
+    PolicyField{"outside_frustum", &Policy::outside_frustum, 1e-6, 1},
+    PolicyField{"eccentricity_e2_rad", &Policy::eccentricity_e2_rad, 1e-4, 10},
+    PolicyField{"closing_scale_mps", &Policy::closing_scale_mps, 1e-6, 1e6},
+    PolicyField{"plain_angle_radpm", &Policy::plain_angle_radpm, 1e-6, 1e3},
+    PolicyField{"chance_of_ending", &Policy::chance_of_ending, 1e-3, 1},
+    PolicyField{"front_growth", &Policy::front_growth, 1, 64},
+    PolicyField{"job_overhead_units", &Policy::job_overhead_units, 1e-3, 1e6},
+};
+constexpr std::array kCounts{
+    PolicyCount{"quantum_units", &Policy::quantum_units, 1, 1U << 20U},
+    PolicyCount{"round_pairs", &Policy::round_pairs, 1, 1U << 20U},
+};
+
+// In [0, most]; NaN becomes 0. The order of the arguments decides what NaN becomes.
+double bounded(double x, double most) { return std::min(std::max(0.0, x), most); }
+
+// For base >= 0. Common weights are 0 and 1, and pow costs as much as the rest of the score.
 double raised(double base, double exponent) {
-  if (exponent == 1.0) return base;
   if (exponent == 0.0) return 1.0;
-  return std::pow(base, exponent);
+  return std::min(exponent == 1.0 ? base : std::pow(base, exponent), kMostFactor);
 }
 
 // SplitMix64's finaliser (Steele, Lea and Flood 2014): a bijection that mixes every bit.
@@ -27,33 +55,36 @@ double unit_interval(std::uint64_t bits) { return static_cast<double>(bits >> 11
 }  // namespace
 
 double cue_weight(const Policy& policy, const PairCues& cues) {
-  double weight = raised(cues.visibility, policy.frustum);
-  weight *= raised(1.0 / (1.0 + cues.eccentricity_rad / kEccentricityE2Rad), policy.eccentricity);
-  weight *= raised(1.0 + cues.closing_mps, policy.closing);
+  double weight = raised(bounded(cues.visibility, 1.0), policy.frustum);
+  weight *= raised(1.0 / (1.0 + bounded(cues.eccentricity_rad, kMostFactor) / policy.eccentricity_e2_rad),
+                   policy.eccentricity);
+  weight *= raised(1.0 + bounded(cues.closing_mps, kMostFactor) / policy.closing_scale_mps, policy.closing);
   weight *= raised(1.0 + static_cast<double>(cues.frames_waited), policy.waiting);
-  weight *= raised(cues.importance, policy.importance);
+  weight *= raised(bounded(cues.importance, kMostFactor), policy.importance);
+  weight *= raised(bounded(static_cast<double>(cues.host), kMostHostFactor), policy.host);
   return weight;
 }
 
-double best_gain_per_work(const PairChain& chain, double angle_radpm) {
+double best_gain_per_work(const Policy& policy, const PairChain& chain, double angle_radpm) {
   double best = 0;
-  double work = kJobOverheadUnits;
+  double work = policy.job_overhead_units;
   double front = static_cast<double>(chain.front_entries);
-  for (std::size_t level = chain.level + 1U; level < chain.error_m.size(); ++level) {
+  for (std::size_t level = chain.level + std::size_t{1}; level < chain.error_m.size(); ++level) {
     work += front;
-    front *= kFrontGrowth;
+    front *= policy.front_growth;
     const double fall_m = static_cast<double>(chain.error_m[chain.level]) - static_cast<double>(chain.error_m[level]);
     best = std::max(best, fall_m / work);
   }
-  return kChanceOfEnding * angle_radpm * best;
+  return policy.chance_of_ending * angle_radpm * best;
 }
 
 double score(const Policy& policy, const FrameFacts& frame, const PairChain& chain, const PairCues& cues,
              std::uint32_t queue_index) {
   switch (policy.kind) {
     case PolicyKind::Perceptual: {
-      const double angle = kPlainAngleRadpm * raised(cues.angle_radpm / kPlainAngleRadpm, policy.size);
-      return cue_weight(policy, cues) * best_gain_per_work(chain, angle);
+      const double angle = bounded(cues.angle_radpm, kMostFactor) / policy.plain_angle_radpm;
+      const double gain = best_gain_per_work(policy, chain, policy.plain_angle_radpm * raised(angle, policy.size));
+      return bounded(cue_weight(policy, cues) * gain, kMostScore);
     }
     case PolicyKind::Fifo: {
       // Every level is one lap of the queue, and the first lap comes first.
@@ -64,25 +95,49 @@ double score(const Policy& policy, const FrameFacts& frame, const PairChain& cha
     }
     case PolicyKind::Random:
       return unit_interval(mixed(chain.pair_id ^ mixed(frame.frame ^ mixed(frame.seed + chain.level))));
+    case PolicyKind::Custom:
+      if (policy.custom.function == nullptr) return 0;
+      return bounded(policy.custom.function(frame, chain, cues, policy.custom.context), kMostScore);
   }
   return 0;
 }
 
 std::uint32_t band_of(const Policy& policy, double score) {
-  constexpr double kTop = kBands - 1;
-  if (!(score > 0)) return 0;
-  if (policy.kind != PolicyKind::Perceptual) {
-    return static_cast<std::uint32_t>(std::clamp(score * kBands, 0.0, kTop));
-  }
-  // Four bands an octave, from 2^-56 to 2^8 radians per expansion.
-  return static_cast<std::uint32_t>(std::clamp(4.0 * (std::log2(score) + 56.0), 0.0, kTop));
+  // From 2^-56 to 2^8 radians per expansion.
+  constexpr double kLowestOctave = -56.0;
+  if (policy.kind == PolicyKind::Perceptual) return octave_band(score, kLowestOctave);
+  return policy.kind == PolicyKind::Custom ? octave_band(score) : linear_band(score);
 }
 
-bool valid(const Policy& policy) {
-  const double weights[] = {policy.frustum, policy.size,    policy.eccentricity,
-                            policy.closing, policy.waiting, policy.importance};
-  return std::all_of(std::begin(weights), std::end(weights),
-                     [](double weight) { return std::isfinite(weight) && weight >= 0; });
+std::span<const PolicyField> policy_weights() { return kWeights; }
+std::span<const PolicyField> policy_parameters() { return kParameters; }
+std::span<const PolicyCount> policy_counts() { return kCounts; }
+
+std::optional<Problem> first_problem(const Policy& policy) {
+  for (const std::span<const PolicyField> fields : {policy_weights(), policy_parameters()}) {
+    for (const PolicyField& field : fields) {
+      const double value = policy.*field.value;
+      if (!(value >= field.least && value <= field.most))
+        return Problem{field.name, value, field.least, field.most, {}};
+    }
+  }
+  for (const PolicyCount& count : kCounts) {
+    const std::uint32_t value = policy.*count.value;
+    if (value < count.least || value > count.most) {
+      return Problem{count.name,
+                     static_cast<double>(value),
+                     static_cast<double>(count.least),
+                     static_cast<double>(count.most),
+                     {}};
+    }
+  }
+  if (policy.kind > PolicyKind::Custom) {
+    return Problem{"kind", static_cast<double>(policy.kind), 0, static_cast<double>(PolicyKind::Custom), {}};
+  }
+  if (policy.kind == PolicyKind::Custom && policy.custom.function == nullptr) {
+    return Problem{"custom.function", 0, 0, 0, "must be set where kind is custom"};
+  }
+  return std::nullopt;
 }
 
 }  // namespace poise::scheduler

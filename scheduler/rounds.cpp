@@ -14,11 +14,13 @@ bool later(const Candidate& x, const Candidate& y) {
 
 }  // namespace
 
-void RoundSelector::begin_frame(std::uint64_t budget_units, std::size_t expected_candidates) {
+void RoundSelector::begin_frame(std::uint64_t budget_units, std::size_t expected_candidates,
+                                std::uint32_t round_pairs) {
   heap_.clear();
   if (heap_.capacity() < expected_candidates) heap_.reserve(expected_candidates + expected_candidates / 2);
   round_.clear();
-  round_.reserve(kRoundSize);
+  round_pairs_ = std::max(round_pairs, 1U);
+  round_.reserve(round_pairs_);
   budget_ = budget_units;
   charged_ = 0;
 }
@@ -30,7 +32,7 @@ void RoundSelector::add(const Candidate& candidate) {
 
 std::span<const Candidate> RoundSelector::next_round() {
   round_.clear();
-  while (!heap_.empty() && round_.size() < kRoundSize) {
+  while (!heap_.empty() && round_.size() < round_pairs_) {
     std::pop_heap(heap_.begin(), heap_.end(), later);
     const Candidate best = heap_.back();
     heap_.pop_back();

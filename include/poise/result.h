@@ -23,8 +23,11 @@ struct Error {
   std::string message;
 };
 
-/// A value or an Error, returned by value. Nothing in the library throws across its API.
-/// Invariant: holds exactly one of the two. value() on an error is a caller's mistake.
+/// A value or an Error, returned by value. Invariant: holds exactly one of the two.
+///
+/// Nothing in the library throws across its API. Only a caller's mistake does: value() on an error, and error() on a
+/// value, throw std::bad_variant_access in every build (as std::expected::value() throws std::bad_expected_access; a
+/// program without exceptions ends there). Whoever has not asked ok() uses value_or().
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -33,10 +36,13 @@ class [[nodiscard]] Result {
 
   [[nodiscard]] bool ok() const { return content_.index() == 0; }
   explicit operator bool() const { return ok(); }
-  [[nodiscard]] T& value() & { return *std::get_if<0>(&content_); }
-  [[nodiscard]] const T& value() const& { return *std::get_if<0>(&content_); }
-  [[nodiscard]] T&& value() && { return std::move(*std::get_if<0>(&content_)); }
-  [[nodiscard]] const Error& error() const { return *std::get_if<1>(&content_); }
+  [[nodiscard]] T& value() & { return std::get<0>(content_); }
+  [[nodiscard]] const T& value() const& { return std::get<0>(content_); }
+  [[nodiscard]] T&& value() && { return std::get<0>(std::move(content_)); }
+  /// The value, or `otherwise` in place of an error.
+  [[nodiscard]] T value_or(T otherwise) const& { return ok() ? value() : std::move(otherwise); }
+  [[nodiscard]] T value_or(T otherwise) && { return ok() ? std::move(*this).value() : std::move(otherwise); }
+  [[nodiscard]] const Error& error() const { return std::get<1>(content_); }
 
  private:
   std::variant<T, Error> content_;

@@ -10,24 +10,25 @@
 #include "poise/decisions.h"
 #include "poise/reference.h"
 #include "poise/scheduler/forecast.h"
+#include "poise/scheduler/miss_cause.h"
+#include "poise/time_arithmetic.h"
 #include "poise/trace.h"
 #include "poise/types.h"
 
 namespace poise {
 
-using SteadyClock = std::chrono::steady_clock;
-using Nanoseconds = std::chrono::nanoseconds;
-
 /// How much a step may do beyond its mandatory part.
 struct Budget {
   enum class Kind : std::uint8_t { Unlimited, Deadline, Work };
   Kind kind = Kind::Unlimited;
-  SteadyClock::time_point deadline{};  ///< Deadline: when the step must have returned
-  std::uint64_t work_units = 0;        ///< Work: node-pair expansions (8 x 8 blocks) that refinement may charge
+  /// Deadline: when the step must have returned. One that is more than kFarthestTime away, either way, counts as
+  /// kFarthestTime away.
+  SteadyClock::time_point deadline{};
+  std::uint64_t work_units = 0;  ///< Work: node-pair expansions (8 x 8 blocks) that refinement may charge
 
   static Budget unlimited() { return {}; }
   static Budget until(SteadyClock::time_point deadline) { return {Kind::Deadline, deadline, 0}; }
-  static Budget within(Nanoseconds time) { return until(SteadyClock::now() + time); }
+  static Budget within(Nanoseconds time) { return until(saturating_add(SteadyClock::now(), time)); }
   static Budget work(std::uint64_t units) { return {Kind::Work, {}, units}; }
 };
 
@@ -45,7 +46,7 @@ struct View {
 /// Work of the host (rendering, game logic) that must still happen before the deadline, reserved like the response.
 struct HostWork {
   bool learn = false;       ///< reserve what World::report_host_work lets expect, instead of `expected`
-  Nanoseconds expected{0};  ///< >= 0
+  Nanoseconds expected{0};  ///< >= 0; more than kFarthestTime counts as kFarthestTime
 };
 
 /// Longest step: beyond it, what the limits of speeds and accelerations allow would leave the range of double.
@@ -53,9 +54,9 @@ inline constexpr double kMaxTimeStepS = 1000.0;
 
 struct StepInput {
   double dt_s = 1.0 / 60.0;  ///< length of the step, > 0 and at most kMaxTimeStepS
-  Budget budget;
-  View view;
-  HostWork host_work;
+  Budget budget{};
+  View view{};
+  HostWork host_work{};
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;  ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
   /// Answers bodies that move farther in the step than half their least extent (the smallest side of the box around
@@ -103,7 +104,7 @@ struct StageTimes {
   Nanoseconds total{0};
 };
 
-enum class MissCause : std::uint8_t { None, Infeasible, Machine, Overrun, Forecast };
+using scheduler::MissCause;
 
 /// How deep a step got, beside FrameReport::level_histogram; places are levels, the last one is polygons.
 struct LevelsReached {

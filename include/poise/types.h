@@ -45,6 +45,11 @@ struct ShapeId {
 };
 
 /// Which implementation runs parallel parts. The result of a step depends on neither kind nor threads.
-enum class ExecutorKind : std::uint8_t { Tbb, Threads, Serial };
+enum class ExecutorKind : std::uint8_t {
+  Tbb,      ///< oneTBB's threads
+  Threads,  ///< threads of its own
+  Serial,   ///< the calling thread alone
+  Host,     ///< threads that a host lends (poise/executor.h)
+};
 
 }  // namespace poise

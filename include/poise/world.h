@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "poise/decisions.h"
+#include "poise/executor.h"
+#include "poise/queries.h"
 #include "poise/result.h"
 #include "poise/scheduler/forecast.h"
 #include "poise/scheduler/policy.h"
@@ -29,19 +32,39 @@ enum class ContactModel : std::uint8_t {
   Fitted,  ///< all nodes together by the spheres fitted to their surface, one impulse a pair
 };
 
+/// A candidate pair that a PairFilter is asked about; a comes before b in the order of slots.
+struct FilteredPair {
+  BodyId a, b;
+  std::uint64_t user_data_a = 0, user_data_b = 0;
+};
+
+/// A host's say in which bodies meet, beyond groups: returns false for a pair that is to pass through each other.
+///
+/// Called in the coarse stage of every step, once for each candidate pair whose bounding spheres come near each other
+/// in the step and whose groups agree, from any thread and several at once. It must be pure (the same answer for the
+/// same pair for as long as nothing that it reads is changed), quick, and neither throw nor call the World. What it
+/// reads may be changed between steps. It is no part of the state: a replay needs the same filter.
+struct PairFilter {
+  bool (*function)(void* context, const FilteredPair& pair) = nullptr;  ///< null: all pairs meet, at no cost
+  void* context = nullptr;
+};
+
 struct WorldSettings {
   Vec3 gravity_mps2 = Vec3::Zero();
   ContactModel contact = ContactModel::Fitted;
   scheduler::Policy policy;  ///< what is refined next
   ExecutorKind executor = ExecutorKind::Tbb;
-  int threads = 0;  ///< calling thread included; 0 = as many as the machine has; at most 256
+  /// With ExecutorKind::Host, and only then: whose threads help (poise/executor.h). The World holds it while it lives.
+  std::shared_ptr<HostExecutor> host_executor;
+  /// Calling thread included; 0 = as many as the machine has, or as the host executor offers; at most 256.
+  int threads = 0;
   /// A thread without work looks for it for this long before it sleeps: longer costs processor time, shorter costs tens
   /// of microseconds each time it has to be woken. In [0, 10 ms].
   Nanoseconds spin{50'000};
   /// Thread w (from 1; the calling thread is its owner's matter) runs on processors[w mod size] alone; empty: where the
-  /// system puts it. Not with ExecutorKind::Tbb, whose threads belong to the whole process.
+  /// system puts it. Not with ExecutorKind::Tbb or Host, whose threads belong to others.
   std::vector<int> processors;
-  int realtime_priority = 0;  ///< of those threads under SCHED_FIFO, 1 to 99; 0: as all threads. Likewise not with Tbb
+  int realtime_priority = 0;  ///< of those threads under SCHED_FIFO, 1 to 99; 0: as all threads. Likewise
   std::uint64_t seed = 1;
   /// Islands of bodies that have been still for half a second fall asleep: they stay where they are and cost next to
   /// nothing until something that moves comes near them or the caller touches one of them or what they lie on. Off,
@@ -74,6 +97,7 @@ struct BodyDefinition {
   std::uint32_t group = 1;                     ///< bits: which groups the body is in
   std::uint32_t collides_with = 0xffffffffU;   ///< bits: which groups it meets; both sides must agree
   double importance = 1;                       ///< a factor on the priority of its pairs, >= 0, finite
+  std::uint64_t user_data = 0;                 ///< the caller's own; nothing reads it but PairFilter
 };
 
 struct BodyState {
@@ -83,7 +107,7 @@ struct BodyState {
   Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
 };
 
-/// One pair that the last step answered as a contact.
+/// One pair that touched in the last step.
 struct Contact {
   BodyId a, b;                     ///< a comes before b in the order of slots
   Level level = 0;                 ///< that was completed for the pair; by polygons, the trees' deepest + 1
@@ -124,6 +148,24 @@ class World {
   /// A null pointer gives a ShapeId that no body may have.
   ShapeId add_shape(ShapePtr shape);
   Result<MaterialId> add_material(const Material& material);
+  /// Refused: unknown ids, also those that were removed before, and shapes and materials that bodies use (the message
+  /// says how many). An id is never given again, so a stale one is refused for good. Linear in the bodies.
+  Status remove_shape(ShapeId shape);
+  Status remove_material(MaterialId material);
+
+  /// What this World goes by now.
+  [[nodiscard]] const WorldSettings& settings() const;
+  /// Changes the settings for the steps to come. Refused with the field, nothing being changed: what create() refuses,
+  /// and a change of what is fixed when a World is made: executor, host_executor, threads, spin, processors,
+  /// realtime_priority, max_front_entries. Another gravity, or sleeping turned off, wakes all bodies; another contact
+  /// model lets pairs forget what they found out (not their impulses); another alpha makes the forecast of host work
+  /// and the margin of the reserve learn anew. A record of the run holds the settings that it began with.
+  Status set_settings(const WorldSettings& settings);
+  /// The same for the policy alone. Refused: a weight that is not finite or < 0.
+  Status set_policy(const scheduler::Policy& policy);
+  /// From the next step on; an empty one (the default) lets all pairs meet. Wakes all bodies. Any pair that it now
+  /// keeps apart ends its contact in the next step.
+  void set_pair_filter(const PairFilter& filter);
 
   /// Refused: unknown shape or material, numbers that are not finite or out of range, an inertia that breaks the
   /// triangle inequality, a plane that is not static.
@@ -131,10 +173,17 @@ class World {
   Status remove_body(BodyId body);
   [[nodiscard]] bool contains(BodyId body) const;
   [[nodiscard]] std::size_t body_count() const;  ///< static ones and planes included
+  /// The bodies that live now, in order of slots; a copy, so it stays what it is when bodies come and go.
+  [[nodiscard]] std::vector<BodyId> bodies() const;
+  [[nodiscard]] Result<std::uint64_t> user_data(BodyId body) const;
+  Status set_user_data(BodyId body, std::uint64_t user_data);
 
   [[nodiscard]] Result<BodyState> state(BodyId body) const;
   /// Wakes what sleeps there.
   Status set_state(BodyId body, const BodyState& state);
+  /// Of the centre of mass, and about it; world frame. Wakes what sleeps there. Refused: numbers out of range, and a
+  /// static body that is to move.
+  Status set_velocity(BodyId body, const Vec3& velocity_mps, const Vec3& angular_velocity_radps);
   /// Does it sleep (WorldSettings::sleeping)? A body that sleeps has no velocity and no contacts.
   [[nodiscard]] Result<bool> asleep(BodyId body) const;
   /// 0 for static bodies.
@@ -150,7 +199,29 @@ class World {
   Status set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with);
   Status set_importance(BodyId body, double importance);
 
-  /// Tells how long the host's own work took in the frame that has just ended, for HostWork::learn.
+  // Queries (poise/queries.h): on true surfaces, as the bodies are now. Any number of threads at once, as long as none
+  // steps or changes the World. Refused with field, value and rule: numbers that are not finite or out of range, a
+  // direction that is zero, a negative radius or distance; stale handles.
+
+  /// The first body that a ray hits; empty where it hits none.
+  [[nodiscard]] Result<std::optional<RayHit>> cast_ray(const Ray& ray, const QueryFilter& filter = {}) const;
+  /// The first body that a moving sphere touches; empty where it touches none.
+  [[nodiscard]] Result<std::optional<SphereCastHit>> cast_sphere(const SphereCast& cast,
+                                                                 const QueryFilter& filter = {}) const;
+  /// Fills `found` with the bodies that meet a ball or, being solid, hold it, in order of slots; touching counts.
+  Status overlap_sphere(const Vec3& center_m, double radius_m, std::vector<BodyId>& found,
+                        const QueryFilter& filter = {}) const;
+  /// The same of a box.
+  Status overlap_box(const OrientedBox& box, std::vector<BodyId>& found, const QueryFilter& filter = {}) const;
+  /// The nearest point of any body's surface, if it is within max_distance_m (>= 0, may be infinite); from inside a
+  /// solid its surface may be the nearest.
+  [[nodiscard]] Result<std::optional<ClosestPoint>> closest_point(const Vec3& point_m, double max_distance_m,
+                                                                  const QueryFilter& filter = {}) const;
+  /// The nearest point of one body's surface.
+  [[nodiscard]] Result<ClosestPoint> closest_point(BodyId body, const Vec3& point_m) const;
+
+  /// Tells how long the host's own work took in the frame that has just ended, for HostWork::learn; more than
+  /// kFarthestTime counts as kFarthestTime.
   void report_host_work(Nanoseconds actual);
 
   /// What the time forecasts have come to, for a later run on the same machine; and a start from what an earlier one
@@ -162,10 +233,13 @@ class World {
   /// Steps once. The calling thread works too. Bad input is refused in FrameReport::status.
   FrameReport step(const StepInput& input);
 
-  /// Of the last step, in order of (a, b); valid until the next call that is not const. Made at the first call after a
-  /// step, so a caller that does not ask does not pay; empty once a body was removed.
+  /// The pairs that touched in the last step, in order of (a, b): those whose surfaces met or that gave each other an
+  /// impulse, as contact_events() counts them. Without the contacts of bodies that were removed since. Valid until the
+  /// next call that is not const. Listed at the first call after a step, so a caller that does not ask does not pay;
+  /// any number of threads may call it at once between steps.
   [[nodiscard]] std::span<const Contact> contacts() const;
-  /// Pairs that began and ceased to touch in the last step, in order of (a, b).
+  /// Pairs that began and ceased to touch in the last step, in order of (a, b). The contacts of a body that is removed
+  /// end in the next step: then its handle stands in an End event, stale.
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
 
   /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all

@@ -31,19 +31,29 @@ StepStatus check(const StepInput& input, std::uint64_t frame) {
   return StepStatus::Done;
 }
 
-// Pairs of bodies that were removed since the last step start anew, also where their slots are used again.
+// Pairs of bodies that were removed since the last step start anew, also where their slots are used again; what touched
+// ends.
 void forget_removed(simulation::WorldState& world) {
-  if (world.removed_slots.empty()) return;
-  std::sort(world.removed_slots.begin(), world.removed_slots.end());
-  const auto removed = [&](std::uint32_t slot) {
-    return std::binary_search(world.removed_slots.begin(), world.removed_slots.end(), slot);
+  std::vector<BodyId>& removed = world.removed_bodies;
+  if (removed.empty()) return;
+  std::sort(removed.begin(), removed.end());
+  // Of a slot that was used twice, the body of the last step: the oldest one.
+  const auto body_of = [&](std::uint32_t slot) {
+    const auto at = std::lower_bound(removed.begin(), removed.end(), BodyId{slot, 0});
+    return at != removed.end() && at->slot == slot ? *at : world.bodies.id_of(slot);
+  };
+  const auto is_removed = [&](std::uint32_t slot) {
+    const auto at = std::lower_bound(removed.begin(), removed.end(), BodyId{slot, 0});
+    return at != removed.end() && at->slot == slot;
   };
   std::erase_if(world.memory, [&](const simulation::CachedPair& pair) {
-    const bool gone = removed(pair.low) || removed(pair.high);
-    if (gone) world.points.give_back(pair.room);
-    return gone;
+    const bool gone = is_removed(pair.low) || is_removed(pair.high);
+    if (!gone) return false;
+    world.points.give_back(pair.room);
+    if (pair.touching) world.removal_events.push_back({ContactEvent::Kind::End, body_of(pair.low), body_of(pair.high)});
+    return true;
   });
-  world.removed_slots.clear();
+  removed.clear();
 }
 
 // What is kept of a body that the caller has put somewhere else no longer holds.
@@ -155,7 +165,11 @@ FrameReport World::step(const StepInput& given) {
     refused.status = status;
     return refused;
   }
+  if (input.budget.kind == Budget::Kind::Deadline)
+    input.budget.deadline = within_reach(input.budget.deadline, SteadyClock::now());
+  input.host_work.expected = std::min(input.host_work.expected, kFarthestTime);
   state_->settle();
+  ++state_->changes;
   if (state_->decisions && (!input.record || input.replay != nullptr)) state_->decisions->forget();
   FrameReport report = input.reference ? run_and_refer(*state_, input) : run_frame(*state_, input);
   if (input.trace != nullptr) simulation::trace_frame(*state_, report, *input.trace);

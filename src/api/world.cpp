@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "poise/world.h"
 
-#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -20,10 +19,7 @@ namespace {
 
 using simulation::check_range;
 using simulation::check_vector;
-
-Error stale(BodyId body) {
-  return {ErrorKind::StaleHandle, fmt::format("body {}.{} does not exist", body.slot, body.generation)};
-}
+using simulation::stale_body;
 
 simulation::ShapeFacts facts_of(ShapePtr shape) {
   simulation::ShapeFacts facts;
@@ -68,22 +64,8 @@ parallel::ExecutorSettings executor_settings(const WorldSettings& settings) {
   executor.spin = settings.spin;
   executor.processors = settings.processors;
   executor.realtime_priority = settings.realtime_priority;
+  executor.host = settings.host_executor;
   return executor;
-}
-
-// Beyond these a quantile of frames says nothing.
-constexpr double kLeastAlpha = 1e-5;
-constexpr double kMostAlpha = 0.5;
-
-Result<Done> check_settings(const WorldSettings& settings) {
-  if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, simulation::kMaxAccelerationMps2)) return *bad;
-  if (!scheduler::valid(settings.policy)) return bad_input("policy: each weight must be finite and >= 0");
-  if (auto bad = check_range("threads", settings.threads, 0, 256)) return *bad;
-  if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return *bad;
-  if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return *bad;
-  if (auto bad = check_range("max_partners", settings.max_partners, 1, 65536)) return *bad;
-  if (auto bad = check_range("max_front_entries", settings.max_front_entries, 64, 1U << 26U)) return *bad;
-  return Done{};
 }
 
 }  // namespace
@@ -94,7 +76,7 @@ World& World::operator=(World&&) noexcept = default;
 World::~World() = default;
 
 Result<World> World::create(const WorldSettings& settings) {
-  if (auto checked = check_settings(settings); !checked) return checked.error();
+  if (auto bad = simulation::check_settings(settings)) return *bad;
   auto executor = parallel::make_executor(executor_settings(settings));
   if (!executor) return executor.error();
   auto state = std::make_unique<simulation::WorldState>();
@@ -123,12 +105,15 @@ Result<MaterialId> World::add_material(const Material& material) {
     return *bad;
   }
   state_->materials.push_back(material);
+  state_->material_removed.push_back(0);
   return MaterialId{static_cast<std::uint32_t>(state_->materials.size() - 1)};
 }
 
 Result<BodyId> World::add_body(const BodyDefinition& definition) {
-  if (definition.shape.index >= state_->shapes.size()) return bad_input("shape: this World has no such shape");
-  if (definition.material.index >= state_->materials.size()) {
+  if (definition.shape.index >= state_->shapes.size() || !state_->shapes[definition.shape.index].shape)
+    return bad_input("shape: this World has no such shape");
+  if (definition.material.index >= state_->materials.size() ||
+      state_->material_removed[definition.material.index] != 0) {
     return bad_input("material: this World has no such material");
   }
   const ShapePtr& shape = state_->shapes[definition.shape.index].shape;
@@ -147,6 +132,8 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
   bodies.group[i] = definition.group;
   bodies.collides_with[i] = definition.collides_with;
   bodies.importance[i] = definition.importance;
+  bodies.user_data[i] = definition.user_data;
+  ++state_->changes;
   bodies.set_orientation(i, turn);
   bodies.set_position(i, definition.position_m + turn * shape->origin_offset_m);
   state_->shape_of.resize(bodies.slot_count());
@@ -163,14 +150,13 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
 }
 
 Status World::remove_body(BodyId body) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   state_->settle();
   simulation::request_wake(*state_, body.slot);
   state_->bodies.remove(body.slot);
-  state_->removed_slots.push_back(body.slot);
-  state_->contacts.clear();
-  state_->contacts_listed = true;
-  state_->events.clear();
+  state_->removed_bodies.push_back(body);
+  ++state_->changes;
+  if (state_->contacts_version > 0) ++state_->contacts_version;  // without those of the body
   return Done{};
 }
 
@@ -179,17 +165,18 @@ std::size_t World::body_count() const { return state_->bodies.alive_count(); }
 int World::threads() const { return state_->executor->concurrency(); }
 
 Result<BodyState> World::state(BodyId body) const {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   const dynamics::BodyStore& bodies = state_->bodies;
   return BodyState{bodies.position(body.slot), bodies.orientation(body.slot), bodies.velocity(body.slot),
                    bodies.spin(body.slot)};
 }
 
 Status World::set_state(BodyId body, const BodyState& state) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = simulation::check_state(state, is_static(bodies, body.slot))) return *bad;
   simulation::request_wake(*state_, body.slot);
+  ++state_->changes;
   const Quat turn = unit(state.orientation);
   if (bodies.position(body.slot) != state.position_m || bodies.orientation(body.slot).coeffs() != turn.coeffs()) {
     state_->displaced_slots.push_back(body.slot);
@@ -202,22 +189,22 @@ Status World::set_state(BodyId body, const BodyState& state) {
 }
 
 Result<bool> World::asleep(BodyId body) const {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   return state_->bodies.asleep[body.slot] != 0;
 }
 
 Result<double> World::mass_kg(BodyId body) const {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   return state_->bodies.mass_kg[body.slot];
 }
 
 Result<ShapePtr> World::shape(BodyId body) const {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   return state_->bodies.shape[body.slot];
 }
 
 Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
   const Vec3 force = bodies.force(body.slot) + force_n;
@@ -233,7 +220,7 @@ Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m)
 }
 
 Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
   const Vec3 torque = bodies.torque(body.slot) + torque_nm;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
@@ -245,7 +232,7 @@ Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
 }
 
 Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
   if (auto bad = check_vector("impulse_ns", impulse_ns, simulation::kMaxForceN)) return *bad;
@@ -262,7 +249,7 @@ Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& poi
 }
 
 Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   simulation::request_wake(*state_, body.slot);
   state_->bodies.group[body.slot] = group;
   state_->bodies.collides_with[body.slot] = collides_with;
@@ -270,18 +257,19 @@ Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collide
 }
 
 Status World::set_importance(BodyId body, double importance) {
-  if (!contains(body)) return stale(body);
+  if (!contains(body)) return stale_body(body);
   if (auto bad = check_range("importance", importance, 0, simulation::kMaxImportance)) return *bad;
   state_->bodies.importance[body.slot] = importance;
   return Done{};
 }
 
-void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(actual); }
+void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(std::min(actual, kFarthestTime)); }
 scheduler::TimePriors World::time_priors() const { return simulation::times_of(*state_); }
 void World::set_time_priors(const scheduler::TimePriors& priors) { simulation::forget_times(*state_, priors); }
 std::span<const Contact> World::contacts() const {
-  if (!state_->contacts_listed) simulation::list_contacts(*state_);
-  return state_->contacts;
+  return state_->contacts.get(state_->contacts_version, [&](std::vector<Contact>& contacts) {
+    contacts = simulation::list_contacts(*state_, simulation::ContactListing::Touching);
+  });
 }
 std::span<const ContactEvent> World::contact_events() const { return state_->events; }
 void World::decisions(FrameDecisions& decisions) const {

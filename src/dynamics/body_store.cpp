@@ -24,6 +24,7 @@ BodyId BodyStore::add() {
     group.push_back(1);
     collides_with.push_back(0xffffffffU);
     importance.push_back(1);
+    user_data.push_back(0);
     generation.push_back(0);
     alive.push_back(1);
     dynamic.push_back(0);

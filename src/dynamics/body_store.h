@@ -28,6 +28,7 @@ struct BodyStore {
   std::vector<std::uint32_t> material;
   std::vector<std::uint32_t> group, collides_with;
   std::vector<double> importance;
+  std::vector<std::uint64_t> user_data;  ///< the caller's own; no part of the state
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
   std::vector<std::uint8_t> dynamic;  ///< alive, not static and awake

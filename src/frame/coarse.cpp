@@ -86,6 +86,13 @@ PairRecord make_pair_record(const WorldState& world, const collision::CandidateP
   return pair;
 }
 
+bool may_meet(const WorldState& world, const collision::CandidatePair& pair) {
+  const dynamics::BodyStore& bodies = world.bodies;
+  const FilteredPair asked{bodies.id_of(pair.low), bodies.id_of(pair.high), bodies.user_data[pair.low],
+                           bodies.user_data[pair.high]};
+  return world.pair_filter.function(world.pair_filter.context, asked);
+}
+
 BodyBounds make_body_bounds(const WorldState& world, std::size_t i, const StepInput& input) {
   const dynamics::BodyStore& bodies = world.bodies;
   const collision::Pose& pose = world.buffers.poses[i];
@@ -287,6 +294,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       const BodyBounds& a = buffers.body_bounds[pair.a];
       const BodyBounds& b = buffers.body_bounds[pair.b];
       if (!swept && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
+      if (world.pair_filter.function != nullptr && !may_meet(world, found.pairs[i])) continue;
       pair.candidate = static_cast<std::uint32_t>(i);
       buffers.pair_records[begin + active++] = pair;
     }
@@ -328,7 +336,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       }
       recall(world, pair);
       count_known(pair, fast(pair.a) || fast(pair.b), known);
-      if (pair.refinable()) buffers.cues[k] = cues_of(view_query, pair_view_of(world, pair));
+      if (pair.refinable()) buffers.cues[k] = cues_of(view_query, pair_view_of(world, pair), world.settings.policy);
     }
     // Not where it begins: the chunk before reads that.
     buffers.known_of_chunk[chunk].present = known.present;

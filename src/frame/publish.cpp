@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "dynamics/rotation.h"
 #include "frame/ccd/swept.h"
@@ -87,12 +88,19 @@ CachedPair remembered(const FrameBuffers& buffers, const ActivePair& pair) {
   return memory;
 }
 
+// Was a body of the pair removed since the step?
+bool was_removed(const WorldState& world, const ActivePair& pair) {
+  return std::any_of(world.removed_bodies.begin(), world.removed_bodies.end(),
+                     [&](const BodyId& body) { return body.slot == pair.a || body.slot == pair.b; });
+}
+
 // Pairs that met within the step, put in among the others.
-void add_swept_contacts(WorldState& world) {
+void add_swept_contacts(const WorldState& world, std::vector<Contact>& contacts) {
   const FrameBuffers& buffers = world.buffers;
   if (buffers.swept.hits.empty()) return;
   for (const SweptHit& hit : buffers.swept.hits) {
     const ActivePair& pair = buffers.pairs[hit.pair];
+    if (was_removed(world, pair)) continue;
     const double sign = pair.a == pair.low() ? 1.0 : -1.0;
     Contact contact;
     contact.a = world.bodies.id_of(pair.low());
@@ -102,21 +110,22 @@ void add_swept_contacts(WorldState& world) {
     contact.point_m = hit.point_m;
     contact.gap_m = hit.gap_m;
     contact.impulse_ns = hit.impulse_ns * contact.normal;
-    world.contacts.push_back(contact);
+    contacts.push_back(contact);
   }
-  std::stable_sort(world.contacts.begin(), world.contacts.end(), [](const Contact& x, const Contact& y) {
+  std::stable_sort(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
     return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot);
   });
+  if (contacts.empty()) return;
   // A pair that touched at the start too is one contact.
   std::size_t cached = 0;
-  for (std::size_t k = 1; k < world.contacts.size(); ++k) {
-    if (world.contacts[k].a == world.contacts[cached].a && world.contacts[k].b == world.contacts[cached].b) {
-      world.contacts[cached].impulse_ns += world.contacts[k].impulse_ns;
+  for (std::size_t k = 1; k < contacts.size(); ++k) {
+    if (contacts[k].a == contacts[cached].a && contacts[k].b == contacts[cached].b) {
+      contacts[cached].impulse_ns += contacts[k].impulse_ns;
     } else {
-      world.contacts[++cached] = world.contacts[k];
+      contacts[++cached] = contacts[k];
     }
   }
-  world.contacts.resize(cached + 1);
+  contacts.resize(cached + 1);
 }
 
 // What of the last frame's pairs is none of this frame's: a touch ends, and its room is free.
@@ -134,6 +143,8 @@ void forget_parted(WorldState& world) {
 void make_events(WorldState& world) {
   const FrameBuffers& buffers = world.buffers;
   forget_parted(world);
+  world.events.insert(world.events.end(), world.removal_events.begin(), world.removal_events.end());
+  world.removal_events.clear();
   const std::size_t parted = world.events.size();
   const std::vector<std::uint8_t>& turned = buffers.turned;
   for (auto at = turned.begin(); (at = std::find(at, turned.end(), std::uint8_t{1})) != turned.end(); ++at) {
@@ -142,9 +153,10 @@ void make_events(WorldState& world) {
                             world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
   }
   if (parted == 0) return;
-  // A pair has one event at most.
+  // A pair has one event at most; of two in the same slots, the bodies that were removed come first.
   std::sort(world.events.begin(), world.events.end(), [](const ContactEvent& x, const ContactEvent& y) {
-    return std::pair(x.a.slot, x.b.slot) < std::pair(y.a.slot, y.b.slot);
+    return std::tuple(x.a.slot, x.b.slot, x.a.generation, x.b.generation) <
+           std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
   });
 }
 
@@ -206,22 +218,29 @@ void publish(WorldState& world) {
     if (!touching) buffers.turned[hit.pair] ^= 1U;
     touching = true;
   }
-  world.contacts_listed = false;
+  ++world.contacts_version;
   world.events.clear();
   make_events(world);
   std::swap(world.memory, world.next_memory);
 }
 
-void list_contacts(WorldState& world) {
+std::vector<Contact> list_contacts(const WorldState& world, ContactListing listing) {
   const FrameBuffers& buffers = world.buffers;
-  world.contacts.resize(buffers.manifolds.size());
-  for (std::size_t k = 0; k < buffers.manifolds.size(); ++k) {
-    const std::uint32_t place = buffers.coloring.order()[k];
-    world.contacts[place] =
-        contact_of(world, buffers.manifolds[place].pair, row_of(buffers, k), buffers.applied_impulse_ns[place]);
+  // The rows stand in the order of the colouring, the contacts in that of the pairs.
+  constexpr std::uint32_t kNotListed = 0xffffffffU;
+  std::vector<std::uint32_t> row_of_place(buffers.manifolds.size(), kNotListed);
+  for (std::uint32_t k = 0; k < buffers.manifolds.size(); ++k) {
+    if (listing == ContactListing::Answered || touches(world, k)) row_of_place[buffers.coloring.order()[k]] = k;
   }
-  add_swept_contacts(world);
-  world.contacts_listed = true;
+  std::vector<Contact> contacts;
+  for (std::size_t place = 0; place < row_of_place.size(); ++place) {
+    const std::uint32_t pair = buffers.manifolds[place].pair;
+    if (row_of_place[place] == kNotListed || was_removed(world, buffers.pairs[pair])) continue;
+    contacts.push_back(
+        contact_of(world, pair, row_of(buffers, row_of_place[place]), buffers.applied_impulse_ns[place]));
+  }
+  add_swept_contacts(world, contacts);
+  return contacts;
 }
 
 }  // namespace poise::simulation

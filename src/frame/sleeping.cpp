@@ -166,6 +166,15 @@ void request_wake(WorldState& world, std::uint32_t slot) {
   if (world.bodies.dynamic[slot] == 0) world.sleep.changed_statics.push_back(slot);
 }
 
+void wake_all(WorldState& world) {
+  if (!world.settings.sleeping) return;
+  reserve_slots(world);
+  for (std::uint32_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
+    if (world.bodies.asleep[slot] != 0) request_island_wake(world, slot);
+  }
+  if (world.sleep.any_wake_requested) wake_requested_islands(world);
+}
+
 void wake_near_changes(WorldState& world) {
   Sleep& sleep = world.sleep;
   reserve_slots(world);

@@ -21,6 +21,9 @@ namespace poise::simulation {
 /// sleeping.
 void request_wake(WorldState& world, std::uint32_t slot);
 
+/// Wakes all, as when gravity changes. Between steps; nothing without sleeping.
+void wake_all(WorldState& world);
+
 /// Before a frame: wakes what the caller's calls concern.
 void wake_near_changes(WorldState& world);
 

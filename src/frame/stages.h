@@ -70,8 +70,13 @@ void integrate(WorldState& world, const StepInput& input);
 /// Events and the memory of pairs.
 void publish(WorldState& world);
 
-/// The contacts of the last step, made when somebody asks for them.
-void list_contacts(WorldState& world);
+/// Which pairs of the last step are listed.
+enum class ContactListing : std::uint8_t {
+  Touching,  ///< those that touch, as events tell
+  Answered,  ///< also those that were answered because they may touch within the step, and did not
+};
+/// The contacts of the last step but for bodies that were removed since, in order of slots. Any thread between steps.
+std::vector<Contact> list_contacts(const WorldState& world, ContactListing listing);
 
 /// Counted work of the tail with this many answered pairs; visits and coarse contacts are those of WorldState::times.
 scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts);

@@ -34,8 +34,9 @@ bool in_frustum(const ViewQuery& view_query, const Vec3& center_m, double radius
   return beyond_up < radius_m && beyond_right < radius_m;
 }
 
-scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair) {
+scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, const scheduler::Policy& policy) {
   scheduler::PairCues cues;
+  cues.angle_radpm = policy.plain_angle_radpm;
   cues.closing_mps = std::max(0.0, pair.closing_mps);
   cues.importance = pair.importance;
   cues.frames_waited = pair.frames_waited;
@@ -44,7 +45,7 @@ scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair) {
   const Vec3 ray = pair.point_m - view.position_m;
   const double distance = std::max(ray.norm(), kNearestM);
   const Vec3 direction = ray / distance;
-  cues.visibility = in_frustum(view_query, pair.point_m, pair.extent_m) ? 1.0 : scheduler::kOutsideFrustum;
+  cues.visibility = in_frustum(view_query, pair.point_m, pair.extent_m) ? 1.0 : policy.outside_frustum;
   const double along = std::min(1.0, std::abs(direction.dot(pair.normal)));
   cues.angle_radpm = std::max(kLeastAcross, std::sqrt(1.0 - along * along)) / distance;
   cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));

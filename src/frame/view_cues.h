@@ -26,8 +26,9 @@ struct ViewQuery {
 };
 
 /// What the viewer can notice of a pair. Without a view: everything alike. The visible angle of an error is that of its
-/// part across the view ray: sin(angle between normal and ray) / distance, at least a tenth of it. Any thread.
-scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair);
+/// part across the view ray: sin(angle between normal and ray) / distance, at least a tenth of it. Of the policy its
+/// parameters outside_frustum and plain_angle_radpm count. Any thread.
+scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, const scheduler::Policy& policy = {});
 
 /// Does a ball meet the view's frustum?
 bool in_frustum(const ViewQuery& view_query, const Vec3& center_m, double radius_m);

@@ -13,14 +13,16 @@
 #include "frame/ccd/swept_state.h"
 #include "frame/refine/decision_log.h"
 #include "frame/refine/open_refinement.h"
+#include "parallel/built_once.h"
 #include "parallel/executor.h"
 #include "parallel/large_pages.h"
-#include "parallel/priority_bands.h"
 #include "poise/scheduler/forecast.h"
 #include "poise/scheduler/frame_budget.h"
 #include "poise/scheduler/policy.h"
+#include "poise/scheduler/priority_bands.h"
 #include "poise/scheduler/rounds.h"
 #include "poise/world.h"
+#include "query/body_index.h"
 #include "solver/contact_solver.h"
 #include "solver/impact_row.h"
 #include "solver/solver.h"
@@ -274,21 +276,26 @@ struct WorldState {
   std::vector<std::uint32_t> shape_of;  // per slot: index into shapes
   std::vector<ShapeFacts> shapes;
   std::vector<Material> materials;
+  std::vector<std::uint8_t> material_removed;  // one a material
+  PairFilter pair_filter;
   std::uint64_t frame = 0;
+  std::uint64_t changes = 1;                         // of where bodies are and which there are: what queries go by
+  parallel::BuiltOnce<query::BodyIndex> body_index;  // made by the first query
 
   parallel::LargeVector<CachedPair> memory;  // of the last step's active pairs, sorted
   parallel::LargeVector<CachedPair> next_memory;
   ContactCache points;                         // of memory and of what sleeps
-  std::vector<std::uint32_t> removed_slots;    // since the last step
+  std::vector<BodyId> removed_bodies;          // since the last step
   std::vector<std::uint32_t> displaced_slots;  // likewise: put somewhere else by the caller
   Sleep sleep;
-  std::vector<Contact> contacts;
-  bool contacts_listed = true;  // contacts are those of the last step
+  parallel::BuiltOnce<std::vector<Contact>> contacts;  // of the last step, made when somebody asks
+  std::uint64_t contacts_version = 0;                  // of what contacts are made from; 0: there was no step
   std::vector<ContactEvent> events;
+  std::vector<ContactEvent> removal_events;  // ends of contacts of removed bodies, for the events of the step
 
   collision::BroadPhase broad_phase;
   CandidateCache candidates;
-  parallel::PriorityBands bands;
+  scheduler::PriorityBands bands;
   scheduler::RoundSelector rounds;
   scheduler::TailForecast tail;
   scheduler::TrackedQuantile margin;

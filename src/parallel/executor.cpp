@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "parallel/host_adapter.h"
 #include "parallel/thread_pool.h"
 #ifdef POISE_HAVE_TBB
 #include "parallel/tbb_executor.h"
@@ -48,8 +49,14 @@ Result<std::unique_ptr<Executor>> make_executor(const ExecutorSettings& asked) {
   if (!sound) return sound.error();
   ExecutorSettings settings = asked;
   settings.threads = std::clamp(asked.threads > 0 ? asked.threads : available_threads(), 1, kMaxThreads);
+  if (settings.kind == ExecutorKind::Host) {
+    const int offered = settings.host->concurrency();
+    settings.threads = asked.threads > 0 ? std::min(settings.threads, offered) : offered;
+  }
   if (settings.kind == ExecutorKind::Serial || settings.threads == 1)
     return std::unique_ptr<Executor>(std::make_unique<SerialExecutor>());
+  if (settings.kind == ExecutorKind::Host)
+    return make_host_adapter(std::move(settings.host), settings.threads, settings.spin);
 #ifdef POISE_HAVE_TBB
   if (settings.kind == ExecutorKind::Tbb) {
     if (auto executor = make_tbb_executor(settings.threads, settings.spin)) return executor;

@@ -8,6 +8,7 @@
 
 #include "parallel/shared_counters.h"
 #include "parallel/worker_function.h"
+#include "poise/executor.h"
 #include "poise/result.h"
 #include "poise/types.h"
 
@@ -63,16 +64,19 @@ struct ExecutorSettings {
   /// Worker w (from 1; the calling thread's place is its owner's matter) runs on processors[w mod size] alone; empty:
   /// where the system puts it.
   std::vector<int> processors;
-  int realtime_priority = 0;  ///< of the workers under SCHED_FIFO, 1 to 99; 0: as all threads
+  int realtime_priority = 0;           ///< of the workers under SCHED_FIFO, 1 to 99; 0: as all threads
+  std::shared_ptr<HostExecutor> host;  ///< with ExecutorKind::Host, and only then
 };
 
 /// Refused: a spin out of range; a processor that this process may not use; a priority out of range or that the system
-/// does not grant; processors or a priority for oneTBB's threads, which belong to the whole process. The message names
-/// field, value and rule. Any thread; nothing is changed by asking.
+/// does not grant; processors or a priority for threads that are not ours, oneTBB's and a host's; ExecutorKind::Host
+/// without a host, a host with another kind, or one whose concurrency is out of [1, 256]. The message names field,
+/// value and rule. Any thread; nothing is changed by asking.
 Status check_executor(const ExecutorSettings& settings);
 
 /// If the system refuses to start threads, fewer are used. Tbb means Threads where oneTBB was left out of the build,
-/// and one thread means Serial. Several executors may exist and run at once. Refused: as by check_executor.
+/// and one thread means Serial. Of a host's threads at most host->concurrency() are used. Several executors may exist
+/// and run at once. Refused: as by check_executor.
 Result<std::unique_ptr<Executor>> make_executor(const ExecutorSettings& settings);
 /// The same with all else as it comes.
 std::unique_ptr<Executor> make_executor(ExecutorKind kind, int threads);

@@ -42,6 +42,17 @@ Status try_priority(int priority) {
   return tried;
 }
 
+Status check_host(const ExecutorSettings& settings) {
+  constexpr int kMostThreads = 256;
+  if (settings.kind != ExecutorKind::Host) {
+    return settings.host ? Status(bad_input("host_executor: must be left out but with the executor host")) : Done{};
+  }
+  if (!settings.host) return bad_input("host_executor = null, must be given with the executor host");
+  const int offered = settings.host->concurrency();
+  if (offered >= 1 && offered <= kMostThreads) return Done{};
+  return bad_input(fmt::format("host_executor: concurrency() = {}, must be in [1, {}]", offered, kMostThreads));
+}
+
 }  // namespace
 
 Status place_thread(pthread_t thread, int processor, int realtime_priority) {
@@ -77,11 +88,15 @@ Status check_executor(const ExecutorSettings& settings) {
     return bad_input(
         fmt::format("realtime_priority = {}, must be 0 or in [{}, {}]", priority, kLowestPriority, kHighestPriority));
   }
-  if (settings.kind == ExecutorKind::Tbb && (priority != 0 || !settings.processors.empty())) {
+  const Status host = check_host(settings);
+  if (!host) return host;
+  const bool of_host = settings.kind == ExecutorKind::Host;
+  if ((of_host || settings.kind == ExecutorKind::Tbb) && (priority != 0 || !settings.processors.empty())) {
     return bad_input(
-        fmt::format("{}: must be left out with the executor tbb, whose threads belong to the whole process; the "
+        fmt::format("{}: must be left out with the executor {}, whose threads belong to the {}; the "
                     "executor threads can",
-                    priority != 0 ? "realtime_priority" : "processors"));
+                    priority != 0 ? "realtime_priority" : "processors", of_host ? "host" : "tbb",
+                    of_host ? "host" : "whole process"));
   }
   for (const int processor : settings.processors) {
     const Status allowed = check_processor(processor);

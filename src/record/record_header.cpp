@@ -22,15 +22,15 @@ struct PolicyName {
   const char* name;
   scheduler::PolicyKind kind;
 };
-constexpr std::array kPolicies{PolicyName{"perceptual", scheduler::PolicyKind::Perceptual},
-                               PolicyName{"fifo", scheduler::PolicyKind::Fifo},
-                               PolicyName{"random", scheduler::PolicyKind::Random}};
+constexpr std::array kPolicies{
+    PolicyName{"perceptual", scheduler::PolicyKind::Perceptual}, PolicyName{"custom", scheduler::PolicyKind::Custom},
+    PolicyName{"fifo", scheduler::PolicyKind::Fifo}, PolicyName{"random", scheduler::PolicyKind::Random}};
 struct ExecutorName {
   const char* name;
   ExecutorKind kind;
 };
 constexpr std::array kExecutors{ExecutorName{"tbb", ExecutorKind::Tbb}, ExecutorName{"threads", ExecutorKind::Threads},
-                                ExecutorName{"serial", ExecutorKind::Serial}};
+                                ExecutorName{"serial", ExecutorKind::Serial}, ExecutorName{"host", ExecutorKind::Host}};
 struct WeightName {
   const char* name;
   double scheduler::Policy::*weight;

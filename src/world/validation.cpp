@@ -18,6 +18,24 @@ std::optional<Error> check_vector(const char* field, const Vec3& value, double m
                                value.y(), value.z(), most));
 }
 
+Error stale_body(BodyId body) {
+  return {ErrorKind::StaleHandle, fmt::format("body {}.{} does not exist", body.slot, body.generation)};
+}
+
+std::optional<Error> check_settings(const WorldSettings& settings) {
+  // Beyond these a quantile of frames says nothing.
+  constexpr double kLeastAlpha = 1e-5;
+  constexpr double kMostAlpha = 0.5;
+  if (auto bad = check_vector("gravity_mps2", settings.gravity_mps2, kMaxAccelerationMps2)) return bad;
+  if (const auto problem = scheduler::first_problem(settings.policy))
+    return bad_input("policy." + scheduler::text_of(*problem));
+  if (auto bad = check_range("threads", settings.threads, 0, 256)) return bad;
+  if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return bad;
+  if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return bad;
+  if (auto bad = check_range("max_partners", settings.max_partners, 1, 65536)) return bad;
+  return check_range("max_front_entries", settings.max_front_entries, 64, 1U << 26U);
+}
+
 std::optional<Error> check_state(const BodyState& state, bool is_static) {
   if (auto bad = check_vector("position_m", state.position_m, kMaxPositionM)) return bad;
   const Quat& q = state.orientation;

@@ -24,6 +24,9 @@ inline constexpr double kMaxImportance = 1e6;
 std::optional<Error> check_range(const char* field, double value, double least, double most);
 /// Each component finite and within `most` of zero.
 std::optional<Error> check_vector(const char* field, const Vec3& value, double most);
+/// The refusal of a handle that names nothing.
+Error stale_body(BodyId body);
+std::optional<Error> check_settings(const WorldSettings& settings);
 std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape);
 std::optional<Error> check_state(const BodyState& state, bool is_static);
 

@@ -111,7 +111,7 @@ TEST(Frame, PairsAreCountedFromCandidatesToContacts) {
     std::size_t by_level = 0;
     for (const std::uint32_t count : report.level_histogram) by_level += count;
     EXPECT_EQ(by_level, report.contact_pairs);
-    EXPECT_EQ(stage.world.contacts().size(), report.contact_pairs);
+    EXPECT_LE(stage.world.contacts().size(), report.contact_pairs);
   }
   EXPECT_TRUE(cached) << "a pile that settles lives of what it knows";
 }

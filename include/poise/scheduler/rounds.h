@@ -19,10 +19,12 @@ struct Candidate {
 /// and smaller ones behind it may still fit.
 class RoundSelector {
  public:
-  static constexpr std::size_t kRoundSize = 512;
+  static constexpr std::uint32_t kDefaultRoundPairs = 512;
 
-  /// Forgets everything; `budget_units` is what may be charged in this frame.
-  void begin_frame(std::uint64_t budget_units, std::size_t expected_candidates);
+  /// Forgets everything; `budget_units` is what may be charged in this frame, `round_pairs` the most candidates of a
+  /// round (Policy::round_pairs; 0 counts as 1).
+  void begin_frame(std::uint64_t budget_units, std::size_t expected_candidates,
+                   std::uint32_t round_pairs = kDefaultRoundPairs);
   void add(const Candidate& candidate);
   /// The next round, best first; empty when nothing that fits is left. Valid until the next call.
   std::span<const Candidate> next_round();
@@ -33,6 +35,7 @@ class RoundSelector {
   std::vector<Candidate> round_;
   std::uint64_t budget_ = 0;
   std::uint64_t charged_ = 0;
+  std::size_t round_pairs_ = kDefaultRoundPairs;
 };
 
 }  // namespace poise::scheduler

@@ -215,6 +215,8 @@ const char* executor_name(ExecutorKind kind) {
       return "threads";
     case ExecutorKind::Serial:
       return "serial";
+    case ExecutorKind::Host:
+      return "host";
   }
   return "serial";
 }

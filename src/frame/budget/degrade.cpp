@@ -31,6 +31,9 @@ double seen(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
   // How long a pair has waited says nothing about how well it is seen.
   scheduler::PairCues now = cues;
   now.frames_waited = 0;
+  // Nor does what a host thinks of it; and a replay, which has the number of these pairs, chooses them without the
+  // host.
+  now.host = 1;
   return scheduler::cue_weight(policy, now) * now.angle_radpm;
 }
 

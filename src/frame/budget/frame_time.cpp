@@ -27,7 +27,7 @@ void classify_again(FrameReport& report, Nanoseconds lateness) {
   facts.off_cpu = report.off_cpu;
   facts.longest_overrun = report.longest_overrun;
   report.lateness = std::max(Nanoseconds(0), lateness);
-  report.cause = static_cast<MissCause>(scheduler::classify(facts));
+  report.cause = scheduler::classify(facts);
 }
 
 // What the tail will have to do with the pairs as they are.

@@ -27,7 +27,7 @@ void refine_by_rounds(Refinement& refinement, std::uint64_t budget_units) {
     const ActivePair& pair = buffers.pairs[index];
     return scheduler::Candidate{score_of(world, refinement.facts, pair, index), index, pair.level.next_units};
   };
-  world.rounds.begin_frame(budget_units, buffers.pairs.size());
+  world.rounds.begin_frame(budget_units, buffers.pairs.size(), world.settings.policy.round_pairs);
   for (std::uint32_t i = 0; i < buffers.pairs.size(); ++i) {
     if (buffers.pairs[i].refinable()) world.rounds.add(candidate(i));
   }
@@ -120,8 +120,9 @@ scheduler::TailWork tail_work(const WorldState& world, std::uint64_t contacts) {
 
 scheduler::FrameFacts frame_facts(const WorldState& world, const StepInput& input) {
   scheduler::FrameFacts facts;
-  for (const ShapeFacts& shape : world.shapes)
-    facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  for (const ShapeFacts& shape : world.shapes) {
+    if (shape.shape) facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
+  }
   if (input.polygons) ++facts.deepest_level;
   facts.frame = world.frame;
   facts.seed = world.settings.seed;

@@ -32,10 +32,10 @@ Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPoo
   collision::begin_polygons(frame, rotation, level, found, progress);
   std::uint32_t left = level.next_units;
   for (;;) {
-    const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
+    const std::uint32_t units = std::min<std::uint32_t>(left, world.settings.policy.quantum_units);
     if (collision::run_polygons(frame, pools, units, progress) == collision::Quantum::Complete) break;
     left -= units;
-    if (!go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) return Outcome::Cut;
+    if (!go_on(std::min<std::uint32_t>(left, world.settings.policy.quantum_units))) return Outcome::Cut;
   }
   collision::publish_polygons(frame, rotation, progress, level, found);
   return Outcome::Completed;
@@ -60,12 +60,12 @@ Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> 
   collision::LevelProgress progress = collision::begin_level(level, pool);
   std::uint32_t left = level.front_entries;
   for (;;) {
-    const std::uint32_t units = std::min<std::uint32_t>(left, scheduler::kQuantumUnits);
+    const std::uint32_t units = std::min<std::uint32_t>(left, world.settings.policy.quantum_units);
     const collision::Quantum quantum = collision::run_quantum(frame, pools, worker, units, progress);
     if (quantum == collision::Quantum::Complete) break;
     left -= units;
     const bool full = quantum == collision::Quantum::Full;
-    if (full || !go_on(std::min<std::uint32_t>(left, scheduler::kQuantumUnits))) {
+    if (full || !go_on(std::min<std::uint32_t>(left, world.settings.policy.quantum_units))) {
       pool.release(progress.mark);
       return full ? Outcome::Full : Outcome::Cut;
     }

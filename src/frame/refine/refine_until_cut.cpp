@@ -75,7 +75,7 @@ void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& repo
   const TimePoint planned = SteadyClock::now();
   report.planning = planned - start;
   if (first_cut <= planned || !put_into_bands(refinement, planned, first_cut)) return;
-  const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(scheduler::kQuantumUnits));
+  const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(world.settings.policy.quantum_units));
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
   // do.
   do {
@@ -122,12 +122,12 @@ bool OpenRefinement::operator()(int worker) {
   };
   const std::uint32_t item = world->bands.take();
   std::uint64_t piece_units = 0;
-  const bool begins =
-      item != parallel::PriorityBands::kNone &&
-      admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units, scheduler::kQuantumUnits));
+  const bool begins = item != scheduler::PriorityBands::kNone &&
+                      admits(piece_units = std::min<std::uint64_t>(buffers.pairs[item].level.next_units,
+                                                                   world->settings.policy.quantum_units));
   if (!begins) {
     if (!world->executor->commit(worker)) return false;
-    if (item != parallel::PriorityBands::kNone) cut.set(1);
+    if (item != scheduler::PriorityBands::kNone) cut.set(1);
     return end(false);
   }
   const ActivePair& pair = buffers.pairs[item];

@@ -41,9 +41,8 @@ std::size_t bin_of(const WorldState& world, const Contact& contact) {
 LevelsReached levels_reached(WorldState& world, const View& view) {
   constexpr std::uint8_t kUntouched = 0xffU;
   LevelsReached reached;
-  if (!world.contacts_listed) list_contacts(world);
   std::vector<std::uint8_t> least(world.bodies.slot_count(), kUntouched);
-  for (const Contact& contact : world.contacts) {
+  for (const Contact& contact : list_contacts(world, ContactListing::Answered)) {
     const std::size_t place = bin_of(world, contact);
     reached.weight[place] += weight_of(world, view, contact);
     for (const BodyId body : {contact.a, contact.b}) {

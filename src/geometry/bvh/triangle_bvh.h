@@ -68,6 +68,14 @@ class TriangleBvh {
   /// and some more.
   void triangles_near(const Vec3& point, double radius_m, std::vector<std::uint32_t>& out) const;
 
+  /// The hierarchy, for searches of other rooms: nodes with the root first, their boxes relative to origin_m(), and a
+  /// leaf's place in corners_at() and triangle_at().
+  [[nodiscard]] const std::vector<BvhNode>& nodes() const { return nodes_; }
+  [[nodiscard]] const Vec3& origin_m() const { return origin_m_; }
+  [[nodiscard]] const Bounds& box() const { return box_; }
+  [[nodiscard]] const TriangleCorners& corners_at(std::uint32_t place) const { return corners_m_[place]; }
+  [[nodiscard]] std::uint32_t triangle_at(std::uint32_t place) const { return triangle_of_[place]; }
+
  private:
   void search(const Vec3& point, Closest& best) const;
   [[nodiscard]] int crossings(const Vec3& point) const;

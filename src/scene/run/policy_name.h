@@ -12,6 +12,8 @@ inline const char* policy_name(scheduler::PolicyKind kind) {
       return "perceptual";
     case scheduler::PolicyKind::Fifo:
       return "fifo";
+    case scheduler::PolicyKind::Custom:
+      return "custom";
     case scheduler::PolicyKind::Random:
       return "random";
   }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "parallel/priority_bands.h"
+#include "poise/scheduler/priority_bands.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <thread>
 #include <vector>
 
-#include "parallel/executor.h"
-
-namespace poise::parallel {
+namespace poise::scheduler {
 namespace {
 
 TEST(PriorityBands, AreEmptyAfterAReset) {
@@ -46,23 +45,35 @@ TEST(PriorityBands, TakeBackAnItemInAnotherBand) {
   EXPECT_EQ(bands.take(), PriorityBands::kNone);
 }
 
+TEST(PriorityBands, CountABandBeyondTheLastAsTheLast) {
+  PriorityBands bands;
+  bands.reset(2);
+  bands.put(0, kBands - 2);
+  bands.put(1, 0xffffffffU);
+  EXPECT_EQ(bands.take(), 1U);
+  EXPECT_EQ(bands.take(), 0U);
+}
+
 // Every item goes through five bands. Its count is a plain number, handed from worker to worker by the bands alone: an
 // item that two workers hold at once, or that is handed on without order, is a race for the thread sanitizer too.
 TEST(PriorityBands, HandEachItemFromOneWorkerToTheNextAndLoseNone) {
   constexpr std::uint32_t kItems = 3000;
   constexpr std::uint32_t kRounds = 5;
   for (const int threads : {1, 2, 8}) {
-    const auto executor = make_executor(ExecutorKind::Threads, threads);
     for (int run = 0; run < 10; ++run) {
       PriorityBands bands;
       bands.reset(kItems);
       std::vector<std::uint32_t> served(kItems, 0);
-      for (std::uint32_t item = 0; item < kItems; ++item) bands.put(item, item % PriorityBands::kBands);
-      executor->run([&](int) {
+      for (std::uint32_t item = 0; item < kItems; ++item) bands.put(item, item % kBands);
+      const auto work = [&] {
         for (std::uint32_t item = bands.take(); item != PriorityBands::kNone; item = bands.take()) {
-          if (++served[item] < kRounds) bands.put(item, (item * 31 + served[item] * 17) % PriorityBands::kBands);
+          if (++served[item] < kRounds) bands.put(item, (item * 31 + served[item] * 17) % kBands);
         }
-      });
+      };
+      {
+        std::vector<std::jthread> workers;
+        for (int t = 0; t < threads; ++t) workers.emplace_back(work);
+      }
       EXPECT_TRUE(std::ranges::all_of(served, [](std::uint32_t count) { return count == kRounds; }))
           << threads << " threads";
       EXPECT_EQ(bands.take(), PriorityBands::kNone);
@@ -71,4 +82,4 @@ TEST(PriorityBands, HandEachItemFromOneWorkerToTheNextAndLoseNone) {
 }
 
 }  // namespace
-}  // namespace poise::parallel
+}  // namespace poise::scheduler

@@ -8,7 +8,9 @@
 #include <iterator>
 #include <memory>
 
-namespace poise::parallel {
+#include "poise/scheduler/bands.h"
+
+namespace poise::scheduler {
 
 /// Items (small numbers) in bands of priority that any number of workers take from and put back into, without a lock
 /// and without allocation. Within a band the last one put is the first one taken.
@@ -17,7 +19,6 @@ namespace poise::parallel {
 /// whose head carries a counter against reuse (Treiber 1986; the counter is IBM's remedy for the ABA problem).
 class PriorityBands {
  public:
-  static constexpr std::uint32_t kBands = 256;
   static constexpr std::uint32_t kNone = 0xffffffffU;
 
   /// Empties all bands and makes room for items 0 .. items - 1. One thread, no worker running. Allocates only to grow.
@@ -30,8 +31,10 @@ class PriorityBands {
     for (auto& word : filled_) word.store(0, std::memory_order_relaxed);
   }
 
-  /// Any thread. What the caller wrote before is seen by whoever takes the item.
+  /// Any thread. `item` is below the number given to reset() and in no band. A band beyond the last counts as the last.
+  /// What the caller wrote before is seen by whoever takes the item.
   void put(std::uint32_t item, std::uint32_t band) {
+    band = std::min(band, kBands - 1);
     std::atomic<std::uint64_t>& head = heads_[band];
     std::uint64_t old = head.load(std::memory_order_relaxed);
     do {
@@ -61,6 +64,7 @@ class PriorityBands {
   }
 
  private:
+  static_assert(kBands % 64 == 0, "a word of marks has 64 bands");
   static std::uint32_t item_of(std::uint64_t head) { return static_cast<std::uint32_t>(head); }
   static std::uint64_t with_item(std::uint64_t head, std::uint32_t item) {
     return (((head >> 32U) + 1U) << 32U) | item;
@@ -94,4 +98,4 @@ class PriorityBands {
   std::uint32_t capacity_ = 0;
 };
 
-}  // namespace poise::parallel
+}  // namespace poise::scheduler
