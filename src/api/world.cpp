@@ -9,9 +9,7 @@
 #include "collision/time_of_impact/least_extent.h"
 #include "dynamics/conserved.h"
 #include "frame/budget/frame_time.h"
-#include "frame/stages.h"
-#include "frame/world_state.h"
-#include "frame/sleeping.h"
+#include "frame/run_frame.h"
 #include "world/validation.h"
 
 namespace poise {
@@ -82,11 +80,10 @@ Result<World> World::create(const WorldSettings& settings) {
   auto state = std::make_unique<simulation::WorldState>();
   state->settings = settings;
   state->executor = std::move(executor).value();
-  state->substeps = settings.substeps;
-  simulation::forget_times(*state, {});
+  state->sleeping.on = settings.sleeping;
+  simulation::forget_times(state->forecasts, settings.alpha, {});
   const auto workers = static_cast<std::size_t>(state->executor->concurrency());
-  for (std::size_t w = 0; w < workers; ++w) state->buffers.pools.emplace_back(settings.max_front_entries);
-  state->buffers.tallies.resize(workers);
+  for (std::size_t w = 0; w < workers; ++w) state->pools.emplace_back(settings.max_front_entries);
   return World(std::move(state));
 }
 
@@ -138,7 +135,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
   bodies.set_position(i, definition.position_m + turn * shape->origin_offset_m);
   state_->shape_of.resize(bodies.slot_count());
   state_->shape_of[i] = definition.shape.index;
-  simulation::request_wake(*state_, id.slot);
+  simulation::request_wake(state_->sleep_access(), id.slot);
   if (definition.is_static) return id;
   bodies.make_dynamic(id.slot);
   bodies.mass_kg[i] = mass.value().mass_kg;
@@ -152,9 +149,9 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
 Status World::remove_body(BodyId body) {
   if (!contains(body)) return stale_body(body);
   state_->settle();
-  simulation::request_wake(*state_, body.slot);
+  simulation::request_wake(state_->sleep_access(), body.slot);
   state_->bodies.remove(body.slot);
-  state_->removed_bodies.push_back(body);
+  state_->body_changes.removed.push_back(body);
   ++state_->changes;
   if (state_->contacts_version > 0) ++state_->contacts_version;  // without those of the body
   return Done{};
@@ -175,11 +172,11 @@ Status World::set_state(BodyId body, const BodyState& state) {
   if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = simulation::check_state(state, is_static(bodies, body.slot))) return *bad;
-  simulation::request_wake(*state_, body.slot);
+  simulation::request_wake(state_->sleep_access(), body.slot);
   ++state_->changes;
   const Quat turn = unit(state.orientation);
   if (bodies.position(body.slot) != state.position_m || bodies.orientation(body.slot).coeffs() != turn.coeffs()) {
-    state_->displaced_slots.push_back(body.slot);
+    state_->body_changes.displaced.push_back(body.slot);
   }
   bodies.set_position(body.slot, state.position_m);
   bodies.set_orientation(body.slot, turn);
@@ -212,7 +209,7 @@ Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m)
   if (auto bad = check_vector("force_n", force, simulation::kMaxForceN)) return *bad;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
   if (is_static(bodies, body.slot)) return Done{};
-  simulation::request_wake(*state_, body.slot);
+  simulation::request_wake(state_->sleep_access(), body.slot);
   bodies.set_force(body.slot, force);
   bodies.set_torque(body.slot, torque);
   bodies.pushed[body.slot] = 1;
@@ -225,7 +222,7 @@ Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
   const Vec3 torque = bodies.torque(body.slot) + torque_nm;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
   if (is_static(bodies, body.slot)) return Done{};
-  simulation::request_wake(*state_, body.slot);
+  simulation::request_wake(state_->sleep_access(), body.slot);
   bodies.set_torque(body.slot, torque);
   bodies.pushed[body.slot] = 1;
   return Done{};
@@ -250,7 +247,7 @@ Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& poi
 
 Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with) {
   if (!contains(body)) return stale_body(body);
-  simulation::request_wake(*state_, body.slot);
+  simulation::request_wake(state_->sleep_access(), body.slot);
   state_->bodies.group[body.slot] = group;
   state_->bodies.collides_with[body.slot] = collides_with;
   return Done{};
@@ -263,15 +260,18 @@ Status World::set_importance(BodyId body, double importance) {
   return Done{};
 }
 
-void World::report_host_work(Nanoseconds actual) { state_->host_work.learn(std::min(actual, kFarthestTime)); }
-scheduler::TimePriors World::time_priors() const { return simulation::times_of(*state_); }
-void World::set_time_priors(const scheduler::TimePriors& priors) { simulation::forget_times(*state_, priors); }
+void World::report_host_work(Nanoseconds actual) { state_->forecasts.host_work.learn(std::min(actual, kFarthestTime)); }
+scheduler::TimePriors World::time_priors() const { return simulation::times_of(state_->forecasts); }
+void World::set_time_priors(const scheduler::TimePriors& priors) {
+  simulation::forget_times(state_->forecasts, state_->settings.alpha, priors);
+}
 std::span<const Contact> World::contacts() const {
   return state_->contacts.get(state_->contacts_version, [&](std::vector<Contact>& contacts) {
-    contacts = simulation::list_contacts(*state_, simulation::ContactListing::Touching);
+    contacts = simulation::list_contacts(simulation::publish_input(*state_), state_->cache.points,
+                                         state_->body_changes.removed, simulation::ContactListing::Touching);
   });
 }
-std::span<const ContactEvent> World::contact_events() const { return state_->events; }
+std::span<const ContactEvent> World::contact_events() const { return state_->events.events; }
 void World::decisions(FrameDecisions& decisions) const {
   if (state_->decisions) {
     state_->decisions->merge(decisions);
@@ -298,8 +298,8 @@ std::uint64_t World::state_hash() const {
   mix(bodies.alive);
   mix(bodies.group);
   mix(bodies.collides_with);
-  const auto mix_pairs = [&](const parallel::LargeVector<simulation::CachedPair>& memory) {
-    for (const simulation::CachedPair& pair : memory) {
+  const auto mix_pairs = [&](const parallel::LargeVector<simulation::CachedPair>& pairs) {
+    for (const simulation::CachedPair& pair : pairs) {
       // Field by field: padding has no defined bits.
       const std::uint64_t words[8] = {std::uint64_t{pair.low} << 32U | pair.high,
                                       pair.frames_waited,
@@ -312,17 +312,18 @@ std::uint64_t World::state_hash() const {
                                       std::bit_cast<std::uint64_t>(pair.looked_m)};
       hash = XXH64(words, sizeof(words), hash);
       if (pair.point_count == 0) continue;
-      const std::size_t first = simulation::ContactCache::begin(pair.room);
-      hash = XXH64(state_->points.points.data() + first, pair.point_count * sizeof(solver::ContactPoint), hash);
-      hash = XXH64(state_->points.loads.data() + first, pair.point_count * sizeof(solver::AccumulatedImpulse), hash);
+      const std::size_t first = simulation::PointCache::begin(pair.slot);
+      hash = XXH64(state_->cache.points.points.data() + first, pair.point_count * sizeof(solver::ContactPoint), hash);
+      hash = XXH64(state_->cache.points.impulses.data() + first, pair.point_count * sizeof(solver::AccumulatedImpulse),
+                   hash);
     }
   };
   static_assert(
       sizeof(solver::ContactPoint) == 10 * sizeof(double) && sizeof(solver::AccumulatedImpulse) == 4 * sizeof(double),
       "no padding in what is hashed");
-  mix_pairs(state_->memory);
+  mix_pairs(state_->cache.pairs);
   if (!state_->settings.sleeping) return hash;
-  const simulation::Sleep& sleep = state_->sleep;
+  const simulation::SleepingState& sleep = state_->sleeping;
   mix(bodies.asleep);
   mix(sleep.still_s);
   mix(sleep.island);

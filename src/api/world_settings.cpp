@@ -3,11 +3,9 @@
 
 #include <algorithm>
 
-#include "frame/budget/degrade.h"
 #include "frame/budget/frame_time.h"
 #include "frame/world_state.h"
 #include "poise/world.h"
-#include "frame/sleeping.h"
 #include "world/validation.h"
 
 // What of a World can be changed between steps beside its bodies' motion: settings, the pair filter, shapes, materials,
@@ -64,16 +62,19 @@ Status World::set_settings(const WorldSettings& settings) {
   state.settle();
   // Listed while what they were answered by still stands.
   static_cast<void>(contacts());
-  if (settings.gravity_mps2 != before.gravity_mps2 || !settings.sleeping) simulation::wake_all(state);
+  if (settings.gravity_mps2 != before.gravity_mps2 || !settings.sleeping) simulation::wake_all(state.sleep_access());
   state.settings = settings;
-  if (before.sleeping && !settings.sleeping) state.sleep = {};
-  // Impulses are kept by the substep.
-  simulation::restore(state);
+  if (before.sleeping && !settings.sleeping) state.sleeping = {};
+  state.sleeping.on = settings.sleeping;
+  // Impulses are cached by the substep.
+  if (settings.substeps != before.substeps)
+    state.cache.points.scale_impulses(static_cast<double>(before.substeps) / settings.substeps);
   if (settings.contact != before.contact) {
-    for (std::uint32_t slot = 0; slot < state.bodies.slot_count(); ++slot) state.displaced_slots.push_back(slot);
+    for (std::uint32_t slot = 0; slot < state.bodies.slot_count(); ++slot) state.body_changes.displaced.push_back(slot);
   }
-  if (settings.max_partners != before.max_partners) state.candidates = {};
-  if (settings.alpha != before.alpha) simulation::forget_times(state, simulation::times_of(state));
+  if (settings.max_partners != before.max_partners) state.candidate_cache = {};
+  if (settings.alpha != before.alpha)
+    simulation::forget_times(state.forecasts, settings.alpha, simulation::times_of(state.forecasts));
   return Done{};
 }
 
@@ -85,7 +86,7 @@ Status World::set_policy(const scheduler::Policy& policy) {
 
 void World::set_pair_filter(const PairFilter& filter) {
   state_->settle();
-  simulation::wake_all(*state_);
+  simulation::wake_all(state_->sleep_access());
   state_->pair_filter = filter;
 }
 

@@ -1,53 +1,42 @@
 // SPDX-License-Identifier: MIT
-#include <hwy/cache_control.h>
+#include "frame/coarse.h"
 
-#include <algorithm>
+#include <hwy/cache_control.h>
 
 #include "collision/triangles/polygon_contact.h"
 #include "frame/ccd/swept.h"
-#include "frame/stages.h"
 #include "frame/view_cues.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
 
-// Gaps below this share of the smaller body count as touching. Chosen: half a percent is below what a coarse level can
-// tell apart, and keeps resting contacts from flickering.
-constexpr double kSkin = 5e-3;
 // Refinement looks this much of the smaller body beyond what may touch in the step, so that what it finds holds while
 // the bodies move so far.
-constexpr double kKeep = 6e-3;
-// Places that are too old to be sure of are still used until the bodies have moved this much of the smaller one.
+constexpr double kReachOfSize = 6e-3;
+// Cached points that are too old to be sure of are still used until the bodies have moved this much of the smaller one.
 // Measured on a frictionless pile whose budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up
 // again, at a half it stays within 2 % of its height.
-constexpr double kHold = 0.5;
-// Where no two nodes come within this much of the smaller body more, a pair that was found apart stays so for that much
-// longer.
-constexpr double kWide = 4 * kKeep;
+constexpr double kHoldOfSize = 0.5;
+// Where no two nodes come within this much of the smaller body more, a pair that was found separated stays so for that
+// much longer.
+constexpr double kWideOfSize = 4 * kReachOfSize;
 constexpr std::size_t kCandidateGrain = 128;
 
-double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput& input) {
-  if (world.bodies.dynamic[slot] == 0) return 0;
-  const double speed = world.bodies.velocity(slot).norm();
-  double pull = world.settings.gravity_mps2.norm();
-  if (world.bodies.pushed[slot] != 0) pull += world.bodies.force(slot).norm() * world.bodies.inverse_mass[slot];
-  return (speed + pull * input.dt_s) * input.dt_s;
-}
-
-// Goes through last frame's pairs beside this frame's, both in canonical order, and marks those that it meets.
-class Recollection {
+// Goes through the cached pairs of the last step beside this frame's, both in canonical order, and marks those that it
+// meets.
+class CachedPairs {
  public:
-  Recollection(const parallel::LargeVector<CachedPair>& memory, std::vector<std::uint8_t>& recalled, std::uint32_t low,
-               std::uint32_t high)
-      : begin_(memory.begin()),
-        at_(std::lower_bound(memory.begin(), memory.end(), std::pair(low, high), before)),
-        end_(memory.end()),
-        recalled_(recalled) {}
+  CachedPairs(std::span<const CachedPair> cached, std::vector<std::uint8_t>& still_active, std::uint32_t low,
+              std::uint32_t high)
+      : begin_(cached.begin()),
+        at_(std::lower_bound(cached.begin(), cached.end(), std::pair(low, high), before)),
+        end_(cached.end()),
+        still_active_(still_active) {}
   CachedPair of(std::uint32_t low, std::uint32_t high) {
     while (at_ != end_ && before(*at_, {low, high})) ++at_;
     if (at_ != end_ && at_->low == low && at_->high == high) {
-      recalled_[static_cast<std::size_t>(at_ - begin_)] = 1;
+      still_active_[static_cast<std::size_t>(at_ - begin_)] = 1;
       return *at_;
     }
     CachedPair none;
@@ -58,89 +47,62 @@ class Recollection {
 
  private:
   using Key = std::pair<std::uint32_t, std::uint32_t>;
-  static bool before(const CachedPair& memory, const Key& key) { return Key(memory.low, memory.high) < key; }
-  parallel::LargeVector<CachedPair>::const_iterator begin_, at_, end_;
-  std::vector<std::uint8_t>& recalled_;
+  static bool before(const CachedPair& pair, const Key& key) { return Key(pair.low, pair.high) < key; }
+  std::span<const CachedPair>::iterator begin_, at_, end_;
+  std::vector<std::uint8_t>& still_active_;
 };
 
-// Bodies of pairs lie anywhere: asked for some pairs ahead.
+// Bodies of pairs lie anywhere in memory: fetched some pairs ahead.
 constexpr std::size_t kAhead = 8;
-void fetch(const BodyBounds& make_body_bounds) {
-  hwy::Prefetch(&make_body_bounds);
-  hwy::Prefetch(&make_body_bounds.velocity_mps);
+void fetch(const BodyBounds& bounds) {
+  hwy::Prefetch(&bounds);
+  hwy::Prefetch(&bounds.velocity_mps);
 }
 
-PairRecord make_pair_record(const WorldState& world, const collision::CandidatePair& candidate,
-                            const StepInput& input) {
-  const parallel::LargeVector<BodyBounds>& body_bounds = world.buffers.body_bounds;
-  const bool turned = body_bounds[candidate.low].plane;
+PairRecord make_pair_record(const CoarseInput& input, const collision::CandidatePair& candidate) {
+  const parallel::LargeVector<BodyBounds>& body_bounds = input.motion.body_bounds;
+  const double dt_s = input.terms.dt_s;
+  const bool swapped = body_bounds[candidate.low].plane;
   PairRecord pair;
-  pair.a = turned ? candidate.high : candidate.low;
-  pair.b = turned ? candidate.low : candidate.high;
+  pair.a = swapped ? candidate.high : candidate.low;
+  pair.b = swapped ? candidate.low : candidate.high;
   const BodyBounds& a = body_bounds[pair.a];
   const BodyBounds& b = body_bounds[pair.b];
   pair.skin_m = kSkin * (b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m));
-  pair.margin_m = (a.velocity_mps - b.velocity_mps).norm() * input.dt_s + a.own_m + b.own_m + pair.skin_m;
+  pair.margin_m = (a.velocity_mps - b.velocity_mps).norm() * dt_s + a.own_m + b.own_m + pair.skin_m;
   // Gravity closes only what it does not pull alike.
-  if (!a.dynamic || !b.dynamic) pair.margin_m += world.settings.gravity_mps2.norm() * input.dt_s * input.dt_s;
+  if (!a.dynamic || !b.dynamic) pair.margin_m += input.terms.gravity_mps2.norm() * dt_s * dt_s;
   return pair;
 }
 
-bool may_meet(const WorldState& world, const collision::CandidatePair& pair) {
-  const dynamics::BodyStore& bodies = world.bodies;
+bool may_meet(const CoarseInput& input, const collision::CandidatePair& pair) {
+  const dynamics::BodyStore& bodies = input.scene.bodies;
   const FilteredPair asked{bodies.id_of(pair.low), bodies.id_of(pair.high), bodies.user_data[pair.low],
                            bodies.user_data[pair.high]};
-  return world.pair_filter.function(world.pair_filter.context, asked);
+  return input.filter.function(input.filter.context, asked);
 }
 
-BodyBounds make_body_bounds(const WorldState& world, std::size_t i, const StepInput& input) {
-  const dynamics::BodyStore& bodies = world.bodies;
-  const collision::Pose& pose = world.buffers.poses[i];
-  const Shape& shape = *bodies.shape[i];
-  BodyBounds made;
-  made.dynamic = bodies.dynamic[i] != 0;
-  made.meshed = shape.surface != nullptr;
-  if (shape.kind == ShapeKind::Plane) {
-    made.plane = true;
-    made.position_m = pose.rotation * shape.plane_normal;
-    made.bound_m = made.position_m.dot(pose.position_m) + shape.plane_offset_m;
-    return made;
-  }
-  made.position_m = pose.position_m;
-  made.depth = shape.tree.depth();
-  made.radius_m = shape.bounding_radius_m;
-  made.bound_m = made.radius_m * (1.0 + kSkin) + motion_bound_m(world, i, input);
-  const Sphere root = shape.tree.sphere(0);
-  made.root_center_m = pose.position_m + pose.rotation * root.center_m;
-  made.root_radius_m = root.radius_m;
-  made.estimated_radius_m = made.root_radius_m - collision::coarsest_lift_m(shape);
-  made.velocity_mps = bodies.velocity(i);
-  // The surface moves by the spin at most across the body.
-  made.own_m = std::min(bodies.spin(i).norm() * input.dt_s, 2.0) * made.radius_m;
-  if (bodies.pushed[i] != 0) made.own_m += bodies.force(i).norm() * bodies.inverse_mass[i] * input.dt_s * input.dt_s;
-  return made;
-}
-
-// What of the memory of a pair counts now.
-void recall(const WorldState& world, ActivePair& pair) {
+// What of a cached pair counts now.
+void use_cached(const CoarseInput& input, ActivePair& pair, PairProgress& progress) {
   const double size_m = pair.skin_m / kSkin;
-  // Two balls, or a ball and a plane: their only level is the truth, and the mandatory part works it out anyway.
-  const BodyBounds& a = world.buffers.body_bounds[pair.a];
-  const BodyBounds& b = world.buffers.body_bounds[pair.b];
+  // Two balls, or a ball and a plane: their only level is exact, and the mandatory part computes it anyway.
+  const BodyBounds& a = input.motion.body_bounds[pair.a];
+  const BodyBounds& b = input.motion.body_bounds[pair.b];
   const bool exact = a.depth == 0 && b.depth == 0 && !a.meshed && !b.meshed;
-  const bool keeps = !exact && world.settings.contact != ContactModel::Paper;  // the paper answers fronts
-  pair.reach_m = keeps ? pair.margin_m + kKeep * size_m : pair.margin_m;
-  pair.cached = CacheUse::None;
-  const CachedPair& memory = pair.memory;
-  if (!keeps || memory.reach_m == 0) return;
-  if (memory.moved_m + pair.margin_m <= memory.reach_m) {
-    pair.cached = memory.apart ? CacheUse::Separated : CacheUse::Points;
-  } else if (!memory.apart && memory.level > 0 && memory.moved_m <= kHold * size_m) {
-    pair.cached = CacheUse::Expired;
+  const bool caches = !exact && input.terms.contact != ContactModel::Paper;  // the paper's model answers fronts
+  pair.reach_m = caches ? pair.margin_m + kReachOfSize * size_m : pair.margin_m;
+  progress.cached = CacheUse::None;
+  const CachedPair& cached = pair.cached;
+  progress.cached_level = cached.level;
+  if (!caches || cached.reach_m == 0) return;
+  if (cached.moved_m + pair.margin_m <= cached.reach_m) {
+    progress.cached = cached.apart ? CacheUse::Separated : CacheUse::Points;
+  } else if (!cached.apart && cached.level > 0 && cached.moved_m <= kHoldOfSize * size_m) {
+    progress.cached = CacheUse::Expired;
   }
 }
 
-// Do the bounds of two bodies meet, as the broad phase asks? Candidates that were kept may have parted.
+// Do the bounds of two bodies meet, as the broad phase asks? Cached candidates may have parted.
 bool bounds_meet(const BodyBounds& a, const BodyBounds& b) {
   if (b.plane) return b.position_m.dot(a.position_m) - b.bound_m < a.bound_m;
   const double reach = a.bound_m + b.bound_m;
@@ -155,9 +117,9 @@ bool roots_near(const BodyBounds& a, const BodyBounds& b, double margin_m) {
 }
 
 // What the viewer sees of a pair that is known by its root spheres alone.
-PairView pair_view_of(const WorldState& world, const ActivePair& pair) {
-  const BodyBounds& a = world.buffers.body_bounds[pair.a];
-  const BodyBounds& b = world.buffers.body_bounds[pair.b];
+PairView pair_view_of(const CoarseInput& input, const ActivePair& pair) {
+  const BodyBounds& a = input.motion.body_bounds[pair.a];
+  const BodyBounds& b = input.motion.body_bounds[pair.b];
   PairView pair_view;
   if (b.plane) {
     pair_view.normal = -b.position_m;
@@ -170,190 +132,141 @@ PairView pair_view_of(const WorldState& world, const ActivePair& pair) {
   }
   pair_view.extent_m = pair.skin_m / kSkin;
   pair_view.closing_mps = pair_view.normal.dot(a.velocity_mps - b.velocity_mps);
-  pair_view.importance = world.bodies.importance[pair.a] * world.bodies.importance[pair.b];
-  pair_view.frames_waited = pair.memory.frames_waited;
+  pair_view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
+  pair_view.frames_waited = pair.cached.frames_waited;
   return pair_view;
 }
 
-// What the tail and a frame that does not fit ask of a pair before refinement.
-void count_known(const ActivePair& pair, bool swept, KnownCount& known) {
+// What the forecasts ask of a pair before refinement.
+void count_known(const ActivePair& pair, const PairProgress& progress, bool swept, KnownCount& known) {
   // What backtracking will know of a pair is not known yet.
-  if (pair.refinable() || swept) ++known.refinable;
-  if (pair.memory.room == kNoSlot && (!pair.apart() || swept)) ++known.without_slot;
-  if (pair.apart()) return;
+  if (progress.refinable() || swept) ++known.refinable;
+  if (pair.cached.slot == kNoSlot && (!progress.apart() || swept)) ++known.without_slot;
+  if (progress.apart()) return;
   ++known.present;
-  if (pair.cached != CacheUse::None) return;
+  if (progress.cached != CacheUse::None) return;
   ++known.unknown;
-  if (pair.memory.reach_m > 0 && (pair.memory.apart || pair.memory.level > 0)) ++known.outdated;
+  if (pair.cached.reach_m > 0 && (pair.cached.apart || pair.cached.level > 0)) ++known.outdated;
+}
+
+// All that grows with the pairs grows with the capacity of these. Were it reserved when a heap forms, that frame would
+// copy all there is and wait for new pages: 10 ms at 2,000 bodies. Reserved beforehand it costs no memory until it is
+// used.
+void reserve_pairs(PairTable& table, std::size_t bodies) {
+  constexpr std::size_t kPairsOfBody = 12;
+  constexpr std::size_t kMostPairs = std::size_t{1} << 19U;
+  const std::size_t pairs = std::min(kPairsOfBody * bodies, kMostPairs);
+  // Again only when the bodies have become twice as many, not a little more for each that comes.
+  if (2 * table.pairs.capacity() >= pairs) return;
+  table.records.reserve(pairs);
+  table.pairs.reserve(pairs);
+  table.start.reserve(pairs);
+  table.cues.reserve(pairs);
+}
+
+// The candidates that are near each other: those of a chunk from where it begins, and how many they are.
+void select_near(const CoarseInput& input, PairTable& table, parallel::Executor& executor) {
+  const std::span<const collision::CandidatePair> candidates = input.candidates.pairs;
+  const parallel::LargeVector<BodyBounds>& body_bounds = input.motion.body_bounds;
+  const SweptBounds& swept = input.motion.swept;
+  const std::size_t chunks = (candidates.size() + kCandidateGrain - 1) / kCandidateGrain;
+  table.known_of_chunk.assign(chunks + 1, KnownCount{});
+  table.records.resize(candidates.size());
+  parallel::parallel_for(executor, candidates.size(), kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::uint32_t active = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i + kAhead < end) fetch(body_bounds[candidates[i + kAhead].high]);
+      const bool fast = swept.fast(candidates[i].low) || swept.fast(candidates[i].high);
+      PairRecord pair = make_pair_record(input, candidates[i]);
+      const BodyBounds& a = body_bounds[pair.a];
+      const BodyBounds& b = body_bounds[pair.b];
+      if (!fast && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
+      if (input.filter.function != nullptr && !may_meet(input, candidates[i])) continue;
+      pair.candidate = static_cast<std::uint32_t>(i);
+      table.records[begin + active++] = pair;
+    }
+    table.known_of_chunk[begin / kCandidateGrain + 1].begin = active;
+  });
+  for (std::size_t chunk = 1; chunk <= chunks; ++chunk)
+    table.known_of_chunk[chunk].begin += table.known_of_chunk[chunk - 1].begin;
+}
+
+// One chunk of pairs, from its records.
+void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size_t chunk, PairTable& table) {
+  const std::size_t first = table.begin_of(chunk);
+  const std::size_t past = table.end_of(chunk);
+  if (first == past) return;
+  const parallel::LargeVector<BodyBounds>& body_bounds = input.motion.body_bounds;
+  const SweptBounds& swept = input.motion.swept;
+  const PairRecord* records = &table.records[chunk * kCandidateGrain];
+  KnownCount known;
+  const collision::CandidatePair& lowest = input.candidates.pairs[records->candidate];
+  CachedPairs cached(input.cached, table.still_active, lowest.low, lowest.high);
+  for (std::size_t k = first; k < past; ++k) {
+    if (k + kAhead < past) fetch(body_bounds[records[k + kAhead - first].b]);
+    const PairRecord& near = records[k - first];
+    ActivePair& pair = table.pairs[k];
+    pair.a = near.a;
+    pair.b = near.b;
+    pair.margin_m = near.margin_m;
+    pair.skin_m = near.skin_m;
+    pair.cached = cached.of(pair.low(), pair.high());
+    PairProgress& progress = table.start[k];
+    progress = {};
+    const BodyBounds& a = body_bounds[pair.a];
+    const BodyBounds& b = body_bounds[pair.b];
+    progress.level.deepest = std::min(input.terms.max_level, std::max(a.depth, b.depth));
+    if (input.terms.polygons && (a.meshed || b.meshed)) {
+      collision::allow_polygons(*input.scene.bodies.shape[pair.a], *input.scene.bodies.shape[pair.b],
+                                input.terms.max_level, progress.level);
+    }
+    use_cached(input, pair, progress);
+    count_known(pair, progress, swept.fast(pair.a) || swept.fast(pair.b), known);
+    if (progress.refinable()) table.cues[k] = cues_of(view_query, pair_view_of(input, pair), input.policy);
+  }
+  // Not where it begins: the chunk before reads that.
+  KnownCount& counted = table.known_of_chunk[chunk];
+  counted.present = known.present;
+  counted.unknown = known.unknown;
+  counted.outdated = known.outdated;
+  counted.refinable = known.refinable;
+  counted.without_slot = known.without_slot;
 }
 
 }  // namespace
 
-bool coarsest_near(const WorldState& world, const ActivePair& pair) {
-  const BodyBounds& a = world.buffers.body_bounds[pair.a];
-  const BodyBounds& b = world.buffers.body_bounds[pair.b];
-  // What rests on a plane is held by its root sphere too (keep() in kept_places.cpp): few pairs, looked at one by one.
+bool coarsest_near(const PredictedMotion& motion, const ActivePair& pair) {
+  const BodyBounds& a = motion.body_bounds[pair.a];
+  const BodyBounds& b = motion.body_bounds[pair.b];
+  // What rests on a plane is held by its root sphere too (keep() in contact_cache.cpp): few pairs, computed one by one.
   if (b.plane) return true;
   const double reach = a.estimated_radius_m + b.estimated_radius_m + pair.margin_m;
   return reach > 0 && (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
 }
 
-double wide_m(const ActivePair& pair) { return kWide * (pair.skin_m / kSkin); }
+double wide_m(const ActivePair& pair) { return kWideOfSize * (pair.skin_m / kSkin); }
 
-collision::PairFrame frame_of(const WorldState& world, const ActivePair& pair) {
-  const FrameBuffers& buffers = world.buffers;
-  collision::PairFrame frame =
-      collision::make_pair_frame(*world.bodies.shape[pair.a], buffers.poses[pair.a], *world.bodies.shape[pair.b],
-                                 buffers.poses[pair.b], pair.reach_m, pair.skin_m);
-  frame.nearness.wide_m = static_cast<float>(wide_m(pair));
-  frame.fitted = world.settings.contact == ContactModel::Fitted;
-  frame.by_spheres = world.settings.contact == ContactModel::Paper;
-  return frame;
-}
-
-void predict(WorldState& world, const StepInput& input) {
-  const dynamics::BodyStore& bodies = world.bodies;
-  FrameBuffers& buffers = world.buffers;
-  const std::size_t slots = bodies.slot_count();
-  buffers.poses.resize(slots);
-  buffers.inverse_inertia.resize(slots);
-  buffers.body_bounds.resize(slots);
-  buffers.bounds.clear();
-  buffers.planes.clear();
-  if (input.backtracking || buffers.swept.on) begin_swept(world, input);
-  for (std::size_t i = 0; i < slots; ++i) {
-    if (bodies.alive[i] == 0) continue;
-    if (input.backtracking && sweep_if_fast(world, static_cast<std::uint32_t>(i), input)) continue;
-    collision::MotionBound bound;
-    bound.slot = static_cast<std::uint32_t>(i);
-    if (bodies.shape[i]->kind == ShapeKind::Tree) buffers.bounds.push_back(bound);
-  }
-  parallel::parallel_for(*world.executor, slots, 4 * kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (bodies.alive[i] == 0) continue;
-      buffers.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
-      buffers.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
-      buffers.body_bounds[i] = make_body_bounds(world, i, input);
-    }
-  });
-  parallel::parallel_for(
-      *world.executor, buffers.bounds.size(), 4 * kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) {
-          collision::MotionBound& bound = buffers.bounds[k];
-          const std::size_t i = bound.slot;
-          bound = {buffers.body_bounds[i].position_m, buffers.body_bounds[i].bound_m, bound.slot, bodies.group[i],
-                   bodies.collides_with[i],           bodies.dynamic[i] != 0};
-        }
-      });
-  for (std::size_t i = 0; i < slots; ++i) {
-    if (bodies.alive[i] == 0 || bodies.shape[i]->kind != ShapeKind::Plane) continue;
-    buffers.planes.push_back({buffers.body_bounds[i].position_m, buffers.body_bounds[i].bound_m,
-                              static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]});
-  }
-}
-
-// What a frame keeps of pairs grows with the room of these. Were it made when a heap forms, that frame would copy all
-// there is and wait for new pages: 10 ms at 2,000 bodies. Made beforehand it costs no memory until it is used.
-void reserve_pairs(FrameBuffers& buffers, std::size_t bodies) {
-  constexpr std::size_t kPairsOfBody = 12;
-  constexpr std::size_t kMostRoom = std::size_t{1} << 19U;
-  const std::size_t room = std::min(kPairsOfBody * bodies, kMostRoom);
-  // Again only when the bodies have become twice as many, not a little more for each that comes.
-  if (2 * buffers.pairs.capacity() >= room) return;
-  buffers.pair_records.reserve(room);
-  buffers.pairs.reserve(room);
-  buffers.found.reserve(room);
-  buffers.cues.reserve(room);
-}
-
-void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) {
-  FrameBuffers& buffers = world.buffers;
-  const TimePoint start = SteadyClock::now();
-  reserve_pairs(buffers, buffers.bounds.size());
-  const collision::BroadPhase::Result found =
-      world.candidates.find(world.broad_phase, buffers.bounds, buffers.planes,
-                            input.backtracking ? std::span<const collision::SweptBound>(buffers.swept.bounds)
-                                               : std::span<const collision::SweptBound>{},
-                            world.settings.max_partners, *world.executor);
-  report.times.broad_phase = SteadyClock::now() - start;
-  report.pairs_discarded = found.discarded;
-  report.candidate_pairs = found.pairs.size();
-  report.work_mandatory = found.pairs.size();
-
-  const auto fast = [&](std::uint32_t slot) { return input.backtracking && buffers.swept.fast(slot); };
-  const std::size_t count = found.pairs.size();
-  const std::size_t chunks = (count + kCandidateGrain - 1) / kCandidateGrain;
-  buffers.known_of_chunk.assign(chunks + 1, KnownCount{});
-  buffers.pair_records.resize(count);
-  parallel::parallel_for(*world.executor, count, kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
-    std::uint32_t active = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) fetch(buffers.body_bounds[found.pairs[i + kAhead].high]);
-      const bool swept = fast(found.pairs[i].low) || fast(found.pairs[i].high);
-      PairRecord pair = make_pair_record(world, found.pairs[i], input);
-      const BodyBounds& a = buffers.body_bounds[pair.a];
-      const BodyBounds& b = buffers.body_bounds[pair.b];
-      if (!swept && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
-      if (world.pair_filter.function != nullptr && !may_meet(world, found.pairs[i])) continue;
-      pair.candidate = static_cast<std::uint32_t>(i);
-      buffers.pair_records[begin + active++] = pair;
-    }
-    buffers.known_of_chunk[begin / kCandidateGrain + 1].begin = active;
-  });
-  for (std::size_t chunk = 1; chunk <= chunks; ++chunk)
-    buffers.known_of_chunk[chunk].begin += buffers.known_of_chunk[chunk - 1].begin;
-  buffers.pairs.resize(buffers.known_of_chunk[chunks].begin);
-  buffers.found.resize(buffers.pairs.size());
-  buffers.cues.resize(buffers.pairs.size());
-  buffers.recalled.reserve(world.memory.capacity());
-  buffers.recalled.assign(world.memory.size(), 0);
+void find_active_pairs(const CoarseInput& input, PairTable& table, std::span<collision::FrontPool> pools,
+                       parallel::Executor& executor) {
+  reserve_pairs(table, input.motion.bounds.size());
+  select_near(input, table, executor);
+  const std::size_t chunks = table.chunks();
+  table.pairs.resize(table.known_of_chunk[chunks].begin);
+  table.start.resize(table.pairs.size());
+  table.cues.resize(table.pairs.size());
+  table.still_active.reserve(table.pairs.capacity());
+  table.still_active.assign(input.cached.size(), 0);
   const ViewQuery view_query = input.view;
-  parallel::parallel_for(*world.executor, chunks, 1, [&](std::size_t chunk, std::size_t, int) {
-    const std::size_t first = buffers.begin_of(chunk);
-    const std::size_t past = buffers.end_of(chunk);
-    if (first == past) return;
-    KnownCount known;
-    const collision::CandidatePair& lowest = found.pairs[buffers.pair_records[chunk * kCandidateGrain].candidate];
-    Recollection recollection(world.memory, buffers.recalled, lowest.low, lowest.high);
-    for (std::size_t k = first; k < past; ++k) {
-      if (k + kAhead < past)
-        fetch(buffers.body_bounds[buffers.pair_records[chunk * kCandidateGrain + (k + kAhead - first)].b]);
-      const PairRecord& near = buffers.pair_records[chunk * kCandidateGrain + (k - first)];
-      ActivePair& pair = buffers.pairs[k];
-      pair.a = near.a;
-      pair.b = near.b;
-      pair.margin_m = near.margin_m;
-      pair.skin_m = near.skin_m;
-      pair.full = pair.exact = pair.solved = false;
-      pair.level = {};
-      pair.memory = recollection.of(pair.low(), pair.high());
-      const BodyBounds& a = buffers.body_bounds[pair.a];
-      const BodyBounds& b = buffers.body_bounds[pair.b];
-      pair.level.deepest = std::min(input.max_level, std::max(a.depth, b.depth));
-      if (input.polygons && (a.meshed || b.meshed)) {
-        collision::allow_polygons(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], input.max_level,
-                                  pair.level);
-      }
-      recall(world, pair);
-      count_known(pair, fast(pair.a) || fast(pair.b), known);
-      if (pair.refinable()) buffers.cues[k] = cues_of(view_query, pair_view_of(world, pair), world.settings.policy);
-    }
-    // Not where it begins: the chunk before reads that.
-    buffers.known_of_chunk[chunk].present = known.present;
-    buffers.known_of_chunk[chunk].unknown = known.unknown;
-    buffers.known_of_chunk[chunk].outdated = known.outdated;
-    buffers.known_of_chunk[chunk].refinable = known.refinable;
-    buffers.known_of_chunk[chunk].without_slot = known.without_slot;
-  });
-  KnownCount& all = buffers.known_of_chunk[chunks];
+  parallel::parallel_for(executor, chunks, 1,
+                         [&](std::size_t chunk, std::size_t, int) { fill_chunk(input, view_query, chunk, table); });
+  KnownCount& all = table.known_of_chunk[chunks];
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    all.present += buffers.known_of_chunk[chunk].present;
-    all.unknown += buffers.known_of_chunk[chunk].unknown;
-    all.refinable += buffers.known_of_chunk[chunk].refinable;
+    all.present += table.known_of_chunk[chunk].present;
+    all.unknown += table.known_of_chunk[chunk].unknown;
+    all.refinable += table.known_of_chunk[chunk].refinable;
   }
-  if (input.backtracking) send_swept(world, input, report);
-  report.coarse_pairs = buffers.pairs.size();
-  report.times.coarse = SteadyClock::now() - start - report.times.broad_phase;
+  table.swept.clear();
+  if (input.motion.swept.on) take_swept_pairs(input, table, pools, executor);
 }
 
 }  // namespace poise::simulation

@@ -1,111 +1,103 @@
 // SPDX-License-Identifier: MIT
+#include "frame/publish.h"
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-#include "dynamics/rotation.h"
-#include "frame/ccd/swept.h"
-#include "frame/stages.h"
+#include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
 
-constexpr std::size_t kPublishGrain = 128;
+constexpr std::size_t kPairGrain = 512;
 
-void integrate_body(WorldState& world, std::size_t i, double h_s) {
-  dynamics::BodyStore& bodies = world.bodies;
-  const solver::SolverBody& solved = world.buffers.solver_bodies[i];
-  const solver::Acceleration& pull = world.buffers.accelerations[i];
-  // A body that no resting contact held flies on a parabola, exactly: h (v+ + v_next) / 2.
-  const Vec3 moved =
-      solved.solved ? solved.moved_m : Vec3(h_s * solved.velocity_mps - (0.5 * h_s * h_s) * pull.linear_mps2);
-  bodies.set_position(i, bodies.position(i) + moved);
-  bodies.set_velocity(i, solved.velocity_mps);
-  const Quat before = bodies.orientation(i);
-  const Quat& axes = bodies.shape[i]->principal_axes;
-  dynamics::Rotation rotation{bodies.orientation(i) * axes, solved.spin_radps};
-  rotation = dynamics::turned_freely(rotation, bodies.principal_kgm2[i], h_s);
-  if (solved.solved) {
-    // What contacts turned the body beyond its spin, as where they pushed it out of an overlap. Its angular momentum
-    // stays.
-    const Quat turn = dynamics::rotation_by(solved.turned_rad - h_s * solved.spin_radps);
-    rotation = dynamics::turned_by(rotation, bodies.principal_kgm2[i], turn);
+// What a pair takes to the next frame, the motion of this step counted.
+CachedPair cached_after(const PublishInput& input, std::size_t i) {
+  const ActivePair& pair = input.table.pairs[i];
+  const PairProgress& progress = input.levels.progress[i];
+  const PairPoints& points = input.manifolds.points[i];
+  CachedPair cached = pair.cached;
+  cached.frames_waited = progress.solved_level() > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
+  cached.touching = false;
+  cached.slot = points.slot;
+  cached.solved = points.solved;
+  cached.point_count = points.point_count;
+  cached.nearest_m = points.nearest_m;
+  cached.impact_gap_m = points.impact_gap_m;
+  cached.looked_m = points.looked_m;
+  if (progress.fresh()) {
+    cached.level = progress.level.level;
+    cached.apart = progress.level.apart;
+    cached.reach_m = pair.reach_m;
+    if (progress.level.apart && progress.level.front_entries == 0 && !progress.level.nearly && !progress.exact)
+      cached.reach_m += wide_m(pair);
+    cached.moved_m = 0;
+  } else if (progress.cached == CacheUse::None) {
+    // The one point of level 0 is cached like others; that nothing was solved there is no knowledge.
+    const bool holds = points.point_count > 0 && !progress.exact && pair.reach_m > pair.margin_m;
+    cached.level = 0;
+    cached.apart = false;
+    cached.reach_m = holds ? pair.reach_m : 0;
+    cached.moved_m = 0;
   }
-  bodies.set_orientation(i, (rotation.orientation * axes.conjugate()).normalized());
-  bodies.set_spin(i, rotation.spin_radps);
-  // A point of the surface moves along a chord of its turn.
-  const double sine = (bodies.orientation(i) * before.conjugate()).vec().norm();
-  world.buffers.motions[i] = {moved, 2.0 * bodies.shape[i]->bounding_radius_m * sine};
-  if (bodies.pushed[i] != 0) {
-    bodies.set_force(i, Vec3::Zero());
-    bodies.set_torque(i, Vec3::Zero());
-    bodies.pushed[i] = 0;
-  }
+  const StepMotion& a = input.motions.of_slot[pair.a];
+  const StepMotion& b = input.motions.of_slot[pair.b];
+  cached.moved_m += (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
+  return cached;
 }
 
-// What an answered pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
-Contact contact_of(const WorldState& world, std::uint32_t index, const solver::ContactRow* row, const Vec3& rest_ns) {
-  const ActivePair& pair = world.buffers.pairs[index];
+// Does the pair of the k-th row touch? Impulses make a touch of what is separated.
+bool touches(const PublishInput& input, const PointCache& points, std::size_t k) {
+  const std::uint32_t place = input.manifolds.coloring.order()[k];
+  if (!input.velocities.applied_impulse_ns[place].isZero(0)) return true;
+  const solver::ContactRow* row = input.velocities.row(input.manifolds, k);
+  if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
+  const std::uint32_t index = input.manifolds.manifolds[place].pair;
+  const PairPoints& made = input.manifolds.points[index];
+  const CachedPair& cached = input.table.pairs[index].cached;
+  const double changed_m = 2.0 * (cached.moved_m - made.looked_m);
+  if (input.levels.progress[index].from_cache() && std::abs(made.impact_gap_m) > changed_m)
+    return made.impact_gap_m <= 0;
+  return solved_gap_m(input.solved_pair(points), index) <= 0;
+}
+
+// What a solved pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
+Contact contact_at(const PublishInput& input, const PointCache& points, std::uint32_t index,
+                   const solver::ContactRow* row, const Vec3& applied_ns) {
+  const ActivePair& pair = input.table.pairs[index];
   Contact contact;
-  contact.a = world.bodies.id_of(pair.low());
-  contact.b = world.bodies.id_of(pair.high());
-  contact.level = pair.solved_level();
+  contact.a = input.scene.bodies.id_of(pair.low());
+  contact.b = input.scene.bodies.id_of(pair.high());
+  contact.level = input.levels.progress[index].solved_level();
   const double sign = pair.a == pair.low() ? 1.0 : -1.0;
-  const solver::PlacedPoint place = impact_point_of(world, pair);
-  contact.normal = sign * place.normal;
-  contact.point_m = world.buffers.poses[pair.a].position_m + place.arm_m;
-  contact.gap_m = solved_gap_m(world, index);
-  contact.impulse_ns = sign * rest_ns;
+  const solver::PlacedPoint point = impact_point_of(input.motion, points, pair, input.manifolds.points[index].slot);
+  contact.normal = sign * point.normal;
+  contact.point_m = input.motion.poses[pair.a].position_m + point.arm_m;
+  contact.gap_m = solved_gap_m(input.solved_pair(points), index);
+  contact.impulse_ns = sign * applied_ns;
   if (row != nullptr) contact.impulse_ns += sign * row->impact_ns();
   return contact;
 }
 
-// What a pair takes along, the motion of this step counted.
-CachedPair remembered(const FrameBuffers& buffers, const ActivePair& pair) {
-  CachedPair memory = pair.memory;
-  memory.frames_waited = pair.solved_level() > 0 || !pair.refinable() ? 0 : memory.frames_waited + 1;
-  memory.touching = false;
-  memory.solved = pair.solved;
-  memory.point_count = pair.point_count;
-  if (pair.fresh()) {
-    memory.level = pair.level.level;
-    memory.apart = pair.level.apart;
-    memory.reach_m = pair.reach_m;
-    if (pair.level.apart && pair.level.front_entries == 0 && !pair.level.nearly && !pair.exact)
-      memory.reach_m += wide_m(pair);
-    memory.moved_m = 0;
-  } else if (pair.cached == CacheUse::None) {
-    // The one place of level 0 is kept like others; that nothing is answered there is no knowledge.
-    const bool holds = pair.point_count > 0 && !pair.exact && pair.reach_m > pair.margin_m;
-    memory.level = 0;
-    memory.apart = false;
-    memory.reach_m = holds ? pair.reach_m : 0;
-    memory.moved_m = 0;
-  }
-  const StepMotion& a = buffers.motions[pair.a];
-  const StepMotion& b = buffers.motions[pair.b];
-  memory.moved_m += (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
-  return memory;
-}
-
 // Was a body of the pair removed since the step?
-bool was_removed(const WorldState& world, const ActivePair& pair) {
-  return std::any_of(world.removed_bodies.begin(), world.removed_bodies.end(),
+bool was_removed(std::span<const BodyId> removed, const ActivePair& pair) {
+  return std::any_of(removed.begin(), removed.end(),
                      [&](const BodyId& body) { return body.slot == pair.a || body.slot == pair.b; });
 }
 
 // Pairs that met within the step, put in among the others.
-void add_swept_contacts(const WorldState& world, std::vector<Contact>& contacts) {
-  const FrameBuffers& buffers = world.buffers;
-  if (buffers.swept.hits.empty()) return;
-  for (const SweptHit& hit : buffers.swept.hits) {
-    const ActivePair& pair = buffers.pairs[hit.pair];
-    if (was_removed(world, pair)) continue;
+void add_swept_contacts(const PublishInput& input, std::span<const BodyId> removed, std::vector<Contact>& contacts) {
+  const dynamics::BodyStore& bodies = input.scene.bodies;
+  if (input.velocities.swept.hits.empty()) return;
+  for (const SweptHit& hit : input.velocities.swept.hits) {
+    const ActivePair& pair = input.table.pairs[hit.pair];
+    if (was_removed(removed, pair)) continue;
     const double sign = pair.a == pair.low() ? 1.0 : -1.0;
     Contact contact;
-    contact.a = world.bodies.id_of(pair.low());
-    contact.b = world.bodies.id_of(pair.high());
-    contact.level = collision::deepest_level(*world.bodies.shape[pair.a], *world.bodies.shape[pair.b], kMaxTreeDepth);
+    contact.a = bodies.id_of(pair.low());
+    contact.b = bodies.id_of(pair.high());
+    contact.level = collision::deepest_level(*bodies.shape[pair.a], *bodies.shape[pair.b], kMaxTreeDepth);
     contact.normal = sign * hit.normal;
     contact.point_m = hit.point_m;
     contact.gap_m = hit.gap_m;
@@ -128,118 +120,98 @@ void add_swept_contacts(const WorldState& world, std::vector<Contact>& contacts)
   contacts.resize(cached + 1);
 }
 
-// What of the last frame's pairs is none of this frame's: a touch ends, and its room is free.
-void forget_parted(WorldState& world) {
-  const std::vector<std::uint8_t>& recalled = world.buffers.recalled;
-  for (auto at = recalled.begin(); (at = std::find(at, recalled.end(), std::uint8_t{0})) != recalled.end(); ++at) {
-    const CachedPair& pair = world.memory[static_cast<std::size_t>(at - recalled.begin())];
-    world.points.give_back(pair.room);
+// Contacts end of cached pairs that are no longer active, and their slots are released.
+void end_inactive(const PublishInput& input, ContactCache& cache, std::vector<ContactEvent>& events) {
+  const std::vector<std::uint8_t>& active = input.table.still_active;
+  for (auto at = active.begin(); (at = std::find(at, active.end(), std::uint8_t{0})) != active.end(); ++at) {
+    const CachedPair& pair = cache.pairs[static_cast<std::size_t>(at - active.begin())];
+    cache.points.release(pair.slot);
     if (pair.touching)
-      world.events.push_back({ContactEvent::Kind::End, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+      events.push_back(
+          {ContactEvent::Kind::End, input.scene.bodies.id_of(pair.low), input.scene.bodies.id_of(pair.high)});
   }
 }
 
-// Touches that began or ended since the last frame, in canonical order.
-void make_events(WorldState& world) {
-  const FrameBuffers& buffers = world.buffers;
-  forget_parted(world);
-  world.events.insert(world.events.end(), world.removal_events.begin(), world.removal_events.end());
-  world.removal_events.clear();
-  const std::size_t parted = world.events.size();
-  const std::vector<std::uint8_t>& turned = buffers.turned;
-  for (auto at = turned.begin(); (at = std::find(at, turned.end(), std::uint8_t{1})) != turned.end(); ++at) {
-    const CachedPair& pair = world.next_memory[static_cast<std::size_t>(at - turned.begin())];
-    world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End,
-                            world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+// Contacts that began or ended since the last frame, in canonical order.
+void make_events(const PublishInput& input, const Publication& publication, ContactCache& cache,
+                 ContactEvents& published) {
+  std::vector<ContactEvent>& events = published.events;
+  events.clear();
+  end_inactive(input, cache, events);
+  events.insert(events.end(), published.of_removed.begin(), published.of_removed.end());
+  published.of_removed.clear();
+  const std::size_t ended = events.size();
+  const std::vector<std::uint8_t>& changed = publication.touch_changed;
+  for (auto at = changed.begin(); (at = std::find(at, changed.end(), std::uint8_t{1})) != changed.end(); ++at) {
+    const CachedPair& pair = cache.previous_pairs[static_cast<std::size_t>(at - changed.begin())];
+    events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End,
+                      input.scene.bodies.id_of(pair.low), input.scene.bodies.id_of(pair.high)});
   }
-  if (parted == 0) return;
+  if (ended == 0) return;
   // A pair has one event at most; of two in the same slots, the bodies that were removed come first.
-  std::sort(world.events.begin(), world.events.end(), [](const ContactEvent& x, const ContactEvent& y) {
+  std::sort(events.begin(), events.end(), [](const ContactEvent& x, const ContactEvent& y) {
     return std::tuple(x.a.slot, x.b.slot, x.a.generation, x.b.generation) <
            std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
   });
 }
 
-// Does the pair of the k-th row touch? Impulses make a touch of what is apart.
-bool touches(const WorldState& world, std::size_t k) {
-  const FrameBuffers& buffers = world.buffers;
-  const std::uint32_t place = buffers.coloring.order()[k];
-  if (!buffers.applied_impulse_ns[place].isZero(0)) return true;
-  const solver::ContactRow* row = row_of(buffers, k);
-  if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
-  const std::uint32_t index = buffers.manifolds[place].pair;
-  const ActivePair& pair = buffers.pairs[index];
-  if (pair.from_cache() && std::abs(pair.memory.impact_gap_m) > pair.memory.changed_m())
-    return pair.memory.impact_gap_m <= 0;
-  return solved_gap_m(world, index) <= 0;
-}
-
 }  // namespace
 
-void integrate(WorldState& world, const StepInput& input) {
-  world.buffers.motions.assign(world.bodies.slot_count(), StepMotion{});
-  parallel::parallel_for(*world.executor, world.bodies.slot_count(), kPublishGrain,
-                         [&](std::size_t begin, std::size_t end, int) {
-                           for (std::size_t i = begin; i < end; ++i) {
-                             if (world.bodies.dynamic[i] == 0) continue;
-                             if (input.backtracking && place_stopped(world, static_cast<std::uint32_t>(i))) continue;
-                             integrate_body(world, i, input.dt_s);
-                           }
-                         });
-}
-
-void publish(WorldState& world) {
-  FrameBuffers& buffers = world.buffers;
-  world.next_memory.clear();
-  // Both, since they change places: a later frame must find the room that this one needed.
-  world.memory.reserve(buffers.pairs.capacity());
-  world.next_memory.reserve(buffers.pairs.capacity());
-  world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
-  world.next_memory.resize(buffers.pairs.size());
-  buffers.turned.resize(buffers.pairs.size());
-  parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kPublishGrain,
-                         [&](std::size_t begin, std::size_t end, int) {
-                           for (std::size_t i = begin; i < end; ++i) {
-                             world.next_memory[i] = remembered(buffers, buffers.pairs[i]);
-                             buffers.turned[i] = buffers.pairs[i].memory.touching ? 1 : 0;
-                           }
-                         });
-  parallel::parallel_for(*world.executor, buffers.manifolds.size(), 4 * kPublishGrain,
+void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
+             parallel::Executor& executor) {
+  const PairTable& table = input.table;
+  // The pairs of this step are written over those of the step before the last, and take their place at the end.
+  parallel::LargeVector<CachedPair>& next = cache.previous_pairs;
+  next.clear();
+  // Both, since they change places: a later frame must find the memory that this one needed.
+  cache.pairs.reserve(table.capacity());
+  next.reserve(table.capacity());
+  events.events.reserve(cache.pairs.capacity() + next.capacity());
+  next.resize(table.size());
+  std::vector<std::uint8_t>& touch_changed = publication.touch_changed;
+  touch_changed.resize(table.size());
+  parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      next[i] = cached_after(input, i);
+      touch_changed[i] = table.pairs[i].cached.touching ? 1 : 0;
+    }
+  });
+  const Manifolds& manifolds = input.manifolds;
+  parallel::parallel_for(executor, manifolds.manifolds.size(), kPairGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t k = begin; k < end; ++k) {
-                             if (!touches(world, k)) continue;
-                             const std::uint32_t i = buffers.manifolds[buffers.coloring.order()[k]].pair;
-                             world.next_memory[i].touching = true;
-                             buffers.turned[i] ^= 1U;
+                             if (!touches(input, cache.points, k)) continue;
+                             const std::uint32_t i = manifolds.manifolds[manifolds.coloring.order()[k]].pair;
+                             next[i].touching = true;
+                             touch_changed[i] ^= 1U;
                            }
                          });
-  for (const SweptHit& hit : buffers.swept.hits) {
-    bool& touching = world.next_memory[hit.pair].touching;
-    if (!touching) buffers.turned[hit.pair] ^= 1U;
+  for (const SweptHit& hit : input.velocities.swept.hits) {
+    bool& touching = next[hit.pair].touching;
+    if (!touching) touch_changed[hit.pair] ^= 1U;
     touching = true;
   }
-  ++world.contacts_version;
-  world.events.clear();
-  make_events(world);
-  std::swap(world.memory, world.next_memory);
+  make_events(input, publication, cache, events);
+  std::swap(cache.pairs, cache.previous_pairs);
 }
 
-std::vector<Contact> list_contacts(const WorldState& world, ContactListing listing) {
-  const FrameBuffers& buffers = world.buffers;
+std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,
+                                   ContactListing listing) {
+  const Manifolds& manifolds = input.manifolds;
   // The rows stand in the order of the colouring, the contacts in that of the pairs.
   constexpr std::uint32_t kNotListed = 0xffffffffU;
-  std::vector<std::uint32_t> row_of_place(buffers.manifolds.size(), kNotListed);
-  for (std::uint32_t k = 0; k < buffers.manifolds.size(); ++k) {
-    if (listing == ContactListing::Answered || touches(world, k)) row_of_place[buffers.coloring.order()[k]] = k;
+  std::vector<std::uint32_t> row_of(manifolds.manifolds.size(), kNotListed);
+  for (std::uint32_t k = 0; k < manifolds.manifolds.size(); ++k) {
+    if (listing == ContactListing::Solved || touches(input, points, k)) row_of[manifolds.coloring.order()[k]] = k;
   }
   std::vector<Contact> contacts;
-  for (std::size_t place = 0; place < row_of_place.size(); ++place) {
-    const std::uint32_t pair = buffers.manifolds[place].pair;
-    if (row_of_place[place] == kNotListed || was_removed(world, buffers.pairs[pair])) continue;
-    contacts.push_back(
-        contact_of(world, pair, row_of(buffers, row_of_place[place]), buffers.applied_impulse_ns[place]));
+  for (std::size_t m = 0; m < row_of.size(); ++m) {
+    const std::uint32_t pair = manifolds.manifolds[m].pair;
+    if (row_of[m] == kNotListed || was_removed(removed, input.table.pairs[pair])) continue;
+    contacts.push_back(contact_at(input, points, pair, input.velocities.row(manifolds, row_of[m]),
+                                  input.velocities.applied_impulse_ns[m]));
   }
-  add_swept_contacts(world, contacts);
+  add_swept_contacts(input, removed, contacts);
   return contacts;
 }
 

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "parallel/shared_counters.h"
+
 namespace poise::simulation {
 namespace {
 
@@ -17,63 +19,63 @@ constexpr double kStillSpeed = 0.01;
 // Static bodies wake what is nearer to them than this share of the sleeper's radius.
 constexpr double kNear = 0.02;
 
-void reserve_slots(WorldState& world) {
-  const std::size_t slots = world.bodies.slot_count();
-  if (world.sleep.still_s.size() >= slots) return;
-  world.sleep.still_s.resize(slots, 0.0);
-  world.sleep.island.resize(slots, 0);
-  world.sleep.wake_requested.resize(slots, 0);
+void reserve_slots(const SleepAccess& access) {
+  const std::size_t slots = access.bodies.slot_count();
+  if (access.sleeping.still_s.size() >= slots) return;
+  access.sleeping.still_s.resize(slots, 0.0);
+  access.sleeping.island.resize(slots, 0);
+  access.sleeping.wake_requested.resize(slots, 0);
 }
 
-bool sleeps(const WorldState& world, const CachedPair& pair) {
-  return world.bodies.asleep[pair.low] != 0 || world.bodies.asleep[pair.high] != 0;
+bool sleeps(const SleepAccess& access, const CachedPair& pair) {
+  return access.bodies.asleep[pair.low] != 0 || access.bodies.asleep[pair.high] != 0;
 }
 
-void request_island_wake(WorldState& world, std::uint32_t slot) {
-  world.sleep.wake_requested[world.sleep.island[slot]] = 1;
-  world.sleep.any_wake_requested = true;
+void request_island_wake(const SleepAccess& access, std::uint32_t slot) {
+  access.sleeping.wake_requested[access.sleeping.island[slot]] = 1;
+  access.sleeping.any_wake_requested = true;
 }
 
 // The body's own part of waking.
-void wake_body(WorldState& world, std::uint32_t slot) {
-  world.bodies.wake(slot);
-  world.sleep.still_s[slot] = 0;
-  ++world.sleep.woken;
+void wake_body(const SleepAccess& access, std::uint32_t slot) {
+  access.bodies.wake(slot);
+  access.sleeping.still_s[slot] = 0;
+  ++access.sleeping.woken;
 }
 
-// Puts what pairs keep where it belongs: aside where a body of the pair sleeps, else to the pairs of the last step.
-void sort_memory(WorldState& world) {
-  Sleep& sleep = world.sleep;
+// Puts cached pairs where they belong: aside where a body of the pair sleeps, else to the pairs of the last step.
+void sort_cached(const SleepAccess& access) {
+  SleepingState& sleep = access.sleeping;
   sleep.next_awake.clear();
   sleep.next_sleeping_pairs.clear();
   const auto move = [&](const CachedPair& pair) {
-    (sleeps(world, pair) ? sleep.next_sleeping_pairs : sleep.next_awake).push_back(pair);
+    (sleeps(access, pair) ? sleep.next_sleeping_pairs : sleep.next_awake).push_back(pair);
   };
   const auto key = [](const CachedPair& pair) { return std::pair(pair.low, pair.high); };
   auto sleeping_pairs = sleep.sleeping_pairs.begin();
-  for (const CachedPair& pair : world.memory) {
+  for (const CachedPair& pair : access.cache.pairs) {
     for (; sleeping_pairs != sleep.sleeping_pairs.end() && key(*sleeping_pairs) < key(pair); ++sleeping_pairs)
       move(*sleeping_pairs);
     move(pair);
   }
   for (; sleeping_pairs != sleep.sleeping_pairs.end(); ++sleeping_pairs) move(*sleeping_pairs);
   std::swap(sleep.sleeping_pairs, sleep.next_sleeping_pairs);
-  std::swap(world.memory, sleep.next_awake);
+  std::swap(access.cache.pairs, sleep.next_awake);
 }
 
-void wake_requested_islands(WorldState& world) {
-  Sleep& sleep = world.sleep;
-  for (std::uint32_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
-    if (world.bodies.asleep[slot] != 0 && sleep.wake_requested[sleep.island[slot]] != 0) wake_body(world, slot);
+void wake_requested_islands(const SleepAccess& access) {
+  SleepingState& sleep = access.sleeping;
+  for (std::uint32_t slot = 0; slot < access.bodies.slot_count(); ++slot) {
+    if (access.bodies.asleep[slot] != 0 && sleep.wake_requested[sleep.island[slot]] != 0) wake_body(access, slot);
   }
   std::fill(sleep.wake_requested.begin(), sleep.wake_requested.end(), std::uint8_t{0});
   sleep.any_wake_requested = false;
-  sort_memory(world);
+  sort_cached(access);
 }
 
-// Rouses what sleeps at a static body where it is now.
-void request_wake_around(WorldState& world, std::uint32_t slot) {
-  const dynamics::BodyStore& bodies = world.bodies;
+// Wakes what sleeps at a static body where it is now.
+void request_wake_around(const SleepAccess& access, std::uint32_t slot) {
+  const dynamics::BodyStore& bodies = access.bodies;
   const Shape& shape = *bodies.shape[slot];
   const Vec3 normal = bodies.orientation(slot) * shape.plane_normal;
   for (std::uint32_t i = 0; i < bodies.slot_count(); ++i) {
@@ -82,7 +84,7 @@ void request_wake_around(WorldState& world, std::uint32_t slot) {
     const double reach = (1.0 + kNear) * bodies.shape[i]->bounding_radius_m;
     const bool near = shape.kind == ShapeKind::Plane ? normal.dot(between) - shape.plane_offset_m < reach
                                                      : between.norm() < shape.bounding_radius_m + reach;
-    if (near) request_island_wake(world, i);
+    if (near) request_island_wake(access, i);
   }
 }
 
@@ -95,22 +97,21 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t slot) {
 }
 
 // Counts on for bodies that are still, and from zero for the others. Is any still for long enough?
-bool count_still(WorldState& world, double dt_s) {
-  const dynamics::BodyStore& bodies = world.bodies;
-  const double gravity = world.settings.gravity_mps2.norm();
-  std::vector<double>& still_s = world.sleep.still_s;
-  parallel::parallel_for(
-      *world.executor, bodies.slot_count(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-          if (bodies.dynamic[i] == 0) continue;
-          const double radius = bodies.shape[i]->bounding_radius_m;
-          const double speed = kStillSpeed * std::sqrt(gravity * radius);
-          const StepMotion& motion = world.buffers.motions[i];
-          const bool still = bodies.velocity(i).norm() <= speed && radius * bodies.spin(i).norm() <= speed &&
-                             motion.moved_m.norm() <= speed * dt_s && motion.turned_m <= speed * dt_s;
-          still_s[i] = still ? still_s[i] + dt_s : 0.0;
-        }
-      });
+bool count_still(const FallAsleepInput& input, const SleepAccess& access, parallel::Executor& executor) {
+  const dynamics::BodyStore& bodies = access.bodies;
+  const double gravity = input.gravity_mps2;
+  std::vector<double>& still_s = access.sleeping.still_s;
+  parallel::parallel_for(executor, bodies.slot_count(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (bodies.dynamic[i] == 0) continue;
+      const double radius = bodies.shape[i]->bounding_radius_m;
+      const double speed = kStillSpeed * std::sqrt(gravity * radius);
+      const StepMotion& motion = input.motions.of_slot[i];
+      const bool still = bodies.velocity(i).norm() <= speed && radius * bodies.spin(i).norm() <= speed &&
+                         motion.moved_m.norm() <= speed * input.dt_s && motion.turned_m <= speed * input.dt_s;
+      still_s[i] = still ? still_s[i] + input.dt_s : 0.0;
+    }
+  });
   for (std::size_t i = 0; i < bodies.slot_count(); ++i) {
     if (bodies.dynamic[i] != 0 && still_s[i] >= kStillForS) return true;
   }
@@ -118,12 +119,12 @@ bool count_still(WorldState& world, double dt_s) {
 }
 
 // Each slot's parent is at last the lowest slot of its island.
-void find_islands(WorldState& world) {
-  const dynamics::BodyStore& bodies = world.bodies;
-  std::vector<std::uint32_t>& parent = world.sleep.parent;
+void find_islands(const PairTable& table, const SleepAccess& access) {
+  const dynamics::BodyStore& bodies = access.bodies;
+  std::vector<std::uint32_t>& parent = access.sleeping.parent;
   parent.resize(bodies.slot_count());
   std::iota(parent.begin(), parent.end(), 0U);
-  for (const ActivePair& pair : world.buffers.pairs) {
+  for (const ActivePair& pair : table.pairs) {
     if (bodies.dynamic[pair.low()] == 0 || bodies.dynamic[pair.high()] == 0) continue;
     const std::uint32_t low = root_of(parent, pair.low());
     const std::uint32_t high = root_of(parent, pair.high());
@@ -132,10 +133,10 @@ void find_islands(WorldState& world) {
 }
 
 // Puts the islands to sleep of which every body has been still for long enough. How many bodies that is.
-std::size_t put_islands_to_sleep(WorldState& world) {
-  dynamics::BodyStore& bodies = world.bodies;
-  Sleep& sleep = world.sleep;
-  find_islands(world);
+std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& access) {
+  dynamics::BodyStore& bodies = access.bodies;
+  SleepingState& sleep = access.sleeping;
+  find_islands(table, access);
   sleep.restless.assign(bodies.slot_count(), 0);
   for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
     if (bodies.dynamic[slot] != 0 && sleep.still_s[slot] < kStillForS) sleep.restless[root_of(sleep.parent, slot)] = 1;
@@ -154,30 +155,31 @@ std::size_t put_islands_to_sleep(WorldState& world) {
 
 }  // namespace
 
-void request_wake(WorldState& world, std::uint32_t slot) {
-  if (!world.settings.sleeping) return;
-  reserve_slots(world);
-  if (world.bodies.asleep[slot] != 0) {
-    request_island_wake(world, slot);
-    wake_body(world, slot);
+void request_wake(const SleepAccess& access, std::uint32_t slot) {
+  if (!access.sleeping.on) return;
+  reserve_slots(access);
+  if (access.bodies.asleep[slot] != 0) {
+    request_island_wake(access, slot);
+    wake_body(access, slot);
     return;
   }
-  world.sleep.still_s[slot] = 0;
-  if (world.bodies.dynamic[slot] == 0) world.sleep.changed_statics.push_back(slot);
+  access.sleeping.still_s[slot] = 0;
+  if (access.bodies.dynamic[slot] == 0) access.sleeping.changed_statics.push_back(slot);
 }
 
-void wake_all(WorldState& world) {
-  if (!world.settings.sleeping) return;
-  reserve_slots(world);
-  for (std::uint32_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
-    if (world.bodies.asleep[slot] != 0) request_island_wake(world, slot);
+void wake_all(const SleepAccess& access) {
+  if (!access.sleeping.on) return;
+  reserve_slots(access);
+  for (std::uint32_t slot = 0; slot < access.bodies.slot_count(); ++slot) {
+    if (access.bodies.asleep[slot] != 0) request_island_wake(access, slot);
   }
-  if (world.sleep.any_wake_requested) wake_requested_islands(world);
+  if (access.sleeping.any_wake_requested) wake_requested_islands(access);
 }
 
-void wake_near_changes(WorldState& world) {
-  Sleep& sleep = world.sleep;
-  reserve_slots(world);
+void wake_near_changes(const SleepAccess& access) {
+  if (!access.sleeping.on) return;
+  SleepingState& sleep = access.sleeping;
+  reserve_slots(access);
   if (!sleep.any_wake_requested && sleep.changed_statics.empty()) return;
   std::sort(sleep.changed_statics.begin(), sleep.changed_statics.end());
   sleep.changed_statics.erase(std::unique(sleep.changed_statics.begin(), sleep.changed_statics.end()),
@@ -186,42 +188,45 @@ void wake_near_changes(WorldState& world) {
     return std::binary_search(sleep.changed_statics.begin(), sleep.changed_statics.end(), slot);
   };
   for (const CachedPair& pair : sleep.sleeping_pairs) {
-    if (world.bodies.asleep[pair.low] != 0 && changed_statics(pair.high)) request_island_wake(world, pair.low);
-    if (world.bodies.asleep[pair.high] != 0 && changed_statics(pair.low)) request_island_wake(world, pair.high);
+    if (access.bodies.asleep[pair.low] != 0 && changed_statics(pair.high)) request_island_wake(access, pair.low);
+    if (access.bodies.asleep[pair.high] != 0 && changed_statics(pair.low)) request_island_wake(access, pair.high);
   }
   for (const std::uint32_t slot : sleep.changed_statics) {
-    if (world.bodies.asleep_count() > 0 && world.bodies.alive[slot] != 0 && world.bodies.dynamic[slot] == 0)
-      request_wake_around(world, slot);
+    if (access.bodies.asleep_count() > 0 && access.bodies.alive[slot] != 0 && access.bodies.dynamic[slot] == 0)
+      request_wake_around(access, slot);
   }
   sleep.changed_statics.clear();
-  if (sleep.any_wake_requested) wake_requested_islands(world);
+  if (sleep.any_wake_requested) wake_requested_islands(access);
 }
 
-bool wake_touched(WorldState& world) {
-  const dynamics::BodyStore& bodies = world.bodies;
+bool wake_touched(const PairTable& table, const SleepAccess& access) {
+  if (!access.sleeping.on) return false;
+  const dynamics::BodyStore& bodies = access.bodies;
   if (bodies.asleep_count() == 0) return false;
-  for (const ActivePair& pair : world.buffers.pairs) {
-    if (bodies.asleep[pair.low()] != 0 && bodies.dynamic[pair.high()] != 0) request_island_wake(world, pair.low());
-    if (bodies.asleep[pair.high()] != 0 && bodies.dynamic[pair.low()] != 0) request_island_wake(world, pair.high());
+  for (const ActivePair& pair : table.pairs) {
+    if (bodies.asleep[pair.low()] != 0 && bodies.dynamic[pair.high()] != 0) request_island_wake(access, pair.low());
+    if (bodies.asleep[pair.high()] != 0 && bodies.dynamic[pair.low()] != 0) request_island_wake(access, pair.high());
   }
-  if (!world.sleep.any_wake_requested) return false;
-  wake_requested_islands(world);
+  if (!access.sleeping.any_wake_requested) return false;
+  wake_requested_islands(access);
   return true;
 }
 
-void fall_asleep(WorldState& world, double dt_s, FrameReport& report) {
-  Sleep& sleep = world.sleep;
-  // The room that an island will need, before it sleeps.
+void fall_asleep(const FallAsleepInput& input, const SleepAccess& access, FrameReport& report,
+                 parallel::Executor& executor) {
+  if (!access.sleeping.on) return;
+  SleepingState& sleep = access.sleeping;
+  // The memory that an island will need, before it sleeps.
   for (parallel::LargeVector<CachedPair>* cached :
        {&sleep.sleeping_pairs, &sleep.next_awake, &sleep.next_sleeping_pairs})
-    cached->reserve(world.memory.capacity());
-  sleep.parent.reserve(world.bodies.slot_count());
-  sleep.restless.reserve(world.bodies.slot_count());
-  if (count_still(world, dt_s)) {
-    report.fell_asleep = put_islands_to_sleep(world);
-    if (report.fell_asleep > 0) sort_memory(world);
+    cached->reserve(access.cache.pairs.capacity());
+  sleep.parent.reserve(access.bodies.slot_count());
+  sleep.restless.reserve(access.bodies.slot_count());
+  if (count_still(input, access, executor)) {
+    report.fell_asleep = put_islands_to_sleep(input.table, access);
+    if (report.fell_asleep > 0) sort_cached(access);
   }
-  report.asleep = world.bodies.asleep_count();
+  report.asleep = access.bodies.asleep_count();
   report.woken = std::exchange(sleep.woken, 0);
 }
 

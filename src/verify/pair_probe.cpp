@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "verify/pair_probe.h"
 
-#include <limits>
+#include <memory>
 #include <utility>
 
-#include "frame/stages.h"
+#include "frame/run_frame.h"
+#include "verify/pair_stages.h"
 
 namespace poise::simulation {
 namespace {
 
-// Entries that the fronts of one pair have room for.
-constexpr std::uint32_t kRoomOfPair = 1U << 20U;
+// Capacity of the fronts of one pair.
+constexpr std::uint32_t kEntriesOfPair = 1U << 20U;
 
 }  // namespace
 
@@ -23,13 +24,14 @@ StepInput step_to(ProbeLevel level, double dt_s) {
 }
 
 // All pairs of bodies in one World, far from each other.
-Result<World> PairProbe::world_of(const PairSettings& settings, std::span<const PairState> states, std::uint32_t room) {
+Result<World> PairProbe::world_of(const PairSettings& settings, std::span<const PairState> states,
+                                  std::uint32_t capacity) {
   if (!settings.a || !settings.b) return bad_input("a, b: must be shapes");
   WorldSettings world_settings;
   world_settings.contact = settings.contact;
   world_settings.executor = ExecutorKind::Serial;
   world_settings.threads = 1;
-  world_settings.max_front_entries = room;
+  world_settings.max_front_entries = capacity;
   Result<World> world = World::create(world_settings);
   if (!world) return world.error();
   const Result<MaterialId> material = world.value().add_material({settings.restitution, 0, settings.density_kgpm3});
@@ -54,40 +56,34 @@ Result<World> PairProbe::world_of(const PairSettings& settings, std::span<const 
 
 Result<PairProbe> PairProbe::make(const PairSettings& settings) {
   const PairState apart;
-  Result<World> world = world_of(settings, {&apart, 1}, kRoomOfPair);
+  Result<World> world = world_of(settings, {&apart, 1}, kEntriesOfPair);
   if (!world) return world.error();
   return PairProbe(std::move(world).value());
 }
 
-PairProbe::PairProbe(World world) : world_(std::move(world)) {}
+PairProbe::PairProbe(World world) : world_(std::move(world)), stages_(std::make_unique<PairStages>(*world_.state_)) {}
+PairProbe::PairProbe(PairProbe&&) noexcept = default;
+PairProbe& PairProbe::operator=(PairProbe&&) noexcept = default;
+PairProbe::~PairProbe() = default;
 
 // The stages of a step up to the rows.
 bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach) {
   if (!world_.set_state({0, 0}, state.a) || !world_.set_state({1, 0}, state.b)) return false;
-  WorldState& world = *world_.state_;
-  const StepInput input = step_to(level, dt_s);
-  FrameReport report;
-  predict(world, input);
-  find_pairs(world, input, report);
-  world.buffers.pools[0].clear();
-  for (std::size_t i = 0; i < world.buffers.pairs.size(); ++i) {
-    ActivePair& pair = world.buffers.pairs[i];
-    refine_pair(world, pair, world.buffers.found[i], 0);
-    if (reach == Reach::Found) pair.margin_m = std::numeric_limits<double>::max();
-  }
-  list_contact_pairs(world, dt_s, 0, report);
-  fill_rows(world);
-  return !world.buffers.manifolds.empty();
+  stages_->find(level, dt_s);
+  stages_->refine_all(true);
+  if (reach == Reach::Found) stages_->meet_all();
+  stages_->make_rows();
+  return !stages_->frame().manifolds.manifolds.empty();
 }
 
-PairAnswer PairProbe::solve(const PairState& state, double dt_s) {
-  WorldState& world = *world_.state_;
-  solver::solve_impacts(impact_system(world), {dt_s, Vec3::Zero(), 1, {}}, *world.executor);
-  const solver::SolverBody& a = world.buffers.solver_bodies[0];
-  const solver::SolverBody& b = world.buffers.solver_bodies[1];
+PairAnswer PairProbe::solve(const PairState& state) {
+  stages_->solve();
+  const Frame& frame = stages_->frame();
+  const solver::SolverBody& a = frame.velocities.bodies[0];
+  const solver::SolverBody& b = frame.velocities.bodies[1];
   PairAnswer answer;
   answer.met = true;
-  answer.level = world.buffers.pairs.front().level.level;
+  answer.level = frame.levels.progress.front().level.level;
   answer.dv_a_mps = a.velocity_mps - state.a.velocity_mps;
   answer.dw_a_radps = a.spin_radps - state.a.angular_velocity_radps;
   answer.dv_b_mps = b.velocity_mps - state.b.velocity_mps;
@@ -97,17 +93,16 @@ PairAnswer PairProbe::solve(const PairState& state, double dt_s) {
 
 PairAnswer PairProbe::answer(const PairState& state, ProbeLevel level, double dt_s) {
   if (!pose(state, level, dt_s, Reach::Found)) return {};
-  solver::ContactRow& row = world_.state_->buffers.rows.front();
-  const double gap_m = row.gap_m;
-  row.gap_m = -std::numeric_limits<double>::max();
-  PairAnswer answer = solve(state, dt_s);
+  const double gap_m = stages_->frame().velocities.rows.front().gap_m;
+  stages_->close_gaps();
+  PairAnswer answer = solve(state);
   answer.gap_m = gap_m;
   return answer;
 }
 
 bool PairProbe::acts(const PairState& state, ProbeLevel level, double dt_s) {
   if (!pose(state, level, dt_s, Reach::Step)) return false;
-  const PairAnswer answer = solve(state, dt_s);
+  const PairAnswer answer = solve(state);
   return !answer.dv_a_mps.isZero(0) || !answer.dv_b_mps.isZero(0);
 }
 

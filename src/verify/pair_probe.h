@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -48,11 +49,17 @@ struct PairCost {
   double response_ns = 0;  ///< from the contact to the impulse on both bodies
 };
 
+class PairStages;
+
 /// Asks the stages of World::step about a pair, for studies and tests: the same broad phase, refinement, rows and
-/// impulses, on one thread. Each call takes the length of a step, whose motion says what is near: in (0,
-/// kMaxTimeStepS]. Invariant: its World holds exactly the two bodies, without gravity.
+/// impulses, on one thread, with data of its own. Each call takes the length of a step, whose motion says what is near:
+/// in (0, kMaxTimeStepS]. Invariant: its World holds exactly the two bodies, without gravity.
 class PairProbe {
  public:
+  PairProbe(PairProbe&&) noexcept;
+  PairProbe& operator=(PairProbe&&) noexcept;
+  ~PairProbe();
+
   /// Refused as World::add_material and World::add_body, and a shape that is none.
   static Result<PairProbe> make(const PairSettings& settings);
 
@@ -65,19 +72,21 @@ class PairProbe {
 
   /// Refines and answers all `states` of a pair at each level, `rounds` times in turn, and takes the medians of what
   /// one pair costs, a figure a level. CPU time of the calling thread. Refused as make; no state or round; more fronts
-  /// than there is room for.
+  /// than their capacity.
   static Result<std::vector<PairCost>> costs(const PairSettings& settings, std::span<const PairState> states,
                                              std::span<const ProbeLevel> levels, double dt_s, int rounds);
 
  private:
   explicit PairProbe(World world);
-  static Result<World> world_of(const PairSettings& settings, std::span<const PairState> states, std::uint32_t room);
+  static Result<World> world_of(const PairSettings& settings, std::span<const PairState> states,
+                                std::uint32_t capacity);
   /// What counts as near: all that the level finds, or as in a step what may meet within it.
   enum class Reach : std::uint8_t { Found, Step };
   bool pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach);
-  PairAnswer solve(const PairState& state, double dt_s);
+  PairAnswer solve(const PairState& state);
 
   World world_;
+  std::unique_ptr<PairStages> stages_;
 };
 
 }  // namespace poise::simulation

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "frame/stages.h"
+#include "frame/ccd/swept.h"
+#include "frame/run_frame.h"
 #include "geometry/bvh/ball_tree.h"
 #include "poise_assert.h"
 #include "verify/reference_figures.h"
@@ -24,45 +25,10 @@ constexpr std::array<Column, Reference::kColumns> kColumnsOfState = {
     &BodyStore::wx_radps, &BodyStore::wy_radps, &BodyStore::wz_radps, &BodyStore::fx_n,   &BodyStore::fy_n,
     &BodyStore::fz_n,     &BodyStore::tx_nm,    &BodyStore::ty_nm,    &BodyStore::tz_nm};
 
-// Puts the start of the frame in place of its end while it lives: state, memory of pairs, buffers.
-class StartOfFrame {
- public:
-  explicit StartOfFrame(WorldState& world) : world_(world), contact_(world.settings.contact) {
-    exchange();
-    std::swap(world.points, world.reference->points);
-    // Polygons answer alike in every model; where balls are the surface, this one finds the balls that meet.
-    world.settings.contact = ContactModel::Fitted;
-  }
-  ~StartOfFrame() {
-    std::swap(world_.points, world_.reference->points);
-    exchange();
-    world_.settings.contact = contact_;
-  }
-  StartOfFrame(const StartOfFrame&) = delete;
-  StartOfFrame& operator=(const StartOfFrame&) = delete;
-
- private:
-  void exchange() {
-    Reference& reference = *world_.reference;
-    for (std::size_t i = 0; i < Reference::kColumns; ++i)
-      std::swap(world_.bodies.*kColumnsOfState[i], reference.columns[i]);
-    std::swap(world_.bodies.pushed, reference.pushed);
-    // The step has left the memory that it started from where the next one will write.
-    std::swap(world_.memory, world_.next_memory);
-    std::swap(world_.buffers, reference.frame);
-    // What workers write in is made once and lent to both.
-    std::swap(world_.buffers.pools, reference.frame.pools);
-    std::swap(world_.buffers.tallies, reference.frame.tallies);
-  }
-
-  WorldState& world_;
-  ContactModel contact_;
-};
-
-double size_of_impulse(const FrameBuffers& frame, std::size_t k) {
-  const solver::ContactRow* row = row_of(frame, k);
-  const Vec3& applied_impulse_ns = frame.applied_impulse_ns[frame.coloring.order()[k]];
-  return row != nullptr ? (row->impact_ns() + applied_impulse_ns).norm() : applied_impulse_ns.norm();
+double size_of_impulse(const Manifolds& manifolds, const Velocities& velocities, std::size_t k) {
+  const solver::ContactRow* row = velocities.row(manifolds, k);
+  const Vec3& applied_ns = velocities.applied_impulse_ns[manifolds.coloring.order()[k]];
+  return row != nullptr ? (row->impact_ns() + applied_ns).norm() : applied_ns.norm();
 }
 
 const collision::TrueSurface& surface_of(const WorldState& world, std::uint32_t slot) {
@@ -81,34 +47,36 @@ void prepare_surfaces(WorldState& world) {
   }
 }
 
-// Impulses of both, then the gaps of what the run answered. Both frames list the same pairs in the same order.
-std::vector<ComparedPair> compared_pairs(WorldState& world, const View& view) {
-  const FrameBuffers& run = world.reference->frame;
-  const FrameBuffers& full = world.buffers;
-  POISE_ASSERT(run.pairs.size() == full.pairs.size());
-  std::vector<ComparedPair> pairs(run.pairs.size());
+// Impulses of both, then the gaps of what the run solved. Both frames list the same pairs in the same order.
+std::vector<ComparedPair> compared_pairs(const WorldState& world, const View& view) {
+  const Frame& run = world.outputs;
+  const Reference& full = *world.reference;
+  POISE_ASSERT(run.table.size() == full.table.size());
+  std::vector<ComparedPair> pairs(run.table.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].a = run.pairs[i].a;
-    pairs[i].b = run.pairs[i].b;
+    pairs[i].a = run.table.pairs[i].a;
+    pairs[i].b = run.table.pairs[i].b;
   }
-  const auto pair_of = [](const FrameBuffers& frame, std::size_t k) {
-    return frame.manifolds[frame.coloring.order()[k]].pair;
+  const auto pair_of = [](const Manifolds& manifolds, std::size_t k) {
+    return manifolds.manifolds[manifolds.coloring.order()[k]].pair;
   };
-  for (std::size_t k = 0; k < run.manifolds.size(); ++k) pairs[pair_of(run, k)].run_ns = size_of_impulse(run, k);
-  for (std::size_t k = 0; k < full.manifolds.size(); ++k)
-    pairs[pair_of(full, k)].reference_ns = size_of_impulse(full, k);
+  for (std::size_t k = 0; k < run.manifolds.manifolds.size(); ++k)
+    pairs[pair_of(run.manifolds, k)].run_ns = size_of_impulse(run.manifolds, run.velocities, k);
+  for (std::size_t k = 0; k < full.manifolds.manifolds.size(); ++k)
+    pairs[pair_of(full.manifolds, k)].reference_ns = size_of_impulse(full.manifolds, full.velocities, k);
+  const parallel::LargeVector<collision::Pose>& poses = run.motion.poses;
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, pairs.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       ComparedPair& pair = pairs[i];
       if (!touches(pair.run_ns, least_ns)) continue;
-      pair.gap_m = collision::surface_distance_m(surface_of(world, pair.a), full.poses[pair.a],
-                                                 surface_of(world, pair.b), full.poses[pair.b]);
+      pair.gap_m = collision::surface_distance_m(surface_of(world, pair.a), poses[pair.a], surface_of(world, pair.b),
+                                                 poses[pair.b]);
       if (!view.present) continue;
-      const solver::ContactPoint& place = world.reference->points.points[ContactCache::begin(run.pairs[i].memory.room)];
-      const Vec3 point =
-          full.poses[pair.a].position_m + solver::placed_point(full.poses[pair.a], full.poses[pair.b], place).arm_m;
-      pair.gap_px = length_px(view, point, pair.gap_m);
+      const solver::PlacedPoint point =
+          impact_point_of(run.motion, world.cache.points, run.table.pairs[i], run.manifolds.points[i].slot);
+      const Vec3 point_m = poses[pair.a].position_m + point.arm_m;
+      pair.gap_px = length_px(view, point_m, pair.gap_m);
     }
   });
   return pairs;
@@ -117,7 +85,7 @@ std::vector<ComparedPair> compared_pairs(WorldState& world, const View& view) {
 // Who stands between the viewer and a body.
 class Occlusion {
  public:
-  Occlusion(const WorldState& world, const View& view) : world_(world), view_(view) {
+  Occlusion(const WorldState& world, const View& view) : world_(world), bodies_(world.reference->bodies), view_(view) {
     std::vector<Sphere> balls;
     for (std::uint32_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
       if (world.bodies.alive[slot] == 0) continue;
@@ -126,15 +94,15 @@ class Occlusion {
         continue;
       }
       slots_.push_back(slot);
-      balls.push_back({world.bodies.position(slot), world.bodies.shape[slot]->bounding_radius_m});
+      balls.push_back({bodies_.position(slot), world.bodies.shape[slot]->bounding_radius_m});
     }
     tree_ = geometry::BallTree(balls);
   }
   [[nodiscard]] bool hidden(std::uint32_t slot) const {
-    const Vec3 center = world_.bodies.position(slot);
+    const Vec3 center = bodies_.position(slot);
     const auto blocks = [&](std::uint32_t other) {
       if (other == slot) return false;
-      const collision::Pose& pose = world_.buffers.poses[other];
+      const collision::Pose& pose = world_.outputs.motion.poses[other];
       const Mat3 back = pose.rotation.transpose();
       return surface_of(world_, other)
           .blocks(back * (view_.position_m - pose.position_m), back * (center - pose.position_m));
@@ -145,15 +113,17 @@ class Occlusion {
 
  private:
   const WorldState& world_;
+  const dynamics::BodyStore& bodies_;  // at the start of the frame
   const View& view_;
   std::vector<std::uint32_t> planes_, slots_;
   geometry::BallTree tree_;
 };
 
-std::vector<ComparedBody> touched_bodies(WorldState& world, std::span<const ComparedPair> pairs, const View& view) {
-  const dynamics::BodyStore& bodies = world.bodies;
-  const FrameBuffers& run = world.reference->frame;
-  const FrameBuffers& full = world.buffers;
+std::vector<ComparedBody> touched_bodies(const WorldState& world, std::span<const ComparedPair> pairs,
+                                         const View& view) {
+  const dynamics::BodyStore& bodies = world.reference->bodies;
+  const Velocities& run = world.outputs.velocities;
+  const Velocities& full = world.reference->velocities;
   std::vector<std::uint8_t> touched(bodies.slot_count(), 0);
   const double least_ns = least_impulse_ns(pairs);
   for (const ComparedPair& pair : pairs) {
@@ -164,10 +134,10 @@ std::vector<ComparedBody> touched_bodies(WorldState& world, std::span<const Comp
     if (touched[slot] == 0 || bodies.dynamic[slot] == 0) continue;
     ComparedBody body;
     body.slot = slot;
-    body.dv_mps = run.solver_bodies[slot].velocity_mps - bodies.velocity(slot);
-    body.dw_radps = run.solver_bodies[slot].spin_radps - bodies.spin(slot);
-    body.reference_dv_mps = full.solver_bodies[slot].velocity_mps - bodies.velocity(slot);
-    body.reference_dw_radps = full.solver_bodies[slot].spin_radps - bodies.spin(slot);
+    body.dv_mps = run.bodies[slot].velocity_mps - bodies.velocity(slot);
+    body.dw_radps = run.bodies[slot].spin_radps - bodies.spin(slot);
+    body.reference_dv_mps = full.bodies[slot].velocity_mps - bodies.velocity(slot);
+    body.reference_dw_radps = full.bodies[slot].spin_radps - bodies.spin(slot);
     body.inertia_per_mass_m2 = dynamics::inertia_world(bodies, slot) / bodies.mass_kg[slot];
     judged.push_back(body);
   }
@@ -190,33 +160,80 @@ void remember(WorldState& world) {
   Reference& reference = *world.reference;
   for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.columns[i] = world.bodies.*kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
-  reference.points = world.points;
+  reference.points = world.cache.points;
 }
 
-ReferenceFigures refer(WorldState& world, const StepInput& input) {
-  const TimePoint begun = SteadyClock::now();
-  StepInput full = input;
-  full.budget = Budget::unlimited();
-  full.max_level = kMaxTreeDepth;
-  full.polygons = true;
-  FrameReport made;
-  ReferenceFigures figures;
-  {
-    const StartOfFrame start(world);
-    predict(world, full);
-    find_pairs(world, full, made);
-    // What a pair keeps is part of the run, not of the truth.
-    for (ActivePair& pair : world.buffers.pairs) pair.cached = CacheUse::None;
-    const std::size_t not_finest = refine_to_the_end(world);
-    const solver::Convergence response = respond(world, full, made, kConverged);
-    prepare_surfaces(world);
-    const std::vector<ComparedPair> pairs = compared_pairs(world, input.view);
-    const std::vector<ComparedBody> bodies = touched_bodies(world, pairs, input.view);
-    figures = compare_frames(bodies, pairs, input.view.present);
-    figures.pairs_not_finest = not_finest;
-    figures.converged = response.reached;
-    figures.iterations = response.iterations;
+namespace {
+
+// The bodies as the frame found them: what the caller and waking have made of them, where they were.
+void restore_bodies(const WorldState& world, Reference& reference) {
+  reference.bodies = world.bodies;
+  for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.bodies.*kColumnsOfState[i] = reference.columns[i];
+  reference.bodies.pushed = reference.pushed;
+}
+
+// The frame again from *coarse* on: what the first two stages made depends on the start of the frame alone. How many
+// pairs are not at their finest level, and how the solvers ended.
+struct FullFrame {
+  std::size_t not_finest = 0;
+  solver::Convergence response;
+};
+FullFrame run_full(WorldState& world, const StepInput& input) {
+  Reference& reference = *world.reference;
+  parallel::Executor& executor = *world.executor;
+  const PredictedMotion& motion = world.outputs.motion;
+  const SceneView scene{reference.bodies, world.shape_of, world.shapes, world.materials};
+  StepTerms terms = terms_of(world.settings, input);
+  terms.max_level = kMaxTreeDepth;
+  terms.polygons = true;
+  // Polygons answer alike in every model; where balls are the surface, this one finds the balls that meet.
+  terms.contact = ContactModel::Fitted;
+  FrameReport report;
+  find_active_pairs({scene, terms, motion, world.outputs.candidates, world.cache.previous_pairs, world.pair_filter,
+                     input.view, world.settings.policy},
+                    reference.table, world.pools, executor);
+  // What is cached of a pair is part of the run, not of the reference.
+  for (PairProgress& pair : reference.table.start) pair.cached = CacheUse::None;
+  FullFrame full;
+  begin_levels(reference.table, reference.levels, executor);
+  const WorldSettings& settings = world.settings;
+  const RefineInput refine_input{scene, terms,       motion,        reference.table,   settings.policy,
+                                 input, world.frame, settings.seed, settings.substeps, settings.max_front_entries,
+                                 {}};
+  full.not_finest = refine_to_the_end(refine_input, world.pools, reference.levels, executor);
+  const SolveInput solve_input{
+      scene,     terms, motion, reference.table, reference.levels, reference.manifolds, world.pools, settings.substeps,
+      kConverged};
+  make_manifolds({scene, terms, motion, reference.table, reference.levels, solver::still_mps(solve_input.settings())},
+                 reference.points, reference.manifolds, report, executor);
+  begin_solve(solve_input, reference.velocities, executor);
+  const solver::Convergence impacts =
+      solve_impacts(solve_input, reference.points, reference.velocities, report, executor);
+  const solver::Convergence contacts = solve_contacts(solve_input, solver::kMaxPointIterations, reference.points,
+                                                      reference.contact_solver, reference.velocities, executor);
+  if (terms.backtracking) {
+    world.pools[0].clear();
+    solve_swept(solve_input, reference.velocities, world.pools[0], report, executor);
   }
+  full.response.reached = impacts.reached && contacts.reached;
+  full.response.iterations = impacts.iterations + contacts.iterations;
+  return full;
+}
+
+}  // namespace
+
+ReferenceFigures refer(WorldState& world, const StepInput& input) {
+  const SteadyClock::time_point begun = SteadyClock::now();
+  Reference& reference = *world.reference;
+  restore_bodies(world, reference);
+  const FullFrame full = run_full(world, input);
+  prepare_surfaces(world);
+  const std::vector<ComparedPair> pairs = compared_pairs(world, input.view);
+  const std::vector<ComparedBody> bodies = touched_bodies(world, pairs, input.view);
+  ReferenceFigures figures = compare_frames(bodies, pairs, input.view.present);
+  figures.pairs_not_finest = full.not_finest;
+  figures.converged = full.response.reached;
+  figures.iterations = full.response.iterations;
   figures.time = SteadyClock::now() - begun;
   return figures;
 }

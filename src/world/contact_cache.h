@@ -7,8 +7,10 @@
 
 #include "collision/manifold/manifold_point.h"
 #include "parallel/large_pages.h"
+#include "poise/types.h"
 #include "solver/contact_point.h"
 
+/// The contact cache: what pairs of bodies take from one frame to the next. Part of the state.
 namespace poise::simulation {
 
 /// Two bodies where they are now. Where b is a plane, `height_m` is that of its surface along its normal.
@@ -19,38 +21,75 @@ struct PlacedPair {
   double height_m = 0;
 };
 
-/// Fixes a place that is given in the frame of a to the bodies. On a plane the gap becomes that of the plane itself.
+/// Fixes a contact point that is given in the frame of a to the two bodies. On a plane its separation becomes that of
+/// the plane itself.
 solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint& manifold_point);
 
-/// Places of one pair: that of its one contact, and where it rests.
+/// Contact points of one pair: that of the impact, and those of its manifold.
 inline constexpr std::size_t kPointsOfPair = collision::kMaxManifoldPoints + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
-/// Places and what they bear, a room for kPlacesOfPair of each pair that has some. A pair keeps its room for as long as
-/// it is known, so that what is kept stays where it is. Invariant: a room is either free or one pair's.
-struct ContactCache {
+/// Contact points and their accumulated impulses, in slots of kPointsOfPair. A pair keeps its slot for as long as it is
+/// cached. Invariant: a slot is either free or one pair's.
+struct PointCache {
   parallel::LargeVector<solver::ContactPoint> points;
-  parallel::LargeVector<solver::AccumulatedImpulse> loads;
+  parallel::LargeVector<solver::AccumulatedImpulse> impulses;
   std::vector<std::uint32_t> free;
 
-  /// The same for at least `rooms` rooms, without room for new ones being used yet.
-  void reserve(std::size_t rooms);
-  /// Makes sure that `rooms` more can be had from `take`.
-  void reserve_slots(std::size_t rooms);
-  /// The n-th of the rooms that make_room made sure of; use_up(count) when all have been taken. Any thread.
-  [[nodiscard]] std::uint32_t room(std::size_t n) const { return free[free.size() - 1 - n]; }
-  void use_up(std::size_t count) { free.resize(free.size() - count); }
-  void give_back(std::uint32_t room) {
-    if (room != kNoSlot) free.push_back(room);
+  /// Memory for at least `slots` slots; pages of those that are never used stay untouched.
+  void reserve(std::size_t slots);
+  /// Makes sure that there are `count` free slots.
+  void reserve_slots(std::size_t count);
+  /// The n-th of the free slots that reserve_slots made sure of; take_slots(count) when all have been handed out. Any
+  /// thread.
+  [[nodiscard]] std::uint32_t free_slot(std::size_t n) const { return free[free.size() - 1 - n]; }
+  void take_slots(std::size_t count) { free.resize(free.size() - count); }
+  void release(std::uint32_t slot) {
+    if (slot != kNoSlot) free.push_back(slot);
   }
+  /// Multiplies all accumulated impulses: they are stored by the substep, and mean the same with fewer substeps after
+  /// this.
+  void scale_impulses(double factor);
 
-  [[nodiscard]] static std::size_t begin(std::uint32_t room) { return room * kPointsOfPair; }
-  [[nodiscard]] std::span<solver::ContactPoint> points_of(std::uint32_t room, std::size_t count) {
-    return std::span(points).subspan(begin(room), count);
+  [[nodiscard]] static std::size_t begin(std::uint32_t slot) { return slot * kPointsOfPair; }
+  [[nodiscard]] std::span<solver::ContactPoint> points_of(std::uint32_t slot, std::size_t count) {
+    return std::span(points).subspan(begin(slot), count);
   }
-  [[nodiscard]] std::span<solver::AccumulatedImpulse> impulses_of(std::uint32_t room, std::size_t count) {
-    return std::span(loads).subspan(begin(room), count);
+  [[nodiscard]] std::span<solver::AccumulatedImpulse> impulses_of(std::uint32_t slot, std::size_t count) {
+    return std::span(impulses).subspan(begin(slot), count);
   }
+};
+
+/// A pair of the contact cache.
+///
+/// What a frame found out about a pair holds until its bodies have moved too far against each other: that it is
+/// separated, or the points where it may touch. Invariant: the first of its points is that of the impact; the others
+/// (or the first, if it is the only one) are the manifold.
+struct CachedPair {
+  std::uint32_t low = 0, high = 0;  ///< body slots
+  std::uint32_t frames_waited = 0;  ///< since a level beyond level 0 was completed
+  std::uint32_t slot = kNoSlot;     ///< of its points in the PointCache; which one is not part of the state
+  std::uint8_t point_count = 0;
+  Level level = 0;  ///< that found it out
+  bool touching = false;
+  bool apart = false;   ///< nothing was nearer than reach_m
+  bool solved = false;  ///< in the last step the solver had a manifold of it
+  double reach_m = 0;   ///< all that was nearer than this is in the points; 0: only the impulses are cached
+  double moved_m = 0;   ///< upper bound of the change of any separation since
+  double nearest_m = 0,
+         impact_gap_m = 0;  ///< least separation of its points, and that of the first, when they were last computed
+  double looked_m = 0;      ///< moved_m at that time
+  /// By how much a separation may have changed since it was last computed: normals turn with the bodies, so by a little
+  /// more than the surfaces have moved.
+  [[nodiscard]] double changed_m() const { return 2.0 * (moved_m - looked_m); }
+};
+
+/// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step and
+/// `previous_pairs` those that this step began with.
+struct ContactCache {
+  parallel::LargeVector<CachedPair> pairs;
+  parallel::LargeVector<CachedPair> previous_pairs;
+  PointCache points;
 };
 
 }  // namespace poise::simulation

@@ -104,17 +104,17 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   Stage stage(falling(), 0.2);
   stage.jacks(500, 6);
   simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
-  const simulation::FrameBuffers& buffers = world.buffers;
+  const simulation::PairTable& table = world.outputs.table;
   StepInput input = step_of(1.0 / 60);
   // Everything starts anew in every frame, so that every chunk has something to put in order.
   const auto step_with = [&](double rank_cost_ns) {
     for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
-    world.rank_cost_ns = rank_cost_ns;
+    world.forecasts.rank_cost_ns = rank_cost_ns;
     input.budget = Budget::within(std::chrono::hours(1));
     return stage.world.step(input);
   };
   for (int i = 0; i < 100; ++i) step_with(30);
-  ASSERT_GE(buffers.chunks(), 5U);
+  ASSERT_GE(table.chunks(), 5U);
   constexpr std::size_t kStride = 3;
   std::size_t left_alone = 0;
   for (std::size_t i = 0; i < 2 * kStride; ++i) {
@@ -122,12 +122,12 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
     const std::uint64_t frame = world.frame;
     const double hour_ns = 3.6e12;
     const FrameReport report =
-        step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / buffers.known_of_chunk.back().refinable);
+        step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / table.known_of_chunk.back().refinable);
     EXPECT_GT(report.jobs_done, 0U);
-    for (std::size_t chunk = 0; chunk < buffers.chunks(); ++chunk) {
+    for (std::size_t chunk = 0; chunk < table.chunks(); ++chunk) {
       const bool turn = chunk % kStride == frame % kStride;
-      for (std::size_t k = buffers.begin_of(chunk); k < buffers.end_of(chunk); ++k) {
-        const simulation::ActivePair& pair = buffers.pairs[k];
+      for (std::size_t k = table.begin_of(chunk); k < table.end_of(chunk); ++k) {
+        const simulation::PairProgress& pair = world.outputs.levels.progress[k];
         if (turn) {
           EXPECT_FALSE(pair.refinable()) << "there was an hour for it";
         } else {

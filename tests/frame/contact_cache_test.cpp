@@ -6,7 +6,7 @@
 #include <random>
 
 #include "dynamics/rotation.h"
-#include "frame/stages.h"
+#include "frame/run_frame.h"
 #include "frame/world_access.h"
 #include "scenes.h"
 
@@ -122,11 +122,13 @@ TEST(CachedPoint, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
     const FrameReport report = stage.world.step(input);
     EXPECT_EQ(report.degraded.pairs_reused, 0U);
     cached += report.cached_contacts;
-    for (const simulation::ActivePair& pair : world.buffers.pairs) {
-      if (pair.cached == simulation::CacheUse::None) continue;
-      EXPECT_EQ(pair.memory.level, 0);
-      EXPECT_NE(pair.cached, simulation::CacheUse::Expired);
-      EXPECT_LE(pair.memory.moved_m + pair.margin_m, pair.memory.reach_m);
+    for (std::size_t k = 0; k < world.outputs.table.size(); ++k) {
+      const simulation::ActivePair& pair = world.outputs.table.pairs[k];
+      const simulation::CacheUse use = world.outputs.levels.progress[k].cached;
+      if (use == simulation::CacheUse::None) continue;
+      EXPECT_EQ(pair.cached.level, 0);
+      EXPECT_NE(use, simulation::CacheUse::Expired);
+      EXPECT_LE(pair.cached.moved_m + pair.margin_m, pair.cached.reach_m);
     }
   }
   EXPECT_GT(cached, 1000U) << "a pile at rest finds its places anew";
@@ -196,9 +198,11 @@ TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
     from_memory += report.cached_separations + report.cached_contacts;
     const FrameReport fresh = anew.world.step(step_of(1.0 / 60));
     ASSERT_EQ(fresh.cached_separations + fresh.cached_contacts, 0U);
-    // All that was answered, whether it touches or may touch.
+    // All that was solved, whether it touches or may touch.
     const auto solved = [](Stage& stage) {
-      return simulation::list_contacts(simulation::WorldAccess::of(stage.world), simulation::ContactListing::Answered);
+      const simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
+      return simulation::list_contacts(simulation::publish_input(world), world.cache.points, {},
+                                       simulation::ContactListing::Solved);
     };
     const std::vector<Contact> of_kept = solved(cached);
     const std::vector<Contact> of_anew = solved(anew);
@@ -236,17 +240,17 @@ TEST(RoomForPairs, IsThereBeforeAHeapForms) {
   stage.jacks(200, 4);
   stage.world.step(step_of(1.0 / 60));
   const simulation::WorldState& state = simulation::WorldAccess::of(stage.world);
-  const std::size_t pairs_room = state.buffers.pairs.capacity();
-  const std::size_t places_room = state.points.points.capacity();
-  const std::size_t at_first = state.buffers.pairs.size();
+  const std::size_t pairs_room = state.outputs.table.pairs.capacity();
+  const std::size_t places_room = state.cache.points.points.capacity();
+  const std::size_t at_first = state.outputs.table.pairs.size();
   std::size_t most = 0;
   for (int i = 0; i < 240; ++i) {
     stage.world.step(step_of(1.0 / 60));
-    most = std::max(most, state.buffers.pairs.size());
+    most = std::max(most, state.outputs.table.pairs.size());
   }
   EXPECT_GT(most, 2 * at_first) << "no heap";
-  EXPECT_EQ(state.buffers.pairs.capacity(), pairs_room);
-  EXPECT_EQ(state.points.points.capacity(), places_room);
+  EXPECT_EQ(state.outputs.table.pairs.capacity(), pairs_room);
+  EXPECT_EQ(state.cache.points.points.capacity(), places_room);
 }
 
 TEST(RoomForPairs, GrowsByMoreThanABodyAtATime) {
@@ -258,8 +262,8 @@ TEST(RoomForPairs, GrowsByMoreThanABodyAtATime) {
   for (int i = 0; i < 256; ++i) {
     stage.add(ball, Vec3(i, 0, 0));
     stage.world.step(step_of(1.0 / 60));
-    grown += state.buffers.pairs.capacity() != room ? 1 : 0;
-    room = state.buffers.pairs.capacity();
+    grown += state.outputs.table.pairs.capacity() != room ? 1 : 0;
+    room = state.outputs.table.pairs.capacity();
   }
   EXPECT_GE(room, 256U * 6);
   EXPECT_LE(grown, 10);

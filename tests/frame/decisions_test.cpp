@@ -5,9 +5,9 @@
 #include <map>
 #include <vector>
 
-#include "frame/refine/decision_log.h"
 #include "frame/scenes.h"
 #include "geometry/meshes.h"
+#include "world/decision_log.h"
 
 namespace poise {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "frame/budget/frame_time.h"
+#include "frame/run_frame.h"
 #include "frame/scenes.h"
-#include "frame/stages.h"
 #include "frame/world_access.h"
 
 namespace poise {
@@ -32,6 +32,26 @@ StepInput easy() {
   StepInput input = step_of(1.0 / 60);
   input.budget = Budget::within(std::chrono::minutes(10));
   return input;
+}
+
+// What the stages of a World would be given.
+simulation::FrameCounts counts_of(const WorldState& world) {
+  return {world.settings.contact, world.bodies.dynamic_count(), world.settings.substeps, world.outputs.table,
+          world.outputs.levels};
+}
+simulation::RefineInput refine_input(const WorldState& world, const StepInput& input) {
+  const WorldSettings& settings = world.settings;
+  return {world.scene(),
+          simulation::terms_of(settings, input),
+          world.outputs.motion,
+          world.outputs.table,
+          settings.policy,
+          input,
+          world.frame,
+          settings.seed,
+          settings.substeps,
+          settings.max_front_entries,
+          {}};
 }
 
 TEST(Degrade, AnInfeasibleFrameSaysBeforehandThatItIsOneAndDoesWithFewerSubstepsAndOldPlaces) {
@@ -59,11 +79,11 @@ TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
   for (int i = 0; i < 10; ++i) {
     const FrameReport stopped = stage.world.step(hopeless());
     EXPECT_GT(stopped.degraded.visits, 0U);
-    EXPECT_EQ(stopped.point_iterations, world.buffers.manifold_points) << "one sweep of one substep";
+    EXPECT_EQ(stopped.point_iterations, world.outputs.velocities.point_count) << "one sweep of one substep";
     EXPECT_LT(stopped.mandatory, stopped.times.total + Nanoseconds(1));
     const FrameReport whole = stage.world.step(easy());
     EXPECT_EQ(whole.degraded.visits, 0U);
-    EXPECT_GT(whole.point_iterations, 2 * world.buffers.manifold_points)
+    EXPECT_GT(whole.point_iterations, 2 * world.outputs.velocities.point_count)
         << "it wanted no more than one sweep a substep";
   }
 }
@@ -75,23 +95,26 @@ TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
   const WorldState& world = WorldAccess::of(stage.world);
   StepInput input = step_of(1.0 / 60);
   FrameReport report;
-  report.contact_pairs = world.buffers.manifolds.size();
+  report.contact_pairs = world.outputs.manifolds.manifolds.size();
   const auto visits = [&](Nanoseconds time) {
     input.budget = Budget::within(time);
     report.refine_started = SteadyClock::now();
-    return simulation::iterations_in_time(world, input, report);
+    return simulation::iterations_in_time(world.forecasts, input, counts_of(world),
+                                          world.outputs.velocities.point_count, report);
   };
   EXPECT_EQ(visits(std::chrono::hours(-1)), 1U);
   EXPECT_EQ(visits(std::chrono::hours(1)), solver::kMaxPointIterations);
   // What a visit costs is learned and positive, so there is a time at which it turns; far apart, since a clock is read.
-  const double us =
-      world.tail.coefficients_us()[scheduler::TailForecast::kPointIterations] * 1e-3 * world.margin.factor();
+  const double us = world.forecasts.tail.coefficients_us()[scheduler::TailForecast::kPointIterations] * 1e-3 *
+                    world.forecasts.margin.factor();
   ASSERT_GT(us, 0);
   const auto reserve = Nanoseconds(static_cast<std::int64_t>(
-      world.margin.factor() *
-      static_cast<double>(world.tail.forecast(simulation::tail_work(world, report.contact_pairs)).count())));
-  const auto half =
-      std::chrono::microseconds(static_cast<std::int64_t>(0.5 * us * solver::kMaxPointIterations * world.substeps));
+      world.forecasts.margin.factor() *
+      static_cast<double>(
+          world.forecasts.tail.forecast(simulation::tail_work(world.forecasts, counts_of(world), report.contact_pairs))
+              .count())));
+  const auto half = std::chrono::microseconds(
+      static_cast<std::int64_t>(0.5 * us * solver::kMaxPointIterations * world.settings.substeps));
   const std::uint32_t some = visits(reserve + half);
   EXPECT_GT(some, solver::kMaxPointIterations / 10);
   report.host_reserved = std::chrono::hours(1);
@@ -149,24 +172,25 @@ TEST(Degrade, APileAtRestStaysAtRestWhileSubstepsComeAndGo) {
   EXPECT_NEAR(stage.at(stage.bodies.back()).position_m.z(), 5.5, 0.02);
 }
 
-TEST(Degrade, WhatPlacesBoreIsKeptByTheSubstepAndScaledWithIt) {
+TEST(Degrade, ImpulsesAreCachedByTheSubstepAndScaledWithIt) {
   Stage stage(falling(1), 0);
   stage.jacks(60, 4);
   for (int i = 0; i < 90; ++i) stage.world.step(easy());
   WorldState& world = WorldAccess::of(stage.world);
-  const auto loads = world.points.loads;
+  const auto before = world.cache.points.impulses;
   const std::uint64_t hash = stage.world.state_hash();
-  simulation::degrade(world, {1, 0});
-  EXPECT_EQ(world.substeps, 1);
+  simulation::degrade(refine_input(world, hopeless()), {1, 0}, world.outputs.levels);
+  EXPECT_EQ(world.outputs.levels.substeps, 1);
+  world.cache.points.scale_impulses(2);
   double most_ns = 0;
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    EXPECT_EQ(world.points.loads[i].impulse_ns, 2 * loads[i].impulse_ns);
-    EXPECT_EQ(world.points.loads[i].friction_ns, Vec3(2 * loads[i].friction_ns));
-    most_ns = std::max(most_ns, loads[i].impulse_ns);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(world.cache.points.impulses[i].impulse_ns, 2 * before[i].impulse_ns);
+    EXPECT_EQ(world.cache.points.impulses[i].friction_ns, Vec3(2 * before[i].friction_ns));
+    most_ns = std::max(most_ns, before[i].impulse_ns);
   }
-  EXPECT_GT(most_ns, 0) << "nothing bears anything";
-  simulation::restore(world);
-  EXPECT_EQ(world.substeps, 2);
+  EXPECT_GT(most_ns, 0) << "there are no impulses";
+  EXPECT_NE(stage.world.state_hash(), hash);
+  world.cache.points.scale_impulses(0.5);
   EXPECT_EQ(stage.world.state_hash(), hash);
 }
 
@@ -183,23 +207,31 @@ TEST(Degrade, TheLeastSeenAreReusedFirst) {
   input.budget = Budget::work(0);
   std::size_t tried = 0;
   for (int i = 0; i < 40 && tried < 5; ++i) {
-    FrameReport report;
-    simulation::predict(world, input);
-    simulation::find_pairs(world, input, report);
+    simulation::Frame& frame = world.outputs;
+    const simulation::StepTerms terms = simulation::terms_of(world.settings, input);
+    simulation::predict({world.scene(), terms}, frame.motion, *world.executor);
+    simulation::find_candidates({frame.motion, world.settings.max_partners}, world.broad_phase, world.candidate_cache,
+                                frame.candidates, *world.executor);
+    simulation::find_active_pairs({world.scene(), terms, frame.motion, frame.candidates, world.cache.pairs,
+                                   world.pair_filter, input.view, world.settings.policy},
+                                  frame.table, world.pools, *world.executor);
+    simulation::begin_levels(frame.table, frame.levels, *world.executor);
+    const simulation::RefineInput refine = refine_input(world, input);
     std::vector<simulation::CacheUse> before;
-    for (const auto& pair : world.buffers.pairs) before.push_back(pair.cached);
-    world.buffers.least_seen.reserve(world.buffers.pairs.size());
-    const std::size_t all = simulation::pairs_to_reuse(world, std::chrono::hours(1), 1, 1);
+    for (const auto& pair : frame.levels.progress) before.push_back(pair.cached);
+    frame.levels.least_seen.reserve(frame.table.size());
+    const std::size_t all = simulation::pairs_to_reuse(refine, std::chrono::hours(1), 1, 1, frame.levels);
     if (all >= 4) {
       ++tried;
-      EXPECT_EQ(simulation::pairs_to_reuse(world, Nanoseconds(2), 1, 1), 2U) << "no more than are needed";
-      simulation::degrade(world, {0, all / 2});
+      EXPECT_EQ(simulation::pairs_to_reuse(refine, Nanoseconds(2), 1, 1, frame.levels), 2U)
+          << "no more than are needed";
+      simulation::degrade(refine, {0, all / 2}, frame.levels);
       double most_reused = 0;
       double least_left = 1e300;
       std::size_t reused = 0;
       for (std::size_t k = 0; k < all; ++k) {
-        const auto& item = world.buffers.least_seen[k];
-        const bool is_reused = world.buffers.pairs[item.pair].cached != before[item.pair];
+        const auto& item = frame.levels.least_seen[k];
+        const bool is_reused = frame.levels.progress[item.pair].cached != before[item.pair];
         reused += is_reused ? 1U : 0U;
         (is_reused ? most_reused : least_left) =
             is_reused ? std::max(most_reused, item.weight) : std::min(least_left, item.weight);

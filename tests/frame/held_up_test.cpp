@@ -105,7 +105,7 @@ TEST_P(HeldUp, WorkerCostsItsJobAndTheFrameEndsWithoutIt) {
     executor.let_go();
     state.settle();
     EXPECT_EQ(stage.world.state_hash(), hash);
-    EXPECT_EQ(state.buffers.tallies[1].jobs, 0U);
+    EXPECT_EQ(state.outputs.levels.tallies[1].jobs, 0U);
   }
   EXPECT_GT(done, 0U) << "the thread that was left refined alone";
 }

@@ -1,43 +1,60 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "frame/stages.h"
+#include "frame/refine/refine.h"
+#include "poise/scheduler/frame_budget.h"
+#include "world/forecasts.h"
 
-/// What a frame under a deadline expects its time to be, and what came of it. For World::step, from its thread.
+/// What a frame under a deadline expects its time to be, and what came of it. For the step, from its thread.
 namespace poise::simulation {
 
+/// What the forecasts ask of a frame beside its report.
+struct FrameCounts {
+  ContactModel contact = ContactModel::Fitted;
+  std::size_t dynamic_bodies = 0;
+  int substeps = 2;  ///< of the settings
+  const PairTable& table;
+  const CompletedLevels& levels;
+};
+
 /// Begins a frame: forecasts what it must do, from the counts of the frame before. Only under a deadline.
-void begin_frame_time(WorldState& world, const StepInput& input, TimePoint start, FrameReport& report);
+void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int substeps, SteadyClock::time_point start,
+                      Forecasts& forecasts, FrameReport& report);
 
 /// What refinement goes by.
 struct FramePlan {
   scheduler::FrameBudget budget;
-  std::int64_t present = 0;    ///< pairs that are not known to be apart
-  std::uint64_t expected = 0;  ///< pairs that are likely to be answered
+  std::int64_t present = 0;    ///< pairs that are not known to be separated
+  std::uint64_t expected = 0;  ///< pairs that are likely to have a contact
 };
 
 /// After the pairs were found, at `now`: the reserve, and where what must be done does not fit before the deadline any
-/// more, less of it (simulation/degrade.h). Fills what the report says of both.
-FramePlan plan_frame(WorldState& world, const StepInput& input, TimePoint now, FrameReport& report);
+/// more, less of it (budget/degrade.h). Fills what the report says of both.
+FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Forecasts& forecasts,
+                     CompletedLevels& levels, FrameReport& report);
 
-/// After the contacts were listed: of places, how many a substep may visit (solver::SolveSettings::visits) so that
-/// the tail, with its margin, ends in time; as many as the solver does by itself where that fits. At least 1.
-std::uint32_t iterations_in_time(const WorldState& world, const StepInput& input, const FrameReport& report);
+/// After the manifolds are listed: how many point iterations a substep may make (solver::SolveSettings::visits) so that
+/// the tail, with its margin, ends in time; as many as the solver makes by itself where that fits. At least 1.
+std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
+                                 std::uint64_t manifold_points, const FrameReport& report);
 
-/// Of so many pairs that are not apart, how many are likely to be answered.
-std::uint64_t expected_solved(const WorldState& world, std::int64_t present);
+/// Of so many pairs that are not separated, how many are likely to have a contact.
+std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present);
 
-/// After the last stage: how late the frame was and why, and what the forecasts learn from it. `cpu_before` is the time
-/// on the CPU of this thread when the frame began.
-void account_time(WorldState& world, const StepInput& input, TimePoint start, Nanoseconds cpu_before,
-                  FrameReport& report);
+/// Counted work of the tail with this many contacts; point iterations and coarse contacts are those of TimeFacts.
+scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& counts, std::uint64_t contacts);
 
-/// Judges a frame anew once the host's own work of it is done: it took `actual` from the end of the step, of which the
-/// machine took away `off_cpu`. A pure function of the report.
+/// After the last stage: how late the frame was and why, and what the forecasts learn from it. `cpu_used` is the time
+/// of this thread on the CPU during the frame. Reads the report's stage times.
+void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points, Nanoseconds cpu_used,
+                  Forecasts& forecasts, FrameReport& report);
+
+/// Classifies a frame anew once the host's own work of it is done: it took `actual` from the end of the step, of which
+/// the machine took away `off_cpu`. A pure function of the report.
 void add_host_work(Nanoseconds actual, Nanoseconds off_cpu, FrameReport& report);
 
 /// Begins learning anew, from what an earlier run came to.
-void forget_times(WorldState& world, const scheduler::TimePriors& priors);
-scheduler::TimePriors times_of(const WorldState& world);
+void forget_times(Forecasts& forecasts, double alpha, const scheduler::TimePriors& priors);
+scheduler::TimePriors times_of(const Forecasts& forecasts);
 
 }  // namespace poise::simulation

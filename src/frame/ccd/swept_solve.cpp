@@ -4,7 +4,6 @@
 
 #include "frame/ccd/swept.h"
 #include "frame/ccd/swept_contact.h"
-#include "frame/stages.h"
 #include "parallel/shared_counters.h"
 #include "solver/impact_row.h"
 #include "solver/solver.h"
@@ -17,42 +16,44 @@ using collision::TimeOfImpact;
 
 constexpr std::size_t kTrajectoryGrain = 256;
 
-// How far the response is about to move a body.
-Vec3 planned_motion_m(const WorldState& world, std::size_t i, double h_s) {
-  const solver::SolverBody& solved = world.buffers.solver_bodies[i];
+// How far the solver is about to move a body.
+Vec3 planned_motion_m(const Velocities& velocities, std::size_t i, double h_s) {
+  const solver::SolverBody& solved = velocities.bodies[i];
   if (solved.solved) return solved.moved_m;
-  return h_s * solved.velocity_mps - (0.5 * h_s * h_s) * world.buffers.accelerations[i].linear_mps2;
+  return h_s * solved.velocity_mps - (0.5 * h_s * h_s) * velocities.accelerations[i].linear_mps2;
 }
 
-// Its velocity on the way: forces act all along it, unless it rests on something.
-Vec3 velocity_at_mps(const WorldState& world, std::size_t i, double time_s, double h_s) {
-  const solver::SolverBody& solved = world.buffers.solver_bodies[i];
+// Its velocity on the way: forces act all along it, unless contacts hold it.
+Vec3 velocity_at_mps(const Velocities& velocities, std::size_t i, double time_s, double h_s) {
+  const solver::SolverBody& solved = velocities.bodies[i];
   if (solved.solved) return solved.velocity_mps;
-  return solved.velocity_mps - (h_s - time_s) * world.buffers.accelerations[i].linear_mps2;
+  return solved.velocity_mps - (h_s - time_s) * velocities.accelerations[i].linear_mps2;
 }
 
 // When a body has to stop so that it does not leave what was swept for it: a slow one its slack (and what forces move
-// it), a fast one its slack about its way.
-double limit_of_s(const WorldState& world, std::size_t i, double h_s) {
-  const SweptFrame& swept = world.buffers.swept;
-  const Vec3 motion = planned_motion_m(world, i, h_s);
-  const double slack_m = swept_slack_m(world, i);
+// it), a fast one its slack about its swept motion.
+double limit_of_s(const SolveInput& input, const Velocities& velocities, std::size_t i) {
+  const double h_s = input.terms.dt_s;
+  const SweptBounds& swept = input.motion.swept;
+  const Vec3 motion = planned_motion_m(velocities, i, h_s);
+  const double slack_m = swept_slack_m(input.scene, i);
   if (swept.fast(static_cast<std::uint32_t>(i))) {
     const Vec3& foreseen = swept.bounds[swept.bound_of[i]].motion_m;
     if ((motion - foreseen).norm() <= slack_m) return h_s;
     return h_s * std::min(1.0, slack_m / std::max(motion.norm(), slack_m));
   }
-  const double may_m = slack_m + (0.5 * h_s * h_s) * world.buffers.accelerations[i].linear_mps2.norm();
+  const double may_m = slack_m + (0.5 * h_s * h_s) * velocities.accelerations[i].linear_mps2.norm();
   const double length = motion.norm();
   return length <= may_m ? h_s : h_s * (may_m / length);
 }
 
-std::uint32_t trajectory_of(WorldState& world, std::uint32_t slot, double h_s) {
-  SweptFrame& swept = world.buffers.swept;
-  std::uint32_t& place = swept.trajectory_of[slot];
-  if (place != SweptFrame::kNone) return place;
-  place = static_cast<std::uint32_t>(swept.trajectories.size());
-  const dynamics::BodyStore& bodies = world.bodies;
+std::uint32_t trajectory_of(const SolveInput& input, std::uint32_t slot, Velocities& velocities) {
+  const double h_s = input.terms.dt_s;
+  SweptContacts& swept = velocities.swept;
+  std::uint32_t& index = swept.trajectory_of[slot];
+  if (index != SweptContacts::kNone) return index;
+  index = static_cast<std::uint32_t>(swept.trajectories.size());
+  const dynamics::BodyStore& bodies = input.scene.bodies;
   Trajectory trajectory;
   trajectory.slot = slot;
   trajectory.dynamic = bodies.dynamic[slot] != 0;
@@ -63,20 +64,20 @@ std::uint32_t trajectory_of(WorldState& world, std::uint32_t slot, double h_s) {
   trajectory.stop_s = 0;
   if (trajectory.dynamic) {
     trajectory.stop_s = swept.limit_s[slot];
-    trajectory.start.velocity_mps = planned_motion_m(world, slot, h_s) / h_s;
-    trajectory.start.rotation.spin_radps = world.buffers.solver_bodies[slot].spin_radps;
+    trajectory.start.velocity_mps = planned_motion_m(velocities, slot, h_s) / h_s;
+    trajectory.start.rotation.spin_radps = velocities.bodies[slot].spin_radps;
     trajectory.start.moments_kgm2 = bodies.principal_kgm2[slot];
     if (trajectory.stop_s < h_s) {
       trajectory.stopped = true;
       trajectory.stands = collision::moved_on(trajectory.start, trajectory.stop_s);
-      trajectory.velocity_mps = velocity_at_mps(world, slot, trajectory.stop_s, h_s);
+      trajectory.velocity_mps = velocity_at_mps(velocities, slot, trajectory.stop_s, h_s);
     }
   }
   swept.trajectories.push_back(trajectory);
-  return place;
+  return index;
 }
 
-// Where a body is on its course. One that stands neither moves nor turns, whatever its velocity.
+// Where a body is on its trajectory. One that stands neither moves nor turns, whatever its velocity.
 MovingBody moving_body_at(const Trajectory& trajectory, double time_s) {
   if (time_s >= trajectory.stop_s) {
     MovingBody stands = trajectory.stands;
@@ -88,7 +89,7 @@ MovingBody moving_body_at(const Trajectory& trajectory, double time_s) {
   return time_s > 0 ? collision::moved_on(trajectory.start, time_s) : trajectory.start;
 }
 
-// The first meeting of two courses from a moment on, stretch by stretch between their stops.
+// The first time of impact of two trajectories from a moment on, piece by piece between their stops.
 TimeOfImpact impact_of(const Trajectory& a, const Trajectory& b, double from_s, double until_s, double tolerance_m) {
   TimeOfImpact impact;
   double time_s = from_s;
@@ -118,15 +119,21 @@ TimeOfImpact impact_of(const Trajectory& a, const Trajectory& b, double from_s, 
 // The events of one step in order of time.
 class Events {
  public:
-  Events(WorldState& world, double dt_s, FrameReport& report)
-      : world_(world), swept_(world.buffers.swept), h_s_(dt_s), report_(report) {}
+  Events(const SolveInput& input, Velocities& velocities, collision::FrontPool& scratch, FrameReport& report)
+      : input_(input),
+        pairs_(input.table.swept),
+        velocities_(velocities),
+        swept_(velocities.swept),
+        scratch_(scratch),
+        h_s_(input.terms.dt_s),
+        report_(report) {}
 
-  void run() {
+  void run(parallel::Executor& executor) {
     list_trajectories();
-    const std::size_t count = swept_.pairs.size();
+    const std::size_t count = pairs_.size();
     swept_.times_of_impact.resize(count);
     swept_.looks.assign(count, 0);
-    parallel::parallel_for(*world_.executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
+    parallel::parallel_for(executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t k = begin; k < end; ++k) swept_.times_of_impact[k] = look(static_cast<std::uint32_t>(k), 0);
     });
     swept_.queue.clear();
@@ -144,25 +151,25 @@ class Events {
     return x.time_s > y.time_s || (x.time_s == y.time_s && x.pair > y.pair);
   }
 
-  [[nodiscard]] const ActivePair& pair_of(std::uint32_t k) const { return world_.buffers.pairs[swept_.pairs[k].pair]; }
+  [[nodiscard]] const ActivePair& pair_of(std::uint32_t k) const { return input_.table.pairs[pairs_[k].pair]; }
   [[nodiscard]] Trajectory& trajectory(std::uint32_t slot) const {
     return swept_.trajectories[swept_.trajectory_of[slot]];
   }
 
   void list_trajectories() {
-    for (const SweptPair& pair : swept_.pairs) {
-      trajectory_of(world_, world_.buffers.pairs[pair.pair].a, h_s_);
-      trajectory_of(world_, world_.buffers.pairs[pair.pair].b, h_s_);
+    for (const SweptPair& pair : pairs_) {
+      trajectory_of(input_, input_.table.pairs[pair.pair].a, velocities_);
+      trajectory_of(input_, input_.table.pairs[pair.pair].b, velocities_);
     }
     swept_.pairs_begin.assign(swept_.trajectories.size() + 1, 0);
     const auto each = [&](auto&& use) {
-      for (std::uint32_t k = 0; k < swept_.pairs.size(); ++k) {
+      for (std::uint32_t k = 0; k < pairs_.size(); ++k) {
         for (const std::uint32_t slot : {pair_of(k).a, pair_of(k).b}) use(swept_.trajectory_of[slot], k);
       }
     };
     each([&](std::uint32_t c, std::uint32_t) { ++swept_.pairs_begin[c + 1]; });
     for (std::size_t c = 1; c < swept_.pairs_begin.size(); ++c) swept_.pairs_begin[c] += swept_.pairs_begin[c - 1];
-    swept_.pairs_of.resize(2 * swept_.pairs.size());
+    swept_.pairs_of.resize(2 * pairs_.size());
     each([&](std::uint32_t c, std::uint32_t k) { swept_.pairs_of[swept_.pairs_begin[c]++] = k; });
     // Each begin has moved on to its end.
     std::copy_backward(swept_.pairs_begin.begin(), swept_.pairs_begin.end() - 1, swept_.pairs_begin.end());
@@ -170,7 +177,7 @@ class Events {
   }
 
   [[nodiscard]] TimeOfImpact look(std::uint32_t k, double from_s) const {
-    return impact_of(trajectory(pair_of(k).a), trajectory(pair_of(k).b), from_s, h_s_, swept_.pairs[k].tolerance_m);
+    return impact_of(trajectory(pair_of(k).a), trajectory(pair_of(k).b), from_s, h_s_, pairs_[k].tolerance_m);
   }
 
   void wait_for(std::uint32_t k) {
@@ -182,7 +189,7 @@ class Events {
 
   bool stop(Trajectory& trajectory, const MovingBody& where, double time_s) {
     if (!trajectory.dynamic || trajectory.stop_s <= time_s) return false;
-    trajectory.velocity_mps = velocity_at_mps(world_, trajectory.slot, time_s, h_s_);
+    trajectory.velocity_mps = velocity_at_mps(velocities_, trajectory.slot, time_s, h_s_);
     trajectory.stop_s = time_s;
     trajectory.stopped = true;
     trajectory.stands = where;
@@ -220,14 +227,15 @@ class Events {
   [[nodiscard]] Mat3 inverse_inertia(const Trajectory& trajectory) const {
     if (!trajectory.dynamic) return Mat3::Zero();
     const Mat3 turn = trajectory.stands.rotation.orientation.toRotationMatrix();
-    return turn * world_.bodies.principal_kgm2[trajectory.slot].cwiseInverse().asDiagonal() * turn.transpose();
+    return turn * input_.scene.bodies.principal_kgm2[trajectory.slot].cwiseInverse().asDiagonal() * turn.transpose();
   }
 
   // One impulse, as solve_impacts gives it.
   void answer(std::uint32_t k, const TimeOfImpact& impact, Trajectory& a, Trajectory& b) {
     const ActivePair& pair = pair_of(k);
-    const dynamics::BodyStore& bodies = world_.bodies;
-    const collision::PairContact contact = contact_where_met(world_, pair, impact);
+    const dynamics::BodyStore& bodies = input_.scene.bodies;
+    const PairRefiner refiner{input_.scene, input_.terms.contact};
+    const collision::PairContact contact = contact_where_met(refiner, pair, impact, scratch_);
     solver::ContactRow row;
     row.direction = contact.direction;
     row.moment_a_m = contact.moment_a_m;
@@ -246,15 +254,15 @@ class Events {
     const double closing = solver::approach_mps(row, body_a, body_b);
     // A body that stands since it was hit may have a velocity away from what has reached it: that one then only stops.
     if (closing <= 0) return;
-    const double restitution = std::max(world_.materials[bodies.material[pair.a]].restitution,
-                                        world_.materials[bodies.material[pair.b]].restitution);
-    const double still = solver::still_mps({h_s_, world_.settings.gravity_mps2, world_.settings.substeps, {}});
+    const double restitution = std::max(input_.scene.materials[bodies.material[pair.a]].restitution,
+                                        input_.scene.materials[bodies.material[pair.b]].restitution);
+    const double still = solver::still_mps(input_.settings());
     const double lambda = (1.0 + (restitution * closing > still ? restitution : 0.0)) * closing * row.effective_mass;
     solver::apply_impulse(row, lambda, body_a, body_b);
     take(a, body_a);
     take(b, body_b);
     const double length = contact.direction.norm();
-    swept_.hits.push_back({swept_.pairs[k].pair, contact.direction / length, impact.a.position_m + contact.arm_m,
+    swept_.hits.push_back({pairs_[k].pair, contact.direction / length, impact.a.position_m + contact.arm_m,
                            impact.contact.gap_m, lambda * length});
     ++report_.swept_hits;
   }
@@ -265,32 +273,37 @@ class Events {
     trajectory.stands.rotation.spin_radps = body.spin_radps;
   }
 
-  WorldState& world_;
-  SweptFrame& swept_;
+  const SolveInput& input_;
+  const std::vector<SweptPair>& pairs_;
+  Velocities& velocities_;
+  SweptContacts& swept_;
+  collision::FrontPool& scratch_;
   double h_s_;
   FrameReport& report_;
 };
 
 }  // namespace
 
-void solve_swept(WorldState& world, const StepInput& input, FrameReport& report) {
-  SweptFrame& swept = world.buffers.swept;
-  const std::size_t slots = world.bodies.slot_count();
+void solve_swept(const SolveInput& input, Velocities& velocities, collision::FrontPool& scratch, FrameReport& report,
+                 parallel::Executor& executor) {
+  SweptContacts& swept = velocities.swept;
+  const dynamics::BodyStore& bodies = input.scene.bodies;
+  const std::size_t slots = bodies.slot_count();
+  const double dt_s = input.terms.dt_s;
   swept.limit_s.resize(slots);
-  swept.trajectory_of.assign(slots, SweptFrame::kNone);
-  parallel::parallel_for(*world.executor, slots, kTrajectoryGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      swept.limit_s[i] = world.bodies.dynamic[i] != 0 ? limit_of_s(world, i, input.dt_s) : 0.0;
-    }
+  swept.trajectory_of.assign(slots, SweptContacts::kNone);
+  parallel::parallel_for(executor, slots, kTrajectoryGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i)
+      swept.limit_s[i] = bodies.dynamic[i] != 0 ? limit_of_s(input, velocities, i) : 0.0;
   });
   for (std::uint32_t i = 0; i < slots; ++i) {
-    if (world.bodies.dynamic[i] != 0 && swept.limit_s[i] < input.dt_s) trajectory_of(world, i, input.dt_s);
+    if (bodies.dynamic[i] != 0 && swept.limit_s[i] < dt_s) trajectory_of(input, i, velocities);
   }
-  Events(world, input.dt_s, report).run();
+  Events(input, velocities, scratch, report).run(executor);
   for (const Trajectory& trajectory : swept.trajectories) {
     if (!trajectory.stopped) continue;
-    world.buffers.solver_bodies[trajectory.slot].velocity_mps = trajectory.velocity_mps;
-    world.buffers.solver_bodies[trajectory.slot].spin_radps = trajectory.stands.rotation.spin_radps;
+    velocities.bodies[trajectory.slot].velocity_mps = trajectory.velocity_mps;
+    velocities.bodies[trajectory.slot].spin_radps = trajectory.stands.rotation.spin_radps;
   }
 }
 

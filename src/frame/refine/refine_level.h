@@ -4,74 +4,83 @@
 #include <algorithm>
 
 #include "collision/triangles/polygon_contact.h"
-#include "frame/refine/replay_decisions.h"
-#include "frame/stages.h"
+#include "frame/coarse.h"
+#include "frame/pair_progress.h"
 
-/// What the ways to refine share: one level of one pair. For refine.cpp and refine_until_cut.cpp alone.
+/// One level of one pair, as all ways to refine do it: const inputs, and the progress that the caller owns.
 namespace poise::simulation {
 
-/// One refinement of a frame.
-struct Refinement {
-  WorldState& world;
-  const StepInput& input;
-  scheduler::FrameFacts facts;
-  std::span<WorkerTally> tallies;
-  DecisionLog* log = nullptr;  // of a step that is recorded
+/// What refining any pair reads beside the pair. Outlives the frame with workers that are not waited for.
+struct PairRefiner {
+  SceneView scene;
+  ContactModel contact = ContactModel::Fitted;
+  std::uint32_t quantum_units = 512;  ///< most expansions between two looks at the clock
 };
+
+/// A pair where its bodies are.
+struct PosedPair {
+  const ActivePair& pair;
+  const collision::Pose& a;
+  const collision::Pose& b;
+};
+inline PosedPair posed(const PredictedMotion& motion, const ActivePair& pair) {
+  return {pair, motion.poses[pair.a], motion.poses[pair.b]};
+}
+
+/// The frame of refinement of a pair.
+collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed);
 
 /// How a level ended.
 enum class Outcome : std::uint8_t { Completed, Cut, Full };
 
 /// The polygons of a pair, in bounded pieces, as below.
 template <class GoOn>
-Outcome complete_polygons(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair,
+Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
                           collision::PairLevel& level, collision::LevelContact& found, GoOn&& go_on) {
-  const collision::PairFrame frame = frame_of(world, pair);
-  const Mat3 rotation = world.buffers.poses[pair.a].rotation;
+  const collision::PairFrame frame = frame_of(refiner, posed);
   collision::PolygonProgress progress;
-  collision::begin_polygons(frame, rotation, level, found, progress);
+  collision::begin_polygons(frame, posed.a.rotation, level, found, progress);
   std::uint32_t left = level.next_units;
   for (;;) {
-    const std::uint32_t units = std::min<std::uint32_t>(left, world.settings.policy.quantum_units);
+    const std::uint32_t units = std::min(left, refiner.quantum_units);
     if (collision::run_polygons(frame, pools, units, progress) == collision::Quantum::Complete) break;
     left -= units;
-    if (!go_on(std::min<std::uint32_t>(left, world.settings.policy.quantum_units))) return Outcome::Cut;
+    if (!go_on(std::min(left, refiner.quantum_units))) return Outcome::Cut;
   }
-  collision::publish_polygons(frame, rotation, progress, level, found);
+  collision::publish_polygons(frame, posed.a.rotation, progress, level, found);
   return Outcome::Completed;
 }
 
 /// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the
-/// pair is known by goes on in `level` and `found`, which are its own or copies of them; of the pair itself nothing
-/// changes.
+/// pair is known by goes on in `level` and `found`, which are its own or copies of them. The front goes into the pool
+/// of `worker`.
 template <class GoOn>
-Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> pools, const ActivePair& pair,
+Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
                        collision::PairLevel& level, collision::LevelContact& found, int worker, GoOn&& go_on) {
-  if (level.next_is_polygons()) return complete_polygons(world, pools, pair, level, found, go_on);
-  collision::PairFrame frame = frame_of(world, pair);
-  const Mat3 rotation = world.buffers.poses[pair.a].rotation;
+  if (level.next_is_polygons()) return complete_polygons(refiner, pools, posed, level, found, go_on);
+  collision::PairFrame frame = frame_of(refiner, posed);
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
-    collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next],
-                           world.shapes[world.shape_of[pair.b]].deviation_m[next],
+    collision::expect_fits(refiner.scene.facts_of(posed.pair.a).deviation_m[next],
+                           refiner.scene.facts_of(posed.pair.b).deviation_m[next],
                            level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
   }
   collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
   collision::LevelProgress progress = collision::begin_level(level, pool);
   std::uint32_t left = level.front_entries;
   for (;;) {
-    const std::uint32_t units = std::min<std::uint32_t>(left, world.settings.policy.quantum_units);
+    const std::uint32_t units = std::min(left, refiner.quantum_units);
     const collision::Quantum quantum = collision::run_quantum(frame, pools, worker, units, progress);
     if (quantum == collision::Quantum::Complete) break;
     left -= units;
     const bool full = quantum == collision::Quantum::Full;
-    if (full || !go_on(std::min<std::uint32_t>(left, world.settings.policy.quantum_units))) {
+    if (full || !go_on(std::min(left, refiner.quantum_units))) {
       pool.release(progress.mark);
       return full ? Outcome::Full : Outcome::Cut;
     }
   }
-  collision::publish_level(frame, rotation, pools, progress, level, found);
-  if (!level.refinable() && world.settings.contact != ContactModel::Paper) {
+  collision::publish_level(frame, posed.a.rotation, pools, progress, level, found);
+  if (!level.refinable() && refiner.contact != ContactModel::Paper) {
     // Nobody reads the front of a pair that is done but the paper's model.
     pool.release(progress.mark);
     level.front = {};
@@ -82,23 +91,16 @@ Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> 
   return Outcome::Completed;
 }
 
-inline RefinementStep::Kind kind_of(Outcome outcome) {
-  if (outcome == Outcome::Completed) return RefinementStep::Kind::Completed;
-  return outcome == Outcome::Cut ? RefinementStep::Kind::Cut : RefinementStep::Kind::Full;
-}
+/// The next level of a pair that nobody else refines, whatever that costs.
+Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                     collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
 
-inline void note_outcome(const ActivePair& pair, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
-  if (outcome == Outcome::Completed) {
-    ++tally.jobs;
-    tally.units += units;
-    if (pair.level.apart) ++tally.separated;
-  } else {
-    ++tally.discarded;
-    if (outcome == Outcome::Full) ++tally.full;
-  }
-}
+/// Brings a pair to its deepest level, whatever that costs; false when its front had no room.
+bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                 collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
 
-/// Refines in the order of the policy until the time before the reserve is over.
-void refine_until_cut(Refinement& refinement, TimePoint start, FrameReport& report);
+/// The same, and forgets the front. `pool` is empty before and after.
+void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                  collision::LevelContact& found, collision::FrontPool& pool);
 
 }  // namespace poise::simulation

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "frame/budget/degrade.h"
-#include "frame/stages.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -26,29 +25,37 @@ PairExplanation::CacheUse cached_of(CacheUse cached) {
   return PairExplanation::CacheUse::None;
 }
 
-PairExplanation explained(const WorldState& world, std::size_t index) {
-  const ActivePair& pair = world.buffers.pairs[index];
+PairExplanation explained(const RefineInput& input, const CompletedLevels& levels, std::size_t index) {
+  const ActivePair& pair = input.table.pairs[index];
+  const PairProgress& progress = levels.progress[index];
   PairExplanation e;
-  e.a = world.bodies.id_of(pair.low());
-  e.b = world.bodies.id_of(pair.high());
-  e.cached = cached_of(pair.cached);
-  e.cached_level = pair.memory.level;
-  e.deepest = pair.level.deepest;
-  e.polygons = pair.level.polygons;
-  e.mandatory = pair.exact;
-  if (!pair.refinable()) return e;
-  e.cues = world.buffers.cues[index];
-  e.weight = scheduler::cue_weight(world.settings.policy, e.cues);
+  e.a = input.scene.bodies.id_of(pair.low());
+  e.b = input.scene.bodies.id_of(pair.high());
+  e.cached = cached_of(progress.cached);
+  e.cached_level = progress.cached_level;
+  e.deepest = progress.level.deepest;
+  e.polygons = progress.level.polygons;
+  e.mandatory = progress.exact;
+  if (!progress.refinable()) return e;
+  e.cues = input.table.cues[index];
+  e.weight = scheduler::cue_weight(input.policy, e.cues);
   return e;
 }
 
 // Doing a frame's decisions again. What a pair has still to complete is counted down.
-class Again {
+class Replay {
  public:
-  Again(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts)
-      : world_(world), input_(input), facts_(facts), left_(world.buffers.pairs.size(), 0) {
-    fits_ = input.replay->active_pairs == left_.size();
-    for (const RefinementStep& step : input.replay->steps) {
+  Replay(const RefineInput& input, std::span<collision::FrontPool> pools, const scheduler::FrameFacts& facts,
+         CompletedLevels& levels, parallel::Executor& executor)
+      : input_(input),
+        pools_(pools),
+        facts_(facts),
+        levels_(levels),
+        executor_(executor),
+        left_(input.table.size(), 0) {
+    const FrameDecisions& decisions = *input.step.replay;
+    fits_ = decisions.active_pairs == left_.size();
+    for (const RefinementStep& step : decisions.steps) {
       if (step.kind != RefinementStep::Kind::Completed) continue;
       if (step.pair < left_.size() && left_[step.pair] <= kPolygonBin) {
         ++left_[step.pair];
@@ -59,10 +66,10 @@ class Again {
   }
 
   bool run() {
-    if (input_.explain != nullptr) {
-      explain(*input_.explain);
+    if (input_.step.explain != nullptr) {
+      explain(*input_.step.explain);
     } else {
-      parallel::parallel_for(*world_.executor, left_.size(), kReplayGrain,
+      parallel::parallel_for(executor_, left_.size(), kReplayGrain,
                              [&](std::size_t begin, std::size_t end, int worker) {
                                for (std::size_t i = begin; i < end; ++i) {
                                  while (left_[i] > 0 && complete(i, worker)) {
@@ -77,28 +84,27 @@ class Again {
 
  private:
   bool complete(std::size_t index, int worker) {
-    ActivePair& pair = world_.buffers.pairs[index];
+    PairProgress& pair = levels_.progress[index];
     if (!pair.refinable()) return false;
     const std::uint64_t units = pair.level.next_units;
-    if (!refine_level(world_, pair, world_.buffers.found[index], worker)) return false;
+    const Outcome outcome = refine_level(input_.refiner(), posed(input_.motion, input_.table.pairs[index]), pair,
+                                         levels_.found[index], pools_, worker);
+    if (outcome != Outcome::Completed) return false;
     --left_[index];
-    WorkerTally& tally = world_.buffers.tallies[static_cast<std::size_t>(worker)];
-    ++tally.jobs;
-    tally.units += units;
-    if (pair.level.apart) ++tally.separated;
+    note_outcome(pair, units, outcome, levels_.tallies[static_cast<std::size_t>(worker)]);
     return true;
   }
 
   bool complete_anywhere(std::size_t index) {
-    for (int worker = 0; worker < world_.executor->concurrency(); ++worker) {
-      world_.buffers.pairs[index].full = false;
+    for (int worker = 0; worker < executor_.concurrency(); ++worker) {
+      levels_.progress[index].full = false;
       if (complete(index, worker)) return true;
     }
     return false;
   }
 
   // Only the paper's model reads fronts afterwards.
-  [[nodiscard]] bool keeps_fronts() const { return world_.settings.contact == ContactModel::Paper; }
+  [[nodiscard]] bool keeps_fronts() const { return input_.terms.contact == ContactModel::Paper; }
 
   // A front that had no room beside the others of its worker may have it beside those of another.
   void find_room() {
@@ -111,24 +117,23 @@ class Again {
   // The front of a pair is with one worker, or (-1) with any of them.
   void forget_front(std::size_t index, int worker) {
     if (keeps_fronts()) return;
-    world_.buffers.pairs[index].level.front = {};
-    std::vector<collision::FrontPool>& pools = world_.buffers.pools;
-    for (std::size_t w = 0; w < pools.size(); ++w) {
-      if (worker < 0 || w == static_cast<std::size_t>(worker)) pools[w].clear();
+    levels_.progress[index].level.front = {};
+    for (std::size_t w = 0; w < pools_.size(); ++w) {
+      if (worker < 0 || w == static_cast<std::size_t>(worker)) pools_[w].clear();
     }
   }
 
   void explain(FrameExplanation& explanation) {
-    explanation.frame = world_.frame;
-    explanation.policy = world_.settings.policy;
+    explanation.frame = input_.frame;
+    explanation.policy = input_.policy;
     explanation.pairs.clear();
     explanation.levels.clear();
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const auto index = static_cast<std::uint32_t>(i);
-      const ActivePair& pair = world_.buffers.pairs[i];
-      PairExplanation e = explained(world_, i);
+      const PairProgress& pair = levels_.progress[i];
+      PairExplanation e = explained(input_, levels_, i);
       while (left_[i] > 0 && pair.refinable()) {
-        LevelExplanation level{index, Level{0}, pair.level.next_units, score_of(world_, facts_, pair, index), false};
+        LevelExplanation level{index, Level{0}, pair.level.next_units, score_of(input_, facts_, pair, index), false};
         if (!complete_anywhere(i)) break;
         level.level = pair.level.level;
         level.ended = pair.level.apart;
@@ -140,39 +145,33 @@ class Again {
       e.refinable = pair.refinable();
       if (e.refinable) {
         e.next_units = pair.level.next_units;
-        e.next_score = score_of(world_, facts_, pair, index);
+        e.next_score = score_of(input_, facts_, pair, index);
       }
       explanation.pairs.push_back(e);
     }
   }
 
-  WorldState& world_;
-  const StepInput& input_;
+  const RefineInput& input_;
+  std::span<collision::FrontPool> pools_;
   const scheduler::FrameFacts& facts_;
+  CompletedLevels& levels_;
+  parallel::Executor& executor_;
   std::vector<std::uint8_t> left_;
   bool fits_ = true;
 };
 
 }  // namespace
 
-DecisionLog& begin_log(WorldState& world, const scheduler::FrameFacts& facts) {
-  if (!world.decisions) world.decisions = std::make_unique<DecisionLog>();
-  const FrameBuffers& buffers = world.buffers;
-  // Each level of each pair once, and a pair's last one may have been dropped.
-  const std::size_t most = buffers.pairs.capacity() * (facts.deepest_level + std::size_t{1});
-  world.decisions->begin(world.frame, buffers.pairs.size(), buffers.pools.size(), most);
-  return *world.decisions;
-}
-
-void log_degraded(const WorldState& world, const Degraded& degraded, DecisionLog& log) {
+void log_degraded(const CompletedLevels& levels, const Degraded& degraded, DecisionLog& log) {
   log.substeps(static_cast<std::uint32_t>(degraded.substeps));
-  for (std::size_t k = 0; k < degraded.pairs_reused; ++k) log.reused(world.buffers.least_seen[k].pair);
+  for (std::size_t k = 0; k < degraded.pairs_reused; ++k) log.reused(levels.least_seen[k].pair);
 }
 
-bool refine_as_recorded(WorldState& world, const StepInput& input, const scheduler::FrameFacts& facts,
-                        FrameReport& report) {
-  const bool left_out = degrade_as_recorded(world, *input.replay, report.degraded);
-  return Again(world, input, facts).run() && left_out;
+bool refine_as_recorded(const RefineInput& input, std::span<collision::FrontPool> pools,
+                        const scheduler::FrameFacts& facts, CompletedLevels& levels, FrameReport& report,
+                        parallel::Executor& executor) {
+  const bool left_out = degrade_as_recorded(input, *input.step.replay, levels, report.degraded);
+  return Replay(input, pools, facts, levels, executor).run() && left_out;
 }
 
 }  // namespace poise::simulation

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "frame/stages.h"
+#include "frame/run_frame.h"
 #include "frame/view_cues.h"
 
 namespace poise::simulation {
@@ -38,11 +38,12 @@ std::size_t bin_of(const WorldState& world, const Contact& contact) {
 
 }  // namespace
 
-LevelsReached levels_reached(WorldState& world, const View& view) {
+LevelsReached levels_reached(const WorldState& world, const View& view) {
   constexpr std::uint8_t kUntouched = 0xffU;
   LevelsReached reached;
   std::vector<std::uint8_t> least(world.bodies.slot_count(), kUntouched);
-  for (const Contact& contact : list_contacts(world, ContactListing::Answered)) {
+  for (const Contact& contact :
+       list_contacts(publish_input(world), world.cache.points, world.body_changes.removed, ContactListing::Solved)) {
     const std::size_t place = bin_of(world, contact);
     reached.weight[place] += weight_of(world, view, contact);
     for (const BodyId body : {contact.a, contact.b}) {
@@ -53,10 +54,13 @@ LevelsReached levels_reached(WorldState& world, const View& view) {
   for (const std::uint8_t place : least) {
     if (place != kUntouched) ++reached.bodies[place];
   }
-  for (const ActivePair& pair : world.buffers.pairs) {
+  const Frame& frame = world.outputs;
+  for (std::size_t i = 0; i < frame.table.size(); ++i) {
+    const PairProgress& pair = frame.levels.progress[i];
     if (pair.apart() || !pair.refinable()) continue;
     ++(pair.full ? reached.left_for_room : reached.left_for_time);
-    reached.longest_wait = std::max(reached.longest_wait, pair.solved_level() > 0 ? 0U : pair.memory.frames_waited + 1);
+    const std::uint32_t waited = frame.table.pairs[i].cached.frames_waited;
+    reached.longest_wait = std::max(reached.longest_wait, pair.solved_level() > 0 ? 0U : waited + 1);
   }
   return reached;
 }

@@ -6,6 +6,6 @@
 namespace poise::simulation {
 
 /// How deep the step that has just ended got, for StepInput::measure_levels. Lists the contacts of the step.
-LevelsReached levels_reached(WorldState& world, const View& view);
+LevelsReached levels_reached(const WorldState& world, const View& view);
 
 }  // namespace poise::simulation

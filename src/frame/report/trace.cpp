@@ -31,7 +31,7 @@ const char* trace_name(TraceStage stage) {
 
 namespace simulation {
 
-void trace_frame(const WorldState& world, const FrameReport& report, Trace& trace) {
+void trace_frame(std::span<const WorkerTally> tallies, const FrameReport& report, Trace& trace) {
   const StageTimes& times = report.times;
   const auto add = [&](TraceStage stage, SteadyClock::time_point begin, Nanoseconds length) {
     trace.add({begin, begin + length, report.frame, 0, 0, stage});
@@ -40,14 +40,13 @@ void trace_frame(const WorldState& world, const FrameReport& report, Trace& trac
   add(TraceStage::Frame, report.started, times.total);
   SteadyClock::time_point at = add(TraceStage::Predict, report.started, times.predict);
   at = add(TraceStage::BroadPhase, at, times.broad_phase);
-  add(TraceStage::Coarse, at, times.coarse);
-  // What wakes bodies may lie between, so the rest is placed from where refinement begins.
-  at = add(TraceStage::Refine, report.refine_started, times.refine);
+  at = add(TraceStage::Coarse, at, times.coarse);
+  at = add(TraceStage::Refine, at, times.refine);
   at = add(TraceStage::Response, at, times.response);
   at = add(TraceStage::Integrate, at, times.integrate);
   add(TraceStage::Publish, at, times.publish);
-  for (std::size_t w = 0; w < world.buffers.tallies.size(); ++w) {
-    const WorkerTally& tally = world.buffers.tallies[w];
+  for (std::size_t w = 0; w < tallies.size(); ++w) {
+    const WorkerTally& tally = tallies[w];
     if (tally.begun == SteadyClock::time_point{} || tally.ended < tally.begun) continue;
     trace.add({tally.begun, tally.ended, report.frame, static_cast<std::uint32_t>(tally.jobs),
                static_cast<std::int16_t>(w), TraceStage::Worker});

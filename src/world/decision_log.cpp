@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "frame/refine/decision_log.h"
+#include "world/decision_log.h"
 
 #include <algorithm>
 #include <array>

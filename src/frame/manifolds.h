@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "frame/refine/refine.h"
+#include "solver/contact_solver.h"
+#include "solver/impact_row.h"
+
+/// Stage *manifolds*: contact points of each pair from its deepest completed level or the contact cache, and the list
+/// of those that the solver takes.
+namespace poise::simulation {
+
+struct ManifoldsInput {
+  SceneView scene;
+  StepTerms terms;
+  const PredictedMotion& motion;
+  const PairTable& table;
+  const CompletedLevels& levels;
+  double still_mps = 0;  ///< what closes more slowly is no impact
+};
+
+/// The contact points of a pair in this frame; they are in the point cache.
+struct PairPoints {
+  std::uint32_t slot = kNoSlot;
+  std::uint8_t point_count = 0;
+  bool solved = false;  ///< one of them is nearer than the margin: the solver takes the pair
+  double nearest_m = 0, impact_gap_m = 0, looked_m = 0;  ///< likewise of CachedPair
+};
+
+/// What there is to solve among some pairs.
+struct SolvedCount {
+  std::uint32_t before = 0;  ///< solved pairs of all chunks before
+  bool any_fast = false;     ///< one of them may have an impact
+  std::uint32_t solved = 0, left = 0, cached_separations = 0, cached_contacts = 0;
+  std::uint32_t manifold_points = 0;  ///< of the solved ones
+  std::uint32_t new_slots = 0;
+  std::array<std::uint32_t, kPolygonBin + 1> levels{};
+};
+
+/// Output of *manifolds*. Invariant: buffers only grow.
+struct Manifolds {
+  parallel::LargeVector<PairPoints> points;           ///< one a pair
+  parallel::LargeVector<solver::Manifold> manifolds;  ///< of the solved pairs, in canonical order
+  std::vector<solver::Coloring::Edge> edges;          ///< one a manifold
+  solver::Coloring coloring;                          ///< of the edges
+  std::uint64_t manifold_points = 0;                  ///< of all manifolds
+  bool impacts = false;                               ///< some pair may have an impact
+  std::vector<SolvedCount> solved_of_chunk;           ///< per chunk of pairs
+
+  parallel::LargeVector<solver::Manifold> of_chunk;  // scratch: those of each chunk, from where its pairs begin
+};
+
+/// Writes the points of the pairs into `points`, and lists the manifolds.
+void make_manifolds(const ManifoldsInput& input, PointCache& points, Manifolds& manifolds, FrameReport& report,
+                    parallel::Executor& executor);
+
+/// The contact of a pair whose points are not cached: what its level found, or at level 0 that of its root spheres.
+collision::PairContact contact_of(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair,
+                                  const PairProgress& progress, const collision::LevelContact& found);
+
+}  // namespace poise::simulation

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "collision/front/pair_refinement.h"
+#include "poise/types.h"
+
+namespace poise::simulation {
+
+/// What of a cached pair counts in this frame.
+enum class CacheUse : std::uint8_t {
+  None,       ///< nothing: the pair begins at level 0
+  Separated,  ///< it cannot touch in this step
+  Points,     ///< it can touch at its cached points only
+  Expired,    ///< its cached points are too old to be sure of, and better than level 0
+};
+
+/// Where a pair's contact of this frame comes from.
+enum class ContactState : std::uint8_t {
+  Coarsest,         ///< level 0: its two root spheres
+  Cached,           ///< the contact points of an earlier frame
+  Refined,          ///< the deepest level that this frame completed
+  Exact,            ///< made by backtracking: never refined
+  CachedSeparated,  ///< no contact: an earlier frame found it separated
+  Separated,        ///< no contact: this frame found it separated
+};
+
+/// How far a pair has come in this frame. Small: the budget goes through all pairs, and most of them need no more.
+///
+/// Transitions, in the order of stages. A pair has one state at a time; what is not listed does not happen.
+///
+///   stage   from             event                                                to
+///   coarse  -                nothing cached, or not sure enough                    Coarsest
+///   coarse  -                cached as separated, for sure                         CachedSeparated
+///   coarse  -                cached points, for sure (Points) or not (Expired)     Cached
+///   coarse  Coarsest         a fast body, surfaces touch (backtracking)            Exact
+///   coarse  Coarsest         a fast body, surfaces apart (backtracking)            Separated
+///   refine  Coarsest         the frame does not fit: reused as separated           CachedSeparated
+///   refine  Coarsest         the frame does not fit: reused with its points        Cached
+///   refine  Coarsest         a level completes, nodes are near                     Refined
+///   refine  Cached           a level at least as deep as the cached one completes  Refined
+///   refine  Cached           a shallower level completes, nodes are near           Cached (still; refinement goes on)
+///   refine  Refined          a deeper level completes, nodes are near              Refined
+///   refine  Coarsest, Cached, Refined   a level completes, no nodes are near       Separated
+///
+/// `full` (its front had no room) stops refinement and changes no state. After refine no state changes.
+struct PairProgress {
+  collision::PairLevel level;  ///< what refinement has completed in this frame
+  CacheUse cached = CacheUse::None;
+  bool full = false;       ///< a front had no room: the pair stays at its level
+  bool exact = false;      ///< its contact counts whatever its level: a pair of backtracking
+  Level cached_level = 0;  ///< that found out what is cached
+
+  [[nodiscard]] ContactState state() const {
+    if (cached == CacheUse::Separated) return ContactState::CachedSeparated;
+    if (level.apart) return ContactState::Separated;
+    if (exact) return ContactState::Exact;
+    if (from_cache()) return ContactState::Cached;
+    return level.level > 0 ? ContactState::Refined : ContactState::Coarsest;
+  }
+  [[nodiscard]] bool has_cached_points() const { return cached == CacheUse::Points || cached == CacheUse::Expired; }
+  /// Refinement found out more than what is cached.
+  [[nodiscard]] bool fresh() const {
+    return level.level > 0 && (!has_cached_points() || level.apart || level.level >= cached_level);
+  }
+  [[nodiscard]] bool from_cache() const { return has_cached_points() && !fresh(); }
+  [[nodiscard]] bool apart() const { return cached == CacheUse::Separated || level.apart; }
+  [[nodiscard]] Level solved_level() const { return from_cache() ? cached_level : level.level; }
+  [[nodiscard]] bool by_polygons() const { return level.polygons && solved_level() == level.deepest; }
+  [[nodiscard]] bool refinable() const {
+    return level.refinable() && cached != CacheUse::Separated &&
+           !(cached == CacheUse::Points && cached_level >= level.deepest);
+  }
+};
+
+}  // namespace poise::simulation

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "collision/broad_phase/broad_phase.h"
+#include "collision/front/pair_frame.h"
+#include "frame/ccd/swept_state.h"
+#include "frame/step_terms.h"
+#include "parallel/executor.h"
+#include "parallel/large_pages.h"
+#include "world/scene_view.h"
+
+/// Stage *predict*: where bodies are, and where they may come to during the step.
+namespace poise::simulation {
+
+// Gaps below this share of the smaller body count as touching. Chosen: half a percent is below what a coarse level can
+// tell apart, and keeps resting contacts from flickering.
+inline constexpr double kSkin = 5e-3;
+
+struct PredictInput {
+  SceneView scene;
+  StepTerms terms;
+};
+
+/// What finding pairs reads of a body, side by side: two cache lines.
+struct alignas(64) BodyBounds {
+  Vec3 position_m = Vec3::Zero();  ///< of a plane: its normal
+  double bound_m = 0;  ///< radius of a ball that holds the body wherever it may be in the step; of a plane: its height
+  Vec3 root_center_m = Vec3::Zero();  ///< of the root sphere
+  double root_radius_m = 0;
+  Vec3 velocity_mps = Vec3::Zero();
+  double estimated_radius_m =
+      0;             ///< of the ball about the root's centre whose surface is likely that of the body; may be negative
+  double own_m = 0;  ///< by how much its surface may move beyond what velocity and gravity do
+  double radius_m = 0;
+  bool plane = false, dynamic = false;
+  bool meshed = false;  ///< its shape has a surface of polygons
+  Level depth = 0;      ///< of its tree; 0 of a plane
+};
+static_assert(sizeof(BodyBounds) == 128);
+
+/// Output of *predict*. Invariant: buffers only grow.
+struct PredictedMotion {
+  parallel::LargeVector<collision::Pose> poses;   ///< one a slot, at the start of the step
+  parallel::LargeVector<BodyBounds> body_bounds;  ///< one a slot
+  parallel::LargeVector<Mat3> inverse_inertia;    ///< one a slot, world frame
+  std::vector<collision::MotionBound> bounds;     ///< of bodies that are not planes and not swept
+  std::vector<collision::PlaneBound> planes;
+  SweptBounds swept;  ///< with StepTerms::backtracking: of the bodies that move far
+};
+
+void predict(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor);
+
+}  // namespace poise::simulation

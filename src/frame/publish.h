@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "frame/integrate.h"
+#include "world/body_changes.h"
+
+/// Stage *publish*: the contact cache for the next frame, and events.
+namespace poise::simulation {
+
+struct PublishInput {
+  SceneView scene;
+  ContactModel contact = ContactModel::Fitted;
+  const PredictedMotion& motion;
+  const PairTable& table;
+  const CompletedLevels& levels;
+  const Manifolds& manifolds;
+  const Velocities& velocities;
+  const StepMotions& motions;
+
+  [[nodiscard]] SolvedPair solved_pair(const PointCache& points) const {
+    return {scene, motion, table, levels, manifolds, points, contact};
+  }
+};
+
+/// Output of *publish* beside the contact cache and the events.
+struct Publication {
+  std::vector<std::uint8_t> touch_changed;  ///< one a pair: its contact began or ended
+};
+
+/// Replaces the cached pairs by those of this step, releases slots of points, and lists the events.
+void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
+             parallel::Executor& executor);
+
+/// Which pairs of the last step are listed.
+enum class ContactListing : std::uint8_t {
+  Touching,  ///< those that touch, as events tell
+  Solved,    ///< also those that the solver had because they may touch within the step, and did not
+};
+/// The contacts of the last step but for bodies that were removed since, in order of slots. Any thread between steps.
+std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,
+                                   ContactListing listing);
+
+}  // namespace poise::simulation

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "frame/coarse.h"
+#include "frame/refine/refine_level.h"
+#include "poise/scheduler/priority_bands.h"
+#include "poise/scheduler/rounds.h"
+#include "world/decision_log.h"
+#include "world/forecasts.h"
+
+/// Stage *refine*: deeper levels of the active pairs, best score first, until the budget is spent. The one stage that
+/// the deadline cuts (refine_until_cut.cpp).
+namespace poise::simulation {
+
+struct OpenRefinement;
+
+struct RefineInput {
+  SceneView scene;
+  StepTerms terms;
+  const PredictedMotion& motion;
+  const PairTable& table;
+  const scheduler::Policy& policy;
+  const StepInput& step;  ///< its budget, and what is recorded, replayed or explained
+  std::uint64_t frame = 0, seed = 0;
+  int substeps = 2;                     ///< of the contact solver, where the frame is not degraded
+  std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
+  SteadyClock::time_point begun{};      ///< when the stage begins
+
+  [[nodiscard]] PairRefiner refiner() const { return {scene, terms.contact, policy.quantum_units}; }
+};
+
+/// What one worker did in a refinement; put together when all have ended.
+struct WorkerTally {
+  std::uint64_t units = 0;
+  std::uint64_t jobs = 0, discarded = 0, separated = 0, full = 0;
+  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0}, cpu_before{0};
+  SteadyClock::time_point begun{}, ended{};
+};
+
+/// A pair that may be reused in a frame that does not fit, by how little it is seen.
+struct LeastSeen {
+  double weight = 0;
+  std::uint32_t pair = 0;
+  double saves_ns = 0;
+};
+
+/// Output of *refine*: how far each pair has come, and what its deepest level found. Invariant: buffers only grow.
+struct CompletedLevels {
+  parallel::LargeVector<PairProgress> progress;          ///< one a pair
+  parallel::LargeVector<collision::LevelContact> found;  ///< one a pair: of those with a level beyond 0, and exact ones
+  std::vector<WorkerTally> tallies;                      ///< one a worker
+  KnownCount known;  ///< of all pairs before refinement, once it is decided which are reused
+  int substeps = 0;  ///< of the contact solver, where the frame is degraded to fewer; else 0
+
+  std::vector<LeastSeen> least_seen;  // scratch: pairs that may be reused; those that are come first
+};
+
+/// What refinement reads and writes of what lasts, and the memory that its workers write fronts into.
+struct RefineResources {
+  std::span<collision::FrontPool> pools;  ///< one a worker; the paper's model reads its fronts after the stage
+  Forecasts& forecasts;
+  scheduler::PriorityBands& bands;
+  scheduler::RoundSelector& rounds;
+  OpenRefinement& open;
+  DecisionLog* log = nullptr;  ///< of a step that is recorded
+};
+
+/// Refines until the budget says stop.
+void refine(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,
+            parallel::Executor& executor);
+
+/// The first thing of the stage: all pairs as *coarse* left them.
+void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor);
+
+/// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which
+/// reads no front. After begin_levels. How many pairs had a front without room.
+std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::FrontPool> pools, CompletedLevels& levels,
+                              parallel::Executor& executor);
+
+/// What a policy may know of the frame.
+scheduler::FrameFacts frame_facts(const RefineInput& input);
+
+/// What decides when the next level of an active pair has its turn.
+double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
+                std::uint32_t index);
+
+/// Counts a level that has ended.
+void note_outcome(const PairProgress& progress, std::uint64_t units, Outcome outcome, WorkerTally& tally);
+RefinementStep::Kind kind_of(Outcome outcome);
+
+/// Under a deadline: in the order of the policy until the time before the reserve is over.
+void refine_until_cut(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
+                      CompletedLevels& levels, FrameReport& report, parallel::Executor& executor);
+
+}  // namespace poise::simulation

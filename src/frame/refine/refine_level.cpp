@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "frame/refine/refine_level.h"
+
+namespace poise::simulation {
+
+collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed) {
+  const ActivePair& pair = posed.pair;
+  const dynamics::BodyStore& bodies = refiner.scene.bodies;
+  collision::PairFrame frame = collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b],
+                                                          posed.b, pair.reach_m, pair.skin_m);
+  frame.nearness.wide_m = static_cast<float>(wide_m(pair));
+  frame.fitted = refiner.contact == ContactModel::Fitted;
+  frame.by_spheres = refiner.contact == ContactModel::Paper;
+  return frame;
+}
+
+Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                     collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
+  const Outcome outcome =
+      complete_level(refiner, pools, posed, progress.level, found, worker, [](std::uint64_t) { return true; });
+  if (outcome == Outcome::Full) progress.full = true;
+  return outcome;
+}
+
+bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                 collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
+  while (progress.refinable() && !progress.full) refine_level(refiner, posed, progress, found, pools, worker);
+  return !progress.full;
+}
+
+void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                  collision::LevelContact& found, collision::FrontPool& pool) {
+  pool.clear();
+  refine_pair(refiner, posed, progress, found, {&pool, 1}, 0);
+  pool.clear();
+  progress.level.front = {};
+  progress.level.front_entries = 0;
+}
+
+}  // namespace poise::simulation

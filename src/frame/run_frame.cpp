@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+#include "frame/run_frame.h"
+
+#include <algorithm>
+
+#include "frame/budget/cpu_clock.h"
+#include "frame/budget/frame_time.h"
+#include "frame/ccd/swept.h"
+
+namespace poise::simulation {
+namespace {
+
+// A stopwatch for stages that follow each other.
+class Laps {
+ public:
+  explicit Laps(SteadyClock::time_point start) : last_(start) {}
+  Nanoseconds lap() {
+    const SteadyClock::time_point now = SteadyClock::now();
+    const Nanoseconds passed = now - last_;
+    last_ = now;
+    return passed;
+  }
+  /// When the last stage ended.
+  [[nodiscard]] SteadyClock::time_point at() const { return last_; }
+
+ private:
+  SteadyClock::time_point last_;
+};
+
+// Pairs of bodies that were removed since the last step start anew, also where their slots are used again; their
+// contacts end.
+void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, ContactCache& cache,
+                    ContactEvents& events) {
+  std::vector<BodyId>& removed = changes.removed;
+  if (removed.empty()) return;
+  std::sort(removed.begin(), removed.end());
+  // Of a slot that was used twice, the body of the last step: the oldest one.
+  const auto first_of = [&](std::uint32_t slot) {
+    return std::lower_bound(removed.begin(), removed.end(), BodyId{slot, 0});
+  };
+  const auto is_removed = [&](std::uint32_t slot) {
+    const auto at = first_of(slot);
+    return at != removed.end() && at->slot == slot;
+  };
+  const auto body_of = [&](std::uint32_t slot) { return is_removed(slot) ? *first_of(slot) : bodies.id_of(slot); };
+  std::erase_if(cache.pairs, [&](const CachedPair& pair) {
+    if (!is_removed(pair.low) && !is_removed(pair.high)) return false;
+    cache.points.release(pair.slot);
+    if (pair.touching) events.of_removed.push_back({ContactEvent::Kind::End, body_of(pair.low), body_of(pair.high)});
+    return true;
+  });
+  removed.clear();
+}
+
+// What is cached of a body that the caller has moved no longer holds.
+void forget_displaced(BodyChanges& changes, ContactCache& cache) {
+  std::vector<std::uint32_t>& displaced = changes.displaced;
+  if (displaced.empty()) return;
+  std::sort(displaced.begin(), displaced.end());
+  const auto is_displaced = [&](std::uint32_t slot) {
+    return std::binary_search(displaced.begin(), displaced.end(), slot);
+  };
+  for (CachedPair& pair : cache.pairs) {
+    if (!is_displaced(pair.low) && !is_displaced(pair.high)) continue;
+    pair.reach_m = 0;
+    pair.apart = false;
+  }
+  displaced.clear();
+}
+
+// The stages of one step. Invariant: a function is given as const what it must not change.
+class Step {
+ public:
+  Step(WorldState& world, const StepInput& input, FrameReport& report)
+      : world_(world),
+        input_(input),
+        report_(report),
+        terms_(terms_of(world.settings, input)),
+        executor_(*world.executor),
+        frame_(world.outputs),
+        laps_(report.started) {}
+
+  void run() {
+    if (world_.settings.sleeping) wake_near_changes(world_.sleep_access());
+    forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events);
+    forget_displaced(world_.body_changes, world_.cache);
+    // What sleeps and has a moving body near it wakes, so that none is met as if it were static.
+    do {
+      find_pairs();
+    } while (wake_touched(frame_.table, world_.sleep_access()));
+    report_.times.coarse += laps_.lap();
+    report_.refine_started = laps_.at();
+    refine_pairs();
+    report_.times.refine = laps_.lap();
+    respond();
+    report_.times.response = laps_.lap();
+    integrate(frame_.velocities, terms_.dt_s, world_.bodies, frame_.motions, executor_);
+    report_.times.integrate = laps_.lap();
+    publish(publish_input(world_), world_.cache, world_.events, frame_.publication, executor_);
+    scale_impulses(substeps(), world_.settings.substeps);
+    ++world_.contacts_version;
+    ++world_.frame;
+  }
+  void end_publish() { report_.times.publish = laps_.lap(); }
+
+  [[nodiscard]] FrameCounts counts() const {
+    return {terms_.contact, world_.bodies.dynamic_count(), world_.settings.substeps, frame_.table, frame_.levels};
+  }
+
+ private:
+  void find_pairs() {
+    const SceneView scene = world_.scene();
+    predict({scene, terms_}, frame_.motion, executor_);
+    report_.times.predict += laps_.lap();
+    find_candidates({frame_.motion, world_.settings.max_partners}, world_.broad_phase, world_.candidate_cache,
+                    frame_.candidates, executor_);
+    report_.times.broad_phase += laps_.lap();
+    find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter,
+                       input_.view, world_.settings.policy},
+                      frame_.table, world_.pools, executor_);
+    report_.pairs_discarded = frame_.candidates.discarded;
+    report_.candidate_pairs = frame_.candidates.pairs.size();
+    report_.work_mandatory += frame_.candidates.pairs.size();
+    report_.coarse_pairs = frame_.table.size();
+    report_.swept_pairs = frame_.table.swept.size();
+    report_.times.coarse += laps_.lap();
+  }
+
+  void refine_pairs() {
+    DecisionLog* log = nullptr;
+    if (input_.record && input_.replay == nullptr) {
+      if (!world_.decisions) world_.decisions = std::make_unique<DecisionLog>();
+      log = world_.decisions.get();
+    }
+    const WorldSettings& settings = world_.settings;
+    const RefineInput input{world_.scene(), terms_,       frame_.motion, frame_.table,      settings.policy,
+                            input_,         world_.frame, settings.seed, settings.substeps, settings.max_front_entries,
+                            laps_.at()};
+    refine(input, {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, log}, frame_.levels,
+           report_, executor_);
+  }
+
+  // Substeps of this frame.
+  [[nodiscard]] int substeps() const {
+    return frame_.levels.substeps > 0 ? frame_.levels.substeps : world_.settings.substeps;
+  }
+
+  // Impulses are cached by the substep.
+  void scale_impulses(int from, int to) {
+    if (from != to) world_.cache.points.scale_impulses(static_cast<double>(from) / to);
+  }
+
+  void respond() {
+    scale_impulses(world_.settings.substeps, substeps());
+    const SceneView scene = world_.scene();
+    PointCache& points = world_.cache.points;
+    const SolveInput input{
+        scene, terms_, frame_.motion, frame_.table, frame_.levels, frame_.manifolds, world_.pools, substeps(), {}};
+    make_manifolds({scene, terms_, frame_.motion, frame_.table, frame_.levels, solver::still_mps(input.settings())},
+                   points, frame_.manifolds, report_, executor_);
+    begin_solve(input, frame_.velocities, executor_);
+    solve_impacts(input, points, frame_.velocities, report_, executor_);
+    const std::uint32_t most = max_iterations();
+    const solver::Convergence ended =
+        solve_contacts(input, most, points, world_.contact_solver, frame_.velocities, executor_);
+    report_.point_iterations = ended.visits;
+    if (ended.cut_short) report_.degraded.visits = most;
+    if (!terms_.backtracking) return;
+    if (!world_.swept_pool)
+      world_.swept_pool = std::make_unique<collision::FrontPool>(world_.settings.max_front_entries);
+    solve_swept(input, frame_.velocities, *world_.swept_pool, report_, executor_);
+  }
+
+  // How many point iterations a substep may make: as many as the solver makes by itself, or before a deadline as many
+  // as fit, or as another run decided.
+  [[nodiscard]] std::uint32_t max_iterations() {
+    std::uint32_t most = solver::kMaxPointIterations;
+    if (input_.replay != nullptr) {
+      if (input_.replay->visits > 0) most = input_.replay->visits;
+    } else if (input_.budget.kind == Budget::Kind::Deadline) {
+      most = iterations_in_time(world_.forecasts, input_, counts(), frame_.velocities.point_count, report_);
+      if (input_.record) world_.decisions->visits(most < solver::kMaxPointIterations ? most : 0);
+    }
+    return most;
+  }
+
+  WorldState& world_;
+  const StepInput& input_;
+  FrameReport& report_;
+  StepTerms terms_;
+  parallel::Executor& executor_;
+  Frame& frame_;
+  Laps laps_;
+};
+
+}  // namespace
+
+PublishInput publish_input(const WorldState& world) {
+  const Frame& frame = world.outputs;
+  return {world.scene(), world.settings.contact, frame.motion,     frame.table,
+          frame.levels,  frame.manifolds,        frame.velocities, frame.motions};
+}
+
+void sleep_after(WorldState& world, const StepInput& input, FrameReport& report) {
+  const Frame& frame = world.outputs;
+  fall_asleep({frame.table, frame.motions, input.dt_s, world.settings.gravity_mps2.norm()}, world.sleep_access(),
+              report, *world.executor);
+}
+
+FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep) {
+  const SteadyClock::time_point start = SteadyClock::now();
+  FrameReport report;
+  const Nanoseconds cpu_before = thread_cpu_time();
+  world.executor->wake();
+  report.frame = world.frame;
+  report.started = start;
+  report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
+  begin_frame_time(input, world.bodies.dynamic_count(), world.settings.substeps, start, world.forecasts, report);
+  Step step(world, input, report);
+  step.run();
+  if (may_sleep) sleep_after(world, input, report);
+  step.end_publish();
+  report.times.total = SteadyClock::now() - start;
+  // After the last stage: the clock of the CPU takes as long as a small stage.
+  if (input.budget.kind == Budget::Kind::Deadline) {
+    account_time(input, step.counts(), world.outputs.velocities.point_count, thread_cpu_time() - cpu_before,
+                 world.forecasts, report);
+  }
+  return report;
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "frame/manifolds.h"
+#include "solver/contact_solver.h"
+#include "solver/impact_row.h"
+#include "solver/solver.h"
+
+/// Stage *solve*: impulses of impacts, then forces and contacts, then (with backtracking) what meets within the step.
+namespace poise::simulation {
+
+struct SolveInput {
+  SceneView scene;
+  StepTerms terms;
+  const PredictedMotion& motion;
+  const PairTable& table;
+  const CompletedLevels& levels;
+  const Manifolds& manifolds;
+  std::span<const collision::FrontPool> pools;  ///< of *refine*: the paper's model reads its fronts
+  int substeps = 2;
+  solver::Stopping stopping;
+
+  [[nodiscard]] solver::SolveSettings settings() const { return {terms.dt_s, terms.gravity_mps2, substeps, stopping}; }
+};
+
+/// Output of *solve*: velocities after the step, and the impulses that made them. Invariant: buffers only grow.
+struct Velocities {
+  parallel::LargeVector<solver::SolverBody> bodies;  ///< one a slot
+  std::vector<solver::Acceleration> accelerations;   ///< one a slot
+  parallel::LargeVector<Vec3> applied_impulse_ns;    ///< one a manifold: what b received from the contact solver
+  parallel::LargeVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
+  std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
+  SweptContacts swept;            ///< with backtracking
+
+  solver::SolveScratch scratch;
+  std::vector<solver::PointContact> points;              // scratch: sphere contacts of the paper's model
+  std::vector<std::uint32_t> points_begin;               // scratch, per manifold: likewise
+  parallel::LargeVector<solver::Manifold> not_bouncing;  // scratch: the manifolds, where some bounce
+  bool bounced = false;                                  // scratch: some do
+
+  /// What impacts did to the k-th row in the order of the colouring; null where there was none.
+  [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t k) const {
+    return manifolds.impacts && scratch.activations[k].ready ? &rows[k] : nullptr;
+  }
+};
+
+/// First: velocities at the start of the step, and memory for the rest.
+void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Executor& executor);
+
+/// Then the impacts, if there are any: a row is filled when it is first needed. Counts degenerate rows.
+solver::Convergence solve_impacts(const SolveInput& input, const PointCache& points, Velocities& velocities,
+                                  FrameReport& report, parallel::Executor& executor);
+
+/// Then forces and the contacts, with at most `max_iterations` point iterations a substep. Warm started from the
+/// impulses in `points`, and leaves the new ones there.
+solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_iterations, PointCache& points,
+                                   solver::ContactSolver& contact_solver, Velocities& velocities,
+                                   parallel::Executor& executor);
+
+/// Fills all rows, after begin_solve; solve_impacts fills those that it needs. For the pair probe.
+void fill_rows(const SolveInput& input, const PointCache& points, Velocities& velocities, parallel::Executor& executor);
+/// What the solver of impacts works on, once there are rows.
+solver::System impact_system(const SolveInput& input, const PointCache& points, Velocities& velocities);
+
+/// The impact point of a pair, where it was at the start of the step.
+solver::PlacedPoint impact_point_of(const PredictedMotion& motion, const PointCache& points, const ActivePair& pair,
+                                    std::uint32_t slot);
+/// What decides whether the surfaces of a pair touch.
+struct SolvedPair {
+  const SceneView& scene;
+  const PredictedMotion& motion;
+  const PairTable& table;
+  const CompletedLevels& levels;
+  const Manifolds& manifolds;
+  const PointCache& points;
+  ContactModel contact;
+};
+/// The estimated separation of the surfaces at the impact point; in the paper's model that of the spheres. `pair` is an
+/// index into the pair table.
+double solved_gap_m(const SolvedPair& solved, std::uint32_t pair);
+
+}  // namespace poise::simulation

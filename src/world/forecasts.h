@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "poise/scheduler/forecast.h"
+#include "poise/step.h"
+
+namespace poise::simulation {
+
+/// What the time forecasts take from one frame to the next beside their coefficients. Not part of the state.
+struct TimeFacts {
+  std::uint64_t frames = 0;                             ///< learned from
+  std::uint64_t candidate_pairs = 0, active_pairs = 0;  ///< of the last frame under a deadline
+  double iterations_a_substep = 0;    ///< point iterations of the contact solver that a substep is likely to want
+  Nanoseconds planning{0};            ///< FrameReport::planning of the last frame that was forecast infeasible
+  std::uint64_t manifold_points = 0;  ///< of the last frame: point iterations that a substep makes at least
+  scheduler::TailWork tail_work;      ///< of this frame; its contacts are those that were expected
+  scheduler::TailWork head_work;
+};
+
+/// Forecasts of what the parts of a frame take, learned from the frames before. Not part of the state.
+struct Forecasts {
+  scheduler::TailForecast tail;
+  scheduler::TrackedQuantile margin;
+  scheduler::DurationForecast host_work;
+  scheduler::TailForecast head;  ///< of what comes before refinement; its contacts are the active pairs
+  TimeFacts times;
+  double solved_share = 1;   ///< of the pairs that are not separated; learned
+  double unit_cost_ns = 60;  ///< of a node-pair expansion: a prior, replaced by what is measured
+  double rank_cost_ns = 30;  ///< likewise of ranking a pair, by all workers together
+};
+
+}  // namespace poise::simulation
