@@ -30,14 +30,15 @@ StepStatus check(const StepInput& input, std::uint64_t frame) {
 // A frame, and its reference: what that must remember before the frame is in no time of the frame.
 FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input) {
   const SteadyClock::time_point begun = SteadyClock::now();
-  simulation::remember(world);
+  if (!world.reference) world.reference = std::make_unique<simulation::Reference>();
+  simulation::remember(world, *world.reference);
   StepInput moved = input;
   const Nanoseconds cached = SteadyClock::now() - begun;
   if (moved.budget.deadline < SteadyClock::time_point::max() - cached) moved.budget.deadline += cached;
   // The reference must find the bodies that the frame had.
   FrameReport report = simulation::run_frame(world, moved, false);
   world.settle();
-  report.reference = simulation::refer(world, input);
+  report.reference = simulation::refer(world, input, world.pools, *world.reference);
   report.reference->time += cached;
   simulation::sleep_after(world, input, report);
   return report;
@@ -47,7 +48,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
 
 FrameReport World::step(const StepInput& given) {
   StepInput input = given;
-  // Nothing of a step that is done again is up to a clock.
+  // No clock decides anything in a replay.
   if (input.replay != nullptr) input.budget = Budget::unlimited();
   const StepStatus status = check(input, state_->frame);
   if (status != StepStatus::Done) {

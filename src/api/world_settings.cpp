@@ -60,7 +60,7 @@ Status World::set_settings(const WorldSettings& settings) {
   simulation::WorldState& state = *state_;
   const WorldSettings before = state.settings;
   state.settle();
-  // Listed while what they were answered by still stands.
+  // Listed while what they were made from still stands.
   static_cast<void>(contacts());
   if (settings.gravity_mps2 != before.gravity_mps2 || !settings.sleeping) simulation::wake_all(state.sleep_access());
   state.settings = settings;

@@ -44,11 +44,11 @@ enum class ContactState : std::uint8_t {
 ///   refine  Refined          a deeper level completes, nodes are near              Refined
 ///   refine  Coarsest, Cached, Refined   a level completes, no nodes are near       Separated
 ///
-/// `full` (its front had no room) stops refinement and changes no state. After refine no state changes.
+/// `full` (its front did not fit into the pool) stops refinement and changes no state. After refine no state changes.
 struct PairProgress {
   collision::PairLevel level;  ///< what refinement has completed in this frame
   CacheUse cached = CacheUse::None;
-  bool full = false;       ///< a front had no room: the pair stays at its level
+  bool full = false;       ///< its front did not fit into the pool: the pair stays at its level
   bool exact = false;      ///< its contact counts whatever its level: a pair of backtracking
   Level cached_level = 0;  ///< that found out what is cached
 

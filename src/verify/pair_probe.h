@@ -10,7 +10,7 @@
 
 namespace poise::simulation {
 
-/// Two bodies to be asked about, and how they are answered.
+/// Two bodies, and how their collisions are solved.
 struct PairSettings {
   ShapePtr a, b;
   ContactModel contact = ContactModel::Wrench;
@@ -67,10 +67,10 @@ class PairProbe {
   /// the paper's model are those that meet in this step. States as World::set_state takes them; one that it refuses is
   /// not met.
   PairAnswer answer(const PairState& state, ProbeLevel level, double dt_s);
-  /// Does a step from here answer the pair, at its own time?
+  /// Does a step from here give the pair an impulse, at its own time?
   bool acts(const PairState& state, ProbeLevel level, double dt_s);
 
-  /// Refines and answers all `states` of a pair at each level, `rounds` times in turn, and takes the medians of what
+  /// Refines and solves all `states` of a pair at each level, `rounds` times in turn, and takes the medians of what
   /// one pair costs, a figure a level. CPU time of the calling thread. Refused as make; no state or round; more fronts
   /// than their capacity.
   static Result<std::vector<PairCost>> costs(const PairSettings& settings, std::span<const PairState> states,

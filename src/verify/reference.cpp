@@ -13,7 +13,7 @@
 namespace poise::simulation {
 namespace {
 
-// Settled is what changes by less than 1e-10 of the largest impulse. The bound on sweeps is chosen: a pile of 2,000
+// Settled is what changes by less than 1e-10 of the largest impulse. The bound on iterations is chosen: a pile of 2,000
 // meshes needs 400 to 1,200.
 constexpr solver::Stopping kConverged{1e-10, 50000};
 
@@ -31,13 +31,13 @@ double size_of_impulse(const Manifolds& manifolds, const Velocities& velocities,
   return row != nullptr ? (row->impact_ns() + applied_ns).norm() : applied_ns.norm();
 }
 
-const collision::TrueSurface& surface_of(const WorldState& world, std::uint32_t slot) {
-  return *world.reference->surfaces[world.shape_of[slot]];
+const collision::TrueSurface& surface_of(const WorldState& world, const Reference& reference, std::uint32_t slot) {
+  return *reference.surfaces[world.shape_of[slot]];
 }
 
 // Made one after another: most scenes have few shapes.
-void prepare_surfaces(WorldState& world) {
-  std::vector<std::unique_ptr<collision::TrueSurface>>& surfaces = world.reference->surfaces;
+void prepare_surfaces(const WorldState& world, Reference& reference) {
+  std::vector<std::unique_ptr<collision::TrueSurface>>& surfaces = reference.surfaces;
   surfaces.resize(world.shapes.size());
   for (std::size_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
     if (world.bodies.alive[slot] == 0) continue;
@@ -48,9 +48,8 @@ void prepare_surfaces(WorldState& world) {
 }
 
 // Impulses of both, then the gaps of what the run solved. Both frames list the same pairs in the same order.
-std::vector<ComparedPair> compared_pairs(const WorldState& world, const View& view) {
+std::vector<ComparedPair> compared_pairs(const WorldState& world, const Reference& full, const View& view) {
   const Frame& run = world.outputs;
-  const Reference& full = *world.reference;
   POISE_ASSERT(run.table.size() == full.table.size());
   std::vector<ComparedPair> pairs(run.table.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -70,8 +69,8 @@ std::vector<ComparedPair> compared_pairs(const WorldState& world, const View& vi
     for (std::size_t i = begin; i < end; ++i) {
       ComparedPair& pair = pairs[i];
       if (!touches(pair.run_ns, least_ns)) continue;
-      pair.gap_m = collision::surface_distance_m(surface_of(world, pair.a), poses[pair.a], surface_of(world, pair.b),
-                                                 poses[pair.b]);
+      pair.gap_m = collision::surface_distance_m(surface_of(world, full, pair.a), poses[pair.a],
+                                                 surface_of(world, full, pair.b), poses[pair.b]);
       if (!view.present) continue;
       const solver::PlacedPoint point =
           impact_point_of(run.motion, world.cache.points, run.table.pairs[i], run.manifolds.points[i].slot);
@@ -85,7 +84,8 @@ std::vector<ComparedPair> compared_pairs(const WorldState& world, const View& vi
 // Who stands between the viewer and a body.
 class Occlusion {
  public:
-  Occlusion(const WorldState& world, const View& view) : world_(world), bodies_(world.reference->bodies), view_(view) {
+  Occlusion(const WorldState& world, const Reference& reference, const View& view)
+      : world_(world), reference_(reference), bodies_(reference.bodies), view_(view) {
     std::vector<Sphere> balls;
     for (std::uint32_t slot = 0; slot < world.bodies.slot_count(); ++slot) {
       if (world.bodies.alive[slot] == 0) continue;
@@ -104,7 +104,7 @@ class Occlusion {
       if (other == slot) return false;
       const collision::Pose& pose = world_.outputs.motion.poses[other];
       const Mat3 back = pose.rotation.transpose();
-      return surface_of(world_, other)
+      return surface_of(world_, reference_, other)
           .blocks(back * (view_.position_m - pose.position_m), back * (center - pose.position_m));
     };
     return std::any_of(planes_.begin(), planes_.end(), blocks) ||
@@ -113,17 +113,18 @@ class Occlusion {
 
  private:
   const WorldState& world_;
+  const Reference& reference_;
   const dynamics::BodyStore& bodies_;  // at the start of the frame
   const View& view_;
   std::vector<std::uint32_t> planes_, slots_;
   geometry::BallTree tree_;
 };
 
-std::vector<ComparedBody> touched_bodies(const WorldState& world, std::span<const ComparedPair> pairs,
-                                         const View& view) {
-  const dynamics::BodyStore& bodies = world.reference->bodies;
+std::vector<ComparedBody> touched_bodies(const WorldState& world, const Reference& reference,
+                                         std::span<const ComparedPair> pairs, const View& view) {
+  const dynamics::BodyStore& bodies = reference.bodies;
   const Velocities& run = world.outputs.velocities;
-  const Velocities& full = world.reference->velocities;
+  const Velocities& full = reference.velocities;
   std::vector<std::uint8_t> touched(bodies.slot_count(), 0);
   const double least_ns = least_impulse_ns(pairs);
   for (const ComparedPair& pair : pairs) {
@@ -142,7 +143,7 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, std::span<cons
     judged.push_back(body);
   }
   if (!view.present) return judged;
-  const Occlusion occlusion(world, view);
+  const Occlusion occlusion(world, reference, view);
   parallel::parallel_for(*world.executor, judged.size(), 16, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t slot = judged[i].slot;
@@ -155,9 +156,7 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, std::span<cons
 
 }  // namespace
 
-void remember(WorldState& world) {
-  if (!world.reference) world.reference = std::make_unique<Reference>();
-  Reference& reference = *world.reference;
+void remember(const WorldState& world, Reference& reference) {
   for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.columns[i] = world.bodies.*kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
   reference.points = world.cache.points;
@@ -178,20 +177,20 @@ struct FullFrame {
   std::size_t not_finest = 0;
   solver::Convergence response;
 };
-FullFrame run_full(WorldState& world, const StepInput& input) {
-  Reference& reference = *world.reference;
+FullFrame run_full(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
+                   Reference& reference) {
   parallel::Executor& executor = *world.executor;
   const PredictedMotion& motion = world.outputs.motion;
   const SceneView scene{reference.bodies, world.shape_of, world.shapes, world.materials};
   StepTerms terms = terms_of(world.settings, input);
   terms.max_level = kMaxTreeDepth;
   terms.polygons = true;
-  // Polygons answer alike in every model; where balls are the surface, this one finds the balls that meet.
+  // Polygons are solved alike in every model; where balls are the surface, this one finds the balls that meet.
   terms.contact = ContactModel::Fitted;
   FrameReport report;
   find_active_pairs({scene, terms, motion, world.outputs.candidates, world.cache.previous_pairs, world.pair_filter,
                      input.view, world.settings.policy},
-                    reference.table, world.pools, executor);
+                    reference.table, pools, executor);
   // What is cached of a pair is part of the run, not of the reference.
   for (PairProgress& pair : reference.table.start) pair.cached = CacheUse::None;
   FullFrame full;
@@ -200,9 +199,9 @@ FullFrame run_full(WorldState& world, const StepInput& input) {
   const RefineInput refine_input{scene, terms,       motion,        reference.table,   settings.policy,
                                  input, world.frame, settings.seed, settings.substeps, settings.max_front_entries,
                                  {}};
-  full.not_finest = refine_to_the_end(refine_input, world.pools, reference.levels, executor);
+  full.not_finest = refine_to_the_end(refine_input, pools, reference.levels, executor);
   const SolveInput solve_input{
-      scene,     terms, motion, reference.table, reference.levels, reference.manifolds, world.pools, settings.substeps,
+      scene,     terms, motion, reference.table, reference.levels, reference.manifolds, pools, settings.substeps,
       kConverged};
   make_manifolds({scene, terms, motion, reference.table, reference.levels, solver::still_mps(solve_input.settings())},
                  reference.points, reference.manifolds, report, executor);
@@ -212,8 +211,8 @@ FullFrame run_full(WorldState& world, const StepInput& input) {
   const solver::Convergence contacts = solve_contacts(solve_input, solver::kMaxPointIterations, reference.points,
                                                       reference.contact_solver, reference.velocities, executor);
   if (terms.backtracking) {
-    world.pools[0].clear();
-    solve_swept(solve_input, reference.velocities, world.pools[0], report, executor);
+    pools[0].clear();
+    solve_swept(solve_input, reference.velocities, pools[0], report, executor);
   }
   full.response.reached = impacts.reached && contacts.reached;
   full.response.iterations = impacts.iterations + contacts.iterations;
@@ -222,14 +221,14 @@ FullFrame run_full(WorldState& world, const StepInput& input) {
 
 }  // namespace
 
-ReferenceFigures refer(WorldState& world, const StepInput& input) {
+ReferenceFigures refer(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
+                       Reference& reference) {
   const SteadyClock::time_point begun = SteadyClock::now();
-  Reference& reference = *world.reference;
   restore_bodies(world, reference);
-  const FullFrame full = run_full(world, input);
-  prepare_surfaces(world);
-  const std::vector<ComparedPair> pairs = compared_pairs(world, input.view);
-  const std::vector<ComparedBody> bodies = touched_bodies(world, pairs, input.view);
+  const FullFrame full = run_full(world, input, pools, reference);
+  prepare_surfaces(world, reference);
+  const std::vector<ComparedPair> pairs = compared_pairs(world, reference, input.view);
+  const std::vector<ComparedBody> bodies = touched_bodies(world, reference, pairs, input.view);
   ReferenceFigures figures = compare_frames(bodies, pairs, input.view.present);
   figures.pairs_not_finest = full.not_finest;
   figures.converged = full.response.reached;

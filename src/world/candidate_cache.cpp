@@ -9,10 +9,10 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kBoundGrain = 512;
-// Bounds are kept larger by this share, chosen: bodies at rest stay inside for seconds, and there are a sixth more
+// Bounds are cached larger by this share, chosen: bodies at rest stay inside for seconds, and there are a sixth more
 // pairs.
 constexpr double kWider = 0.05;
-// A scene is calm when at most this share of its bodies has moved by a quarter of that since the bounds were kept.
+// A scene is calm when at most this share of its bodies has moved by a quarter of that since the bounds were cached.
 constexpr double kRestless = 0.05;
 
 bool same(const collision::PlaneBound& a, const collision::PlaneBound& b) {
@@ -71,7 +71,7 @@ collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_
   }
   found_ = broad_phase.find(bounds_, planes_, max_partners, executor, {});
   if (wide_ && found_.discarded > 0) {
-    // What has no room is decided from the bounds of the frame.
+    // Which pairs are discarded is decided from the bounds of the frame.
     wide_ = false;
     found_ = broad_phase.find(bounds, planes, max_partners, executor, {});
   }

@@ -16,7 +16,7 @@ namespace poise::simulation {
 /// Invariant: buffers only grow.
 class CandidateCache {
  public:
-  /// As BroadPhase::find, but for pairs too many. With swept bounds nothing is kept.
+  /// As BroadPhase::find, but for pairs too many. With swept bounds nothing is cached.
   collision::BroadPhase::Result find(collision::BroadPhase& broad_phase, std::span<const collision::MotionBound> bounds,
                                      std::span<const collision::PlaneBound> planes,
                                      std::span<const collision::SweptBound> swept, std::uint32_t max_partners,
@@ -24,8 +24,8 @@ class CandidateCache {
 
  private:
   struct Look {
-    bool inside = false;  ///< every bound is inside the one that is kept
-    bool calm = false;    ///< few have moved much since these were kept
+    bool inside = false;  ///< every bound is inside the cached one
+    bool calm = false;    ///< few have moved much since these were cached
   };
   Look look(std::span<const collision::MotionBound> bounds, std::span<const collision::PlaneBound> planes,
             parallel::Executor& executor) const;

@@ -13,8 +13,8 @@ namespace poise::simulation {
 /// The steps of refinement of one frame, as the workers note them. Invariant: each worker's steps stand in the order of
 /// time.
 ///
-/// Each worker writes to its own list and to no other; the lists have room for everything that a frame can do, so that
-/// noting allocates nothing once a frame of that size has begun.
+/// Each worker writes to its own list and to no other; the lists are reserved for everything that a frame can do, so
+/// that noting allocates nothing once a frame of that size has begun.
 class DecisionLog {
  public:
   /// Forgets the last frame. `most_steps` is how many one worker may come to note.
@@ -30,13 +30,13 @@ class DecisionLog {
   void note_round(std::uint32_t pair, RefinementStep::Kind kind) { note(0, pair, kind, SteadyClock::time_point{}); }
 
   /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that
-  /// answered by what it kept though that was too old. From the thread of the step, after begin.
+  /// reused what is cached of it though that was too old. From the thread of the step, after begin.
   void substeps(std::uint32_t count) { substeps_ = count; }
-  /// Likewise the visits that a substep may make (0: as many as the solver does by itself).
+  /// Likewise the point iterations that a substep may make (0: as many as the solver does by itself).
   void visits(std::uint32_t most) { point_iterations_ = most; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
 
-  /// All lists as one, by time; of one time the lower worker first. Uses the room of `decisions` again.
+  /// All lists as one, by time; of one time the lower worker first. Uses the memory of `decisions` again.
   void merge(FrameDecisions& decisions) const;
 
  private:

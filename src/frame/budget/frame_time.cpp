@@ -130,8 +130,8 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   count_pairs(input, levels, forecasts, plan);
   set_budget(step, input.substeps, host, now, forecasts, plan);
   // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing
-  // is left out either. Leaving out for the margin's sake kept frames coarse that took half of their time, and coarse
-  // frames have more to answer.
+  // is left out either. Leaving out for the margin's sake held frames coarse that took half of their time, and coarse
+  // frames have more contacts to solve.
   const auto late = [&] {
     return now + forecasts.times.planning + plan.budget.tail_forecast(plan.expected) + host - step.budget.deadline;
   };

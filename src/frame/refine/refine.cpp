@@ -41,13 +41,13 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   for (std::uint32_t i = 0; i < all.size(); ++i) {
     if (all[i].refinable()) rounds.add(candidate(i));
   }
-  // Whether there is room is decided from worst cases before a round, not by whose pool fills up first: an answer must
+  // Whether fronts fit is decided from worst cases before a round, not by whose pool fills up first: a result must
   // not depend on threads.
   std::uint64_t room = input.max_front_entries;
   for (;;) {
     const std::span<const scheduler::Candidate> round = rounds.next_round();
     if (round.empty()) break;
-    // In slices whose worst cases have room.
+    // In slices whose worst cases fit.
     for (std::size_t first = 0; first < round.size();) {
       std::uint64_t worst = 0;
       std::size_t end = first;

@@ -76,7 +76,7 @@ void refine(const RefineInput& input, const RefineResources& resources, Complete
 void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor);
 
 /// Every active pair to its deepest level, whatever that costs, and its front forgotten: for the reference, which
-/// reads no front. After begin_levels. How many pairs had a front without room.
+/// reads no front. After begin_levels. How many pairs had a front that did not fit.
 std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::FrontPool> pools, CompletedLevels& levels,
                               parallel::Executor& executor);
 

@@ -95,7 +95,7 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                      collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
 
-/// Brings a pair to its deepest level, whatever that costs; false when its front had no room.
+/// Brings a pair to its deepest level, whatever that costs; false when its front did not fit.
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                  collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
 

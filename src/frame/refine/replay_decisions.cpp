@@ -77,7 +77,7 @@ class Replay {
                                  forget_front(i, worker);
                                }
                              });
-      if (keeps_fronts()) find_room();
+      if (keeps_fronts()) complete_elsewhere();
     }
     return fits_ && std::all_of(left_.begin(), left_.end(), [](std::uint8_t left) { return left == 0; });
   }
@@ -106,8 +106,8 @@ class Replay {
   // Only the paper's model reads fronts afterwards.
   [[nodiscard]] bool keeps_fronts() const { return input_.terms.contact == ContactModel::Paper; }
 
-  // A front that had no room beside the others of its worker may have it beside those of another.
-  void find_room() {
+  // A front that did not fit beside the others of its worker may fit beside those of another.
+  void complete_elsewhere() {
     for (std::size_t i = 0; i < left_.size(); ++i) {
       while (left_[i] > 0 && complete_anywhere(i)) {
       }

@@ -11,7 +11,7 @@ void log_degraded(const CompletedLevels& levels, const Degraded& degraded, Decis
 
 /// Leaves out what was left out; then completes the levels that were decided and no other, on all threads, and tallies
 /// them; says what pairs were worth if the input asks. False when a pair, level or substep that was decided is not
-/// there or has no room: what there is has been done.
+/// there or does not fit: what there is has been done.
 bool refine_as_recorded(const RefineInput& input, std::span<collision::FrontPool> pools,
                         const scheduler::FrameFacts& facts, CompletedLevels& levels, FrameReport& report,
                         parallel::Executor& executor);

@@ -27,7 +27,7 @@ double weight_of(const WorldState& world, const View& view, const Contact& conta
   return scheduler::cue_weight(plain, cues) * cues.angle_radpm;
 }
 
-// Polygons count as the place of their own, whatever level the trees of the pair end at.
+// Polygons are counted in a bin of their own, whatever level the trees of the pair end at.
 std::size_t bin_of(const WorldState& world, const Contact& contact) {
   const auto depth = [&](BodyId body) {
     const ShapePtr& shape = world.bodies.shape[body.slot];
