@@ -196,7 +196,10 @@ struct FrameReport {
   std::size_t pairs_discarded = 0;  ///< candidate partners of a body beyond its limit
   std::size_t fronts_full = 0;      ///< refinements refused because a front had no room
   std::size_t colors_full = 0;      ///< contacts beyond the last colour, solved one after another
-  std::size_t degenerate = 0;       ///< contacts without a positive finite effective mass, answered by none
+  /// Answers of the host's cue (Policy::cue) that were NaN, which counts as 1, or out of range, which counts as the
+  /// nearest end. 0 with a sound cue.
+  std::size_t cues_refused = 0;
+  std::size_t degenerate = 0;  ///< contacts without a positive finite effective mass, answered by none
 
   // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;

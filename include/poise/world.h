@@ -97,7 +97,8 @@ struct BodyDefinition {
   std::uint32_t group = 1;                     ///< bits: which groups the body is in
   std::uint32_t collides_with = 0xffffffffU;   ///< bits: which groups it meets; both sides must agree
   double importance = 1;                       ///< a factor on the priority of its pairs, >= 0, finite
-  std::uint64_t user_data = 0;                 ///< the caller's own; nothing reads it but PairFilter
+  /// The caller's own; nothing reads it but the caller's functions: PairFilter, and the cue and policy of a Policy.
+  std::uint64_t user_data = 0;
 };
 
 struct BodyState {

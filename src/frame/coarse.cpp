@@ -5,6 +5,7 @@
 
 #include "collision/triangles/polygon_contact.h"
 #include "frame/ccd/swept.h"
+#include "frame/host_cues.h"
 #include "frame/stages.h"
 #include "frame/view_cues.h"
 #include "parallel/shared_counters.h"
@@ -175,6 +176,19 @@ PairView pair_view_of(const WorldState& world, const ActivePair& pair) {
   return pair_view;
 }
 
+// What the pair's score goes by; the host's own cue is asked where there is one.
+void fill_cues(const WorldState& world, const ViewQuery& view_query, const ActivePair& pair, scheduler::PairCues& cues,
+               KnownCount& known) {
+  const scheduler::Policy& policy = world.settings.policy;
+  const PairView seen = pair_view_of(world, pair);
+  cues = cues_of(view_query, seen, policy);
+  if (policy.cue.function == nullptr) return;
+  const scheduler::HostFactor host =
+      scheduler::host_factor(policy.cue, host_view_of(view_query, seen, pair.id(), user_data_of(world, pair)));
+  cues.host = host.factor;
+  if (host.refused) ++known.refused_cues;
+}
+
 // What the tail and a frame that does not fit ask of a pair before refinement.
 void count_known(const ActivePair& pair, bool swept, KnownCount& known) {
   // What backtracking will know of a pair is not known yet.
@@ -196,6 +210,10 @@ bool coarsest_near(const WorldState& world, const ActivePair& pair) {
   if (b.plane) return true;
   const double reach = a.estimated_radius_m + b.estimated_radius_m + pair.margin_m;
   return reach > 0 && (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
+}
+
+scheduler::UserData user_data_of(const WorldState& world, const ActivePair& pair) {
+  return {world.bodies.user_data[pair.low()], world.bodies.user_data[pair.high()]};
 }
 
 double wide_m(const ActivePair& pair) { return kWide * (pair.skin_m / kSkin); }
@@ -336,7 +354,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       }
       recall(world, pair);
       count_known(pair, fast(pair.a) || fast(pair.b), known);
-      if (pair.refinable()) buffers.cues[k] = cues_of(view_query, pair_view_of(world, pair), world.settings.policy);
+      if (pair.refinable()) fill_cues(world, view_query, pair, buffers.cues[k], known);
     }
     // Not where it begins: the chunk before reads that.
     buffers.known_of_chunk[chunk].present = known.present;
@@ -344,14 +362,17 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
     buffers.known_of_chunk[chunk].outdated = known.outdated;
     buffers.known_of_chunk[chunk].refinable = known.refinable;
     buffers.known_of_chunk[chunk].without_slot = known.without_slot;
+    buffers.known_of_chunk[chunk].refused_cues = known.refused_cues;
   });
   KnownCount& all = buffers.known_of_chunk[chunks];
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     all.present += buffers.known_of_chunk[chunk].present;
     all.unknown += buffers.known_of_chunk[chunk].unknown;
     all.refinable += buffers.known_of_chunk[chunk].refinable;
+    all.refused_cues += buffers.known_of_chunk[chunk].refused_cues;
   }
   if (input.backtracking) send_swept(world, input, report);
+  report.cues_refused = all.refused_cues;
   report.coarse_pairs = buffers.pairs.size();
   report.times.coarse = SteadyClock::now() - start - report.times.broad_phase;
 }

@@ -15,6 +15,9 @@ collision::PairFrame frame_of(const WorldState& world, const ActivePair& pair);
 /// May a pair that stays at level 0 be answered: is its likely gap less than its margin? A plane's always may.
 bool coarsest_near(const WorldState& world, const ActivePair& pair);
 
+/// What the host gave the bodies of an active pair, that of the lower slot first.
+scheduler::UserData user_data_of(const WorldState& world, const ActivePair& pair);
+
 /// A pair of which nothing was nearly near, is apart by so much more than its reach.
 double wide_m(const ActivePair& pair);
 

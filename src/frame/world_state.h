@@ -156,6 +156,7 @@ struct KnownCount {
   std::uint32_t outdated = 0;      ///< of these, of which something was found out that is too old
   std::uint32_t refinable = 0;     ///< at most so many can be refined
   std::uint32_t without_slot = 0;  ///< at most so many have no room for places and may need one
+  std::uint32_t refused_cues = 0;  ///< for which the host's cue gave no number or one out of range
 };
 
 /// What there is to answer among some pairs.

@@ -141,7 +141,7 @@ double score_of(const WorldState& world, const scheduler::FrameFacts& facts, con
     error_m[level] = error_m[pair.memory.level];
   if (pair.level.polygons) error_m[pair.level.deepest] = 0;
   const scheduler::PairChain chain{pair.id(), pair.level.level, std::span(error_m).first(pair.level.deepest + 1U),
-                                   pair.level.next_units};
+                                   pair.level.next_units, user_data_of(world, pair)};
   return scheduler::score(world.settings.policy, facts, chain, world.buffers.cues[index], index);
 }
 
