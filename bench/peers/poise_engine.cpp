@@ -67,7 +67,8 @@ Result<Engine> make_poise(const Scene& scene, std::uint64_t bodies, int threads)
   engine.read_states = [run](std::span<BodyState> states) {
     std::size_t next = 0;
     for (const RunBody& body : run->bodies()) {
-      if (!body.is_static && next < states.size()) states[next++] = run->world().state(body.id).value();
+      if (body.motion == MotionType::Dynamic && next < states.size())
+        states[next++] = run->world().state(body.id).value();
     }
   };
   return engine;

@@ -143,7 +143,7 @@ Result<SceneRun> timed_scene(const StudyTimingOptions& o, std::uint64_t bodies, 
 Status forget_pairs(SceneRun& run) {
   World& world = run.world();
   for (const RunBody& body : run.bodies()) {
-    if (body.is_static) continue;
+    if (body.motion != MotionType::Dynamic) continue;
     const Result<BodyState> state = world.state(body.id);
     if (!state) return state.error();
     BodyState away = state.value();

@@ -34,7 +34,7 @@ bool fill(poise::World& world) {
   const poise::MaterialId material = world.add_material({.restitution = 0.2, .friction = 0.5}).value();
   bool taken = true;
   poise::BodyDefinition wall;
-  wall.is_static = true;
+  wall.motion = poise::MotionType::Static;
   wall.material = material;
   for (const poise::Vec3& normal : {poise::Vec3(0, 0, 1), poise::Vec3(1, 0, 0), poise::Vec3(-1, 0, 0),
                                     poise::Vec3(0, 1, 0), poise::Vec3(0, -1, 0)}) {

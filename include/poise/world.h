@@ -86,8 +86,18 @@ struct Material {
 
 struct BodyDefinition {
   ShapeId shape;
+/// How a body moves.
+enum class MotionType : std::uint8_t {
+  Static,  ///< stays where it is put
+  /// Moves by its velocity and angular velocity, which stay what the caller sets: a platform, a belt, a paddle. It
+  /// pushes dynamic bodies and is pushed by none, meets neither static nor kinematic ones, wakes what sleeps in its way
+  /// while it moves, and counts in no sum of mass, momentum or energy. Not for planes.
+  Kinematic,
+  Dynamic,  ///< moves by forces and contacts
+};
+
   MaterialId material;
-  bool is_static = false;
+  MotionType motion = MotionType::Dynamic;
   Vec3 position_m = Vec3::Zero();              ///< of the shape's own origin, world frame
   Quat orientation = Quat::Identity();         ///< body to world; normalised; not 0
   Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass, world frame
@@ -169,7 +179,7 @@ class World {
   void set_pair_filter(const PairFilter& filter);
 
   /// Refused: unknown shape or material, numbers that are not finite or out of range, an inertia that breaks the
-  /// triangle inequality, a plane that is not static.
+  /// triangle inequality, a plane that is not static. Of static and kinematic bodies mass and inertia do not count.
   Result<BodyId> add_body(const BodyDefinition& definition);
   Status remove_body(BodyId body);
   [[nodiscard]] bool contains(BodyId body) const;
@@ -183,18 +193,20 @@ class World {
   /// Wakes what sleeps there.
   Status set_state(BodyId body, const BodyState& state);
   /// Of the centre of mass, and about it; world frame. Wakes what sleeps there. Refused: numbers out of range, and a
-  /// static body that is to move.
+  /// static body that is to move. A kinematic body keeps it until it is set again.
   Status set_velocity(BodyId body, const Vec3& velocity_mps, const Vec3& angular_velocity_radps);
   /// Does it sleep (WorldSettings::sleeping)? A body that sleeps has no velocity and no contacts.
   [[nodiscard]] Result<bool> asleep(BodyId body) const;
-  /// 0 for static bodies.
+  /// 0 for static and kinematic bodies.
   [[nodiscard]] Result<double> mass_kg(BodyId body) const;
   [[nodiscard]] Result<ShapePtr> shape(BodyId body) const;
 
-  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies; wakes
-  /// sleeping ones.
+  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static and kinematic
+  /// bodies; wakes sleeping ones.
   Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
   Status apply_torque(BodyId body, const Vec3& torque_nm);
+  /// As it was added; a body that sleeps is dynamic.
+  [[nodiscard]] Result<MotionType> motion_type(BodyId body) const;
   /// Changes velocities at once by an impulse (kg m/s, world frame) at a world point.
   Status apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m);
   Status set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with);

@@ -29,8 +29,9 @@ constexpr double kWide = 4 * kKeep;
 constexpr std::size_t kCandidateGrain = 128;
 
 double motion_bound_m(const WorldState& world, std::size_t slot, const StepInput& input) {
-  if (world.bodies.dynamic[slot] == 0) return 0;
   const double speed = world.bodies.velocity(slot).norm();
+  if (world.bodies.kinematic[slot] != 0) return speed * input.dt_s;
+  if (world.bodies.dynamic[slot] == 0) return 0;
   double pull = world.settings.gravity_mps2.norm();
   if (world.bodies.pushed[slot] != 0) pull += world.bodies.force(slot).norm() * world.bodies.inverse_mass[slot];
   return (speed + pull * input.dt_s) * input.dt_s;
@@ -92,6 +93,17 @@ bool may_meet(const WorldState& world, const collision::CandidatePair& pair) {
   const FilteredPair asked{bodies.id_of(pair.low), bodies.id_of(pair.high), bodies.user_data[pair.low],
                            bodies.user_data[pair.high]};
   return world.pair_filter.function(world.pair_filter.context, asked);
+}
+
+// Does the body move and have to wake what sleeps in its way? Without sleepers the broad phase need not look.
+bool wakes(const dynamics::BodyStore& bodies, std::size_t i) {
+  return bodies.asleep_count() > 0 && bodies.moves_by_itself(i);
+}
+
+// Of two bodies without mass for contacts: is one asleep in the way of the other? Others do not meet.
+bool meets_sleeper(const dynamics::BodyStore& bodies, const PairRecord& pair) {
+  return (bodies.asleep[pair.a] != 0 && bodies.moves_by_itself(pair.b)) ||
+         (bodies.asleep[pair.b] != 0 && bodies.moves_by_itself(pair.a));
 }
 
 BodyBounds make_body_bounds(const WorldState& world, std::size_t i, const StepInput& input) {
@@ -254,15 +266,19 @@ void predict(WorldState& world, const StepInput& input) {
       buffers.body_bounds[i] = make_body_bounds(world, i, input);
     }
   });
-  parallel::parallel_for(
-      *world.executor, buffers.bounds.size(), 4 * kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t k = begin; k < end; ++k) {
-          collision::MotionBound& bound = buffers.bounds[k];
-          const std::size_t i = bound.slot;
-          bound = {buffers.body_bounds[i].position_m, buffers.body_bounds[i].bound_m, bound.slot, bodies.group[i],
-                   bodies.collides_with[i],           bodies.dynamic[i] != 0};
-        }
-      });
+  parallel::parallel_for(*world.executor, buffers.bounds.size(), 4 * kCandidateGrain,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t k = begin; k < end; ++k) {
+                             collision::MotionBound& bound = buffers.bounds[k];
+                             const std::size_t i = bound.slot;
+                             bound = {buffers.body_bounds[i].position_m,
+                                      buffers.body_bounds[i].bound_m,
+                                      bound.slot,
+                                      bodies.group[i],
+                                      bodies.collides_with[i],
+                                      bodies.dynamic[i] != 0 || wakes(bodies, i)};
+                           }
+                         });
   for (std::size_t i = 0; i < slots; ++i) {
     if (bodies.alive[i] == 0 || bodies.shape[i]->kind != ShapeKind::Plane) continue;
     buffers.planes.push_back({buffers.body_bounds[i].position_m, buffers.body_bounds[i].bound_m,
@@ -311,6 +327,7 @@ void find_pairs(WorldState& world, const StepInput& input, FrameReport& report) 
       PairRecord pair = make_pair_record(world, found.pairs[i], input);
       const BodyBounds& a = buffers.body_bounds[pair.a];
       const BodyBounds& b = buffers.body_bounds[pair.b];
+      if (!a.dynamic && !b.dynamic && !meets_sleeper(world.bodies, pair)) continue;
       if (!swept && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
       if (world.pair_filter.function != nullptr && !may_meet(world, found.pairs[i])) continue;
       pair.candidate = static_cast<std::uint32_t>(i);

@@ -5,6 +5,7 @@
 
 #include "dynamics/rotation.h"
 #include "frame/ccd/swept.h"
+#include "frame/kinematic.h"
 #include "frame/stages.h"
 
 namespace poise::simulation {
@@ -207,6 +208,8 @@ void publish(WorldState& world) {
   parallel::parallel_for(*world.executor, buffers.manifolds.size(), 4 * kPublishGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t k = begin; k < end; ++k) {
+                             if (world.bodies.kinematic[i] != 0)
+                               world.buffers.motions[i] = move_kinematic(world.bodies, i, input.dt_s);
                              if (!touches(world, k)) continue;
                              const std::uint32_t i = buffers.manifolds[buffers.coloring.order()[k]].pair;
                              world.next_memory[i].touching = true;

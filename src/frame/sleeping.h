@@ -27,9 +27,9 @@ void wake_all(WorldState& world);
 /// Before a frame: wakes what the caller's calls concern.
 void wake_near_changes(WorldState& world);
 
-/// After find_pairs: wakes the islands of which a body is in a pair with one that moves freely. True if there are any;
-/// poses, bounds and pairs must then be made anew, and asked again. False after as many calls as there are islands, and
-/// one more.
+/// After find_pairs: wakes the islands of which a body is in a pair with one that is dynamic or a moving kinematic one.
+/// True if there are any; poses, bounds and pairs must then be made anew, and asked again. False after as many calls as
+/// there are islands, and one more.
 bool wake_touched(WorldState& world);
 
 /// After a frame of `dt_s`: counts for how long bodies have been still, puts islands to sleep, and fills the counters
@@ -38,7 +38,7 @@ bool wake_touched(WorldState& world);
 /// A body is still while both |v| and R |w|, and what moved it and its surface in the step over dt_s, are at most 0.01
 /// sqrt(g R), with R its bounding radius and g the acceleration of gravity: a hundredth of the speed at which it would
 /// fall through half its radius. An island is what the frame's pairs connect, static bodies aside; it sleeps once each
-/// of its bodies has been still for half a second.
+/// of its bodies has been still for half a second, and none is in a pair with a kinematic body that moves.
 void fall_asleep(WorldState& world, double dt_s, FrameReport& report);
 
 }  // namespace poise::simulation

@@ -39,9 +39,10 @@ void fill_bodies(WorldState& world) {
       solver::SolverBody& body = buffers.solver_bodies[i];
       body = solver::SolverBody{};
       buffers.accelerations[i] = solver::Acceleration{};
-      if (bodies.dynamic[i] == 0) continue;
+      if (bodies.dynamic[i] == 0 && bodies.kinematic[i] == 0) continue;
       body.velocity_mps = bodies.velocity(i);
       body.spin_radps = bodies.spin(i);
+      if (bodies.dynamic[i] == 0) continue;
       body.inverse_mass = bodies.inverse_mass[i];
       buffers.accelerations[i].linear_mps2 = world.settings.gravity_mps2;
       if (bodies.pushed[i] == 0) continue;

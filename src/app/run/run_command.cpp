@@ -170,7 +170,7 @@ io::TimePriorsKey priors_key_of(const io::RunDocument& d) {
 
 void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
   d.bodies = run.bodies().size();
-  for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.is_static ? 0 : 1;
+  for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.motion == MotionType::Dynamic ? 1 : 0;
   d.stopped = result.stopped;
   d.figures = simulation::run_figures(result.frames, {loop.wall_clock, d.alpha});
   d.start = result.start;

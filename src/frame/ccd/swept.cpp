@@ -20,7 +20,7 @@ constexpr double kOverlapping = 1.0 / 64;
 // Pairs that are within the tolerance at the start meet when their gap has come down to this share of itself.
 constexpr double kHitOfGap = 0.75;
 // Room around a swept bound for skin and rounding, as a share of the radius.
-constexpr double kRoom = 5e-3;
+constexpr double kSweptRoom = 5e-3;
 
 bool is_lone_ball(const Shape& shape) {
   return shape.kind == ShapeKind::Tree && !shape.surface && shape.tree.node_count() == 1;
@@ -110,7 +110,7 @@ bool sweep_if_fast(WorldState& world, std::uint32_t slot, const StepInput& input
   if (bodies.velocity(slot).norm() * input.dt_s <= slack_m) return false;
   const double h = input.dt_s;
   collision::SweptBound bound;
-  const double radius = bodies.shape[slot]->bounding_radius_m * (1.0 + kRoom) + slack_m;
+  const double radius = bodies.shape[slot]->bounding_radius_m * (1.0 + kSweptRoom) + slack_m;
   bound.start = {bodies.position(slot), radius, slot, bodies.group[slot], bodies.collides_with[slot], true};
   bound.motion_m = h * bodies.velocity(slot) + (0.5 * h * h) * acceleration_of(world, slot);
   SweptFrame& swept = world.buffers.swept;

@@ -4,6 +4,7 @@
 
 #include "frame/ccd/swept.h"
 #include "frame/ccd/swept_contact.h"
+#include "frame/kinematic.h"
 #include "frame/stages.h"
 #include "parallel/shared_counters.h"
 #include "solver/impact_row.h"
@@ -72,6 +73,7 @@ std::uint32_t trajectory_of(WorldState& world, std::uint32_t slot, double h_s) {
       trajectory.velocity_mps = velocity_at_mps(world, slot, trajectory.stop_s, h_s);
     }
   }
+  if (bodies.moves_by_itself(slot)) drive_trajectory(bodies, slot, h_s, trajectory);
   swept.trajectories.push_back(trajectory);
   return place;
 }
