@@ -65,6 +65,8 @@ struct StepInput {
   bool backtracking = false;
   /// Fill FrameReport::levels; not part of the frame's times. Lists the contacts of the step and allocates.
   bool measure_levels = false;
+  /// World::contact_events tells also of pairs that go on touching. Pairs of bodies that sleep are not told of.
+  bool persist_events = false;
   bool measure_energy = false;  ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
   /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit
   /// as without. What this takes is in none of the frame's times: a deadline moves by the little that is kept before

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -84,8 +86,6 @@ struct Material {
   double density_kgpm3 = 1000;  ///< > 0
 };
 
-struct BodyDefinition {
-  ShapeId shape;
 /// How a body moves.
 enum class MotionType : std::uint8_t {
   Static,  ///< stays where it is put
@@ -96,6 +96,8 @@ enum class MotionType : std::uint8_t {
   Dynamic,  ///< moves by forces and contacts
 };
 
+struct BodyDefinition {
+  ShapeId shape;
   MaterialId material;
   MotionType motion = MotionType::Dynamic;
   Vec3 position_m = Vec3::Zero();              ///< of the shape's own origin, world frame
@@ -118,20 +120,39 @@ struct BodyState {
   Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
 };
 
+/// A point at which a pair touched in the last step, world frame, as the bodies were at the start of the step.
+struct ContactPoint {
+  Vec3 point_m = Vec3::Zero();     ///< in the middle between the surfaces
+  Vec3 normal = Vec3::UnitZ();     ///< from a to b, unit
+  double separation_m = 0;         ///< of the modelled surfaces along the normal, negative in overlap
+  Vec3 impulse_ns = Vec3::Zero();  ///< that b received there in the step, kg m/s; a received the opposite
+};
+
 /// One pair that touched in the last step.
 struct Contact {
+  static constexpr std::size_t kMostPoints = 4;
   BodyId a, b;                     ///< a comes before b in the order of slots
   Level level = 0;                 ///< that was completed for the pair; by polygons, the trees' deepest + 1
   Vec3 normal = Vec3::UnitZ();     ///< from a to b, unit, mean over the pair
   Vec3 point_m = Vec3::Zero();     ///< world frame, mean over the pair
   double gap_m = 0;                ///< between the modelled surfaces at the start of the step, negative in overlap
   Vec3 impulse_ns = Vec3::Zero();  ///< that b received in the step, kg m/s; a received the opposite
+  std::uint8_t point_count = 0;    ///< 1 to kMostPoints
+  std::array<ContactPoint, kMostPoints> point_slots{};  ///< of these the first point_count
+  /// The pair's manifold. The impulses of its points add up to impulse_ns; they are in the ratio of what the points
+  /// bore at the end of the step, and equal where an impact alone was answered.
+  [[nodiscard]] std::span<const ContactPoint> points() const { return std::span(point_slots).first(point_count); }
 };
 
 struct ContactEvent {
-  enum class Kind : std::uint8_t { Begin, End };
+  enum class Kind : std::uint8_t {
+    Begin,    ///< touches and did not in the step before
+    End,      ///< touched in the step before and does not
+    Persist,  ///< touches and did in the step before; only with StepInput::persist_events
+  };
   Kind kind = Kind::Begin;
   BodyId a, b;
+  Vec3 impulse_ns = Vec3::Zero();  ///< Begin, Persist: that b received in the step, kg m/s; End: 0
 };
 
 /// Sums over the dynamic bodies.
@@ -184,6 +205,8 @@ class World {
   Status remove_body(BodyId body);
   [[nodiscard]] bool contains(BodyId body) const;
   [[nodiscard]] std::size_t body_count() const;  ///< static ones and planes included
+  /// As it was added; a body that sleeps is dynamic.
+  [[nodiscard]] Result<MotionType> motion_type(BodyId body) const;
   /// The bodies that live now, in order of slots; a copy, so it stays what it is when bodies come and go.
   [[nodiscard]] std::vector<BodyId> bodies() const;
   [[nodiscard]] Result<std::uint64_t> user_data(BodyId body) const;
@@ -205,8 +228,6 @@ class World {
   /// bodies; wakes sleeping ones.
   Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
   Status apply_torque(BodyId body, const Vec3& torque_nm);
-  /// As it was added; a body that sleeps is dynamic.
-  [[nodiscard]] Result<MotionType> motion_type(BodyId body) const;
   /// Changes velocities at once by an impulse (kg m/s, world frame) at a world point.
   Status apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m);
   Status set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with);
@@ -251,8 +272,8 @@ class World {
   /// next call that is not const. Listed at the first call after a step, so a caller that does not ask does not pay;
   /// any number of threads may call it at once between steps.
   [[nodiscard]] std::span<const Contact> contacts() const;
-  /// Pairs that began and ceased to touch in the last step, in order of (a, b). The contacts of a body that is removed
-  /// end in the next step: then its handle stands in an End event, stale.
+  /// Pairs that began and ceased to touch in the last step, in order of (a, b), and those that went on if asked for.
+  /// The contacts of a body that is removed end in the next step: then its handle stands in an End event, stale.
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
 
   /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all

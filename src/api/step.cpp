@@ -8,9 +8,9 @@
 #include "frame/budget/frame_time.h"
 #include "frame/report/levels_reached.h"
 #include "frame/report/trace.h"
+#include "frame/sleeping.h"
 #include "frame/stages.h"
 #include "verify/reference.h"
-#include "frame/sleeping.h"
 
 namespace poise {
 namespace {
@@ -128,7 +128,7 @@ FrameReport run_frame(simulation::WorldState& world, const StepInput& input) {
   report.times.response = laps.lap();
   simulation::integrate(world, input);
   report.times.integrate = laps.lap();
-  simulation::publish(world);
+  simulation::publish(world, input);
   simulation::restore(world);
   ++world.frame;
   // A reference must find the bodies that the frame had.

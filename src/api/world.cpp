@@ -9,9 +9,9 @@
 #include "collision/time_of_impact/least_extent.h"
 #include "dynamics/conserved.h"
 #include "frame/budget/frame_time.h"
+#include "frame/sleeping.h"
 #include "frame/stages.h"
 #include "frame/world_state.h"
-#include "frame/sleeping.h"
 #include "world/validation.h"
 
 namespace poise {

@@ -5,6 +5,7 @@
 
 #include "dynamics/rotation.h"
 #include "frame/ccd/swept.h"
+#include "frame/contact_points.h"
 #include "frame/kinematic.h"
 #include "frame/stages.h"
 
@@ -58,7 +59,18 @@ Contact contact_of(const WorldState& world, std::uint32_t index, const solver::C
   contact.gap_m = solved_gap_m(world, index);
   contact.impulse_ns = sign * rest_ns;
   if (row != nullptr) contact.impulse_ns += sign * row->impact_ns();
+  list_points(world, pair, sign, contact);
   return contact;
+}
+
+// What the body in the lower slot gave the other in the step, by rest and impacts of the k-th row.
+Vec3 touch_impulse_ns(const WorldState& world, std::size_t k) {
+  const FrameBuffers& buffers = world.buffers;
+  const std::uint32_t place = buffers.coloring.order()[k];
+  const ActivePair& pair = buffers.pairs[buffers.manifolds[place].pair];
+  Vec3 given_ns = buffers.applied_impulse_ns[place];
+  if (const solver::ContactRow* row = row_of(buffers, k)) given_ns += row->impact_ns();
+  return pair.a == pair.low() ? given_ns : Vec3(-given_ns);
 }
 
 // What a pair takes along, the motion of this step counted.
@@ -111,6 +123,8 @@ void add_swept_contacts(const WorldState& world, std::vector<Contact>& contacts)
     contact.point_m = hit.point_m;
     contact.gap_m = hit.gap_m;
     contact.impulse_ns = hit.impulse_ns * contact.normal;
+    contact.point_slots[0] = {contact.point_m, contact.normal, contact.gap_m, contact.impulse_ns};
+    contact.point_count = 1;
     contacts.push_back(contact);
   }
   std::stable_sort(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
@@ -122,6 +136,7 @@ void add_swept_contacts(const WorldState& world, std::vector<Contact>& contacts)
   for (std::size_t k = 1; k < contacts.size(); ++k) {
     if (contacts[k].a == contacts[cached].a && contacts[k].b == contacts[cached].b) {
       contacts[cached].impulse_ns += contacts[k].impulse_ns;
+      merge_points(contacts[k], contacts[cached]);
     } else {
       contacts[++cached] = contacts[k];
     }
@@ -141,7 +156,7 @@ void forget_parted(WorldState& world) {
 }
 
 // Touches that began or ended since the last frame, in canonical order.
-void make_events(WorldState& world) {
+void make_events(WorldState& world, bool persist) {
   const FrameBuffers& buffers = world.buffers;
   forget_parted(world);
   world.events.insert(world.events.end(), world.removal_events.begin(), world.removal_events.end());
@@ -150,10 +165,20 @@ void make_events(WorldState& world) {
   const std::vector<std::uint8_t>& turned = buffers.turned;
   for (auto at = turned.begin(); (at = std::find(at, turned.end(), std::uint8_t{1})) != turned.end(); ++at) {
     const CachedPair& pair = world.next_memory[static_cast<std::size_t>(at - turned.begin())];
-    world.events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End,
-                            world.bodies.id_of(pair.low), world.bodies.id_of(pair.high)});
+    const bool begins = pair.touching;
+    world.events.push_back({begins ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, world.bodies.id_of(pair.low),
+                            world.bodies.id_of(pair.high),
+                            begins ? buffers.touch_ns[static_cast<std::size_t>(at - turned.begin())] : Vec3::Zero()});
   }
-  if (parted == 0) return;
+  if (persist) {
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      const CachedPair& pair = world.next_memory[i];
+      if (turned[i] != 0 || !pair.touching) continue;
+      world.events.push_back({ContactEvent::Kind::Persist, world.bodies.id_of(pair.low), world.bodies.id_of(pair.high),
+                              buffers.touch_ns[i]});
+    }
+  }
+  if (parted == 0 && !persist) return;
   // A pair has one event at most; of two in the same slots, the bodies that were removed come first.
   std::sort(world.events.begin(), world.events.end(), [](const ContactEvent& x, const ContactEvent& y) {
     return std::tuple(x.a.slot, x.b.slot, x.a.generation, x.b.generation) <
@@ -182,6 +207,8 @@ void integrate(WorldState& world, const StepInput& input) {
   parallel::parallel_for(*world.executor, world.bodies.slot_count(), kPublishGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t i = begin; i < end; ++i) {
+                             if (world.bodies.kinematic[i] != 0)
+                               world.buffers.motions[i] = move_kinematic(world.bodies, i, input.dt_s);
                              if (world.bodies.dynamic[i] == 0) continue;
                              if (input.backtracking && place_stopped(world, static_cast<std::uint32_t>(i))) continue;
                              integrate_body(world, i, input.dt_s);
@@ -189,7 +216,7 @@ void integrate(WorldState& world, const StepInput& input) {
                          });
 }
 
-void publish(WorldState& world) {
+void publish(WorldState& world, const StepInput& input) {
   FrameBuffers& buffers = world.buffers;
   world.next_memory.clear();
   // Both, since they change places: a later frame must find the room that this one needed.
@@ -198,6 +225,8 @@ void publish(WorldState& world) {
   world.events.reserve(world.memory.capacity() + world.next_memory.capacity());
   world.next_memory.resize(buffers.pairs.size());
   buffers.turned.resize(buffers.pairs.size());
+  buffers.touch_ns.reserve(buffers.pairs.capacity());
+  buffers.touch_ns.resize(buffers.pairs.size());
   parallel::parallel_for(*world.executor, buffers.pairs.size(), 4 * kPublishGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t i = begin; i < end; ++i) {
@@ -208,22 +237,27 @@ void publish(WorldState& world) {
   parallel::parallel_for(*world.executor, buffers.manifolds.size(), 4 * kPublishGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t k = begin; k < end; ++k) {
-                             if (world.bodies.kinematic[i] != 0)
-                               world.buffers.motions[i] = move_kinematic(world.bodies, i, input.dt_s);
                              if (!touches(world, k)) continue;
                              const std::uint32_t i = buffers.manifolds[buffers.coloring.order()[k]].pair;
                              world.next_memory[i].touching = true;
                              buffers.turned[i] ^= 1U;
+                             if (buffers.turned[i] != 0 || input.persist_events)
+                               buffers.touch_ns[i] = touch_impulse_ns(world, k);
                            }
                          });
   for (const SweptHit& hit : buffers.swept.hits) {
     bool& touching = world.next_memory[hit.pair].touching;
-    if (!touching) buffers.turned[hit.pair] ^= 1U;
+    const ActivePair& pair = buffers.pairs[hit.pair];
+    if (!touching) {
+      buffers.turned[hit.pair] ^= 1U;
+      buffers.touch_ns[hit.pair].setZero();
+    }
     touching = true;
+    buffers.touch_ns[hit.pair] += (pair.a == pair.low() ? hit.impulse_ns : -hit.impulse_ns) * hit.normal;
   }
   ++world.contacts_version;
   world.events.clear();
-  make_events(world);
+  make_events(world, input.persist_events);
   std::swap(world.memory, world.next_memory);
 }
 

@@ -71,7 +71,7 @@ solver::Convergence respond(WorldState& world, const StepInput& input, FrameRepo
 void integrate(WorldState& world, const StepInput& input);
 
 /// Events and the memory of pairs.
-void publish(WorldState& world);
+void publish(WorldState& world, const StepInput& input);
 
 /// Which pairs of the last step are listed.
 enum class ContactListing : std::uint8_t {

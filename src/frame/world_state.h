@@ -188,9 +188,10 @@ struct FrameBuffers {
   parallel::LargeVector<scheduler::PairCues> cues;       // one a pair: of those that can be refined
   std::vector<std::uint8_t> recalled;                    // one a pair of the last frame: it is one of this frame's too
   std::vector<std::uint8_t> turned;                      // one a pair: its touch began or ended
-  std::vector<collision::FrontPool> pools;               // one a worker
-  std::vector<WorkerTally> tallies;                      // one a worker
-  std::vector<SolvedCount> solved_of_chunk;              // per chunk of candidates, as known_of_chunk
+  parallel::LargeVector<Vec3> touch_ns;      // one a pair: what an event of its touch tells, if there is one
+  std::vector<collision::FrontPool> pools;   // one a worker
+  std::vector<WorkerTally> tallies;          // one a worker
+  std::vector<SolvedCount> solved_of_chunk;  // per chunk of candidates, as known_of_chunk
   parallel::LargeVector<solver::Manifold>
       manifolds_of_chunk;  // those that are answered, chunk after chunk from where its pairs begin
   parallel::LargeVector<solver::Manifold> manifolds;  // the same one after another, in canonical order
