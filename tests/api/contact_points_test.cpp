@@ -9,7 +9,7 @@
 namespace poise {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
+constexpr double kStepS = 1.0 / 60;
 
 WorldSettings on_earth() {
   WorldSettings settings;
@@ -30,13 +30,13 @@ TEST(ContactPoints, OfARestingBoxAreItsCornersAndBearItsWeight) {
   const ShapeId shape = stage.world.add_shape(
       make_mesh_shape(test::box_mesh(Vec3(1, 0.8, 0.6)), {.depth = 2, .preset = TreePreset::Fast}).value());
   const BodyId box = stage.add(shape, Vec3(2, 3, 0.3));
-  StepInput input = step_of(kDt);
+  StepInput input = step_of(kStepS);
   input.polygons = true;
   for (int frame = 0; frame < 120; ++frame) stage.world.step(input);
   ASSERT_EQ(stage.world.contacts().size(), 1U);
   const Contact& contact = stage.world.contacts()[0];
   ASSERT_EQ(contact.points().size(), 4U);
-  const double weight_ns = stage.world.mass_kg(box).value() * 9.81 * kDt;
+  const double weight_ns = stage.world.mass_kg(box).value() * 9.81 * kStepS;
   EXPECT_LT((sum_of(contact) - contact.impulse_ns).norm(), 1e-12 * weight_ns);
   EXPECT_LT((sum_of(contact) - Vec3(0, 0, weight_ns)).norm(), 0.01 * weight_ns);
   Vec3 torque = Vec3::Zero();
@@ -56,13 +56,13 @@ TEST(ContactPoints, OfABallIsOne) {
   Stage stage(on_earth(), 0);
   stage.plane(Vec3::UnitZ(), 0);
   const BodyId ball = stage.add(stage.ball(0.5), Vec3(0, 0, 0.5));
-  for (int frame = 0; frame < 60; ++frame) stage.world.step(step_of(kDt));
+  for (int frame = 0; frame < 60; ++frame) stage.world.step(step_of(kStepS));
   ASSERT_EQ(stage.world.contacts().size(), 1U);
   const Contact& contact = stage.world.contacts()[0];
   ASSERT_EQ(contact.points().size(), 1U);
   const ContactPoint& point = contact.points()[0];
-  EXPECT_EQ(point.impulse_ns, contact.impulse_ns);
-  EXPECT_NEAR(point.impulse_ns.z(), stage.world.mass_kg(ball).value() * 9.81 * kDt, 1e-3);
+  EXPECT_LT((point.impulse_ns - contact.impulse_ns).norm(), 1e-12);
+  EXPECT_NEAR(point.impulse_ns.z(), stage.world.mass_kg(ball).value() * 9.81 * kStepS, 1e-3);
   EXPECT_LT(point.point_m.norm(), 2e-3);
 }
 
@@ -70,7 +70,7 @@ TEST(ContactPoints, AddUpToTheImpulseInAPileAndPointAsItDoes) {
   for (const bool backtracking : {false, true}) {
     Stage stage(on_earth());
     stage.jacks(40, 4);
-    StepInput input = step_of(kDt);
+    StepInput input = step_of(kStepS);
     input.backtracking = backtracking;
     std::size_t several = 0;
     for (int frame = 0; frame < 120; ++frame) {
@@ -94,7 +94,7 @@ TEST(ContactEvents, TellTheImpulseOfWhatBegins) {
   double before_mps = 0;
   for (int frame = 0; frame < 60 && stage.world.contact_events().empty(); ++frame) {
     before_mps = stage.at(ball).velocity_mps.z();
-    stage.world.step(step_of(kDt));
+    stage.world.step(step_of(kStepS));
   }
   ASSERT_EQ(stage.world.contact_events().size(), 1U);
   const ContactEvent& event = stage.world.contact_events()[0];
@@ -110,7 +110,7 @@ TEST(ContactEvents, ThatPersistAreToldOnlyWhenAskedFor) {
   Stage plain(on_earth(), 0.2);
   asked.jacks(40, 4);
   plain.jacks(40, 4);
-  StepInput input = step_of(kDt);
+  StepInput input = step_of(kStepS);
   StepInput asking = input;
   asking.persist_events = true;
   std::size_t persisted = 0;
