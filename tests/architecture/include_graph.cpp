@@ -165,7 +165,7 @@ std::vector<Arrow> arrows_of(const IncludeGraph& graph, std::map<std::string, Ro
 
 std::string path_of(const Arrow& arrow, bool wrong, std::string_view color) {
   const double side = wrong ? kLeft + 12 : kLeft + kBoxWidth - 12;
-  const double reach = (wrong ? -1 : 1) * (34 + 40 * static_cast<double>(arrow.span));
+  const double reach = wrong ? -20 - 15 * static_cast<double>(arrow.span) : 34 + 40 * static_cast<double>(arrow.span);
   const double wide = 0.7 + 0.5 * std::log2(static_cast<double>(arrow.count));
   const double head = (wrong ? -1 : 1) * (4 + 1.6 * wide);
   const std::string paint = wrong ? "#d00000" : std::string(color);
