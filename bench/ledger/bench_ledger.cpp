@@ -194,12 +194,13 @@ int run(const Options& o) {
     now.push_back(costs.value());
   }
   if (now.empty()) return fail("--only names no entry", kExitBadUsage);
-  if (!o.only.empty() && o.update.empty()) {
-    std::erase_if(ledger.entries, [&](const EntryCosts& entry) {
+  Ledger compared = ledger;
+  if (!o.only.empty()) {
+    std::erase_if(compared.entries, [&](const EntryCosts& entry) {
       return std::ranges::find(now, entry.entry, &EntryCosts::entry) == now.end();
     });
   }
-  const std::size_t outside = print_table(compare(ledger, now));
+  const std::size_t outside = print_table(compare(compared, now));
   if (!o.update.empty()) return write_update(o, ledger, now);
   if (outside == 0) return EXIT_SUCCESS;
   return fail(fmt::format("{} numbers are outside +-{:.0f} % of {}; if that is meant, run `bench_ledger --update "

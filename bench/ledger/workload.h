@@ -27,7 +27,7 @@ struct CountedUnits {
   double frames = 0;
   double bodies = 0;
   double candidate_pairs = 0;
-  double expansions = 0;        ///< node pairs, of the mandatory part and of refinement
+  double expansions = 0;        ///< of node pairs in refinement; 0 with polygons
   double levels = 0;            ///< completed by refinement
   double contact_pairs = 0;     ///< pairs that were answered
   double point_iterations = 0;  ///< of contact points by the contact solver
