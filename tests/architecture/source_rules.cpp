@@ -176,6 +176,12 @@ bool has_line_limit(std::string_view path) {
 
 }  // namespace
 
+std::optional<RoomInOrder> room_in_order(std::string_view path) {
+  const Room* room = room_of(path);
+  if (room == nullptr) return std::nullopt;
+  return RoomInOrder{room->name, room->rank};
+}
+
 std::string code_only(std::string_view text) {
   std::string code(text);
   std::size_t at = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,5 +14,14 @@ std::vector<std::string> broken_rules(std::string_view path, std::string_view te
 
 /// The same text with comments and the insides of string and character literals blanked out, line by line in place.
 std::string code_only(std::string_view text);
+
+/// A part of the code; `rank` is its place in the order: a file may include what has a lower rank, or its own room.
+struct RoomInOrder {
+  std::string_view name;
+  int rank = 0;
+};
+
+/// The room of a file (as above) or of a folder with its last slash; nothing outside of all rooms.
+std::optional<RoomInOrder> room_in_order(std::string_view path);
 
 }  // namespace poise::tests
