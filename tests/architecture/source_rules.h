@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,5 +24,14 @@ struct RoomInOrder {
 
 /// The room of a file (as above) or of a folder with its last slash; nothing outside of all rooms.
 std::optional<RoomInOrder> room_in_order(std::string_view path);
+
+/// A function whose body is longer than 80 lines, from the line of its opening brace to that of the closing one.
+struct LongFunction {
+  std::size_t line = 0;  ///< of the opening brace
+  std::size_t lines = 0;
+};
+/// Those of `code`, which is free of comments and literals (code_only). A block behind a `)` counts as a function, so a
+/// loop that is too long is named beside the function around it.
+std::vector<LongFunction> long_functions(std::string_view code);
 
 }  // namespace poise::tests

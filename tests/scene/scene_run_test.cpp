@@ -4,6 +4,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "poise/assets/mesh_file.h"
+#include "poise/assets/sph_file.h"
 #include "scene/scene_shapes.h"
 #include "scene/scene_text.h"
 #include "scene/temporary_folder.h"

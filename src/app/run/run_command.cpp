@@ -20,7 +20,6 @@
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
 #include "app/scene_files.h"
-#include "build_info.h"
 #include "parallel/executor.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
@@ -148,10 +147,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.reference_every = loop.reference_every;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();
-  d.version = POISE_BUILD_VERSION;
-  d.commit = POISE_BUILD_COMMIT;
-  d.compiler = POISE_BUILD_COMPILER;
-  d.flags = POISE_BUILD_FLAGS;
+  d.build = io::this_build();
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
     const bool at_origin = std::holds_alternative<SphereSource>(scene.shapes[i].source) ||
                            std::holds_alternative<PlaneSource>(scene.shapes[i].source);
