@@ -2,12 +2,20 @@
 # SPDX-License-Identifier: MIT
 # Installs what is missing, builds what has changed, and runs the command `poise` with the arguments given. Without
 # arguments: the scene `pile` at 60 Hz, with its figures in out/pile/. All but the command's own output goes to stderr.
+# `./run.sh study NAME` builds the program of the studies too, which nothing else needs.
 set -euo pipefail
 { : <&0; } 2>/dev/null || exec </dev/null
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
-"$root/cmake/install_packages.sh" build
-"$root/cmake/build_release.sh" poise_command
+steps=(build)
+targets=(poise_command)
+if [[ "${1:-}" == study ]]; then
+  export POISE_STUDIES=ON
+  steps+=(study)
+  targets+=(poise_study)
+fi
+"$root/cmake/install_packages.sh" "${steps[@]}"
+"$root/cmake/build_release.sh" "${targets[@]}"
 
 poise="$root/build/release/src/app/poise"
 if (($# > 0)); then exec "$poise" "$@"; fi

@@ -6,7 +6,7 @@ set -euo pipefail
 { : <&0; } 2>/dev/null || exec </dev/null
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
-"$root/cmake/install_packages.sh" build test
+"$root/cmake/install_packages.sh" build study test
 POISE_TESTS=ON "$root/cmake/build_release.sh" all all_verify_interface_header_sets
 cd -- "$root"
 progress=()

@@ -2,15 +2,16 @@
 // What every figure is stored with, beside the machine that Google Benchmark names itself.
 #include <benchmark/benchmark.h>
 
-#include "build_info.h"
+#include "scene/made_by.h"
 
 namespace {
 
 const bool kContextAdded = [] {
-  benchmark::AddCustomContext("poise_version", POISE_BUILD_VERSION);
-  benchmark::AddCustomContext("commit", POISE_BUILD_COMMIT);
-  benchmark::AddCustomContext("compiler", POISE_BUILD_COMPILER);
-  benchmark::AddCustomContext("flags", POISE_BUILD_FLAGS);
+  const poise::io::BuildFacts build = poise::io::this_build();
+  benchmark::AddCustomContext("poise_version", build.version);
+  benchmark::AddCustomContext("commit", build.commit);
+  benchmark::AddCustomContext("compiler", build.compiler);
+  benchmark::AddCustomContext("flags", build.flags);
   return true;
 }();
 

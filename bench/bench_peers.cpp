@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "assets/files/atomic_file.h"
-#include "build_info.h"
 #include "peers/engine.h"
 #include "peers/pile_figures.h"
 #include "peers/turns.h"
+#include "scene/made_by.h"
 
 namespace poise::bench {
 namespace {
@@ -198,12 +198,13 @@ int fail(const std::string& what) {
 int run(const Options& options) {
   const Result<Scene> scene = read_scene(options.scene);
   if (!scene) return fail(scene.error().message);
+  const io::BuildFacts build = io::this_build();
   Json json = {{"schema", "poise.peers/1"},
                {"scene", scene.value().name},
-               {"version", POISE_BUILD_VERSION},
-               {"commit", POISE_BUILD_COMMIT},
-               {"compiler", POISE_BUILD_COMPILER},
-               {"flags", POISE_BUILD_FLAGS},
+               {"version", build.version},
+               {"commit", build.commit},
+               {"compiler", build.compiler},
+               {"flags", build.flags},
                {"machine_threads", std::thread::hardware_concurrency()},
                {"dt_s", scene.value().dt_s},
                {"frames", options.frames},

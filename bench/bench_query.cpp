@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 #include "query/body_index.h"
 

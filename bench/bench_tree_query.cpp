@@ -22,6 +22,8 @@
 #include "collision/near_touch.h"
 #include "collision/triangles/polygon_contact.h"
 #include "latencies.h"
+#include "poise/assets/mesh_file.h"
+#include "poise/assets/sph_file.h"
 
 namespace poise::collision {
 namespace {

@@ -33,6 +33,21 @@ function(poise_target_settings target)
   endif()
 endfunction()
 
+# poise_library(TARGET EXPORT-NAME): one layer of the library.
+function(poise_library target name)
+  add_library(${target})
+  add_library(poise::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  poise_target_settings(${target})
+endfunction()
+
+# poise_public_headers(TARGET header...): what users of the target may include; each must compile alone.
+function(poise_public_headers target)
+  list(TRANSFORM ARGN PREPEND "${PROJECT_SOURCE_DIR}/include/poise/")
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${ARGN})
+  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+endfunction()
+
 # poise_alone(TARGET file...): these do not share a unit with others, since they are read once per instruction set or give names of their own
 # to what others name alike.
 function(poise_alone target)

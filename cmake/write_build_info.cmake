@@ -19,8 +19,8 @@ if(ASSERTIONS)
   string(APPEND flags " assertions")
 endif()
 # What decides the bits of a built tree, for the cache of trees.
-file(GLOB sources ${SOURCE_DIR}/src/geometry/*.h ${SOURCE_DIR}/src/geometry/*.cpp ${SOURCE_DIR}/include/poise/mesh.h
-     ${SOURCE_DIR}/include/poise/sphere_tree.h ${SOURCE_DIR}/include/poise/types.h)
+file(GLOB_RECURSE sources ${SOURCE_DIR}/src/geometry/*.h ${SOURCE_DIR}/src/geometry/*.cpp)
+list(APPEND sources ${SOURCE_DIR}/include/poise/mesh.h ${SOURCE_DIR}/include/poise/sphere_tree.h ${SOURCE_DIR}/include/poise/types.h)
 list(SORT sources)
 set(hashes "")
 foreach(source IN LISTS sources)
@@ -29,17 +29,22 @@ foreach(source IN LISTS sources)
 endforeach()
 string(SHA256 geometry "${hashes} ${COMPILER}")
 string(SUBSTRING "${geometry}" 0 32 geometry)
-set(text "#pragma once
+
+function(write_if_new file text)
+  set(old "")
+  if(EXISTS ${file})
+    file(READ ${file} old)
+  endif()
+  if(NOT old STREQUAL text)
+    file(WRITE ${file} "${text}")
+  endif()
+endfunction()
+write_if_new(${OUTPUT}/build_info.h "#pragma once
 #define POISE_BUILD_VERSION \"${VERSION}\"
 #define POISE_BUILD_COMMIT \"${commit}\"
 #define POISE_BUILD_COMPILER \"${COMPILER}\"
 #define POISE_BUILD_FLAGS \"${flags}\"
+")
+write_if_new(${OUTPUT}/geometry_hash.h "#pragma once
 #define POISE_BUILD_GEOMETRY \"${geometry}\"
 ")
-set(old "")
-if(EXISTS ${OUTPUT})
-  file(READ ${OUTPUT} old)
-endif()
-if(NOT old STREQUAL text)
-  file(WRITE ${OUTPUT} "${text}")
-endif()

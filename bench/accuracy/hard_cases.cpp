@@ -354,7 +354,7 @@ Status bullet(Context& context) {
     } else {
       BodyDefinition body;
       body.shape = plate;
-      body.is_static = true;
+      body.motion = MotionType::Static;
       world.add(body);
     }
     // From distances that meet every part of a step (8.33 m at 60 Hz).

@@ -7,6 +7,7 @@
 
 #include "accuracy/impacts.h"
 #include "accuracy/small_world.h"
+#include "poise/assets/mesh_file.h"
 #include "poise/assets/tree_cache.h"
 
 namespace poise::accuracy {

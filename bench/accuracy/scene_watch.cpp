@@ -8,7 +8,7 @@ namespace poise::accuracy {
 
 SceneWatch::SceneWatch(Scene scene, SceneRun run) : scene_(std::move(scene)), run_(std::move(run)) {
   for (const RunBody& body : run_.bodies()) {
-    if (!body.is_static) bodies_.push_back(body.id);
+    if (body.motion == MotionType::Dynamic) bodies_.push_back(body.id);
   }
   input.dt_s = scene_.dt_s;
   input.max_level = scene_.max_level;

@@ -23,7 +23,7 @@ class SlopeWorld {
     }
     BodyDefinition body;
     body.shape = world.box({12, 12, 1});
-    body.is_static = true;
+    body.motion = MotionType::Static;
     body.position_m = -0.5 * up();
     body.orientation = turn;
     world.add(body);

@@ -96,7 +96,7 @@ BodyId SmallWorld::add(BodyDefinition definition) {
     ++refusals_;
     return {};
   }
-  if (!definition.is_static) bodies_.push_back(id.value());
+  if (definition.motion == MotionType::Dynamic) bodies_.push_back(id.value());
   return id.value();
 }
 
@@ -115,7 +115,7 @@ BodyId SmallWorld::add(ShapeId shape, const Vec3& position_m, const Vec3& veloci
 BodyId SmallWorld::plane(const Vec3& normal, double offset_m) {
   BodyDefinition body;
   body.shape = shape(make_plane_shape(normal, offset_m).value());
-  body.is_static = true;
+  body.motion = MotionType::Static;
   return add(body);
 }
 

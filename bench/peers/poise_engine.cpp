@@ -3,8 +3,8 @@
 #include <memory>
 #include <utility>
 
-#include "build_info.h"
 #include "peers/engine.h"
+#include "scene/made_by.h"
 
 namespace poise::bench {
 namespace {
@@ -61,13 +61,15 @@ Result<Engine> make_poise(const Scene& scene, std::uint64_t bodies, int threads)
   input.max_level = scene.max_level;
   Engine engine;
   engine.name = "poise";
-  engine.version = POISE_BUILD_VERSION " " POISE_BUILD_COMMIT ", double";
+  const io::BuildFacts build = io::this_build();
+  engine.version = build.version + " " + build.commit + ", double";
   engine.threads = threads;
   engine.step = [run, input] { run->world().step(input); };
   engine.read_states = [run](std::span<BodyState> states) {
     std::size_t next = 0;
     for (const RunBody& body : run->bodies()) {
-      if (!body.is_static && next < states.size()) states[next++] = run->world().state(body.id).value();
+      if (body.motion == MotionType::Dynamic && next < states.size())
+        states[next++] = run->world().state(body.id).value();
     }
   };
   return engine;

@@ -35,8 +35,8 @@ std::vector<Cells> cells_of(const AccuracyDocument& document) {
 std::string made_by(const AccuracyDocument& d) {
   return fmt::format(
       "{} of {} rows missed; {:.0f} s of CPU time, {} threads; {}, {} cores, {}; poise {} commit {}, {}, {}\n",
-      missed(d), d.rows.size(), d.cpu_s, d.threads, d.machine.processor, d.machine.cores, d.machine.system, d.version,
-      d.commit, d.compiler, d.flags);
+      missed(d), d.rows.size(), d.cpu_s, d.threads, d.machine.processor, d.machine.cores, d.machine.system,
+      d.build.version, d.build.commit, d.build.compiler, d.build.flags);
 }
 
 }  // namespace
@@ -69,13 +69,8 @@ std::string accuracy_json(const AccuracyDocument& document) {
   }
   json["threads"] = document.threads;
   json["cpu_s"] = document.cpu_s;
-  json["machine"] = {{"system", document.machine.system},
-                     {"processor", document.machine.processor},
-                     {"cores", document.machine.cores}};
-  json["build"] = {{"version", document.version},
-                   {"commit", document.commit},
-                   {"compiler", document.compiler},
-                   {"flags", document.flags}};
+  json["machine"] = document.machine;
+  json["build"] = document.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/run/run_document.h"
+#include "scene/made_by.h"
 
 namespace poise::io {
 
@@ -31,7 +31,7 @@ struct AccuracyDocument {
   int threads = 1;
   double cpu_s = 0;  ///< CPU time of the whole study
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
 };
 
 /// Rows that are not ok.

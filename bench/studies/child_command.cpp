@@ -15,6 +15,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/program_beside.h"
+
 extern char** environ;
 
 namespace poise::app {
@@ -80,9 +82,9 @@ Result<ChildResult> run_program(std::vector<std::string> words, const parallel::
 }
 
 Result<ChildResult> run_child(const std::vector<std::string>& arguments, const parallel::Interrupt& interrupt) {
-  std::error_code failure;
-  std::vector<std::string> words{std::filesystem::read_symlink("/proc/self/exe", failure).string()};
-  if (failure) return failed("/proc/self/exe", failure.value());
+  const Result<std::filesystem::path> program = program_beside("poise");
+  if (!program) return program.error();
+  std::vector<std::string> words{program.value().string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   return run_program(std::move(words), interrupt);
 }

@@ -18,8 +18,8 @@ struct ChildResult {
 /// Ctrl-C is passed on. Refused: the system starts no such process.
 Result<ChildResult> run_program(std::vector<std::string> words, const parallel::Interrupt& interrupt);
 
-/// Runs this same program with other arguments in a process of its own, so that what it measures of itself is its own;
-/// its messages go where ours go. Waits for it; Ctrl-C is passed on. Refused: the system starts no process.
+/// Runs `poise`, beside this program, with these arguments in a process of its own, so that what it measures of itself
+/// is its own; its messages go where ours go. Waits for it; Ctrl-C is passed on. Refused: the system starts no process.
 Result<ChildResult> run_child(const std::vector<std::string>& arguments, const parallel::Interrupt& interrupt);
 
 }  // namespace poise::app

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "geometry/mesh/procedural.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise::app {
 namespace {

@@ -110,13 +110,8 @@ std::string levels_json(const LevelsDocument& document) {
                                 {"dv_mean", row.dv.mean},
                                 {"dv_mean_before", setback.before}});
   }
-  json["machine"] = {{"system", document.machine.system},
-                     {"processor", document.machine.processor},
-                     {"cores", document.machine.cores}};
-  json["build"] = {{"version", document.version},
-                   {"commit", document.commit},
-                   {"compiler", document.compiler},
-                   {"flags", document.flags}};
+  json["machine"] = document.machine;
+  json["build"] = document.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/run/run_document.h"
+#include "scene/made_by.h"
 #include "verify/pair_probe.h"
 
 namespace poise::io {
@@ -58,7 +58,7 @@ struct LevelsDocument {
   std::vector<LevelsPair> pairs;
   std::vector<LevelsRow> rows;  ///< pair after pair, model after model, levels ascending
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
 };
 
 /// "0" to "6", or "polygons".

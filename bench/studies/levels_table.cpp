@@ -118,7 +118,7 @@ std::string made_by(const LevelsDocument& d) {
       "{} touches a pair, half: {}, seed {}, {:g} m/s, e = {:g}, trees of depth {}, fineness {}; {}, {} cores, {}; "
       "poise {} commit {}, {}\n",
       d.touches, d.half, d.seed, d.speed_mps, d.restitution, d.depth, d.fineness, d.machine.processor, d.machine.cores,
-      d.machine.system, d.version, d.commit, d.compiler);
+      d.machine.system, d.build.version, d.build.commit, d.build.compiler);
 }
 
 // The first `words` columns are words, the others figures.

@@ -14,7 +14,6 @@
 #include "app/progress.h"
 #include "app/refusal.h"
 #include "app/scene_files.h"
-#include "build_info.h"
 #include "parallel/interrupt.h"
 #include "scene/result_file.h"
 #include "studies/accuracy_document.h"
@@ -79,10 +78,7 @@ io::AccuracyDocument document_of(const accuracy::Context& context, double cpu_s)
   d.threads = context.threads;
   d.cpu_s = cpu_s;
   d.machine = io::this_machine();
-  d.version = POISE_BUILD_VERSION;
-  d.commit = POISE_BUILD_COMMIT;
-  d.compiler = POISE_BUILD_COMPILER;
-  d.flags = POISE_BUILD_FLAGS;
+  d.build = io::this_build();
   return d;
 }
 

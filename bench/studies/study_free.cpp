@@ -10,6 +10,7 @@
 
 #include "app/exit_codes.h"
 #include "app/output_files.h"
+#include "app/program_beside.h"
 #include "app/progress.h"
 #include "app/refusal.h"
 #include "app/scene_files.h"
@@ -78,18 +79,17 @@ std::vector<Feature> features(const Scratch& scratch, const std::string& frictio
   };
 }
 
-/// Instructions inside World::step of one run of this program.
+/// Instructions inside World::step of one run of `poise`.
 Result<Counted> count(const Words& options, const Scratch& scratch, const parallel::Interrupt& interrupt) {
-  std::error_code failure;
-  const std::string program = std::filesystem::read_symlink("/proc/self/exe", failure).string();
-  if (failure) return bad_input("/proc/self/exe: cannot be read");
+  const Result<std::filesystem::path> program = program_beside("poise");
+  if (!program) return program.error();
   const std::string profile = scratch.file("profile");
   Words words{"valgrind",
               "--tool=callgrind",
               "--quiet",
               "--callgrind-out-file=" + profile,
               "--toggle-collect=poise::World::step*",
-              program,
+              program.value().string(),
               "run"};
   words.insert(words.end(), options.begin(), options.end());
   const Result<ChildResult> done = run_program(std::move(words), interrupt);

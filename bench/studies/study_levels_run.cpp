@@ -10,7 +10,6 @@
 #include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
-#include "build_info.h"
 #include "scene/result_file.h"
 #include "studies/gnuplot.h"
 #include "studies/level_trial.h"
@@ -65,10 +64,7 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
   d.restitution = settings.throws.restitution;
   d.dt_s = settings.dt_s;
   d.machine = io::this_machine();
-  d.version = POISE_BUILD_VERSION;
-  d.commit = POISE_BUILD_COMMIT;
-  d.compiler = POISE_BUILD_COMPILER;
-  d.flags = POISE_BUILD_FLAGS;
+  d.build = io::this_build();
   return d;
 }
 

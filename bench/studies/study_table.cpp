@@ -58,7 +58,8 @@ std::vector<std::vector<std::string>> shown(const StudyTable& table) {
 
 std::string made_by(const StudyTable& table) {
   return fmt::format("`{}`; {}, {} cores, {}; poise {}, {}, {}\n", table.command, table.machine.processor,
-                     table.machine.cores, table.machine.system, table.version, table.commit, table.compiler);
+                     table.machine.cores, table.machine.system, table.build.version, table.build.commit,
+                     table.build.compiler);
 }
 
 }  // namespace
@@ -74,10 +75,8 @@ std::string study_json(const StudyTable& table) {
     for (std::size_t i = 0; i < table.columns.size(); ++i) made[table.columns[i].name] = json_of(row[i]);
     json["rows"].push_back(std::move(made));
   }
-  json["machine"] = {
-      {"system", table.machine.system}, {"processor", table.machine.processor}, {"cores", table.machine.cores}};
-  json["build"] = {
-      {"version", table.version}, {"commit", table.commit}, {"compiler", table.compiler}, {"flags", table.flags}};
+  json["machine"] = table.machine;
+  json["build"] = table.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "scene/run/run_document.h"
+#include "scene/made_by.h"
 
 namespace poise::io {
 
@@ -29,7 +29,7 @@ struct StudyTable {
   std::vector<std::vector<StudyCell>> rows;
   std::vector<std::pair<std::string, StudyCell>> facts;  ///< settings, and figures of the whole
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
 };
 
 /// JSON of the table: facts, then `rows`, an object a row. Full precision; ends in a newline.

@@ -7,7 +7,6 @@
 #include "app/output_files.h"
 #include "app/run/run_options.h"
 #include "app/scene_files.h"
-#include "build_info.h"
 #include "parallel/executor.h"
 #include "scene/result_file.h"
 #include "studies/gnuplot.h"
@@ -106,10 +105,7 @@ io::StudyTable begin_study(const std::string& name, const std::string& command) 
   table.schema = fmt::format("poise.{}/1", name);
   table.command = command;
   table.machine = io::this_machine();
-  table.version = POISE_BUILD_VERSION;
-  table.commit = POISE_BUILD_COMMIT;
-  table.compiler = POISE_BUILD_COMPILER;
-  table.flags = POISE_BUILD_FLAGS;
+  table.build = io::this_build();
   return table;
 }
 

@@ -10,7 +10,6 @@
 #include "app/output_files.h"
 #include "app/run/run_options.h"
 #include "app/scene_files.h"
-#include "build_info.h"
 #include "scene/result_file.h"
 
 namespace poise::app {
@@ -143,7 +142,7 @@ Result<SceneRun> timed_scene(const StudyTimingOptions& o, std::uint64_t bodies, 
 Status forget_pairs(SceneRun& run) {
   World& world = run.world();
   for (const RunBody& body : run.bodies()) {
-    if (body.is_static) continue;
+    if (body.motion != MotionType::Dynamic) continue;
     const Result<BodyState> state = world.state(body.id);
     if (!state) return state.error();
     BodyState away = state.value();
@@ -158,10 +157,7 @@ Status forget_pairs(SceneRun& run) {
 io::MeasuredBy measured_by(const StudyTimingOptions& o, int threads) {
   io::MeasuredBy by;
   by.machine = io::this_machine();
-  by.version = POISE_BUILD_VERSION;
-  by.commit = POISE_BUILD_COMMIT;
-  by.compiler = POISE_BUILD_COMPILER;
-  by.flags = POISE_BUILD_FLAGS;
+  by.build = io::this_build();
   by.threads = threads;
   by.executor = executor_name(timed_executor(o, threads));
   return by;

@@ -12,7 +12,6 @@
 #include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
-#include "build_info.h"
 #include "parallel/interrupt.h"
 #include "poise/types.h"
 #include "scene/result_file.h"
@@ -81,10 +80,7 @@ io::TreesDocument begin_document(const StudyTreesOptions& options) {
   d.seed = options.seed.value_or(1);
   d.threads = static_cast<int>(options.threads.value_or(0));
   d.machine = io::this_machine();
-  d.version = POISE_BUILD_VERSION;
-  d.commit = POISE_BUILD_COMMIT;
-  d.compiler = POISE_BUILD_COMPILER;
-  d.flags = POISE_BUILD_FLAGS;
+  d.build = io::this_build();
   return d;
 }
 

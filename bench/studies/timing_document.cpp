@@ -11,17 +11,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json by_json(const MeasuredBy& by) {
-  return {
-      {"threads", by.threads},
-      {"executor", by.executor},
-      {"machine", {{"system", by.machine.system}, {"processor", by.machine.processor}, {"cores", by.machine.cores}}},
-      {"build", {{"version", by.version}, {"commit", by.commit}, {"compiler", by.compiler}, {"flags", by.flags}}}};
+  return {{"threads", by.threads}, {"executor", by.executor}, {"machine", by.machine}, {"build", by.build}};
 }
 
 std::string by_text(const MeasuredBy& by) {
   return fmt::format("{}, {} cores, {}; {} threads ({}); poise {} commit {}, {}, {}\n", by.machine.processor,
-                     by.machine.cores, by.machine.system, by.threads, by.executor, by.version, by.commit, by.compiler,
-                     by.flags);
+                     by.machine.cores, by.machine.system, by.threads, by.executor, by.build.version, by.build.commit,
+                     by.build.compiler, by.build.flags);
 }
 
 std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }

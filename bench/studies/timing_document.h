@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "scene/run/run_document.h"
+#include "scene/made_by.h"
 
 namespace poise::io {
 
 /// Where and by what something was measured.
 struct MeasuredBy {
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
   int threads = 1;
   std::string executor;
 };

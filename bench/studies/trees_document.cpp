@@ -57,7 +57,8 @@ std::vector<Cells> all_cells(const TreesDocument& document) {
 
 std::string made_by(const TreesDocument& d) {
   return fmt::format("{} samples a figure, seed {}; {}, {} cores, {}; poise {} commit {}, {}", d.samples, d.seed,
-                     d.machine.processor, d.machine.cores, d.machine.system, d.version, d.commit, d.compiler);
+                     d.machine.processor, d.machine.cores, d.machine.system, d.build.version, d.build.commit,
+                     d.build.compiler);
 }
 
 Json level_json(const TreeLevelFigures& f, double diagonal_m) {
@@ -144,13 +145,8 @@ std::string trees_json(const TreesDocument& document) {
   json["threads"] = document.threads;
   json["rows"] = Json::array();
   for (const TreesRow& row : document.rows) json["rows"].push_back(row_json(row));
-  json["machine"] = {{"system", document.machine.system},
-                     {"processor", document.machine.processor},
-                     {"cores", document.machine.cores}};
-  json["build"] = {{"version", document.version},
-                   {"commit", document.commit},
-                   {"compiler", document.compiler},
-                   {"flags", document.flags}};
+  json["machine"] = document.machine;
+  json["build"] = document.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

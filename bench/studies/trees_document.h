@@ -27,7 +27,7 @@ struct TreesDocument {
   int threads = 0;
   std::vector<TreesRow> rows;
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
 };
 
 /// A row from what `poise tree --json` wrote. Refused: text that is not such a document.

@@ -50,7 +50,7 @@ std::optional<std::string> fill(poise::World& world) {
   const auto wall = [&](const poise::Vec3& normal, double offset_m) {
     poise::BodyDefinition body;
     body.shape = world.add_shape(poise::make_plane_shape(normal, offset_m).value());
-    body.is_static = true;
+    body.motion = poise::MotionType::Static;
     definitions.push_back(body);
   };
   wall({0, 0, 1}, 0);

@@ -13,7 +13,7 @@ int main() {
   poise::BodyDefinition floor;
   floor.shape = world.add_shape(poise::make_plane_shape({0, 0, 1}, 0).value());
   floor.material = rubber;
-  floor.is_static = true;
+  floor.motion = poise::MotionType::Static;
   poise::BodyDefinition ball;
   ball.shape = world.add_shape(poise::make_sphere_shape(0.5).value());
   ball.material = rubber;

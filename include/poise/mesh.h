@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -37,11 +36,6 @@ struct MeshRepair {
   bool flipped = false;           ///< every piece was turned over
 };
 
-struct MeshReadOptions {
-  double scale = 1.0;           ///< metres per unit of the file, > 0
-  double weld_relative = 1e-6;  ///< vertices closer than this fraction of the diagonal are one, in [0, 0.1]
-};
-
 /// Mass properties at density 1 kg/m^3, so volumes are masses.
 struct MassProperties {
   double volume_m3 = 0;
@@ -49,15 +43,7 @@ struct MassProperties {
   Mat3 inertia_m5 = Mat3::Zero();        ///< about the centre of mass, axes of the mesh frame, symmetric
 };
 
-/// Reads an OBJ, STL, PLY, OFF, glTF or GLB file (chosen by its extension), welds and cleans it. Polygons are cut into
-/// triangles; the transforms of glTF nodes are applied and all meshes of a file merged. Any thread.
-/// Refused with file, and place where known: unreadable or unknown files, indices out of range, coordinates that are
-/// not finite or (scaled) beyond 1e9 m, a diagonal under 1e-9 m, and files without a triangle. An open mesh is *not*
-/// refused here; see check_closed.
-Result<TriangleMesh> read_mesh(const std::filesystem::path& file, const MeshReadOptions& options,
-                               MeshRepair* repair = nullptr);
-
-/// Merges vertices within `weld_relative` (as in MeshReadOptions) of the diagonal into the lowest-numbered one, drops
+/// Merges vertices within `weld_relative` of the diagonal (in [0, 0.1]) into the lowest-numbered one, drops
 /// triangles that name a vertex twice or repeat another, leaves out unused vertices, and turns triangles over so that
 /// neighbours agree on the outside and no piece is inside out, a cavity staying one (src/geometry/mesh_orient.h); in
 /// place. Needles with three distinct corners stay: without them a closed mesh would not be. A second call changes
@@ -114,7 +100,7 @@ struct MeshReport {
   std::string text;         ///< one or two sentences for a person, no line end
 };
 
-/// Judges a mesh, as read_mesh and clean_mesh leave it. Any thread. Refused: as winding_mass_properties.
+/// Judges a mesh, as clean_mesh leaves it. Any thread. Refused: as winding_mass_properties.
 Result<MeshReport> assess_mesh(const TriangleMesh& mesh, int threads = 0);
 
 }  // namespace poise

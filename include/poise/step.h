@@ -65,6 +65,8 @@ struct StepInput {
   bool backtracking = false;
   /// Fill FrameReport::levels; not part of the frame's times. Lists the contacts of the step and allocates.
   bool measure_levels = false;
+  /// World::contact_events tells also of pairs that go on touching. Pairs of bodies that sleep are not told of.
+  bool persist_events = false;
   bool measure_energy = false;  ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
   /// Do the frame again as a reference and fill FrameReport::reference. The state after the step is the same to the bit
   /// as without. What this takes is in none of the frame's times: a deadline moves by the little that is kept before
@@ -196,7 +198,10 @@ struct FrameReport {
   std::size_t pairs_discarded = 0;  ///< candidate partners of a body beyond its limit
   std::size_t fronts_full = 0;      ///< refinements refused because a front had no room
   std::size_t colors_full = 0;      ///< contacts beyond the last colour, solved one after another
-  std::size_t degenerate = 0;       ///< contacts without a positive finite effective mass, answered by none
+  /// Answers of the host's cue (Policy::cue) that were NaN, which counts as 1, or out of range, which counts as the
+  /// nearest end. 0 with a sound cue.
+  std::size_t cues_refused = 0;
+  std::size_t degenerate = 0;  ///< contacts without a positive finite effective mass, answered by none
 
   // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -84,10 +86,20 @@ struct Material {
   double density_kgpm3 = 1000;  ///< > 0
 };
 
+/// How a body moves.
+enum class MotionType : std::uint8_t {
+  Static,  ///< stays where it is put
+  /// Moves by its velocity and angular velocity, which stay what the caller sets: a platform, a belt, a paddle. It
+  /// pushes dynamic bodies and is pushed by none, meets neither static nor kinematic ones, wakes what sleeps in its way
+  /// while it moves, and counts in no sum of mass, momentum or energy. Not for planes.
+  Kinematic,
+  Dynamic,  ///< moves by forces and contacts
+};
+
 struct BodyDefinition {
   ShapeId shape;
   MaterialId material;
-  bool is_static = false;
+  MotionType motion = MotionType::Dynamic;
   Vec3 position_m = Vec3::Zero();              ///< of the shape's own origin, world frame
   Quat orientation = Quat::Identity();         ///< body to world; normalised; not 0
   Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass, world frame
@@ -97,7 +109,8 @@ struct BodyDefinition {
   std::uint32_t group = 1;                     ///< bits: which groups the body is in
   std::uint32_t collides_with = 0xffffffffU;   ///< bits: which groups it meets; both sides must agree
   double importance = 1;                       ///< a factor on the priority of its pairs, >= 0, finite
-  std::uint64_t user_data = 0;                 ///< the caller's own; nothing reads it but PairFilter
+  /// The caller's own; nothing reads it but the caller's functions: PairFilter, and the cue and policy of a Policy.
+  std::uint64_t user_data = 0;
 };
 
 struct BodyState {
@@ -107,20 +120,39 @@ struct BodyState {
   Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
 };
 
+/// A point at which a pair touched in the last step, world frame, as the bodies were at the start of the step.
+struct ContactPoint {
+  Vec3 point_m = Vec3::Zero();     ///< in the middle between the surfaces
+  Vec3 normal = Vec3::UnitZ();     ///< from a to b, unit
+  double separation_m = 0;         ///< of the modelled surfaces along the normal, negative in overlap
+  Vec3 impulse_ns = Vec3::Zero();  ///< that b received there in the step, kg m/s; a received the opposite
+};
+
 /// One pair that touched in the last step.
 struct Contact {
+  static constexpr std::size_t kMostPoints = 4;
   BodyId a, b;                     ///< a comes before b in the order of slots
   Level level = 0;                 ///< that was completed for the pair; by polygons, the trees' deepest + 1
   Vec3 normal = Vec3::UnitZ();     ///< from a to b, unit, mean over the pair
   Vec3 point_m = Vec3::Zero();     ///< world frame, mean over the pair
   double gap_m = 0;                ///< between the modelled surfaces at the start of the step, negative in overlap
   Vec3 impulse_ns = Vec3::Zero();  ///< that b received in the step, kg m/s; a received the opposite
+  std::uint8_t point_count = 0;    ///< 1 to kMostPoints
+  std::array<ContactPoint, kMostPoints> point_slots{};  ///< of these the first point_count
+  /// The pair's manifold. The impulses of its points add up to impulse_ns; they are in the ratio of what the points
+  /// bore at the end of the step, and equal where an impact alone was answered.
+  [[nodiscard]] std::span<const ContactPoint> points() const { return std::span(point_slots).first(point_count); }
 };
 
 struct ContactEvent {
-  enum class Kind : std::uint8_t { Begin, End };
+  enum class Kind : std::uint8_t {
+    Begin,    ///< touches and did not in the step before
+    End,      ///< touched in the step before and does not
+    Persist,  ///< touches and did in the step before; only with StepInput::persist_events
+  };
   Kind kind = Kind::Begin;
   BodyId a, b;
+  Vec3 impulse_ns = Vec3::Zero();  ///< Begin, Persist: that b received in the step, kg m/s; End: 0
 };
 
 /// Sums over the dynamic bodies.
@@ -168,11 +200,13 @@ class World {
   void set_pair_filter(const PairFilter& filter);
 
   /// Refused: unknown shape or material, numbers that are not finite or out of range, an inertia that breaks the
-  /// triangle inequality, a plane that is not static.
+  /// triangle inequality, a plane that is not static. Of static and kinematic bodies mass and inertia do not count.
   Result<BodyId> add_body(const BodyDefinition& definition);
   Status remove_body(BodyId body);
   [[nodiscard]] bool contains(BodyId body) const;
   [[nodiscard]] std::size_t body_count() const;  ///< static ones and planes included
+  /// As it was added; a body that sleeps is dynamic.
+  [[nodiscard]] Result<MotionType> motion_type(BodyId body) const;
   /// The bodies that live now, in order of slots; a copy, so it stays what it is when bodies come and go.
   [[nodiscard]] std::vector<BodyId> bodies() const;
   [[nodiscard]] Result<std::uint64_t> user_data(BodyId body) const;
@@ -182,16 +216,16 @@ class World {
   /// Wakes what sleeps there.
   Status set_state(BodyId body, const BodyState& state);
   /// Of the centre of mass, and about it; world frame. Wakes what sleeps there. Refused: numbers out of range, and a
-  /// static body that is to move.
+  /// static body that is to move. A kinematic body keeps it until it is set again.
   Status set_velocity(BodyId body, const Vec3& velocity_mps, const Vec3& angular_velocity_radps);
   /// Does it sleep (WorldSettings::sleeping)? A body that sleeps has no velocity and no contacts.
   [[nodiscard]] Result<bool> asleep(BodyId body) const;
-  /// 0 for static bodies.
+  /// 0 for static and kinematic bodies.
   [[nodiscard]] Result<double> mass_kg(BodyId body) const;
   [[nodiscard]] Result<ShapePtr> shape(BodyId body) const;
 
-  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static bodies; wakes
-  /// sleeping ones.
+  /// Adds a force (N, world frame) at a world point for the next step; cleared by it. No effect on static and kinematic
+  /// bodies; wakes sleeping ones.
   Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
   Status apply_torque(BodyId body, const Vec3& torque_nm);
   /// Changes velocities at once by an impulse (kg m/s, world frame) at a world point.
@@ -238,8 +272,8 @@ class World {
   /// next call that is not const. Listed at the first call after a step, so a caller that does not ask does not pay;
   /// any number of threads may call it at once between steps.
   [[nodiscard]] std::span<const Contact> contacts() const;
-  /// Pairs that began and ceased to touch in the last step, in order of (a, b). The contacts of a body that is removed
-  /// end in the next step: then its handle stands in an End event, stale.
+  /// Pairs that began and ceased to touch in the last step, in order of (a, b), and those that went on if asked for.
+  /// The contacts of a body that is removed end in the next step: then its handle stands in an End event, stale.
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
 
   /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all

@@ -44,8 +44,9 @@ simulation::ShapeFacts facts_of(ShapePtr shape) {
   return facts;
 }
 
-bool is_static(const dynamics::BodyStore& bodies, std::size_t slot) {
-  return bodies.dynamic[slot] == 0 && bodies.asleep[slot] == 0;
+MotionType motion_of(const dynamics::BodyStore& bodies, std::size_t slot) {
+  if (bodies.kinematic[slot] != 0) return MotionType::Kinematic;
+  return bodies.dynamic[slot] == 0 && bodies.asleep[slot] == 0 ? MotionType::Static : MotionType::Dynamic;
 }
 
 // A quaternion that is of unit length but for rounding stays as it is, so that a state that is read and set again is
@@ -136,13 +137,17 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
   state_->shape_of.resize(bodies.slot_count());
   state_->shape_of[i] = definition.shape.index;
   simulation::request_wake(state_->sleep_access(), id.slot);
-  if (definition.is_static) return id;
+  if (definition.motion == MotionType::Static) return id;
+  bodies.set_velocity(i, definition.velocity_mps);
+  bodies.set_spin(i, definition.angular_velocity_radps);
+  if (definition.motion == MotionType::Kinematic) {
+    bodies.make_kinematic(id.slot);
+    return id;
+  }
   bodies.make_dynamic(id.slot);
   bodies.mass_kg[i] = mass.value().mass_kg;
   bodies.inverse_mass[i] = 1.0 / mass.value().mass_kg;
   bodies.principal_kgm2[i] = mass.value().principal_kgm2;
-  bodies.set_velocity(i, definition.velocity_mps);
-  bodies.set_spin(i, definition.angular_velocity_radps);
   return id;
 }
 
@@ -159,6 +164,10 @@ Status World::remove_body(BodyId body) {
 
 bool World::contains(BodyId body) const { return state_->bodies.contains(body); }
 std::size_t World::body_count() const { return state_->bodies.alive_count(); }
+Result<MotionType> World::motion_type(BodyId body) const {
+  if (!contains(body)) return stale_body(body);
+  return motion_of(state_->bodies, body.slot);
+}
 int World::threads() const { return state_->executor->concurrency(); }
 
 Result<BodyState> World::state(BodyId body) const {
@@ -171,7 +180,7 @@ Result<BodyState> World::state(BodyId body) const {
 Status World::set_state(BodyId body, const BodyState& state) {
   if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
-  if (auto bad = simulation::check_state(state, is_static(bodies, body.slot))) return *bad;
+  if (auto bad = simulation::check_state(state, motion_of(bodies, body.slot) == MotionType::Static)) return *bad;
   simulation::request_wake(state_->sleep_access(), body.slot);
   ++state_->changes;
   const Quat turn = unit(state.orientation);
@@ -208,7 +217,7 @@ Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m)
   const Vec3 torque = bodies.torque(body.slot) + (point_m - bodies.position(body.slot)).cross(force_n);
   if (auto bad = check_vector("force_n", force, simulation::kMaxForceN)) return *bad;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
-  if (is_static(bodies, body.slot)) return Done{};
+  if (motion_of(bodies, body.slot) != MotionType::Dynamic) return Done{};
   simulation::request_wake(state_->sleep_access(), body.slot);
   bodies.set_force(body.slot, force);
   bodies.set_torque(body.slot, torque);
@@ -221,7 +230,7 @@ Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
   dynamics::BodyStore& bodies = state_->bodies;
   const Vec3 torque = bodies.torque(body.slot) + torque_nm;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
-  if (is_static(bodies, body.slot)) return Done{};
+  if (motion_of(bodies, body.slot) != MotionType::Dynamic) return Done{};
   simulation::request_wake(state_->sleep_access(), body.slot);
   bodies.set_torque(body.slot, torque);
   bodies.pushed[body.slot] = 1;
@@ -233,7 +242,7 @@ Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& poi
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
   if (auto bad = check_vector("impulse_ns", impulse_ns, simulation::kMaxForceN)) return *bad;
-  if (is_static(bodies, body.slot)) return Done{};
+  if (motion_of(bodies, body.slot) != MotionType::Dynamic) return Done{};
   // One that sleeps shows its mass for a moment; set_state wakes it if it accepts the new velocities.
   const bool asleep = bodies.asleep[body.slot] != 0;
   if (asleep) bodies.wake(body.slot);
@@ -322,6 +331,7 @@ std::uint64_t World::state_hash() const {
       sizeof(solver::ContactPoint) == 10 * sizeof(double) && sizeof(solver::AccumulatedImpulse) == 4 * sizeof(double),
       "no padding in what is hashed");
   mix_pairs(state_->cache.pairs);
+  if (bodies.kinematic_count() > 0) mix(bodies.kinematic);
   if (!state_->settings.sleeping) return hash;
   const simulation::SleepingState& sleep = state_->sleeping;
   mix(bodies.asleep);

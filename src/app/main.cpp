@@ -5,22 +5,24 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 
 #include "app/exit_codes.h"
 #include "app/replay/replay_command.h"
 #include "app/run/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
+#include "app/study_command.h"
 #include "app/tree/tree_command.h"
-#include "build_info.h"
-#include "studies/study_command.h"
+#include "scene/made_by.h"
 
 namespace {
 
 int run(int argc, char** argv) {
   CLI::App app("Poise steps scenes of many rigid bodies inside a time budget.", "poise");
-  app.set_version_flag("--version", fmt::format("poise {} ({}, {}, {})", POISE_BUILD_VERSION, POISE_BUILD_COMMIT,
-                                                POISE_BUILD_COMPILER, POISE_BUILD_FLAGS));
+  const poise::io::BuildFacts build = poise::io::this_build();
+  app.set_version_flag("--version",
+                       fmt::format("poise {} ({}, {}, {})", build.version, build.commit, build.compiler, build.flags));
   app.require_subcommand(0, 1);
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
@@ -28,7 +30,7 @@ int run(int argc, char** argv) {
   poise::app::add_replay_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
-  poise::app::add_study_command(app, exit_code);
+  poise::app::add_study_command(app);
   poise::app::add_scenes_command(app, exit_code);
   try {
     app.parse(argc, argv);
@@ -48,6 +50,8 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Before anything else is read, so that every word behind it, --help too, is the study's.
+  if (argc > 1 && std::string_view(argv[1]) == "study") return poise::app::start_study(argc, argv);
   // A reader that goes away must end in exit code 4, not in a signal.
   std::signal(SIGPIPE, SIG_IGN);
   try {

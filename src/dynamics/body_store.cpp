@@ -29,6 +29,7 @@ BodyId BodyStore::add() {
     alive.push_back(1);
     dynamic.push_back(0);
     asleep.push_back(0);
+    kinematic.push_back(0);
     pushed.push_back(0);
   } else {
     std::pop_heap(free_.begin(), free_.end(), std::greater<>());
@@ -44,9 +45,11 @@ void BodyStore::remove(std::uint32_t slot) {
   POISE_ASSERT(slot < alive.size() && alive[slot] != 0);
   if (dynamic[slot] != 0) --dynamic_count_;
   if (asleep[slot] != 0) --asleep_count_;
+  if (kinematic[slot] != 0) --kinematic_count_;
   --alive_count_;
   alive[slot] = 0;
   dynamic[slot] = 0;
+  kinematic[slot] = 0;
   asleep[slot] = 0;
   pushed[slot] = 0;
   ++generation[slot];
@@ -66,6 +69,12 @@ void BodyStore::make_dynamic(std::uint32_t slot) {
   POISE_ASSERT(alive[slot] != 0 && dynamic[slot] == 0);
   dynamic[slot] = 1;
   ++dynamic_count_;
+}
+
+void BodyStore::make_kinematic(std::uint32_t slot) {
+  POISE_ASSERT(alive[slot] != 0 && dynamic[slot] == 0 && kinematic[slot] == 0);
+  kinematic[slot] = 1;
+  ++kinematic_count_;
 }
 
 void BodyStore::put_to_sleep(std::uint32_t slot) {

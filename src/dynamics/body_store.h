@@ -22,7 +22,7 @@ struct BodyStore {
   std::vector<double> wx_radps, wy_radps, wz_radps;
   std::vector<double> fx_n, fy_n, fz_n;       ///< applied for the next step
   std::vector<double> tx_nm, ty_nm, tz_nm;    ///< applied for the next step, about the centre of mass
-  std::vector<double> mass_kg, inverse_mass;  ///< 0 for static bodies; the inverse alone for those asleep
+  std::vector<double> mass_kg, inverse_mass;  ///< 0 for static and kinematic bodies; the inverse alone for those asleep
   std::vector<Vec3> principal_kgm2;           ///< moments in the principal frame; 0 for static bodies
   std::vector<ShapePtr> shape;
   std::vector<std::uint32_t> material;
@@ -31,14 +31,20 @@ struct BodyStore {
   std::vector<std::uint64_t> user_data;  ///< the caller's own; no part of the state
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
-  std::vector<std::uint8_t> dynamic;  ///< alive, not static and awake
-  std::vector<std::uint8_t> asleep;   ///< alive, not static and counted as static for now
-  std::vector<std::uint8_t> pushed;   ///< a force or torque waits
+  std::vector<std::uint8_t> dynamic;    ///< alive, neither static nor kinematic, and awake: forces and impulses move it
+  std::vector<std::uint8_t> asleep;     ///< alive, neither static nor kinematic, and counted as static for now
+  std::vector<std::uint8_t> kinematic;  ///< alive, and moved by its own velocities alone
+  std::vector<std::uint8_t> pushed;     ///< a force or torque waits
 
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }
   [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }  ///< awake ones
   [[nodiscard]] std::size_t asleep_count() const { return asleep_count_; }
+  [[nodiscard]] std::size_t kinematic_count() const { return kinematic_count_; }
+  /// Static, kinematic or asleep bodies have no mass for contacts; of these a kinematic one with a velocity moves.
+  [[nodiscard]] bool moves_by_itself(std::size_t i) const {
+    return kinematic[i] != 0 && !(velocity(i).isZero(0) && spin(i).isZero(0));
+  }
 
   /// A slot with all numbers zero and identity orientation: the lowest free one.
   BodyId add();
@@ -49,6 +55,7 @@ struct BodyStore {
   }
   [[nodiscard]] BodyId id_of(std::uint32_t slot) const { return {slot, generation[slot]}; }
   void make_dynamic(std::uint32_t slot);
+  void make_kinematic(std::uint32_t slot);
   /// A dynamic body stops where it is and counts as static from now on, its mass kept aside.
   void put_to_sleep(std::uint32_t slot);
   /// A body that sleeps is dynamic again, at rest.
@@ -72,6 +79,7 @@ struct BodyStore {
   std::size_t alive_count_ = 0;
   std::size_t dynamic_count_ = 0;
   std::size_t asleep_count_ = 0;
+  std::size_t kinematic_count_ = 0;
 };
 
 /// Turns the principal frame of a body into the world.

@@ -5,6 +5,7 @@
 
 #include "collision/triangles/polygon_contact.h"
 #include "frame/ccd/swept.h"
+#include "frame/host_cues.h"
 #include "frame/view_cues.h"
 #include "parallel/shared_counters.h"
 
@@ -82,6 +83,12 @@ bool may_meet(const CoarseInput& input, const collision::CandidatePair& pair) {
   return input.filter.function(input.filter.context, asked);
 }
 
+// Of two bodies without mass for contacts: is one asleep in the way of the other? Others do not meet.
+bool meets_sleeper(const dynamics::BodyStore& bodies, const PairRecord& pair) {
+  return (bodies.asleep[pair.a] != 0 && bodies.moves_by_itself(pair.b)) ||
+         (bodies.asleep[pair.b] != 0 && bodies.moves_by_itself(pair.a));
+}
+
 // What of a cached pair counts now.
 void use_cached(const CoarseInput& input, ActivePair& pair, PairProgress& progress) {
   const double size_m = pair.skin_m / kSkin;
@@ -137,6 +144,18 @@ PairView pair_view_of(const CoarseInput& input, const ActivePair& pair) {
   return pair_view;
 }
 
+// What the score of a pair is made of; the host's own cue is asked where there is one.
+void fill_cues(const CoarseInput& input, const ViewQuery& view_query, const ActivePair& pair, scheduler::PairCues& cues,
+               KnownCount& known) {
+  const PairView seen = pair_view_of(input, pair);
+  cues = cues_of(view_query, seen, input.policy);
+  if (input.policy.cue.function == nullptr) return;
+  const scheduler::HostFactor host = scheduler::host_factor(
+      input.policy.cue, host_view_of(view_query, seen, pair.id(), user_data_of(input.scene, pair)));
+  cues.host = host.factor;
+  if (host.refused) ++known.refused_cues;
+}
+
 // What the forecasts ask of a pair before refinement.
 void count_known(const ActivePair& pair, const PairProgress& progress, bool swept, KnownCount& known) {
   // What backtracking will know of a pair is not known yet.
@@ -181,6 +200,7 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
       const BodyBounds& a = body_bounds[pair.a];
       const BodyBounds& b = body_bounds[pair.b];
       if (!fast && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
+      if (!a.dynamic && !b.dynamic && !meets_sleeper(input.scene.bodies, pair)) continue;
       if (input.filter.function != nullptr && !may_meet(input, candidates[i])) continue;
       pair.candidate = static_cast<std::uint32_t>(i);
       table.records[begin + active++] = pair;
@@ -222,7 +242,7 @@ void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size
     }
     use_cached(input, pair, progress);
     count_known(pair, progress, swept.fast(pair.a) || swept.fast(pair.b), known);
-    if (progress.refinable()) table.cues[k] = cues_of(view_query, pair_view_of(input, pair), input.policy);
+    if (progress.refinable()) fill_cues(input, view_query, pair, table.cues[k], known);
   }
   // Not where it begins: the chunk before reads that.
   KnownCount& counted = table.known_of_chunk[chunk];
@@ -231,6 +251,7 @@ void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size
   counted.outdated = known.outdated;
   counted.refinable = known.refinable;
   counted.without_slot = known.without_slot;
+  counted.refused_cues = known.refused_cues;
 }
 
 }  // namespace
@@ -242,6 +263,10 @@ bool coarsest_near(const PredictedMotion& motion, const ActivePair& pair) {
   if (b.plane) return true;
   const double reach = a.estimated_radius_m + b.estimated_radius_m + pair.margin_m;
   return reach > 0 && (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
+}
+
+scheduler::UserData user_data_of(const SceneView& scene, const ActivePair& pair) {
+  return {scene.bodies.user_data[pair.low()], scene.bodies.user_data[pair.high()]};
 }
 
 double wide_m(const ActivePair& pair) { return kWideOfSize * (pair.skin_m / kSkin); }
@@ -264,6 +289,7 @@ void find_active_pairs(const CoarseInput& input, PairTable& table, std::span<col
     all.present += table.known_of_chunk[chunk].present;
     all.unknown += table.known_of_chunk[chunk].unknown;
     all.refinable += table.known_of_chunk[chunk].refinable;
+    all.refused_cues += table.known_of_chunk[chunk].refused_cues;
   }
   table.swept.clear();
   if (input.motion.swept.on) take_swept_pairs(input, table, pools, executor);

@@ -8,6 +8,7 @@
 #include "frame/broad_phase_stage.h"
 #include "frame/pair_progress.h"
 #include "frame/predict.h"
+#include "poise/scheduler/host_cue.h"
 #include "poise/scheduler/policy.h"
 #include "world/contact_cache.h"
 
@@ -52,6 +53,7 @@ struct KnownCount {
   std::uint32_t outdated = 0;      ///< of these, of which what is cached is too old
   std::uint32_t refinable = 0;     ///< at most so many can be refined
   std::uint32_t without_slot = 0;  ///< at most so many have no slot in the point cache and may need one
+  std::uint32_t refused_cues = 0;  ///< for which the host's cue gave no number or one out of range
 };
 
 /// Output of *coarse*: the active pairs in canonical order, one entry a pair in each column. Invariant: buffers only
@@ -74,6 +76,9 @@ struct PairTable {
 
   parallel::LargeVector<PairRecord> records;  // scratch: of each chunk of candidates, from where that begins
 };
+
+/// What the host gave the bodies of an active pair, that of the lower slot first.
+scheduler::UserData user_data_of(const SceneView& scene, const ActivePair& pair);
 
 /// What of a pair counts as wide: where no two nodes come within this much more than its reach, it stays separated for
 /// that much longer.

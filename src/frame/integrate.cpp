@@ -2,6 +2,7 @@
 #include "frame/integrate.h"
 
 #include "dynamics/rotation.h"
+#include "frame/kinematic.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -63,6 +64,7 @@ void integrate(const Velocities& velocities, double dt_s, dynamics::BodyStore& b
   motions.of_slot.assign(bodies.slot_count(), StepMotion{});
   parallel::parallel_for(executor, bodies.slot_count(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (bodies.kinematic[i] != 0) motions.of_slot[i] = move_kinematic(bodies, i, dt_s);
       if (bodies.dynamic[i] == 0) continue;
       const Trajectory* stopped = velocities.swept.stopped(static_cast<std::uint32_t>(i));
       motions.of_slot[i] =

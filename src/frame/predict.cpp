@@ -14,11 +14,17 @@ constexpr std::size_t kPredictGrain = 512;
 
 double motion_bound_m(const PredictInput& input, std::size_t slot) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
-  if (bodies.dynamic[slot] == 0) return 0;
   const double speed = bodies.velocity(slot).norm();
+  if (bodies.kinematic[slot] != 0) return speed * input.terms.dt_s;
+  if (bodies.dynamic[slot] == 0) return 0;
   double acceleration = input.terms.gravity_mps2.norm();
   if (bodies.pushed[slot] != 0) acceleration += bodies.force(slot).norm() * bodies.inverse_mass[slot];
   return (speed + acceleration * input.terms.dt_s) * input.terms.dt_s;
+}
+
+// Does the body move and have to wake what sleeps in its way? Without sleepers the broad phase need not look.
+bool wakes(const dynamics::BodyStore& bodies, std::size_t i) {
+  return bodies.asleep_count() > 0 && bodies.moves_by_itself(i);
 }
 
 BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& pose, std::size_t i) {
@@ -79,8 +85,12 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
     for (std::size_t k = begin; k < end; ++k) {
       collision::MotionBound& bound = motion.bounds[k];
       const std::size_t i = bound.slot;
-      bound = {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m, bound.slot, bodies.group[i],
-               bodies.collides_with[i],          bodies.dynamic[i] != 0};
+      bound = {motion.body_bounds[i].position_m,
+               motion.body_bounds[i].bound_m,
+               bound.slot,
+               bodies.group[i],
+               bodies.collides_with[i],
+               bodies.dynamic[i] != 0 || wakes(bodies, i)};
     }
   });
   for (std::size_t i = 0; i < slots; ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "frame/contact_points.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -62,6 +63,15 @@ bool touches(const PublishInput& input, const PointCache& points, std::size_t k)
   return solved_gap_m(input.solved_pair(points), index) <= 0;
 }
 
+// What the body in the lower slot gave the other in the step, by contact and impacts of the k-th row.
+Vec3 touch_impulse_ns(const PublishInput& input, std::size_t k) {
+  const std::uint32_t index = input.manifolds.coloring.order()[k];
+  const ActivePair& pair = input.table.pairs[input.manifolds.manifolds[index].pair];
+  Vec3 impulse_ns = input.velocities.applied_impulse_ns[index];
+  if (const solver::ContactRow* row = input.velocities.row(input.manifolds, k)) impulse_ns += row->impact_ns();
+  return pair.a == pair.low() ? impulse_ns : Vec3(-impulse_ns);
+}
+
 // What a solved pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
 Contact contact_at(const PublishInput& input, const PointCache& points, std::uint32_t index,
                    const solver::ContactRow* row, const Vec3& applied_ns) {
@@ -77,6 +87,7 @@ Contact contact_at(const PublishInput& input, const PointCache& points, std::uin
   contact.gap_m = solved_gap_m(input.solved_pair(points), index);
   contact.impulse_ns = sign * applied_ns;
   if (row != nullptr) contact.impulse_ns += sign * row->impact_ns();
+  list_points({input.motion, points, pair, input.manifolds.points[index]}, sign, contact);
   return contact;
 }
 
@@ -102,6 +113,8 @@ void add_swept_contacts(const PublishInput& input, std::span<const BodyId> remov
     contact.point_m = hit.point_m;
     contact.gap_m = hit.gap_m;
     contact.impulse_ns = hit.impulse_ns * contact.normal;
+    contact.point_slots[0] = {contact.point_m, contact.normal, contact.gap_m, contact.impulse_ns};
+    contact.point_count = 1;
     contacts.push_back(contact);
   }
   std::stable_sort(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
@@ -113,6 +126,7 @@ void add_swept_contacts(const PublishInput& input, std::span<const BodyId> remov
   for (std::size_t k = 1; k < contacts.size(); ++k) {
     if (contacts[k].a == contacts[cached].a && contacts[k].b == contacts[cached].b) {
       contacts[cached].impulse_ns += contacts[k].impulse_ns;
+      merge_points(contacts[k], contacts[cached]);
     } else {
       contacts[++cached] = contacts[k];
     }
@@ -144,10 +158,20 @@ void make_events(const PublishInput& input, const Publication& publication, Cont
   const std::vector<std::uint8_t>& changed = publication.touch_changed;
   for (auto at = changed.begin(); (at = std::find(at, changed.end(), std::uint8_t{1})) != changed.end(); ++at) {
     const CachedPair& pair = cache.previous_pairs[static_cast<std::size_t>(at - changed.begin())];
-    events.push_back({pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End,
-                      input.scene.bodies.id_of(pair.low), input.scene.bodies.id_of(pair.high)});
+    events.push_back(
+        {pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, input.scene.bodies.id_of(pair.low),
+         input.scene.bodies.id_of(pair.high),
+         pair.touching ? publication.touch_ns[static_cast<std::size_t>(at - changed.begin())] : Vec3::Zero()});
   }
-  if (ended == 0) return;
+  if (input.persist_events) {
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+      const CachedPair& pair = cache.previous_pairs[i];
+      if (changed[i] != 0 || !pair.touching) continue;
+      events.push_back({ContactEvent::Kind::Persist, input.scene.bodies.id_of(pair.low),
+                        input.scene.bodies.id_of(pair.high), publication.touch_ns[i]});
+    }
+  }
+  if (ended == 0 && !input.persist_events) return;
   // A pair has one event at most; of two in the same slots, the bodies that were removed come first.
   std::sort(events.begin(), events.end(), [](const ContactEvent& x, const ContactEvent& y) {
     return std::tuple(x.a.slot, x.b.slot, x.a.generation, x.b.generation) <
@@ -170,6 +194,8 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   next.resize(table.size());
   std::vector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
+  publication.touch_ns.reserve(table.capacity());
+  publication.touch_ns.resize(table.size());
   parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       next[i] = cached_after(input, i);
@@ -184,11 +210,18 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
                              const std::uint32_t i = manifolds.manifolds[manifolds.coloring.order()[k]].pair;
                              next[i].touching = true;
                              touch_changed[i] ^= 1U;
+                             if (touch_changed[i] != 0 || input.persist_events)
+                               publication.touch_ns[i] = touch_impulse_ns(input, k);
                            }
                          });
   for (const SweptHit& hit : input.velocities.swept.hits) {
     bool& touching = next[hit.pair].touching;
-    if (!touching) touch_changed[hit.pair] ^= 1U;
+    const ActivePair& pair = table.pairs[hit.pair];
+    if (!touching) {
+      touch_changed[hit.pair] ^= 1U;
+      publication.touch_ns[hit.pair].setZero();
+    }
+    publication.touch_ns[hit.pair] += (pair.a == pair.low() ? hit.impulse_ns : -hit.impulse_ns) * hit.normal;
     touching = true;
   }
   make_events(input, publication, cache, events);

@@ -19,6 +19,7 @@ struct PublishInput {
   const Manifolds& manifolds;
   const Velocities& velocities;
   const StepMotions& motions;
+  bool persist_events = false;  ///< StepInput::persist_events
 
   [[nodiscard]] SolvedPair solved_pair(const PointCache& points) const {
     return {scene, motion, table, levels, manifolds, points, contact};
@@ -28,6 +29,7 @@ struct PublishInput {
 /// Output of *publish* beside the contact cache and the events.
 struct Publication {
   std::vector<std::uint8_t> touch_changed;  ///< one a pair: its contact began or ended
+  parallel::LargeVector<Vec3> touch_ns;     ///< one a pair: the impulse that an event of it tells, if there is one
 };
 
 /// Replaces the cached pairs by those of this step, releases slots of points, and lists the events.

@@ -96,7 +96,9 @@ class Step {
     report_.times.response = laps_.lap();
     integrate(frame_.velocities, terms_.dt_s, world_.bodies, frame_.motions, executor_);
     report_.times.integrate = laps_.lap();
-    publish(publish_input(world_), world_.cache, world_.events, frame_.publication, executor_);
+    PublishInput published = publish_input(world_);
+    published.persist_events = input_.persist_events;
+    publish(published, world_.cache, world_.events, frame_.publication, executor_);
     scale_impulses(substeps(), world_.settings.substeps);
     ++world_.contacts_version;
     ++world_.frame;
@@ -122,6 +124,7 @@ class Step {
     report_.candidate_pairs = frame_.candidates.pairs.size();
     report_.work_mandatory += frame_.candidates.pairs.size();
     report_.coarse_pairs = frame_.table.size();
+    report_.cues_refused = frame_.table.known_of_chunk.back().refused_cues;
     report_.swept_pairs = frame_.table.swept.size();
     report_.times.coarse += laps_.lap();
   }

@@ -88,6 +88,10 @@ void request_wake_around(const SleepAccess& access, std::uint32_t slot) {
   }
 }
 
+bool moves(const dynamics::BodyStore& bodies, std::uint32_t slot) {
+  return bodies.dynamic[slot] != 0 || bodies.moves_by_itself(slot);
+}
+
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t slot) {
   while (parent[slot] != slot) {
     parent[slot] = parent[parent[slot]];
@@ -133,6 +137,16 @@ void find_islands(const PairTable& table, const SleepAccess& access) {
 }
 
 // Puts the islands to sleep of which every body has been still for long enough. How many bodies that is.
+// What a moving kinematic body touches or is near does not sleep.
+void keep_driven_awake(const PairTable& table, const SleepAccess& access) {
+  const dynamics::BodyStore& bodies = access.bodies;
+  SleepingState& sleep = access.sleeping;
+  for (const ActivePair& pair : table.pairs) {
+    if (bodies.moves_by_itself(pair.low())) sleep.restless[root_of(sleep.parent, pair.high())] = 1;
+    if (bodies.moves_by_itself(pair.high())) sleep.restless[root_of(sleep.parent, pair.low())] = 1;
+  }
+}
+
 std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& access) {
   dynamics::BodyStore& bodies = access.bodies;
   SleepingState& sleep = access.sleeping;
@@ -141,6 +155,7 @@ std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& acce
   for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
     if (bodies.dynamic[slot] != 0 && sleep.still_s[slot] < kStillForS) sleep.restless[root_of(sleep.parent, slot)] = 1;
   }
+  if (bodies.kinematic_count() > 0) keep_driven_awake(table, access);
   std::size_t count = 0;
   for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
     if (bodies.dynamic[slot] == 0) continue;
@@ -204,8 +219,8 @@ bool wake_touched(const PairTable& table, const SleepAccess& access) {
   const dynamics::BodyStore& bodies = access.bodies;
   if (bodies.asleep_count() == 0) return false;
   for (const ActivePair& pair : table.pairs) {
-    if (bodies.asleep[pair.low()] != 0 && bodies.dynamic[pair.high()] != 0) request_island_wake(access, pair.low());
-    if (bodies.asleep[pair.high()] != 0 && bodies.dynamic[pair.low()] != 0) request_island_wake(access, pair.high());
+    if (bodies.asleep[pair.low()] != 0 && moves(bodies, pair.high())) request_island_wake(access, pair.low());
+    if (bodies.asleep[pair.high()] != 0 && moves(bodies, pair.low())) request_island_wake(access, pair.high());
   }
   if (!access.sleeping.any_wake_requested) return false;
   wake_requested_islands(access);

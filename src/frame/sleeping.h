@@ -45,7 +45,7 @@ bool wake_touched(const PairTable& table, const SleepAccess& access);
 /// A body is still while both |v| and R |w|, and what moved it and its surface in the step over dt_s, are at most 0.01
 /// sqrt(g R), with R its bounding radius and g the acceleration of gravity: a hundredth of the speed at which it would
 /// fall through half its radius. An island is what the frame's pairs connect, static bodies aside; it sleeps once each
-/// of its bodies has been still for half a second.
+/// of its bodies has been still for half a second, and none is in a pair with a kinematic body that moves.
 struct FallAsleepInput {
   const PairTable& table;
   const StepMotions& motions;

@@ -38,9 +38,10 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
       solver::Acceleration& acceleration = velocities.accelerations[i];
       body = solver::SolverBody{};
       acceleration = solver::Acceleration{};
-      if (bodies.dynamic[i] == 0) continue;
+      if (bodies.dynamic[i] == 0 && bodies.kinematic[i] == 0) continue;
       body.velocity_mps = bodies.velocity(i);
       body.spin_radps = bodies.spin(i);
+      if (bodies.dynamic[i] == 0) continue;
       body.inverse_mass = bodies.inverse_mass[i];
       acceleration.linear_mps2 = input.terms.gravity_mps2;
       if (bodies.pushed[i] == 0) continue;

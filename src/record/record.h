@@ -9,7 +9,7 @@
 
 #include "poise/decisions.h"
 #include "poise/world.h"
-#include "scene/run/run_document.h"
+#include "scene/made_by.h"
 
 /// What a record of a run says (docs/record.md): values only. record_file.h has the file, record_shapes.h the hashes of
 /// shapes.
@@ -52,7 +52,7 @@ struct RecordHeader {
   double deadline_ms = 0;  ///< wall clock
   std::optional<std::uint64_t> budget_work;
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
 };
 
 /// One frame of a record.

@@ -170,10 +170,10 @@ void read_made_by(const ObjectReader& top, RecordHeader& header) {
   if (value == nullptr) return;
   const ObjectReader reader(*value, "made_by", top.problems(),
                             {"version", "commit", "compiler", "flags", "system", "processor", "cores"});
-  read_text(reader, "version", header.version);
-  read_text(reader, "commit", header.commit);
-  read_text(reader, "compiler", header.compiler);
-  read_text(reader, "flags", header.flags);
+  read_text(reader, "version", header.build.version);
+  read_text(reader, "commit", header.build.commit);
+  read_text(reader, "compiler", header.build.compiler);
+  read_text(reader, "flags", header.build.flags);
   read_text(reader, "system", header.machine.system);
   read_text(reader, "processor", header.machine.processor);
   std::uint64_t cores = 0;
@@ -246,10 +246,10 @@ std::string header_json(const RecordHeader& header) {
                        {"deadline_ms", header.deadline_ms},
                        {"budget_work", optional_number(header.budget_work)}}},
                      {"made_by",
-                      {{"version", header.version},
-                       {"commit", header.commit},
-                       {"compiler", header.compiler},
-                       {"flags", header.flags},
+                      {{"version", header.build.version},
+                       {"commit", header.build.commit},
+                       {"compiler", header.build.compiler},
+                       {"flags", header.build.flags},
                        {"system", header.machine.system},
                        {"processor", header.machine.processor},
                        {"cores", header.machine.cores}}}};

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "scene/scene_parse.h"
@@ -132,12 +134,34 @@ void parse_orientation(const ObjectReader& reader, BodyDefinition& body) {
   body.orientation = given.normalized();
 }
 
+// "static": true says the same as "motion": "static"; what says both must agree.
+void parse_motion(const ObjectReader& reader, BodyDefinition& definition) {
+  bool is_static = false;
+  reader.flag("static", is_static);
+  if (is_static) definition.motion = MotionType::Static;
+  const JsonValue* given = reader.find("motion");
+  if (given == nullptr) return;
+  std::string name;
+  reader.text("motion", name);
+  constexpr std::pair<std::string_view, MotionType> kNames[] = {
+      {"static", MotionType::Static}, {"kinematic", MotionType::Kinematic}, {"dynamic", MotionType::Dynamic}};
+  const auto* const known =
+      std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& entry) { return entry.first == name; });
+  if (known == std::end(kNames)) {
+    reader.problems().refuse(reader.path("motion"), *given, R"(must be "static", "kinematic" or "dynamic")");
+  } else if (reader.has("static") && is_static != (known->second == MotionType::Static)) {
+    reader.problems().refuse(reader.path("motion"), *given, "must agree with static");
+  } else {
+    definition.motion = known->second;
+  }
+}
+
 void check_static(const ObjectReader& reader, const Scene& scene, const SceneBody& body) {
   Problems& problems = reader.problems();
-  if (is_plane(scene, body.shape) && !body.definition.is_static) {
+  if (is_plane(scene, body.shape) && body.definition.motion != MotionType::Static) {
     problems.refuse(reader.path("static"), "must be true, since the shape is a plane");
   }
-  if (!body.definition.is_static) return;
+  if (body.definition.motion != MotionType::Static) return;
   for (const char* key : {"velocity_mps", "angular_velocity_radps"}) {
     const JsonValue* value = reader.find(key);
     const Vec3& speed = key[0] == 'v' ? body.definition.velocity_mps : body.definition.angular_velocity_radps;
@@ -149,7 +173,7 @@ void check_static(const ObjectReader& reader, const Scene& scene, const SceneBod
 void parse_body(const JsonValue& value, const std::string& path, Problems& problems, Scene& scene) {
   const ObjectReader reader(
       value, path, problems,
-      {"name", "shape", "material", "static", "position_m", "orientation_wxyz", "velocity_mps",
+      {"name", "shape", "material", "static", "motion", "position_m", "orientation_wxyz", "velocity_mps",
        "angular_velocity_radps", "mass_kg", "inertia_kgm2", "group", "collides_with", "importance"});
   if (value.kind != JsonValue::Kind::Object) return;
   SceneBody body;
@@ -158,7 +182,7 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
     read_shape_name(*shape, reader.path("shape"), problems, scene, body.shape);
   read_material_name(reader, scene, body.material);
   BodyDefinition& definition = body.definition;
-  reader.flag("static", definition.is_static);
+  parse_motion(reader, definition);
   reader.vec3("position_m", kAnyQuantity, definition.position_m);
   parse_orientation(reader, definition);
   reader.vec3("velocity_mps", kAnyQuantity, definition.velocity_mps);

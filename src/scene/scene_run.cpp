@@ -39,7 +39,7 @@ Status SceneRun::Impl::add(const BodyDefinition& definition, std::size_t shape, 
   whole.material = material_ids[material];
   const Result<BodyId> made = world.add_body(whole);
   if (!made) return Error{made.error().kind, scene.source + ": " + place + ": " + made.error().message};
-  bodies.push_back({made.value(), shape, material, whole.is_static});
+  bodies.push_back({made.value(), shape, material, whole.motion});
   return Done{};
 }
 
@@ -86,7 +86,7 @@ Status SceneRun::Impl::add_tray() {
     shapes.push_back(shape.value());
     shape_ids.push_back(world.add_shape(shape.value()));
     BodyDefinition definition;
-    definition.is_static = true;
+    definition.motion = MotionType::Static;
     const Status added = add(definition, shapes.size() - 1, scene.tray->material, "tray");
     if (!added) return added;
   }

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "parallel/executor.h"
+#include "poise/assets/mesh_file.h"
+#include "poise/assets/sph_file.h"
 #include "poise/assets/tree_formats.h"
 #include "scene/json_document.h"
 

@@ -61,6 +61,20 @@ Vec3 normal_of(const PointLanes<double>& patch, std::size_t lane) {
   return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]};
 }
 
+// How the iterations of one substep are done, and how they ended.
+template <class T>
+struct Iterating {
+  const ContactSystem& system;
+  const SolveSettings& settings;
+  const IterationLimit& limit;
+  const SubstepTerms<T>& terms;
+};
+struct Iterated {
+  bool reached = false;  // the share of change that was asked for
+  bool settled = false;
+  bool far = true;  // from still
+};
+
 }  // namespace
 
 struct ContactSolver::Buffers {
@@ -94,6 +108,11 @@ struct ContactSolver::Buffers {
   std::size_t read_impulses(std::vector<double>& into);
   void mix(parallel::Executor& executor);
   void take_back(const ContactSystem& system, double h_s);
+  template <class T>
+  void reserve(const ContactSystem& system, bool mixed);
+  template <class T, class Apply>
+  Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
+                   parallel::Executor& executor);
   template <class T>
   Convergence solve(const ContactSystem& system, const SolveSettings& settings, const IterationLimit& limit,
                     parallel::Executor& executor);
@@ -276,16 +295,51 @@ void fly(const ContactSystem& system, std::size_t i, double dt_s) {
   body.spin_radps += dt_s * system.accelerations[i].angular_radps2;
 }
 
+// Where its motion of the step leads a body, on top of its flight.
+template <class T>
+void land(const Motion<T>& motion, SolverBody& body) {
+  body.moved_m +=
+      Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
+  body.turned_rad +=
+      Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
+}
+
+template <class T>
+SubstepTerms<T> terms_of(const SolveSettings& settings, bool watch) {
+  const double h_s = settings.dt_s / settings.substeps;
+  SubstepTerms<T> terms;
+  terms.h_s = static_cast<T>(h_s);
+  terms.still_mps = static_cast<T>(still_mps(settings));
+  terms.push_share = static_cast<T>(kPushShare);
+  terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
+  terms.watch = watch;
+  return terms;
+}
+
+template <class T>
+IterationChange<double> widened(const IterationChange<T>& change) {
+  return {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
+          static_cast<double>(change.change_mps), static_cast<double>(change.load_ns),
+          static_cast<double>(change.strayed_j)};
+}
+
+// Of all blocks: the largest of what is a measure of one, and the sums of the rest, block after block.
+IterationChange<double> sum_of(const std::vector<IterationChange<double>>& changes) {
+  IterationChange<double> sum;
+  for (const IterationChange<double>& change : changes) {
+    sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
+    sum.change_ns = std::max(sum.change_ns, change.change_ns);
+    sum.change_mps = std::max(sum.change_mps, change.change_mps);
+    sum.load_ns += change.load_ns;
+    sum.strayed_j += change.strayed_j;
+  }
+  return sum;
+}
+
 }  // namespace
 
 template <class T>
-Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const SolveSettings& settings,
-                                          const IterationLimit& limit, parallel::Executor& executor) {
-  constexpr std::size_t kGrain = 512;
-  constexpr std::size_t kBlocksAtOnce = 16;
-  const Stopping& stopping = settings.stopping;
-  const IterationLimit full = limit_of(system, settings, kMaxPointIterations);
-  const double h_s = settings.dt_s / settings.substeps;
+void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed) {
   Lanes<T>& all = lanes<T>();
   const std::uint32_t needed = make_blocks(system);
   all.manifold_points.resize(std::max<std::size_t>(all.manifold_points.size(), needed));
@@ -293,12 +347,60 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
   all.angular_responses.resize(system.bodies.size());
-  if (limit.mixed) {
+  if (mixed) {
     before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
     swept.resize(before.size());
   }
   changes.resize(blocks.size());
+}
+
+// The iterations of one substep. `apply` hands a block's impulses over: here in the last substep, while its lanes are
+// at hand, where nothing is watched.
+template <class T, class Apply>
+Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
+                                         parallel::Executor& executor) {
+  const auto& [system, settings, limit, terms] = how;
+  Lanes<T>& all = lanes<T>();
+  const BodyLanes<T> bodies = all.bodies();
+  Iterated result;
+  result.reached = !settings.stopping.converges();
+  if (limit.mixed) {
+    mixing.begin(read_impulses(before));
+    alone_j = energy.joules_alone(system, twofold.begun, settings.dt_s / settings.substeps);
+  }
+  for (std::uint32_t round = 0; round < limit.iterations(result.far) && !result.settled; ++round) {
+    ++ended.iterations;
+    if (limit.mixed) read_impulses(before);
+    iteration(executor, [&, &substep_terms = terms](std::size_t i) {
+      const IterationChange<T> change =
+          solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), substep_terms, round == 0, bodies);
+      if (substep_terms.watch) changes[i] = widened(change);
+      if (last_substep && !substep_terms.watch) apply(i);
+    });
+    if (!terms.watch) break;
+    const IterationChange<double> sum = sum_of(changes);
+    result.far = sum.strayed_j > kFarOfStill * still_mps(settings) * sum.load_ns;
+    if (settings.stopping.converges()) {
+      result.settled = result.reached = sum.change_ns <= settings.stopping.share * sum.largest_ns;
+    } else {
+      result.settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
+    }
+    // A plain iteration comes last.
+    if (limit.mixed && !result.settled && round + 1 < limit.iterations(result.far)) mix(executor);
+  }
+  return result;
+}
+
+template <class T>
+Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const SolveSettings& settings,
+                                          const IterationLimit& limit, parallel::Executor& executor) {
+  constexpr std::size_t kGrain = 512;
+  constexpr std::size_t kBlocksAtOnce = 16;
+  const IterationLimit full = limit_of(system, settings, kMaxPointIterations);
+  const double h_s = settings.dt_s / settings.substeps;
+  reserve<T>(system, limit.mixed);
+  Lanes<T>& all = lanes<T>();
   const auto for_bodies = [&](auto&& visit) {
     parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) visit(i);
@@ -330,12 +432,7 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
     give_block(system, blocks[i], all.pairs[i], all);
   };
-  SubstepTerms<T> terms;
-  terms.h_s = static_cast<T>(h_s);
-  terms.still_mps = static_cast<T>(still_mps(settings));
-  terms.push_share = static_cast<T>(kPushShare);
-  terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
-  terms.watch = limit.most > 1;
+  SubstepTerms<T> terms = terms_of<T>(settings, limit.most > 1);
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
@@ -347,58 +444,16 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
       }
       if (last) fly(system, i, settings.dt_s);
     });
-    bool reached = !stopping.converges();
-    bool settled = false;
-    bool far = true;
-    if (limit.mixed) {
-      mixing.begin(read_impulses(before));
-      alone_j = energy.joules_alone(system, twofold.begun, h_s);
-    }
-    for (std::uint32_t round = 0; round < limit.iterations(far) && !settled; ++round) {
-      ++ended.iterations;
-      if (limit.mixed) read_impulses(before);
-      iteration(executor, [&](std::size_t i) {
-        const IterationChange<T> change =
-            solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), terms, round == 0, bodies);
-        if (terms.watch)
-          changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
-                        static_cast<double>(change.change_mps), static_cast<double>(change.load_ns),
-                        static_cast<double>(change.strayed_j)};
-        // While its lanes are at hand.
-        if (last && !terms.watch) give(i);
-      });
-      if (!terms.watch) break;
-      IterationChange<double> sum;
-      for (const IterationChange<double>& change : changes) {
-        sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
-        sum.change_ns = std::max(sum.change_ns, change.change_ns);
-        sum.change_mps = std::max(sum.change_mps, change.change_mps);
-        sum.load_ns += change.load_ns;
-        sum.strayed_j += change.strayed_j;
-      }
-      far = sum.strayed_j > kFarOfStill * still_mps(settings) * sum.load_ns;
-      if (stopping.converges()) {
-        settled = reached = sum.change_ns <= stopping.share * sum.largest_ns;
-      } else {
-        settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
-      }
-      // A plain sweep comes last.
-      if (limit.mixed && !settled && round + 1 < limit.iterations(far)) mix(executor);
-    }
-    if (limit.mixed && !settled && far) take_back(system, h_s);
+    const Iterated done = iterate(Iterating<T>{system, settings, limit, terms}, last, give, ended, executor);
+    if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
     if (terms.watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], all); });
-    ended.reached = ended.reached && reached;
-    ended.cut_short = ended.cut_short || (!settled && limit.iterations(far) < full.iterations(far));
+    ended.reached = ended.reached && done.reached;
+    ended.cut_short = ended.cut_short || (!done.settled && limit.iterations(done.far) < full.iterations(done.far));
   }
   ended.visits = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
   for_bodies([&](std::size_t i) {
     end_substep(i, h_s, all);
-    SolverBody& body = system.bodies[i];
-    const Motion<T>& motion = all.motions[i];
-    body.moved_m +=
-        Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
-    body.turned_rad +=
-        Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
+    land(all.motions[i], system.bodies[i]);
   });
   if (terms.watch) iteration(executor, give);
   return ended;

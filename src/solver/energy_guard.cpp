@@ -14,10 +14,13 @@ Vec3 of(const double (&parts)[3]) { return {parts[0], parts[1], parts[2]}; }
 
 void TouchingEnergy::begin(const ContactSystem& system, std::span<const RestBlock> blocks) {
   names_.clear();
+  driven_ = false;
   for (const RestBlock& block : blocks) {
     for (std::size_t lane = 0; lane < block.count; ++lane) {
       for (const std::uint32_t name : {block.a[lane], block.b[lane]}) {
-        if (system.bodies[name].inverse_mass > 0) names_.push_back(name);
+        const SolverBody& body = system.bodies[name];
+        if (body.inverse_mass > 0) names_.push_back(name);
+        driven_ = driven_ || (body.inverse_mass == 0 && !(body.velocity_mps.isZero(0) && body.spin_radps.isZero(0)));
       }
     }
   }
@@ -68,6 +71,7 @@ double TouchingEnergy::joules_alone(const ContactSystem& system, std::span<const
 
 double TouchingEnergy::best_share(const ContactSystem& system, std::span<const Motion<double>> begun, double h_s,
                                   std::span<const Motion<double>> changes) const {
+  if (driven_) return 1.0;
   // With a share s of the impulses the energy is that without, plus s times `slope`, plus s^2 / 2 times `bend`.
   double slope = 0;
   double bend = 0;

@@ -25,7 +25,7 @@ class TouchingEnergy {
 
   /// What share of the impulses takes most energy from the bodies, at most all: with `changes` they have all, with
   /// `begun` and what accelerations add in `h_s`, none. It is 1 for the answer itself, where no place parts under its
-  /// load.
+  /// load. All of them where something moves that has no mass: what it pushes gains energy rightly.
   [[nodiscard]] double best_share(const ContactSystem& system, std::span<const Motion<double>> begun, double h_s,
                                   std::span<const Motion<double>> changes) const;
   /// Leaves the bodies with this share.
@@ -52,6 +52,7 @@ class TouchingEnergy {
 
   std::vector<std::uint32_t> names_;
   std::vector<Body> bodies_;
+  bool driven_ = false;  // by a body without mass that moves: it may give them any energy
   std::vector<Motion<double>> kept_;
 };
 

@@ -55,11 +55,11 @@ std::optional<Error> check_state(const BodyState& state, bool is_static) {
 }
 
 std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape) {
-  if (shape.kind == ShapeKind::Plane && !definition.is_static)
-    return bad_input("static = false, a plane must be static");
+  if (shape.kind == ShapeKind::Plane && definition.motion != MotionType::Static)
+    return bad_input("motion: a plane must be static");
   if (auto bad = check_state(
           {definition.position_m, definition.orientation, definition.velocity_mps, definition.angular_velocity_radps},
-          definition.is_static)) {
+          definition.motion == MotionType::Static)) {
     return bad;
   }
   if (auto bad = check_range("importance", definition.importance, 0, kMaxImportance)) return bad;
@@ -87,7 +87,7 @@ std::optional<Error> check_body(const BodyDefinition& definition, const Shape& s
 
 Result<BodyMass> mass_of(const BodyDefinition& definition, const Shape& shape, double density_kgpm3) {
   BodyMass mass;
-  if (definition.is_static) return mass;
+  if (definition.motion != MotionType::Dynamic) return mass;
   mass.mass_kg = definition.mass_kg != 0 ? definition.mass_kg : density_kgpm3 * shape.volume_m3;
   if (auto bad = check_range("mass from density and volume, mass_kg", mass.mass_kg, kMinMassKg, kMaxMassKg))
     return *bad;

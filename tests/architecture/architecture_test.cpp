@@ -47,6 +47,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"src/frame/a.cpp", "#  include \"poise/scene/scene.h\"", "may not include scene"},
                     Planted{"src/parallel/a.cpp", "#include \"poise/scheduler/policy.h\"", "may not include scheduler"},
                     Planted{"src/scene/a.cpp", "#include \"app/run_command.h\"", "may not include app"},
+                    Planted{"src/app/a.cpp", "#include \"studies/study_list.h\"", "may not include bench"},
+                    Planted{"src/frame/a.cpp", "#include \"oracle/oracle_mesh.h\"", "may not include bench"},
                     Planted{"include/poise/mesh.h", "#include \"geometry/weld.h\"", "public ones alone"},
                     Planted{"scheduler/a.cpp", "#include \"poise/types.h\"", "its own headers alone"},
                     Planted{"scheduler/a.cpp", "#include <Eigen/Core>", "standard library alone"},
@@ -115,6 +117,20 @@ TEST(SourceRules, CountTheLinesOfAFile) {
   EXPECT_EQ(broken_rules("src/scene/a.cpp", text), std::vector<std::string>{});
   EXPECT_EQ(broken_rules("src/scene/a.cpp", text + "\n").size(), 1U);
   EXPECT_EQ(broken_rules("scenes/a.json", text + "\n"), std::vector<std::string>{}) << "data may be long";
+}
+
+TEST(SourceRules, CountTheLinesOfAFunction) {
+  const auto body = [](int lines) {
+    std::string text;
+    for (int i = 0; i < lines; ++i) text += "  a();\n";
+    return text;
+  };
+  EXPECT_EQ(broken_rules("src/scene/a.cpp", kLicence + "void f(int a,\n       int b) {\n" + body(78) + "}\n"),
+            std::vector<std::string>{});
+  EXPECT_EQ(broken_rules("bench/a.cpp", kLicence + "void f(int a,\n       int b) {\n" + body(79) + "}\n").size(), 1U);
+  EXPECT_EQ(broken_rules("src/scene/a.h", kLicence + "template <class T>\nstruct S {\n" + body(99) + "};\n"),
+            std::vector<std::string>{})
+      << "a type may be longer";
 }
 
 TEST(SourceRules, AskForTheLicenceInTheFirstLine) {

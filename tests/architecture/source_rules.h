@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,5 +15,23 @@ std::vector<std::string> broken_rules(std::string_view path, std::string_view te
 
 /// The same text with comments and the insides of string and character literals blanked out, line by line in place.
 std::string code_only(std::string_view text);
+
+/// A part of the code; `rank` is its place in the order: a file may include what has a lower rank, or its own room.
+struct RoomInOrder {
+  std::string_view name;
+  int rank = 0;
+};
+
+/// The room of a file (as above) or of a folder with its last slash; nothing outside of all rooms.
+std::optional<RoomInOrder> room_in_order(std::string_view path);
+
+/// A function whose body is longer than 80 lines, from the line of its opening brace to that of the closing one.
+struct LongFunction {
+  std::size_t line = 0;  ///< of the opening brace
+  std::size_t lines = 0;
+};
+/// Those of `code`, which is free of comments and literals (code_only). A block behind a `)` counts as a function, so a
+/// loop that is too long is named beside the function around it.
+std::vector<LongFunction> long_functions(std::string_view code);
 
 }  // namespace poise::tests

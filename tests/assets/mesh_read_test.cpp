@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "meshes.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise {
 namespace {

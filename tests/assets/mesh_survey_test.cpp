@@ -9,6 +9,7 @@
 
 #include "geometry/bvh/triangle_bvh.h"
 #include "meshes.h"
+#include "poise/assets/mesh_file.h"
 
 // Every file of Debian's assimp-testmodels in the formats that we read (docs/sphere-trees.md has the list).
 namespace poise {

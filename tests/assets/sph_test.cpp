@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "meshes.h"
+#include "poise/assets/sph_file.h"
 
 namespace poise {
 namespace {

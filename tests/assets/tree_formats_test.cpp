@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "meshes.h"
+#include "poise/assets/sph_file.h"
 #include "scene/temporary_folder.h"
 
 namespace poise {

@@ -7,6 +7,7 @@
 #include "collision/front/pair_refinement.h"
 #include "collision/near_touch.h"
 #include "collision/polygon_pairs.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise::collision {
 namespace {

@@ -76,7 +76,7 @@ Outcome fire(const Shot& shot) {
   BodyDefinition plate;
   plate.shape = stage.world.add_shape(plate_shape(shot.plate));
   plate.material = stage.material;
-  plate.is_static = shot.plate_kg == 0;
+  plate.motion = shot.plate_kg == 0 ? MotionType::Static : MotionType::Dynamic;
   plate.mass_kg = shot.plate_kg;
   const BodyId plate_id = stage.world.add_body(plate).value();
   const Vec3 direction = shot.direction.normalized();

@@ -282,7 +282,7 @@ TEST(Reference, WeighsBodiesBehindAWallLess) {
     BodyDefinition wall;
     wall.shape = stage.world.add_shape(make_spheres_shape(row).value());
     wall.material = stage.material;
-    wall.is_static = true;
+    wall.motion = MotionType::Static;
     wall.position_m = Vec3(5, plate ? 0.7 : 40, 0.1);
     ASSERT_TRUE(stage.world.add_body(wall).ok());
     StepInput input = referred();

@@ -57,7 +57,7 @@ struct Stage {
     BodyDefinition body;
     body.shape = world.add_shape(make_plane_shape(normal, offset_m).value());
     body.material = material;
-    body.is_static = true;
+    body.motion = MotionType::Static;
     return world.add_body(body).value();
   }
   void tray(double side_m) {

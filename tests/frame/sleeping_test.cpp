@@ -47,7 +47,7 @@ BodyId still_body(Stage& stage, ShapeId shape, const Vec3& position) {
   BodyDefinition body;
   body.shape = shape;
   body.material = stage.material;
-  body.is_static = true;
+  body.motion = MotionType::Static;
   body.position_m = position;
   return stage.world.add_body(body).value();
 }

@@ -64,7 +64,7 @@ TEST(World, RefusesEveryKindOfBadBodyAndStaysAsItWas) {
       {"importance", [](BodyDefinition& b) { b.importance = -1; }},
       {"must be at rest",
        [](BodyDefinition& b) {
-         b.is_static = true;
+         b.motion = MotionType::Static;
          b.velocity_mps.x() = 1;
        }},
   };

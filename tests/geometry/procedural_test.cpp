@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "meshes.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise::geometry {
 namespace {

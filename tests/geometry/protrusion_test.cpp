@@ -7,6 +7,7 @@
 #include "geometry/sphere_tree/tree_layout.h"
 #include "geometry/sphere_tree/tree_protrusion.h"
 #include "meshes.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise::geometry {
 namespace {

@@ -7,6 +7,7 @@
 #include "geometry/primitives/sampling.h"
 #include "geometry/sphere_tree/cover/solid_cells.h"
 #include "meshes.h"
+#include "poise/assets/mesh_file.h"
 
 namespace poise {
 namespace {

@@ -8,19 +8,80 @@ function(run what)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
+# What each layer must do without, under the names that find_package knows them by. Those of a static library stay.
+set(not_core fmt nlohmann_json CLI11 assimp tinyobjloader tinyxml2 yaml-cpp PNG ZLIB fcl benchmark GTest rapidcheck)
+set(not_scheduler ${not_core} Eigen3 Threads TBB PkgConfig)
+set(not_scene CLI11 PNG fcl benchmark GTest rapidcheck)
+
+# consume(LAYER COMPONENTS...): installs these components into a folder of their own, and builds and runs a project against
+# it that knows nothing of this one and may find no package that the layer must do without.
+function(consume layer)
+  set(prefix "${FOLDER}/${layer}-prefix")
+  set(build "${FOLDER}/${layer}-consumer")
+  file(REMOVE_RECURSE "${prefix}" "${build}")
+  foreach(component IN LISTS ARGN)
+    run("installing the component ${component}" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}" --component ${component})
+  endforeach()
+  set(without "")
+  foreach(package IN LISTS not_${layer})
+    list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+  endforeach()
+  run("configuring a consumer of ${layer}" ${CMAKE_COMMAND} -S "${SOURCE}/tests/package/${layer}" -B "${build}" -G ${GENERATOR}
+    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
+    -DPOISE_SOURCE=${SOURCE} -DPOISE_VERSION=${VERSION} ${without})
+  run("building it" ${CMAKE_COMMAND} --build "${build}")
+  run("running it" "${build}/consumer")
+endfunction()
+
+# lacks(FOLDER PATTERN...): no such file was installed.
+function(lacks folder)
+  foreach(pattern IN LISTS ARGN)
+    file(GLOB_RECURSE found "${folder}/${pattern}")
+    if(found)
+      message(FATAL_ERROR "installed and not asked for: ${found}")
+    endif()
+  endforeach()
+endfunction()
+
+consume(scheduler scheduler)
+lacks("${FOLDER}/scheduler-prefix" libpoise.a world.h)
+consume(core scheduler poise)
+lacks("${FOLDER}/core-prefix" libpoise_assets.a mesh_file.h scene.h)
+consume(scene scheduler poise assets scene)
+lacks("${FOLDER}/scene-prefix" bin/poise)
+
+# What the headers of a layer declare, its own library defines.
+file(GLOB headers RELATIVE "${SOURCE}/include/poise" "${SOURCE}/include/poise/*.h")
+find_program(NM nm REQUIRED)
+file(GLOB_RECURSE core "${FOLDER}/core-prefix/libpoise.a" "${FOLDER}/core-prefix/libpoise.so")
+file(GLOB_RECURSE scheduler "${FOLDER}/core-prefix/libpoise_scheduler.*")
+run("listing what poise::poise defines" ${NM} --demangle --defined-only ${core} ${scheduler})
+set(defined "${output}")
+set(functions 0)
+foreach(header IN LISTS headers)
+  file(STRINGS "${SOURCE}/include/poise/${header}" lines REGEX "\\(.*(;|,|{)$|\\($")
+  foreach(line IN LISTS lines)
+    # A declaration: a type, a name, an open bracket, at the margin of the file (a free function of the namespace).
+    if(line MATCHES "^[A-Za-z][A-Za-z0-9_:<>,&* ]* [*&]?([a-z][a-z0-9_]*)\\(" AND NOT line MATCHES "^(inline|constexpr|template|using|static|struct|class|enum|return)|{")
+      set(name "${CMAKE_MATCH_1}")
+      math(EXPR functions "${functions} + 1")
+      string(FIND "${defined}" " poise::${name}(" at)
+      string(FIND "${defined}" " poise::${name}[abi:" at_tagged)
+      if(at EQUAL -1 AND at_tagged EQUAL -1)
+        message(FATAL_ERROR "include/poise/${header} declares ${name}, which poise::poise does not define")
+      endif()
+    endif()
+  endforeach()
+endforeach()
+if(functions LESS 10)
+  message(FATAL_ERROR "only ${functions} functions were found in the public headers")
+endif()
+message(STATUS "${functions} functions of public headers are defined")
+
+# All of it, as `cmake --install` gives it. No installed file may lead back to where it was built.
 set(prefix "${FOLDER}/prefix")
-set(consumer "${FOLDER}/consumer")
-file(REMOVE_RECURSE "${prefix}" "${consumer}")
-
-run("installing" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}")
-run("configuring a consumer" ${CMAKE_COMMAND} -S "${SOURCE}/tests/package/consumer" -B "${consumer}" -G ${GENERATOR}
-  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
-  -DREADME=${SOURCE}/README.md -DPOISE_VERSION=${VERSION})
-run("building the consumer" ${CMAKE_COMMAND} --build "${consumer}")
-run("running a program on the policy alone" "${consumer}/policy_alone")
-run("running the program of the README" "${consumer}/readme_program")
-
-# No installed file may lead back to where it was built.
+file(REMOVE_RECURSE "${prefix}")
+run("installing all" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}")
 file(GLOB_RECURSE installed "${prefix}/*.cmake" "${prefix}/*.h")
 list(LENGTH installed count)
 if(count LESS 10)
@@ -37,9 +98,15 @@ foreach(file IN LISTS installed)
 endforeach()
 
 file(GLOB_RECURSE command "${prefix}/bin/poise")
+if(NOT command)
+  return()
+endif()
 run("asking the installed command for its version" "${command}" --version)
 string(FIND "${output}" "${VERSION}" at)
 if(at EQUAL -1)
   message(FATAL_ERROR "poise --version says '${output}', not ${VERSION}")
 endif()
 run("asking the installed command for its scenes" "${command}" scenes)
+if(EXISTS "${prefix}/bin/poise-study")
+  run("asking the installed command for its studies" "${command}" study --help)
+endif()

@@ -13,6 +13,7 @@
 
 #include "geometry/primitives/triangle_distance.h"
 #include "geometry/shape/shape_surface.h"
+#include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 #include "poise/shape.h"
 

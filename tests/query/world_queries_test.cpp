@@ -38,7 +38,7 @@ struct Crowd {
       const std::size_t shape = i == 0 ? 4 : static_cast<std::size_t>(i) % 4;
       body.shape = ids[shape];
       body.material = material;
-      body.is_static = shape == 4;
+      body.motion = shape == 4 ? MotionType::Static : MotionType::Dynamic;
       if (shape != 4) {
         body.position_m = test::vector_within(random, 6);
         body.orientation = test::turn(random);

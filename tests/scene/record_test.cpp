@@ -43,10 +43,10 @@ RecordHeader some_header() {
   header.paced = true;
   header.deadline_ms = 16.7;
   header.machine = {"Linux", "a processor", 8};
-  header.version = "1.2.3";
-  header.commit = "abc";
-  header.compiler = "GNU";
-  header.flags = "-O3";
+  header.build.version = "1.2.3";
+  header.build.commit = "abc";
+  header.build.compiler = "GNU";
+  header.build.flags = "-O3";
   return header;
 }
 

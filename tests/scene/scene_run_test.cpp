@@ -4,6 +4,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "poise/assets/mesh_file.h"
+#include "poise/assets/sph_file.h"
 #include "scene/scene_shapes.h"
 #include "scene/scene_text.h"
 #include "scene/temporary_folder.h"
@@ -33,7 +35,7 @@ TEST(SceneRun, PutsTheBodiesOfTheFileIntoTheWorld) {
   ASSERT_TRUE(scene) << scene.error().message;
   SceneRun run = run_of(scene.value());
   ASSERT_EQ(run.bodies().size(), 3U);
-  EXPECT_TRUE(run.bodies()[0].is_static);
+  EXPECT_EQ(run.bodies()[0].motion, MotionType::Static);
   const World& world = run.world();
   const BodyState ball = world.state(run.bodies()[1].id).value();
   EXPECT_EQ(ball.position_m, Vec3(1, 2, 3));
@@ -67,7 +69,7 @@ TEST(SceneRun, KeepsSceneOrderWithTheTrayBetweenBodiesAndGrids) {
   ASSERT_TRUE(scene) << scene.error().message;
   SceneRun run = run_of(scene.value());
   ASSERT_EQ(run.bodies().size(), 11U);
-  for (std::size_t i = 0; i < 11; ++i) EXPECT_EQ(run.bodies()[i].is_static, i >= 1 && i <= 5) << i;
+  for (std::size_t i = 0; i < 11; ++i) EXPECT_EQ(run.bodies()[i].motion == MotionType::Static, i >= 1 && i <= 5) << i;
   EXPECT_EQ(run.tray_side_m(), 8);
   const Vec3 normals[] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
   for (std::size_t i = 0; i < 5; ++i) {

@@ -25,7 +25,7 @@ TEST(Scene, HasTheStatedDefaults) {
   EXPECT_EQ(body.orientation.coeffs(), Quat::Identity().coeffs());
   EXPECT_EQ(body.mass_kg, 0);
   EXPECT_EQ(body.velocity_mps, Vec3::Zero());
-  EXPECT_FALSE(body.is_static);
+  EXPECT_EQ(body.motion, MotionType::Dynamic);
   EXPECT_EQ(scene.policy.kind, scheduler::PolicyKind::Perceptual);
   EXPECT_EQ(scene.max_level, kMaxTreeDepth);
   EXPECT_FALSE(scene.polygons);
@@ -89,6 +89,20 @@ TEST(Scene, TurnsTheGazeByTheAngleOfThePixel) {
   Scene right = read.value();
   right.gaze_px = {200, 50};
   EXPECT_NEAR((scene_view(right).gaze - Vec3(1, -2, 0).normalized()).norm(), 0, 1e-15);
+}
+
+TEST(Scene, TakesHowABodyMoves) {
+  const Result<Scene> read = parse(scene_text("", R"([
+      {"shape": "ball", "material": "hard", "static": true}, {"shape": "ball", "material": "hard", "motion": "static"},
+      {"shape": "ball", "material": "hard", "motion": "kinematic", "velocity_mps": [1, 0, 0]},
+      {"shape": "ball", "material": "hard", "static": false, "motion": "dynamic"}])"));
+  ASSERT_TRUE(read) << read.error().message;
+  const std::vector<SceneBody>& bodies = read.value().bodies;
+  EXPECT_EQ(bodies[0].definition.motion, MotionType::Static);
+  EXPECT_EQ(bodies[1].definition.motion, MotionType::Static);
+  EXPECT_EQ(bodies[2].definition.motion, MotionType::Kinematic);
+  EXPECT_EQ(bodies[2].definition.velocity_mps, Vec3(1, 0, 0));
+  EXPECT_EQ(bodies[3].definition.motion, MotionType::Dynamic);
 }
 
 TEST(Scene, TakesEveryShapeAndGeneratorMember) {

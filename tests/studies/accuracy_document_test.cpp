@@ -19,7 +19,7 @@ io::AccuracyDocument study() {
             {"666", "bodies lost", "", std::nan(""), 0, "", false}};
   d.series = {{"stack", {0.25, 0.5}, {0, 1e-3}, {2, 0}}};
   d.threads = 1;
-  d.commit = "abc";
+  d.build.commit = "abc";
   return d;
 }
 

@@ -192,7 +192,7 @@ struct RunBody {
   BodyId id;
   std::size_t shape = 0;     ///< index into SceneRun::shapes()
   std::size_t material = 0;  ///< index into Scene::materials
-  bool is_static = false;
+  MotionType motion = MotionType::Dynamic;
 };
 
 /// Owns the World of a scene and adds the bodies of its streams in time. Invariant: bodies() is in scene order:

@@ -7,7 +7,8 @@
 /// A host's own cue: a plain function from what a viewer sees of a pair to a factor of the pair's score.
 namespace poise::scheduler {
 
-/// What the host gave the two bodies of a pair, in the pair's order; 0 where it gave nothing.
+/// What the host gave the two bodies of a pair, in the pair's order (of a World: that of slots); 0 where it gave
+/// nothing.
 struct UserData {
   std::uint64_t a = 0;
   std::uint64_t b = 0;

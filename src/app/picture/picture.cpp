@@ -64,7 +64,7 @@ View view_of(const SceneRun& run, double aspect) {
   Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 most = -least;
   for (const RunBody& body : run.bodies()) {
-    if (body.is_static) continue;
+    if (body.motion == MotionType::Static) continue;
     const Vec3 x = run.world().state(body.id).value().position_m;
     const Vec3 r = Vec3::Constant(run.shapes()[body.shape]->bounding_radius_m);
     least = least.cwiseMin(x - r);

@@ -19,7 +19,6 @@
 #include "app/replay/replay_loop.h"
 #include "app/run/run_options.h"
 #include "app/tree_cache_options.h"
-#include "build_info.h"
 #include "parallel/interrupt.h"
 #include "record/record_shapes.h"
 #include "scene/result_file.h"
@@ -84,7 +83,8 @@ Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& he
 }
 
 const char* build_of(const io::RecordHeader& header) {
-  return header.commit == POISE_BUILD_COMMIT && header.version == POISE_BUILD_VERSION ? "the same build"
+  const io::BuildFacts build = io::this_build();
+  return header.build.commit == build.commit && header.build.version == build.version ? "the same build"
                                                                                       : "another build";
 }
 
@@ -108,7 +108,7 @@ std::string table(const ReplayOptions& options, const io::RecordHeader& h, const
   std::string text =
       fmt::format("{}: {}, recorded on {} threads ({}), {} clock, {}, {}\n", options.record, h.scene_name,
                   h.world.threads, executor_name(h.world.executor), h.clock, h.machine.processor, h.machine.system);
-  text += fmt::format("made by poise {} commit {}, replayed on {} threads by {}\n", h.version, h.commit,
+  text += fmt::format("made by poise {} commit {}, replayed on {} threads by {}\n", h.build.version, h.build.commit,
                       world.threads(), build_of(h));
   text += report(r);
   if (r.explained) text += "\n" + io::explain_table(*r.explained, options.limit.value_or(kRows));
@@ -128,8 +128,8 @@ std::string json_of(const ReplayOptions& options, const io::RecordHeader& h, con
                  {"threads", h.world.threads},
                  {"executor", executor_name(h.world.executor)},
                  {"clock", h.clock},
-                 {"version", h.version},
-                 {"commit", h.commit},
+                 {"version", h.build.version},
+                 {"commit", h.build.commit},
                  {"processor", h.machine.processor},
                  {"system", h.machine.system}}},
                {"threads", world.threads()},

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "poise/scene/scene.h"
+#include "record/explain_document.h"
 #include "record/record_file.h"
-#include "scene/run/explain_document.h"
 
 namespace poise::app {
 

@@ -20,7 +20,6 @@
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
 #include "app/scene_files.h"
-#include "build_info.h"
 #include "parallel/executor.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
@@ -148,10 +147,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.reference_every = loop.reference_every;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();
-  d.version = POISE_BUILD_VERSION;
-  d.commit = POISE_BUILD_COMMIT;
-  d.compiler = POISE_BUILD_COMPILER;
-  d.flags = POISE_BUILD_FLAGS;
+  d.build = io::this_build();
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
     const bool at_origin = std::holds_alternative<SphereSource>(scene.shapes[i].source) ||
                            std::holds_alternative<PlaneSource>(scene.shapes[i].source);
@@ -170,7 +166,7 @@ io::TimePriorsKey priors_key_of(const io::RunDocument& d) {
 
 void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
   d.bodies = run.bodies().size();
-  for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.is_static ? 0 : 1;
+  for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.motion == MotionType::Dynamic ? 1 : 0;
   d.stopped = result.stopped;
   d.figures = simulation::run_figures(result.frames, {loop.wall_clock, d.alpha});
   d.start = result.start;

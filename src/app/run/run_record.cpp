@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "build_info.h"
 #include "record/record_shapes.h"
 
 namespace poise::app {
@@ -44,10 +43,7 @@ Status RunRecord::begin(const RunOptions& options, const Scene& scene, const std
   if (loop.wall_clock) header.deadline_ms = static_cast<double>(loop.deadline.count()) / 1e6;
   header.budget_work = loop.budget_work;
   header.machine = io::this_machine();
-  header.version = POISE_BUILD_VERSION;
-  header.commit = POISE_BUILD_COMMIT;
-  header.compiler = POISE_BUILD_COMPILER;
-  header.flags = POISE_BUILD_FLAGS;
+  header.build = io::this_build();
   return writer_->begin(header);
 }
 

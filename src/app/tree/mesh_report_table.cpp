@@ -13,6 +13,7 @@
 #include "app/exit_codes.h"
 #include "app/output_files.h"
 #include "app/progress.h"
+#include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 #include "scene/result_file.h"
 

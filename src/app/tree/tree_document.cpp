@@ -89,13 +89,8 @@ std::string tree_json(const TreeDocument& document) {
       json["trees"].push_back(std::move(one));
     }
   }
-  json["machine"] = {{"system", document.machine.system},
-                     {"processor", document.machine.processor},
-                     {"cores", document.machine.cores}};
-  json["build"] = {{"version", document.version},
-                   {"commit", document.commit},
-                   {"compiler", document.compiler},
-                   {"flags", document.flags}};
+  json["machine"] = document.machine;
+  json["build"] = document.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -9,7 +9,7 @@
 
 #include "poise/mesh.h"
 #include "poise/sphere_tree.h"
-#include "scene/run/run_document.h"
+#include "scene/made_by.h"
 
 namespace poise::io {
 
@@ -46,7 +46,7 @@ struct TreeDocument {
   std::uint64_t seed = 0;
   std::vector<MeasuredTree> trees;  ///< one, or two that are compared
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
 };
 
 /// Bytes that the arrays of a tree hold.

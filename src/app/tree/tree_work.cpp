@@ -9,7 +9,8 @@
 #include <utility>
 
 #include "app/process_memory.h"
-#include "build_info.h"
+#include "poise/assets/mesh_file.h"
+#include "poise/assets/sph_file.h"
 #include "poise/assets/tree_formats.h"
 
 namespace poise::app {
@@ -53,10 +54,7 @@ Result<TreeWork> begin_work(const TreeOptions& options) {
   d.seed = options.seed.value_or(1);
   d.threads = static_cast<int>(options.threads.value_or(0));
   d.machine = io::this_machine();
-  d.version = POISE_BUILD_VERSION;
-  d.commit = POISE_BUILD_COMMIT;
-  d.compiler = POISE_BUILD_COMPILER;
-  d.flags = POISE_BUILD_FLAGS;
+  d.build = io::this_build();
   const Result<MeshReport> report = assess_mesh(work.mesh, d.threads);
   if (!report) return in_file(d.mesh, report.error());
   d.report = report.value().text;

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "build_info.h"
 #include "geometry/sphere_tree/tree_layout.h"
+#include "geometry_hash.h"
 
 namespace poise::geometry {
 namespace {

@@ -10,6 +10,7 @@
 #include "assets/mesh/mesh_counts.h"
 #include "assets/mesh/mesh_files.h"
 #include "geometry/primitives/rounding.h"
+#include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 
 namespace poise {

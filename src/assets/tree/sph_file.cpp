@@ -13,6 +13,7 @@
 #include "assets/tree/tree_files.h"
 #include "geometry/primitives/rounding.h"
 #include "geometry/sphere_tree/tree_layout.h"
+#include "poise/assets/sph_file.h"
 #include "poise/sphere_tree.h"
 
 namespace poise {

@@ -15,6 +15,7 @@
 #include "assets/files/text_words.h"
 #include "assets/tree/tree_files.h"
 #include "geometry/primitives/rounding.h"
+#include "poise/assets/sph_file.h"
 
 namespace poise {
 namespace {

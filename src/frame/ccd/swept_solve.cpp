@@ -4,6 +4,7 @@
 
 #include "frame/ccd/swept.h"
 #include "frame/ccd/swept_contact.h"
+#include "frame/kinematic.h"
 #include "parallel/shared_counters.h"
 #include "solver/impact_row.h"
 #include "solver/solver.h"
@@ -73,6 +74,7 @@ std::uint32_t trajectory_of(const SolveInput& input, std::uint32_t slot, Velocit
       trajectory.velocity_mps = velocity_at_mps(velocities, slot, trajectory.stop_s, h_s);
     }
   }
+  if (bodies.moves_by_itself(slot)) drive_trajectory(bodies, slot, h_s, trajectory);
   swept.trajectories.push_back(trajectory);
   return index;
 }

@@ -156,7 +156,8 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
     error_m[level] = error_m[progress.cached_level];
   if (progress.level.polygons) error_m[progress.level.deepest] = 0;
   const scheduler::PairChain chain{pair.id(), progress.level.level,
-                                   std::span(error_m).first(progress.level.deepest + 1U), progress.level.next_units};
+                                   std::span(error_m).first(progress.level.deepest + 1U), progress.level.next_units,
+                                   user_data_of(input.scene, pair)};
   return scheduler::score(input.policy, facts, chain, input.table.cues[index], index);
 }
 

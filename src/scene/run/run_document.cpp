@@ -2,12 +2,8 @@
 #include "scene/run/run_document.h"
 
 #include <fmt/format.h>
-#include <sys/utsname.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-
-#include "parallel/executor.h"
 
 namespace poise::io {
 namespace {
@@ -223,8 +219,8 @@ Json document_json(const RunDocument& d) {
                         {"evicted", d.tree_cache_use.evicted}};
   json["require"] = {{"expression", d.requirement ? Json(*d.requirement) : Json(nullptr)},
                      {"failed", d.requirements_failed}};
-  json["machine"] = {{"system", d.machine.system}, {"processor", d.machine.processor}, {"cores", d.machine.cores}};
-  json["build"] = {{"version", d.version}, {"commit", d.commit}, {"compiler", d.compiler}, {"flags", d.flags}};
+  json["machine"] = d.machine;
+  json["build"] = d.build;
   return json;
 }
 
@@ -241,21 +237,6 @@ void flatten(const Json& json, const std::string& path, std::vector<NamedFigure>
 }
 
 }  // namespace
-
-Machine this_machine() {
-  Machine machine{"unknown", "unknown", parallel::available_threads()};
-  struct utsname names {};
-  if (::uname(&names) == 0) machine.system = fmt::format("{} {} {}", names.sysname, names.release, names.machine);
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
-      machine.processor = line.substr(colon + 2);
-      break;
-    }
-  }
-  return machine;
-}
 
 std::string run_json(const RunDocument& document) {
   return document_json(document).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

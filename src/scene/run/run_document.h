@@ -8,18 +8,10 @@
 #include <vector>
 
 #include "poise/scene/scene.h"
+#include "scene/made_by.h"
 #include "scene/run/run_report.h"
 
 namespace poise::io {
-
-/// What a run was measured on.
-struct Machine {
-  std::string system;  ///< kernel name, release and architecture
-  std::string processor;
-  int cores = 0;  ///< that this process may use
-};
-/// Asks the system; unknown parts are "unknown".
-Machine this_machine();
 
 /// Everything that a result file says of a run (docs/run-report.md).
 struct RunDocument {
@@ -52,7 +44,7 @@ struct RunDocument {
   std::optional<std::uint64_t> reference_every;
   double tray_side_m = 0;
   Machine machine;
-  std::string version, commit, compiler, flags;
+  BuildFacts build;
   simulation::RunFigures figures;
   Conserved start, end;
   double energy_max_j = 0;  ///< largest sum of kinetic and potential energy after any frame

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scene/run/explain_document.h"
+#include "record/explain_document.h"
 
 #include <fmt/format.h>
 

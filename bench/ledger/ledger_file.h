@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ledger/unit_costs.h"
+
+namespace poise::ledger {
+
+/// A change of the numbers and why.
+struct LedgerChange {
+  std::string commit;  ///< that the numbers were counted at
+  std::string reason;
+};
+
+/// bench/ledger.json.
+struct Ledger {
+  std::string counted_by;  ///< valgrind's version
+  std::string compiler;    ///< name and version: numbers of another compiler are not compared
+  std::string build;       ///< build type and what else decides which code is made
+  double tolerance = 0.03;
+  std::vector<LedgerChange> changes;  ///< the oldest first
+  std::vector<EntryCosts> entries;
+};
+
+/// Refused with file and field: not JSON, another schema, a field that is missing or of another type.
+Result<Ledger> read_ledger(const std::filesystem::path& file);
+Status write_ledger(const Ledger& ledger, const std::filesystem::path& file);
+
+/// One number of two ledgers.
+struct Compared {
+  std::string entry, cost;
+  double before = 0;  ///< 0: the ledger does not have it
+  double now = 0;     ///< 0: it was not counted
+  bool within = false;
+};
+
+/// All numbers of either, in the order of `now`, those that are only in the ledger after them. A count of units that
+/// differs is a line of its own, named `COST count`.
+std::vector<Compared> compare(const Ledger& ledger, const std::vector<EntryCosts>& now);
+
+}  // namespace poise::ledger

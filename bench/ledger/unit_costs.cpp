@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "ledger/unit_costs.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+namespace poise::ledger {
+namespace {
+
+using Functions = std::array<std::string_view, 4>;  // by full name, without arguments; none inside another
+
+/// Where each stage of a step begins. A stage that is renamed, split or new changes this table and nothing else.
+struct Stage {
+  std::string_view name;
+  Functions functions;
+};
+
+constexpr std::array kStages{
+    Stage{"predict", {"poise::simulation::predict"}},
+    Stage{"broad_phase_and_coarse", {"poise::simulation::find_pairs"}},
+    Stage{"refine", {"poise::simulation::refine"}},
+    Stage{"response", {"poise::simulation::respond"}},
+    Stage{"integrate", {"poise::simulation::integrate"}},
+    Stage{"publish", {"poise::simulation::publish"}},
+    Stage{
+        "sleep",
+        {"poise::simulation::fall_asleep", "poise::simulation::wake_near_changes", "poise::simulation::wake_touched"}},
+};
+
+constexpr double kLeastShareOfStages = 0.95;
+
+/// A unit of work: the instructions inside some functions, less those inside others, a count of the report.
+struct Unit {
+  std::string_view name;
+  Functions functions;
+  Functions less;
+  double CountedUnits::*count;
+  bool always = true;  // wherever there are such units, one of the functions is called
+};
+
+constexpr Functions kOverlapTests{"poise::collision::N_AVX2::expand", "poise::collision::N_AVX2::expand_twice",
+                                  "poise::collision::expand_plane_front"};
+
+constexpr std::array kUnits{
+    Unit{"expansion", kOverlapTests, {}, &CountedUnits::expansions},
+    Unit{"level", {"poise::simulation::refine"}, kOverlapTests, &CountedUnits::levels},
+    Unit{"contact_pair", {"poise::simulation::list_contact_pairs"}, {}, &CountedUnits::contact_pairs},
+    Unit{"impact", {"poise::solver::solve_impacts"}, {}, &CountedUnits::contact_pairs, false},
+    Unit{"point_iteration", {"poise::solver::ContactSolver::solve"}, {}, &CountedUnits::point_iterations},
+    Unit{"body", {"poise::simulation::predict", "poise::simulation::integrate"}, {}, &CountedUnits::bodies},
+    Unit{"candidate_pair", {"poise::simulation::find_pairs"}, {}, &CountedUnits::candidate_pairs},
+};
+
+/// Fewer say more about what a frame costs at least than about a unit.
+constexpr double kFewestUnits = 30;
+
+double inside(const CallgrindProfile& profile, const Functions& functions) {
+  std::uint64_t sum = 0;
+  for (const std::string_view function : functions) {
+    if (!function.empty()) sum += instructions_inside(profile, function);
+  }
+  return static_cast<double>(sum);
+}
+
+}  // namespace
+
+Result<EntryCosts> unit_costs(const std::string& entry, const CallgrindProfile& profile, const CountedUnits& units) {
+  EntryCosts costs;
+  costs.entry = entry;
+  const auto total = static_cast<double>(profile.total);
+  costs.per_frame.push_back({"step", total / units.frames, units.frames});
+  double in_stages = 0;
+  for (const Stage& stage : kStages) {
+    const double instructions = inside(profile, stage.functions);
+    in_stages += instructions;
+    if (instructions > 0)
+      costs.per_frame.push_back({std::string(stage.name), instructions / units.frames, units.frames});
+  }
+  if (in_stages < kLeastShareOfStages * total || in_stages > total)
+    return bad_input(
+        fmt::format("{}: the stages make up {:.1f} % of the step, must be 95 to 100 %: a stage is missing or named "
+                    "twice in bench/ledger/unit_costs.cpp",
+                    entry, 100 * in_stages / total));
+  for (const Unit& unit : kUnits) {
+    const double count = units.*unit.count;
+    if (count < kFewestUnits) continue;
+    const double instructions = inside(profile, unit.functions) - inside(profile, unit.less);
+    if (instructions <= 0 && !unit.always) continue;
+    if (instructions <= 0)
+      return bad_input(
+          fmt::format("{}: {:.0f} units of {} and no function of them was called: mend the table in "
+                      "bench/ledger/unit_costs.cpp",
+                      entry, count, unit.name));
+    costs.per_unit.push_back({std::string(unit.name), instructions / count, count});
+  }
+  return costs;
+}
+
+}  // namespace poise::ledger

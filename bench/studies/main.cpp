@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The studies whose figures stand in the docs, a program of their own that `poise study NAME` starts.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "app/exit_codes.h"
+#include "scene/made_by.h"
+#include "studies/study_list.h"
+
+namespace {
+
+int run(int argc, char** argv) {
+  CLI::App app("Makes the figures of the docs.", "poise study");
+  const poise::io::BuildFacts build = poise::io::this_build();
+  app.set_version_flag("--version", fmt::format("poise-study {} ({}, {}, {})", build.version, build.commit,
+                                                build.compiler, build.flags));
+  app.require_subcommand(1);
+  app.footer(
+      "Example:\n  poise study trees --markdown trees.md\n  poise study levels --markdown levels.md\n  poise study "
+      "accuracy --only slope\n\nEach study has its own --help.");
+  int exit_code = poise::app::kExitDone;
+  poise::app::add_studies(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& stop) {
+    // Help and the version end here too, with 0; every mistake is bad usage.
+    if (app.exit(stop) != 0) return poise::app::kExitBadUsage;
+    return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // A reader that goes away must end in exit code 4, not in a signal.
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "poise study: %s\n", failure.what());
+  } catch (...) {
+    std::fprintf(stderr, "poise study: failed for an unknown reason\n");
+  }
+  return poise::app::kExitBadInput;
+}
