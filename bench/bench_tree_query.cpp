@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Walking two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
 // expansion; then the polygons in the leaves that overlap, beside the same question to libfcl. Before anything is
-// timed, random poses near first contact are judged by the triangles themselves (libfcl): a level that finds nothing
+// timed, random poses near first contact are measured by the triangles themselves (libfcl): a level that finds nothing
 // where surfaces meet is an error, and so are polygons that say otherwise.
 //
 //   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
@@ -34,7 +34,7 @@ constexpr std::size_t kTimedPoses = 10000;  // so many that no branch predictor 
 struct Settings {
   std::vector<fs::path> meshes;
   fs::path trees;            ///< folder where trees are kept between runs, NAME.sph; empty: every tree is built
-  std::size_t poses = 2000;  ///< judged, for each pair of meshes
+  std::size_t poses = 2000;  ///< measured, for each pair of meshes
 };
 
 struct NamedShape {
@@ -48,7 +48,7 @@ struct Reports {
   std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
   std::size_t expansions = 0;
   std::size_t hits = 0;
-  std::size_t misjudged = 0;  ///< polygons say otherwise than the judge, and not by a hair
+  std::size_t misjudged = 0;  ///< polygons say otherwise than the oracle, and not by a hair
 };
 
 struct Case {
@@ -207,7 +207,7 @@ void time_polygons(benchmark::State& state, const Case& c) {
   state.counters["ns_per_unit"] = 1e9 * seconds / units;
 }
 
-/// The same yes or no by the judge.
+/// The same yes or no by the oracle.
 void time_judge(benchmark::State& state, const NamedShape& a, const NamedShape& b, const Case& c) {
   const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
   bench::Latencies latencies;

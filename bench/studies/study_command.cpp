@@ -36,11 +36,11 @@ void add_study_command(CLI::App& app, int& exit_code) {
       "cost", "Time each mandatory stage: nanoseconds a candidate pair and a body, falling and settled");
   add_study_cost_options(*cost_study, *cost);
   cost_study->callback([cost, &exit_code] { exit_code = study_cost(*cost); });
-  auto kept = std::make_shared<StudyTimingOptions>();
-  CLI::App* cache_study = command->add_subcommand(
-      "kept", "Compare frames that have what earlier ones found out with frames that start anew");
-  add_study_kept_options(*cache_study, *kept);
-  cache_study->callback([kept, &exit_code] { exit_code = study_kept(*kept); });
+  auto cache = std::make_shared<StudyTimingOptions>();
+  CLI::App* cache_study =
+      command->add_subcommand("cache", "Compare frames that use the contact cache with frames that start without it");
+  add_study_cache_options(*cache_study, *cache);
+  cache_study->callback([cache, &exit_code] { exit_code = study_cache(*cache); });
   auto scaling = std::make_shared<StudyTimingOptions>();
   CLI::App* scaling_study = command->add_subcommand("scaling", "Time refinement on several numbers of threads");
   add_study_scaling_options(*scaling_study, *scaling);
@@ -53,7 +53,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
   accuracy_study->callback([accuracy, &exit_code] { exit_code = study_accuracy(*accuracy); });
   auto compliance = std::make_shared<StudyComplianceOptions>();
   CLI::App* compliance_study =
-      command->add_subcommand("compliance", "Are deadlines kept as often as asked, whatever the population?");
+      command->add_subcommand("compliance", "Are deadlines cache as often as asked, whatever the population?");
   add_study_compliance_options(*compliance_study, *compliance);
   compliance_study->callback([compliance, &exit_code] { exit_code = study_compliance(*compliance); });
   auto forecast = std::make_shared<StudyForecastOptions>();

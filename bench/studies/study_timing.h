@@ -27,7 +27,7 @@ struct StudyTimingOptions {
 
 /// Declare the options; `options` must outlive the parse.
 void add_study_cost_options(CLI::App& command, StudyTimingOptions& options);
-void add_study_kept_options(CLI::App& command, StudyTimingOptions& options);
+void add_study_cache_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 
@@ -35,7 +35,7 @@ void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 /// next three.
 int study_cost(const StudyTimingOptions& options);
 /// Frames of a settled scene with what earlier ones found out, and without.
-int study_kept(const StudyTimingOptions& options);
+int study_cache(const StudyTimingOptions& options);
 /// Refinement on several numbers of threads.
 int study_scaling(const StudyTimingOptions& options);
 /// Instructions of a step with each feature off and on; kExitRequirementFailed where one that is off executes something

@@ -28,7 +28,7 @@ enum class Solidity : std::uint8_t {
   Shell,  ///< the surface alone
 };
 
-/// What mesh reading did to the input, for a person to judge.
+/// Repairs that mesh reading made.
 struct MeshRepair {
   std::size_t vertices_welded = 0;      ///< vertices that were merged into another
   std::size_t triangles_discarded = 0;  ///< triangles that name a vertex twice after welding, or repeat another
@@ -57,11 +57,11 @@ struct MassProperties {
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file, const MeshReadOptions& options,
                                MeshRepair* repair = nullptr);
 
-/// Merges vertices within `weld_relative` (as in MeshReadOptions) of the diagonal into the lowest-numbered one, drops
-/// triangles that name a vertex twice or repeat another, leaves out unused vertices, and turns triangles over so that
-/// neighbours agree on the outside and no piece is inside out, a cavity staying one (src/geometry/mesh_orient.h); in
-/// place. Needles with three distinct corners stay: without them a closed mesh would not be. A second call changes
-/// nothing.
+/// Merges vertices within `weld_relative` (as in MeshReadOptions) of the diagonal into the lowest-numbered one,
+/// discards triangles that name a vertex twice or repeat another, leaves out unused vertices, and turns triangles over
+/// so that neighbours agree on the outside and no piece is inside out, a cavity staying one
+/// (src/geometry/mesh/mesh_orient.h); in place. Needles with three distinct corners stay: without them a closed mesh
+/// would not be. A second call changes nothing.
 MeshRepair clean_mesh(TriangleMesh& mesh, double weld_relative);
 
 /// How far a mesh is from enclosing a volume.
@@ -98,7 +98,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
 /// thread. Refused: as winding_mass_properties, a thickness out of range, and a mesh without area.
 Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double thickness_m);
 
-/// What a mesh is good for, in figures and in words.
+/// Properties of a mesh and what follows from them, in figures and in words.
 struct MeshReport {
   std::size_t triangles = 0, vertices = 0;
   std::size_t pieces = 0;  ///< parts that share no edge
@@ -114,7 +114,7 @@ struct MeshReport {
   std::string text;         ///< one or two sentences for a person, no line end
 };
 
-/// Judges a mesh, as read_mesh and clean_mesh leave it. Any thread. Refused: as winding_mass_properties.
+/// Assesses a mesh, as read_mesh and clean_mesh leave it. Any thread. Refused: as winding_mass_properties.
 Result<MeshReport> assess_mesh(const TriangleMesh& mesh, int threads = 0);
 
 }  // namespace poise

@@ -86,7 +86,7 @@ void find_points(WorldState& world, const ActivePair& pair, collision::LevelCont
   const PlacedPair where = placed_pair(world, pair);
   if (pair.level.level == 0 && !pair.exact) found.contact = coarsest_contact_of(world, pair);
   points[0] = keep(where, collision::impact_point(found.contact, where.a.rotation));
-  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.manifold_point[k - 1]);
+  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.point[k - 1]);
   std::fill(loads.begin(), loads.end(), solver::AccumulatedImpulse{});
   hand_over(resting(std::span<const solver::ContactPoint>(old).first(olds)),
             resting(std::span<const solver::AccumulatedImpulse>(borne).first(olds)), kSameOfSkin * pair.skin_m,

@@ -144,10 +144,10 @@ void leave_bouncing(WorldState& world) {
 std::uint32_t iterations_of_step(WorldState& world, const StepInput& input, const FrameReport& report) {
   std::uint32_t most = solver::kMaxPointIterations;
   if (input.replay != nullptr) {
-    if (input.replay->visits > 0) most = input.replay->visits;
+    if (input.replay->point_iterations > 0) most = input.replay->point_iterations;
   } else if (input.budget.kind == Budget::Kind::Deadline) {
     most = iterations_in_time(world, input, report);
-    if (input.record) world.decisions->visits(most < solver::kMaxPointIterations ? most : 0);
+    if (input.record) world.decisions->point_iterations(most < solver::kMaxPointIterations ? most : 0);
   }
   return most;
 }
@@ -205,14 +205,14 @@ solver::Convergence respond(WorldState& world, const StepInput& input, FrameRepo
     report.degenerate = degenerate.take(0);
     leave_bouncing(world);
   }
-  if (!stopping.converges()) settings.visits = iterations_of_step(world, input, report);
+  if (!stopping.converges()) settings.point_iterations = iterations_of_step(world, input, report);
   const solver::ContactSystem system{buffers.solver_bodies,  buffers.accelerations,      buffers.inverse_inertia,
                                      buffers.poses,          buffers.manifolds,          world.points.points,
                                      world.points.loads,     buffers.applied_impulse_ns, buffers.coloring,
                                      buffers.manifold_points};
   const solver::Convergence rest = world.contact_solver.solve(system, settings, *world.executor);
-  report.point_iterations = rest.visits;
-  if (rest.cut_short) report.degraded.visits = settings.visits;
+  report.point_iterations = rest.point_iterations;
+  if (rest.cut_short) report.degraded.point_iterations = settings.point_iterations;
   if (input.backtracking) solve_swept(world, input, report);
   return {ended.reached && rest.reached, ended.iterations + rest.iterations};
 }

@@ -9,10 +9,10 @@
 namespace poise::solver {
 namespace {
 
-// A residual that grows to this many times the square of the last one says that what was learnt no longer holds.
+// A residual that grows to this many times the square of the last one restarts the history.
 constexpr double kGrown = 4;
-// Keeps the small system solvable where steps repeat each other, and the next point near where they hardly differ:
-// stresses that bodies have among each other without moving would else wander until a place slips.
+// Regularises the small system where steps are nearly parallel, and keeps the next point near: internal stresses would
+// else drift until a contact point slips.
 constexpr double kRidge = 1e-6;
 
 double dot(std::span<const double> a, std::span<const double> b) {

@@ -14,42 +14,43 @@
 namespace poise::solver {
 namespace {
 
-// Share of a certain overlap that a substep takes back, and the greatest speed of that. Faster, and a pair that has
-// just been refined pops.
+// Share of a certain overlap that a substep takes back, and the greatest speed of that. Larger values make a pair pop
+// that has just been refined.
 constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
 
-// Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no
-// approach by more than a share of what counts as still. So small scenes converge, and the cost of large ones is linear
-// in their places.
+// Iterations of a substep: limited by the number of point iterations, at least one, and none more once an iteration
+// changes no approach speed by more than a share of the rest speed. So small scenes converge, and the cost of large
+// ones is linear in their contact points.
 constexpr std::uint32_t kMaxIterations = 60;
 constexpr double kSettledOfStill = 3e-5;
-// So many while places, by what they bear, are farther from their answer than a share of what counts as still: heavy
-// bodies on light ones.
+// Limit while contact points, weighted by their impulses, are farther from the solution than a share of the rest speed:
+// heavy bodies on light ones.
 constexpr std::uint32_t kMaxHardIterations = 600;
 constexpr double kFarOfStill = 0.01;
-// Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of
-// plain ones. Plain ones in single precision are fewer than that.
+// Where point_iterations make so many iterations, they are extrapolated, in double precision: heavy bodies on light
+// ones need thousands of plain ones. Plain ones in single precision are fewer than that.
 constexpr std::uint32_t kMixedIterations = 20;
-// A leap led astray if the bodies that touch then have so many times the energy that they had, or would have without
-// contacts.
+// An extrapolation step diverged if the bodies in contact then have this many times the energy that they had, or would
+// have without contacts.
 constexpr double kDiverged = 2;
 
-// How often a substep may go over its places.
+// Limits of the iterations of a substep.
 struct IterationLimit {
   std::uint32_t most = 1;
-  std::uint32_t hard = 1;  // while they are far from their answer
-  bool mixed = false;      // sped up
+  std::uint32_t hard = 1;  // while they are far from the solution
+  bool mixed = false;      // extrapolated
   [[nodiscard]] std::uint32_t iterations(bool far) const { return far ? hard : most; }
 };
 
-// With so many visits of a substep, at their cost.
-IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settings, std::uint32_t visits) {
+// With so many point_iterations of a substep, at their cost.
+IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settings, std::uint32_t point_iterations) {
   const Stopping& stopping = settings.stopping;
   if (stopping.converges()) return {stopping.max_iterations, stopping.max_iterations, false};
   const std::uint32_t points = std::max(static_cast<std::uint32_t>(system.point_count), 1U);
-  const std::uint32_t sped_up = std::min(visits / kMixedIterationCost, kMixedPointIterations) / points;
-  const std::uint32_t plain = std::clamp(std::min(visits, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
+  const std::uint32_t sped_up = std::min(point_iterations / kMixedIterationCost, kMixedPointIterations) / points;
+  const std::uint32_t plain =
+      std::clamp(std::min(point_iterations, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
   if (sped_up < kMixedIterations) return {plain, plain, false};
   const std::uint32_t most = std::min(sped_up, kMaxIterations);
   // Without gravity nothing rests on anything, and still is no measure.
@@ -64,14 +65,14 @@ Vec3 normal_of(const PointLanes<double>& patch, std::size_t lane) {
 }  // namespace
 
 struct ContactSolver::Buffers {
-  parallel::LargeVector<RestBlock> blocks;
+  parallel::LargeVector<ContactBlock> blocks;
   std::vector<std::size_t> block_begin;          // per colour, then the serial ones, then the end
-  std::vector<IterationChange<double>> changes;  // one a block, where sweeps converge
+  std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
   AndersonMixing mixing;
   std::vector<double> before, after;  // impulses of all lanes, in roots of energy
-  std::vector<double> swept;          // impulses of all lanes as the last sweep left them
-  TouchingEnergy energy;
-  double alone_j = 0;  // in this substep without contacts: these only take from it
+  std::vector<double> swept;          // impulses of all lanes after the last plain iteration
+  EnergyGuard energy;
+  double alone_j = 0;  // of this substep without contacts; contacts only reduce it
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -99,7 +100,8 @@ struct ContactSolver::Buffers {
                     parallel::Executor& executor);
 };
 
-// Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
+// Calls visit(block has friction, lanes of the pairs, lanes of the contact point, lane) for every contact point of
+// every pair.
 template <class Visit>
 void ContactSolver::Buffers::for_impulses(Visit&& visit) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -113,18 +115,17 @@ void ContactSolver::Buffers::for_impulses(Visit&& visit) {
 // Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
 std::size_t ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
   std::size_t at = 0;
-  const auto root_of = [](double newton_s, double mass) { return mass > 0 ? std::sqrt(newton_s / mass) : 0.0; };
+  const auto root_of = [](double reduced_mass, double mass) { return mass > 0 ? std::sqrt(reduced_mass / mass) : 0.0; };
   for_impulses(
       [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& patch, std::size_t lane) {
-        into[at++] = root_of(shared.newton_s[lane], patch.mass[lane]) * patch.impulse[lane];
-        const double across = root_of(shared.newton_s[lane], patch.across[lane]);
+        into[at++] = root_of(shared.reduced_mass[lane], patch.mass[lane]) * patch.impulse[lane];
+        const double across = root_of(shared.reduced_mass[lane], patch.across[lane]);
         for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * patch.friction_impulse[k][lane];
       });
   return at;
 }
 
-// Goes from what the last sweep came to, to what the last few together let expect, within the cones; back if that makes
-// energy.
+// Extrapolates from the last iterations, clamped to the friction cones; undone if it adds energy.
 void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   read_impulses(after);
   if (!mixing.mix(before, after)) return;
@@ -133,22 +134,22 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   std::size_t at = 0;
   std::size_t kept = 0;
   const auto change_to = [&](double& impulse, double wanted) {
-    // What warm_block gives to the bodies is the change.
+    // What warm_start_block gives to the bodies is the change.
     swept[kept] = impulse;
     impulse = wanted - impulse;
     after[kept++] = wanted;
   };
-  const auto impulse_of = [](double value, double newton_s, double mass) {
-    return mass > 0 && newton_s > 0 ? value / std::sqrt(newton_s / mass) : 0.0;
+  const auto impulse_of = [](double value, double reduced_mass, double mass) {
+    return mass > 0 && reduced_mass > 0 ? value / std::sqrt(reduced_mass / mass) : 0.0;
   };
   for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& patch, std::size_t lane) {
-    const double newton_s = shared.newton_s[lane];
-    const double normal = std::max(0.0, impulse_of(after[at++], newton_s, patch.mass[lane]));
+    const double reduced_mass = shared.reduced_mass[lane];
+    const double normal = std::max(0.0, impulse_of(after[at++], reduced_mass, patch.mass[lane]));
     Vec3 across = Vec3::Zero();
     for (Eigen::Index k = 0; k < 3 && frictional; ++k)
-      across[k] = impulse_of(after[at++], newton_s, patch.across[lane]);
-    // Friction along the normal and as much less along the normal itself would change nothing, so no sweep would ever
-    // take it back.
+      across[k] = impulse_of(after[at++], reduced_mass, patch.across[lane]);
+    // A friction component along the normal would cancel against the normal impulse, and no later iteration would
+    // remove it.
     const Vec3 along = normal_of(patch, lane);
     across -= across.dot(along) * along;
     const double most = shared.friction[lane] * normal;
@@ -158,7 +159,7 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
       change_to(patch.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
   });
   iteration(executor, [&](std::size_t i) {
-    warm_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
+    warm_start_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
   });
   const bool diverged = !(energy.joules(twofold.motions) <= kDiverged * std::max(swept_j, alone_j));
   if (diverged) {
@@ -173,8 +174,7 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   });
 }
 
-// Places that part under their load push bodies that nothing pushes. Takes back what share of all impulses makes
-// energy.
+// Contact points that separate under their impulse add energy. Scales all impulses down to the share that adds none.
 void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) {
   const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
   if (share == 1) return;
@@ -185,12 +185,12 @@ void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) 
   });
 }
 
-// Blocks of the pairs at some places of the colouring, those with most places first.
+// Makes blocks of the pairs in a range of the colouring, those with most contact points first.
 void ContactSolver::Buffers::add_blocks(const ContactSystem& system, std::size_t begin, std::size_t end,
                                         std::size_t width, std::uint32_t& lanes) {
   const std::span<const std::uint32_t> order = system.coloring.order();
   for (; begin < end; begin += width) {
-    RestBlock block;
+    ContactBlock block;
     block.begin = static_cast<std::uint32_t>(begin);
     block.count = static_cast<std::uint8_t>(std::min(width, end - begin));
     block.first = lanes;
@@ -243,7 +243,7 @@ std::array<T, 6> added_in(const Acceleration& pull, double h_s) {
 
 // The figures of a motion one after another: v, w, x, q.
 template <class T>
-T* figures(Motion<T>& motion) {
+T* figures(MotionChange<T>& motion) {
   return motion.v;
 }
 
@@ -255,7 +255,7 @@ void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool 
   const std::array<T, 6> added = added_in<T>(system.accelerations[i], h_s);
   for (std::size_t k = 0; k < 6; ++k) {
     const T before = now[k];
-    // What changed in the substep before was the forces' part and the contacts': both come again.
+    // The changes of the last substep came from forces and contacts: both are applied again.
     now[k] = first ? before + added[k] : before + (before - begun[k]);
     begun[k] = before;
   }
@@ -267,7 +267,7 @@ void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
   for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
 }
 
-// What a body does without contacts: impulses come on top of that.
+// Motion without contacts; impulses are added to it.
 void fly(const ContactSystem& system, std::size_t i, double dt_s) {
   SolverBody& body = system.bodies[i];
   body.moved_m = dt_s * body.velocity_mps;
@@ -292,7 +292,7 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
-  all.angular_responses.resize(system.bodies.size());
+  all.scaled_inverse_inertias.resize(system.bodies.size());
   if (limit.mixed) {
     before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
@@ -311,24 +311,24 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   };
   const BodyLanes<T> bodies = all.bodies();
   for_bodies([&](std::size_t i) {
-    all.motions[i] = Motion<T>{};
-    all.angular_responses[i] = angular_response<T>(system.bodies[i], system.inverse_inertia[i]);
+    all.motions[i] = MotionChange<T>{};
+    all.scaled_inverse_inertias[i] = scaled_inverse_inertia<T>(system.bodies[i], system.inverse_inertia[i]);
     system.bodies[i].pulled = !system.accelerations[i].none();
     begin_substep(system, i, h_s, true, all);
   });
   constexpr std::size_t kPairsAhead = 3;
   constexpr std::size_t kAhead = 1;
   iteration(executor, [&](std::size_t i) {
-    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) fetch_points(system, blocks[i + kAhead]);
+    if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
     fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
-    warm_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
+    warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
   if (limit.mixed) energy.begin(system, blocks);
   const auto give = [&](std::size_t i) {
-    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
-    give_block(system, blocks[i], all.pairs[i], all);
+    if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) prefetch_impulses(system, blocks[i + kAhead]);
+    write_back_block(system, blocks[i], all.pairs[i], all);
   };
   SubstepTerms<T> terms;
   terms.h_s = static_cast<T>(h_s);
@@ -362,9 +362,9 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
             solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), terms, round == 0, bodies);
         if (terms.watch)
           changes[i] = {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
-                        static_cast<double>(change.change_mps), static_cast<double>(change.load_ns),
-                        static_cast<double>(change.strayed_j)};
-        // While its lanes are at hand.
+                        static_cast<double>(change.change_mps), static_cast<double>(change.impulse_sum_ns),
+                        static_cast<double>(change.residual_j)};
+        // While its lanes are in the cache.
         if (last && !terms.watch) give(i);
       });
       if (!terms.watch) break;
@@ -373,16 +373,16 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
         sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
         sum.change_ns = std::max(sum.change_ns, change.change_ns);
         sum.change_mps = std::max(sum.change_mps, change.change_mps);
-        sum.load_ns += change.load_ns;
-        sum.strayed_j += change.strayed_j;
+        sum.impulse_sum_ns += change.impulse_sum_ns;
+        sum.residual_j += change.residual_j;
       }
-      far = sum.strayed_j > kFarOfStill * still_mps(settings) * sum.load_ns;
+      far = sum.residual_j > kFarOfStill * still_mps(settings) * sum.impulse_sum_ns;
       if (stopping.converges()) {
         settled = reached = sum.change_ns <= stopping.share * sum.largest_ns;
       } else {
         settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
       }
-      // A plain sweep comes last.
+      // The last iteration is a plain one.
       if (limit.mixed && !settled && round + 1 < limit.iterations(far)) mix(executor);
     }
     if (limit.mixed && !settled && far) take_back(system, h_s);
@@ -390,11 +390,11 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     ended.reached = ended.reached && reached;
     ended.cut_short = ended.cut_short || (!settled && limit.iterations(far) < full.iterations(far));
   }
-  ended.visits = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
+  ended.point_iterations = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
   for_bodies([&](std::size_t i) {
     end_substep(i, h_s, all);
     SolverBody& body = system.bodies[i];
-    const Motion<T>& motion = all.motions[i];
+    const MotionChange<T>& motion = all.motions[i];
     body.moved_m +=
         Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
     body.turned_rad +=
@@ -411,7 +411,7 @@ ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
 
 Convergence ContactSolver::solve(const ContactSystem& system, const SolveSettings& settings,
                                  parallel::Executor& executor) {
-  const IterationLimit limit = limit_of(system, settings, std::min(settings.visits, kMaxPointIterations));
+  const IterationLimit limit = limit_of(system, settings, std::min(settings.point_iterations, kMaxPointIterations));
   const bool twofold = settings.stopping.converges() || limit.mixed;
   return twofold ? buffers_->solve<double>(system, settings, limit, executor)
                  : buffers_->solve<float>(system, settings, limit, executor);

@@ -13,7 +13,7 @@
 
 namespace poise::collision {
 
-/// A mesh about the middle of its bounding box, its judge, and a shape that holds a tree of it.
+/// A mesh about the middle of its bounding box, its oracle, and a shape that holds a tree of it.
 struct OracleShape {
   PolygonOracle oracle;
   Shape shape;

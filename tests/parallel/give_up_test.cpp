@@ -112,7 +112,7 @@ TEST_P(GiveUp, RunsOtherLoopsWhileAWorkerIsStillHeldUp) {
   EXPECT_EQ(item.committed, 0);
 }
 
-// A run that may not give up waits for no one who was given up before it. So such a worker must not begin anything in
+// A run that may not abandon waits for no one who was abandoned before it. So such a worker must not begin anything in
 // it.
 TEST(WorkerGate, AWorkerThatIsGivenUpBeforeItLooksBeginsNothingInTheNextRun) {
   WorkerGate gate(2, std::chrono::nanoseconds(0));

@@ -273,9 +273,9 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (trace) {
     written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
     if (!written) return refuse("run", written.error());
-    if (trace->dropped() > 0)
-      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(),
-                 kTraceRoom);
+    if (trace->discarded() > 0)
+      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n",
+                 trace->discarded(), kTraceRoom);
   }
   if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
   if (!written) return refuse("run", written.error());

@@ -95,11 +95,11 @@ int tree_command(const TreeOptions& options) {
   const Status sound = check_tree_options(options);
   if (!sound) return refuse("tree", kExitBadUsage, sound.error().message);
   switch (task_of(options)) {
-    case TreeTask::MeshFinding:
+    case TreeTask::Inspect:
       return print_mesh_reports(options);
     case TreeTask::Convert:
       return convert(options);
-    case TreeTask::Oracle:
+    case TreeTask::Measure:
       break;
   }
   return judge(options);

@@ -7,10 +7,10 @@
 namespace poise::collision {
 namespace {
 
-// Of places that span the same but for this share, the one with the least gap is taken, and of those the first in the
+// Of points that span the same up to this share, the one with the least gap is taken, and of these the first in the
 // mesh.
 constexpr double kClearlyMore = 1e-2;
-// Axes in the plane of contact along which the outermost places are kept when the list is full.
+// Axes in the plane of contact along which the outermost contact points are kept when the list is full.
 constexpr std::size_t kAxes = 8;
 
 // Two directions square to a unit one (Frisvad 2012 shows why the least coordinate is the safe one to cross with).
@@ -54,7 +54,7 @@ bool PointList::overlaps_only_along(const Vec3& normal) const {
   return true;
 }
 
-// Does the same corner leave the solid sooner by another face?
+// True if another face is nearer to the same corner.
 bool PointList::outdone(std::size_t index) const {
   const FoundPoint& place = point_[index];
   if (place.corner == FoundPoint::kNoCorner || place.in_groove || !(place.gap_m < 0)) return false;
@@ -97,8 +97,7 @@ void PointList::sort_into(double reach_m, Groups& groups) const {
   }
 }
 
-// Of the places that are as deep as the deepest: the one farthest from the middle of all, so that the rest can span
-// from it.
+// Of the points as deep as the deepest: the one farthest from the middle of all, so that the rest can span from it.
 std::size_t PointList::outermost_of_deepest(const Group& group) const {
   const auto found = [&](std::size_t k) -> const FoundPoint& { return point_[group.member[k]]; };
   Vec3 middle = Vec3::Zero();
@@ -146,7 +145,7 @@ std::size_t PointList::pick(const Group& group, std::size_t most,
   if (second == group.count) return count;
   take(second);
   if (most < 3) return count;
-  // Twice areas. Places that make no triangle higher than the merging distance add nothing.
+  // Twice areas. Points that make no triangle higher than the merging distance add nothing.
   const Vec3 base = chosen[1] - chosen[0];
   const double thin = merge_m_ * base.norm();
   const std::size_t third =
@@ -188,7 +187,7 @@ ManifoldPoints PointList::choose(double reach_m) const {
     const std::size_t count = pick(groups.group[g], share[g], picked);
     for (std::size_t k = 0; k < count; ++k) {
       const FoundPoint& place = point_[picked[k]];
-      set.manifold_point[set.count++] = {place.normal, place.point_m, place.gap_m, place.gap_m};
+      set.point[set.count++] = {place.normal, place.point_m, place.gap_m, place.gap_m};
     }
   }
   return set;

@@ -52,7 +52,7 @@ Outcome complete_level(const WorldState& world, std::span<collision::FrontPool> 
   const Mat3 rotation = world.buffers.poses[pair.a].rotation;
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
-    collision::expect_fits(world.shapes[world.shape_of[pair.a]].deviation_m[next],
+    collision::set_expected_fit(world.shapes[world.shape_of[pair.a]].deviation_m[next],
                            world.shapes[world.shape_of[pair.b]].deviation_m[next],
                            level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
   }

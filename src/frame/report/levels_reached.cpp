@@ -55,7 +55,7 @@ LevelsReached levels_reached(WorldState& world, const View& view) {
   }
   for (const ActivePair& pair : world.buffers.pairs) {
     if (pair.apart() || !pair.refinable()) continue;
-    ++(pair.full ? reached.left_for_room : reached.left_for_time);
+    ++(pair.full ? reached.left_for_capacity : reached.left_for_time);
     reached.longest_wait = std::max(reached.longest_wait, pair.solved_level() > 0 ? 0U : pair.memory.frames_waited + 1);
   }
   return reached;

@@ -210,7 +210,7 @@ std::vector<Piece> pieces_of(const TriangleMesh& mesh) {
   return pieces;
 }
 
-/// Whether a whole piece lies in a closed one, judged at a few of its vertices.
+/// Whether a whole piece lies in a closed one, measured at a few of its vertices.
 bool lies_in(const TriangleMesh& mesh, const Piece& piece, const TriangleBvh& closed) {
   const std::size_t step = std::max<std::size_t>(1, piece.triangles.size() / kProbes);
   for (std::size_t i = 0; i < piece.triangles.size(); i += step) {
