@@ -32,7 +32,7 @@ struct CoverCells {
   CoverCells(const SolidCells& cells, const CoverFrame& frame);
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(reach.size()); }
-  /// From a place to the farthest point of an cell.
+  /// From a place to the farthest point of a cell.
   [[nodiscard]] float reach_from(std::uint32_t cell, const Vec3f& place) const;
   [[nodiscard]] bool within(std::uint32_t cell, const Vec3f& center, float radius) const;
 };

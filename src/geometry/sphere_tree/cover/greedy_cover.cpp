@@ -105,7 +105,7 @@ GreedyCover cover_greedily(const CoverCells& cells, const std::vector<std::uint3
   const std::size_t taken = std::min(near.size(), settings.points);
   for (std::size_t i = 0; i < taken; ++i)
     greedy.add_point(points[near[(i * near.size() + random.below(near.size())) / taken % near.size()]]);
-  // Without a place of its own an cell far from all others may need a huge ball.
+  // Without a place of its own a cell far from all others may need a huge ball.
   const std::size_t own = std::min(greedy.size(), settings.points / 4 + 1);
   for (std::size_t i = 0; i < own; ++i) {
     const Vec3f at = greedy.middle(i * greedy.size() / own);

@@ -347,7 +347,7 @@ std::vector<CoverBall> LevelCover::take_best(LevelScore* result) {
   for (const CoverBall& ball : balls_) count(ball, 1);
   drop_empty();
   if (result != nullptr) *result = score();
-  // Of the balls that hold an cell, the one that stands out least for it answers for it.
+  // Of the balls that hold a cell, the one that stands out least for it answers for it.
   std::ranges::fill(least_bid_, std::numeric_limits<float>::infinity());
   for (std::uint32_t k = 0; k < balls_.size(); ++k) {
     CoverBall& ball = balls_[k];

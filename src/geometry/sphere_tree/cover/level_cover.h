@@ -125,7 +125,7 @@ class LevelCover {
   std::vector<CoverBall> balls_;
   std::vector<std::vector<std::uint32_t>> family_;  ///< balls of each parent
   std::vector<std::uint8_t> held_;                  ///< by a closed parent
-  std::vector<std::uint16_t> holders_;              ///< balls that hold an cell, while sweeping
+  std::vector<std::uint16_t> holders_;              ///< balls that hold a cell, while sweeping
   std::vector<float> least_bid_;
   std::vector<std::uint32_t> winner_;
 

@@ -15,7 +15,7 @@ namespace poise::geometry {
 /// A solid cut into small pieces by a regular grid. Each cell is a set of points whose convex hull holds all of the
 /// solid that lies in one grid cell: the corners of the triangles clipped to the cell, and those corners of the cell
 /// that are inside. (An extreme point of "solid within cell" lies on the surface, hence on a clipped triangle, or is a
-/// corner of the cell.) So a ball that holds the points of an cell holds that part of the solid, and balls that hold
+/// corner of the cell.) So a ball that holds the points of a cell holds that part of the solid, and balls that hold
 /// all cells hold all of it.
 struct SolidCells {
   std::vector<Vec3> points_m;
