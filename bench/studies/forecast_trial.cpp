@@ -56,7 +56,7 @@ struct Moments {
 ForecastScore score_of(const Method& method, std::span<const RecordedTail> tails, double alpha, std::size_t skip) {
   ForecastScore score;
   score.method = method.name;
-  double judged = 0;
+  double frames = 0;
   double reserved_ns = 0;
   double needed_ns = 0;
   double loss_ns = 0;
@@ -64,7 +64,7 @@ ForecastScore score_of(const Method& method, std::span<const RecordedTail> tails
     const double reserve_ns = method.reserve_ns(tails[i]);
     const double actual_ns = ns_of(tails[i].actual);
     if (i >= skip) {
-      ++judged;
+      ++frames;
       reserved_ns += reserve_ns;
       needed_ns += actual_ns;
       if (actual_ns > reserve_ns) ++score.exceeded;
@@ -72,8 +72,8 @@ ForecastScore score_of(const Method& method, std::span<const RecordedTail> tails
     }
     method.learn(tails[i]);
   }
-  if (judged == 0 || needed_ns <= 0) return score;
-  score.exceeded /= judged;
+  if (frames == 0 || needed_ns <= 0) return score;
+  score.exceeded /= frames;
   score.reserve_over_actual = reserved_ns / needed_ns;
   score.pinball = loss_ns / needed_ns;
   return score;

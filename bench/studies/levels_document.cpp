@@ -124,7 +124,7 @@ std::string levels_csv(const LevelsDocument& document) {
   std::string text =
       "shape_a,shape_b,group,model,level,touches,dv_mean,dv_median,dv_p90,dw_mean,dw_median,dw_p90,toc_ms_mean,toc_"
       "early_ms_mean,"
-      "late_share,unseen_share,ns_per_pair,overlap_ns_per_pair,response_ns_per_pair,oracle_uncertainty,judge_"
+      "late_share,unseen_share,ns_per_pair,overlap_ns_per_pair,response_ns_per_pair,oracle_uncertainty,oracle_"
       "uncertainty_3mm\n";
   for (const LevelsRow& row : document.rows) {
     const LevelsPair& pair = document.pairs[row.pair];

@@ -20,7 +20,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
       "accuracy --only slope\n\nEach study has its own --help.");
   auto trees = std::make_shared<StudyTreesOptions>();
   CLI::App* study =
-      command->add_subcommand("trees", "Build and judge the trees of many meshes: cost and fit, a row a mesh");
+      command->add_subcommand("trees", "Build and measure the trees of many meshes: cost and fit, a row a mesh");
   add_study_trees_options(*study, *trees);
   study->callback([trees, &exit_code] { exit_code = study_trees(*trees); });
   auto levels = std::make_shared<StudyLevelsOptions>();

@@ -84,7 +84,7 @@ void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
       "  poise study forecast --scene gas --bodies 500 --alpha 0.05 --json -\n\n"
       "Frames are recorded once, back to back under the deadline, and each method is played on the same ones, knowing "
       "only those before.\n"
-      "The first 200 are not judged.");
+      "The first 200 are not counted.");
 }
 
 int study_forecast(const StudyForecastOptions& o) {

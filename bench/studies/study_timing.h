@@ -46,7 +46,7 @@ int study_free(const StudyTimingOptions& options);
 Status check_timing_options(const StudyTimingOptions& options);
 Result<SceneRun> timed_scene(const StudyTimingOptions& options, std::uint64_t bodies, int threads);
 /// Makes the next frame start anew, with the same state: every body is moved away and back, so nothing is known of its
-/// pairs but what they bore.
+/// pairs but their accumulated impulses.
 Status forget_pairs(SceneRun& run);
 io::MeasuredBy measured_by(const StudyTimingOptions& options, int threads);
 ExecutorKind timed_executor(const StudyTimingOptions& options, int threads);

@@ -40,17 +40,17 @@ void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t la
 }
 
 template <class T>
-void fill_point(const ContactSystem& system, const Manifold& pair, double per_unit, std::size_t place, std::size_t lane,
+void fill_point(const ContactSystem& system, const Manifold& pair, double per_unit, std::size_t index, std::size_t lane,
                 PointLanes<T>& into) {
-  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[place]);
+  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[index]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
   into.gap[lane] = static_cast<T>(now.gap_m);
   into.certain[lane] = static_cast<T>(now.certain_separation_m + pair.slop_m);
   into.mass[lane] = 1;
-  const AccumulatedImpulse& load = system.impulses[place];
-  into.impulse[lane] = static_cast<T>(per_unit * load.impulse_ns);
-  set(Vec3(per_unit * load.friction_ns), lane, into.friction_impulse);
+  const AccumulatedImpulse& impulse = system.impulses[index];
+  into.impulse[lane] = static_cast<T>(per_unit * impulse.impulse_ns);
+  set(Vec3(per_unit * impulse.friction_ns), lane, into.friction_impulse);
 }
 
 }  // namespace
@@ -65,10 +65,10 @@ void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
   for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
     const Manifold& pair = system.pairs[name];
     if (pair.point_count == 0) continue;
-    const auto* place = reinterpret_cast<const std::byte*>(&system.points[pair.point_begin]);
+    const auto* bytes_at = reinterpret_cast<const std::byte*>(&system.points[pair.point_begin]);
     const std::size_t bytes = pair.point_count * sizeof(ContactPoint);
-    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(place + at);
-    hwy::Prefetch(place + bytes - 1);
+    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(bytes_at + at);
+    hwy::Prefetch(bytes_at + bytes - 1);
     hwy::Prefetch(&system.impulses[pair.point_begin]);
     hwy::Prefetch(&system.impulses[pair.point_begin + pair.point_count - 1U]);
     for (const std::uint32_t body : {pair.a, pair.b}) {
@@ -106,7 +106,7 @@ void fill_block(const ContactSystem& system, double still_mps, ContactBlock& blo
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
   shared = {};
-  for (PointLanes<T>& patch : manifold_points) patch = {};
+  for (PointLanes<T>& point : manifold_points) point = {};
   StartLanes<T> start;
   block.dynamic_a = block.dynamic_b = block.pushed = 0;
   block.frictional = false;
@@ -131,10 +131,10 @@ void fill_block(const ContactSystem& system, double still_mps, ContactBlock& blo
 
 template <class T>
 void add_totals(const ContactBlock& block, Lanes<T>& lanes) {
-  for (PointLanes<T>& patch : lanes.manifold_points_of(block)) {
+  for (PointLanes<T>& point : lanes.manifold_points_of(block)) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t lane = 0; lane < kLanes; ++lane)
-        patch.total[k][lane] += patch.impulse[lane] * patch.normal[k][lane] + patch.friction_impulse[k][lane];
+        point.total[k][lane] += point.impulse[lane] * point.normal[k][lane] + point.friction_impulse[k][lane];
     }
   }
 }
@@ -149,13 +149,13 @@ void write_back_block(const ContactSystem& system, const ContactBlock& block, co
     Vec3 sum = Vec3::Zero();
     Vec3 moment_a = Vec3::Zero();
     for (std::size_t p = 0; p < pair.point_count; ++p) {
-      const PointLanes<T>& patch = manifold_points[p];
-      AccumulatedImpulse& load = system.impulses[pair.point_begin + p];
-      load.impulse_ns = unit_ns * static_cast<double>(patch.impulse[lane]);
-      load.friction_ns = unit_ns * get(patch.friction_impulse, lane);
-      const Vec3 given = unit_ns * get(patch.total, lane);
+      const PointLanes<T>& point = manifold_points[p];
+      AccumulatedImpulse& impulse = system.impulses[pair.point_begin + p];
+      impulse.impulse_ns = unit_ns * static_cast<double>(point.impulse[lane]);
+      impulse.friction_ns = unit_ns * get(point.friction_impulse, lane);
+      const Vec3 given = unit_ns * get(point.total, lane);
       sum += given;
-      moment_a += get(patch.arm, lane).cross(given);
+      moment_a += get(point.arm, lane).cross(given);
     }
     system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;

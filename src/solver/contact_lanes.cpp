@@ -254,9 +254,9 @@ HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pa
 }
 
 template <class D, class T>
-HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PointLanes<T>& patch, const Triple<hn::Vec<D>>& a_to_b,
+HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PointLanes<T>& point, const Triple<hn::Vec<D>>& a_to_b,
                                     std::size_t lane) {
-  const auto arm = load(d, patch.arm, lane);
+  const auto arm = load(d, point.arm, lane);
   return {arm, difference(arm, a_to_b)};
 }
 
@@ -281,9 +281,9 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
     const V reduced_mass = hn::Load(d, shared.reduced_mass + lane);
     const V moving = hn::Add(pairs.a.dynamic, pairs.b.dynamic);
-    for (PointLanes<T>& patch : manifold_points) {
-      const Triple<V> n = load(d, patch.normal, lane);
-      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
+    for (PointLanes<T>& point : manifold_points) {
+      const Triple<V> n = load(d, point.normal, lane);
+      const Arms<V> arms = arms_of(d, point, a_to_b, lane);
       const Triple<V> rate = sum(load(d, start.velocity, lane), difference(cross(load(d, start.spin_a, lane), arms.a),
                                                                            cross(load(d, start.spin_b, lane), arms.b)));
       const Triple<V> ta = cross(arms.a, n);
@@ -291,17 +291,17 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
       const V k = hn::Add(moving, dynamic(pairs, ta, tb, ta, tb));
       // The inverse masses make a sum of 1, so 1 / M is at least that.
       auto counts = hn::And(hn::Gt(reduced_mass, zero), hn::Ge(k, hn::Set(d, T(0.5))));
-      counts = hn::And(counts, hn::Gt(hn::Load(d, patch.mass + lane), zero));
+      counts = hn::And(counts, hn::Gt(hn::Load(d, point.mass + lane), zero));
       counts =
           hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
-      store(d, rate, patch.rate, lane);
-      hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, patch.mass + lane);
-      hn::Store(hn::IfThenElseZero(counts, hn::Load(d, patch.impulse + lane)), d, patch.impulse + lane);
-      store(d, Triple<V>{zero, zero, zero}, patch.total, lane);
+      store(d, rate, point.rate, lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, point.mass + lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Load(d, point.impulse + lane)), d, point.impulse + lane);
+      store(d, Triple<V>{zero, zero, zero}, point.total, lane);
       const auto frictional = hn::And(counts, hn::Gt(hn::Load(d, shared.friction + lane), zero));
       if (!block.frictional || hn::AllFalse(d, frictional)) {
-        hn::Store(zero, d, patch.across + lane);
-        store(d, Triple<V>{zero, zero, zero}, patch.friction_impulse, lane);
+        hn::Store(zero, d, point.across + lane);
+        store(d, Triple<V>{zero, zero, zero}, point.friction_impulse, lane);
         continue;
       }
       const V sign = hn::CopySign(one, n.z);
@@ -323,14 +323,14 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
       const V most =
           hn::Add(hn::Mul(half, hn::Add(k1, k2)), hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
       hn::Store(hn::IfThenElseZero(frictional, hn::Div(one, hn::IfThenElse(frictional, most, one))), d,
-                patch.across + lane);
+                point.across + lane);
       // Projects the accumulated friction into the current tangent plane.
-      const Triple<V> friction_impulse = load(d, patch.friction_impulse, lane);
+      const Triple<V> friction_impulse = load(d, point.friction_impulse, lane);
       const Triple<V> across = difference(friction_impulse, scaled(dot(friction_impulse, n), n));
       store(d,
             Triple<V>{hn::IfThenElseZero(frictional, across.x), hn::IfThenElseZero(frictional, across.y),
                       hn::IfThenElseZero(frictional, across.z)},
-            patch.friction_impulse, lane);
+            point.friction_impulse, lane);
     }
   }
 }
@@ -356,10 +356,10 @@ void warm(const ContactBlock& block, const PairLanes<T>& shared, std::span<const
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
     Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
-    for (const PointLanes<T>& patch : manifold_points) {
-      const Triple<V> along = scaled(hn::Load(d, patch.impulse + lane), load(d, patch.normal, lane));
-      give<false>(arms_of(d, patch, a_to_b, lane),
-                  block.frictional ? sum(along, load(d, patch.friction_impulse, lane)) : along, pairs);
+    for (const PointLanes<T>& point : manifold_points) {
+      const Triple<V> along = scaled(hn::Load(d, point.impulse + lane), load(d, point.normal, lane));
+      give<false>(arms_of(d, point, a_to_b, lane),
+                  block.frictional ? sum(along, load(d, point.friction_impulse, lane)) : along, pairs);
     }
     keep_pairs(d, pairs, block, lane, false, bodies);
   }
@@ -375,11 +375,11 @@ HWY_INLINE void note(D d, const V& value, T& largest) {
 
 // Friction at one contact point, clamped to the cone of the impulse along the normal; the size of what changed.
 template <class D, class T, class V>
-HWY_INLINE V apply_friction(D d, PointLanes<T>& patch, const V& friction, const Triple<V>& n, const Triple<V>& rate,
+HWY_INLINE V apply_friction(D d, PointLanes<T>& point, const V& friction, const Triple<V>& n, const Triple<V>& rate,
                             const Arms<V>& arms, const V& impulse, std::size_t lane, Pairs<V>& pairs) {
   const V one = hn::Set(d, T(1));
-  const V across = hn::Load(d, patch.across + lane);
-  const Triple<V> before = load(d, patch.friction_impulse, lane);
+  const V across = hn::Load(d, point.across + lane);
+  const Triple<V> before = load(d, point.friction_impulse, lane);
   const Triple<V> velocity = sum(rate, slip(pairs, arms));
   const Triple<V> sliding = difference(velocity, scaled(dot(velocity, n), n));
   const Triple<V> wanted = sum(before, scaled(across, sliding));
@@ -389,7 +389,7 @@ HWY_INLINE V apply_friction(D d, PointLanes<T>& patch, const V& friction, const 
   const V scale = hn::IfThenElse(beyond, hn::Div(most, hn::IfThenElse(beyond, size, one)), one);
   const Triple<V> after = scaled(scale, wanted);
   const Triple<V> given = difference(after, before);
-  store(d, after, patch.friction_impulse, lane);
+  store(d, after, point.friction_impulse, lane);
   give<false>(arms, given, pairs);
   return hn::Sqrt(dot(given, given));
 }
@@ -411,24 +411,24 @@ IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::s
     bool any_pushed = false;
     V load_sum = zero;
     V strayed_sum = zero;
-    for (PointLanes<T>& patch : manifold_points) {
+    for (PointLanes<T>& point : manifold_points) {
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
-      const Triple<V> n = load(d, patch.normal, lane);
-      const Triple<V> rate = load(d, patch.rate, lane);
-      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
-      const V mass = load_at(patch.mass);
+      const Triple<V> n = load(d, point.normal, lane);
+      const Triple<V> rate = load(d, point.rate, lane);
+      const Arms<V> arms = arms_of(d, point, a_to_b, lane);
+      const V mass = load_at(point.mass);
       const V closed = dot(n, sum(scaled(hn::Set(d, terms.begun_s), rate), way(pairs, arms)));
-      const V gap = hn::Max(hn::Sub(load_at(patch.gap), closed), zero);
+      const V gap = hn::Max(hn::Sub(load_at(point.gap), closed), zero);
       const V closing = dot(n, sum(rate, slip(pairs, arms)));
-      const V before = load_at(patch.impulse);
+      const V before = load_at(point.impulse);
       V after = hn::Max(hn::Add(before, hn::Mul(mass, hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
       after = hn::IfThenElseZero(hn::Gt(mass, zero), after);
-      hn::Store(after, d, patch.impulse + lane);
+      hn::Store(after, d, point.impulse + lane);
       const V units = hn::Sub(after, before);
       give<false>(arms, scaled(units, n), pairs);
       V change = hn::Abs(units);
       if (block.frictional)
-        change = hn::Max(change, apply_friction(d, patch, friction, n, rate, arms, after, lane, pairs));
+        change = hn::Max(change, apply_friction(d, point, friction, n, rate, arms, after, lane, pairs));
       if (terms.watch) {
         const V reduced_mass = load_at(shared.reduced_mass);
         const auto counts = hn::Gt(mass, zero);
@@ -442,12 +442,12 @@ IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::s
         strayed_sum = hn::Add(strayed_sum, hn::Mul(impulse_sum_ns, change_mps));
       } else {
         // The only iteration of the substep.
-        Triple<V> total = sum(load(d, patch.total, lane), scaled(after, n));
-        if (block.frictional) total = sum(total, load(d, patch.friction_impulse, lane));
-        store(d, total, patch.total, lane);
+        Triple<V> total = sum(load(d, point.total, lane), scaled(after, n));
+        if (block.frictional) total = sum(total, load(d, point.friction_impulse, lane));
+        store(d, total, point.total, lane);
       }
       if (!push) continue;
-      const V overlap = hn::Sub(closed, load_at(patch.certain));
+      const V overlap = hn::Sub(closed, load_at(point.certain));
       // A pair that separates by itself needs no correction.
       const auto may =
           hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));

@@ -29,13 +29,13 @@ struct PlacedPoint {
   double certain_separation_m = 0;  ///< >= gap_m; below zero they certainly penetrate there
 };
 
-inline PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& place) {
+inline PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& point) {
   PlacedPoint now;
-  now.normal = b.rotation * place.normal;
-  const Vec3 arm_a = a.rotation * place.on_a_m;
-  now.gap_m = now.normal.dot((b.position_m - a.position_m) + (b.rotation * place.on_b_m - arm_a));
+  now.normal = b.rotation * point.normal;
+  const Vec3 arm_a = a.rotation * point.on_a_m;
+  now.gap_m = now.normal.dot((b.position_m - a.position_m) + (b.rotation * point.on_b_m - arm_a));
   now.arm_m = arm_a + (0.5 * now.gap_m) * now.normal;
-  now.certain_separation_m = now.gap_m + place.certainty_m;
+  now.certain_separation_m = now.gap_m + point.certainty_m;
   return now;
 }
 

@@ -58,8 +58,8 @@ IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settin
   return {most, weighs ? std::min(sped_up, kMaxHardIterations) : most, true};
 }
 
-Vec3 normal_of(const PointLanes<double>& patch, std::size_t lane) {
-  return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]};
+Vec3 normal_of(const PointLanes<double>& point, std::size_t lane) {
+  return {point.normal[0][lane], point.normal[1][lane], point.normal[2][lane]};
 }
 
 }  // namespace
@@ -105,9 +105,9 @@ struct ContactSolver::Buffers {
 template <class Visit>
 void ContactSolver::Buffers::for_impulses(Visit&& visit) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    for (PointLanes<double>& patch : twofold.manifold_points_of(blocks[i])) {
+    for (PointLanes<double>& point : twofold.manifold_points_of(blocks[i])) {
       for (std::size_t lane = 0; lane < blocks[i].count; ++lane)
-        visit(blocks[i].frictional, twofold.pairs[i], patch, lane);
+        visit(blocks[i].frictional, twofold.pairs[i], point, lane);
     }
   }
 }
@@ -117,10 +117,10 @@ std::size_t ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
   std::size_t at = 0;
   const auto root_of = [](double reduced_mass, double mass) { return mass > 0 ? std::sqrt(reduced_mass / mass) : 0.0; };
   for_impulses(
-      [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& patch, std::size_t lane) {
-        into[at++] = root_of(shared.reduced_mass[lane], patch.mass[lane]) * patch.impulse[lane];
-        const double across = root_of(shared.reduced_mass[lane], patch.across[lane]);
-        for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * patch.friction_impulse[k][lane];
+      [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& point, std::size_t lane) {
+        into[at++] = root_of(shared.reduced_mass[lane], point.mass[lane]) * point.impulse[lane];
+        const double across = root_of(shared.reduced_mass[lane], point.across[lane]);
+        for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * point.friction_impulse[k][lane];
       });
   return at;
 }
@@ -142,21 +142,21 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   const auto impulse_of = [](double value, double reduced_mass, double mass) {
     return mass > 0 && reduced_mass > 0 ? value / std::sqrt(reduced_mass / mass) : 0.0;
   };
-  for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& patch, std::size_t lane) {
+  for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& point, std::size_t lane) {
     const double reduced_mass = shared.reduced_mass[lane];
-    const double normal = std::max(0.0, impulse_of(after[at++], reduced_mass, patch.mass[lane]));
+    const double normal = std::max(0.0, impulse_of(after[at++], reduced_mass, point.mass[lane]));
     Vec3 across = Vec3::Zero();
     for (Eigen::Index k = 0; k < 3 && frictional; ++k)
-      across[k] = impulse_of(after[at++], reduced_mass, patch.across[lane]);
+      across[k] = impulse_of(after[at++], reduced_mass, point.across[lane]);
     // A friction component along the normal would cancel against the normal impulse, and no later iteration would
     // remove it.
-    const Vec3 along = normal_of(patch, lane);
+    const Vec3 along = normal_of(point, lane);
     across -= across.dot(along) * along;
     const double most = shared.friction[lane] * normal;
     if (across.norm() > most) across *= most / across.norm();
-    change_to(patch.impulse[lane], normal);
+    change_to(point.impulse[lane], normal);
     for (std::size_t k = 0; k < 3 && frictional; ++k)
-      change_to(patch.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
+      change_to(point.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
   });
   iteration(executor, [&](std::size_t i) {
     warm_start_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
@@ -168,9 +168,9 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   }
   const std::vector<double>& impulses = diverged ? swept : after;
   at = 0;
-  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& patch, std::size_t lane) {
-    patch.impulse[lane] = impulses[at++];
-    for (std::size_t k = 0; k < 3 && frictional; ++k) patch.friction_impulse[k][lane] = impulses[at++];
+  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& point, std::size_t lane) {
+    point.impulse[lane] = impulses[at++];
+    for (std::size_t k = 0; k < 3 && frictional; ++k) point.friction_impulse[k][lane] = impulses[at++];
   });
 }
 
@@ -179,9 +179,9 @@ void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) 
   const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
   if (share == 1) return;
   energy.scale(system, twofold.begun, h_s, share, twofold.motions);
-  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& patch, std::size_t lane) {
-    patch.impulse[lane] *= share;
-    for (std::size_t k = 0; k < 3 && frictional; ++k) patch.friction_impulse[k][lane] *= share;
+  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& point, std::size_t lane) {
+    point.impulse[lane] *= share;
+    for (std::size_t k = 0; k < 3 && frictional; ++k) point.friction_impulse[k][lane] *= share;
   });
 }
 

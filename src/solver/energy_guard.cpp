@@ -97,12 +97,12 @@ void EnergyGuard::scale(const ContactSystem& system, std::span<const MotionChang
 }
 
 void EnergyGuard::keep(std::span<const MotionChange<double>> changes) {
-  kept_.resize(std::max(kept_.size(), bodies_.size()));
-  for (std::size_t i = 0; i < bodies_.size(); ++i) kept_[i] = changes[bodies_[i].name];
+  saved_.resize(std::max(saved_.size(), bodies_.size()));
+  for (std::size_t i = 0; i < bodies_.size(); ++i) saved_[i] = changes[bodies_[i].name];
 }
 
 void EnergyGuard::restore(std::span<MotionChange<double>> changes) const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) changes[bodies_[i].name] = kept_[i];
+  for (std::size_t i = 0; i < bodies_.size(); ++i) changes[bodies_[i].name] = saved_[i];
 }
 
 }  // namespace poise::solver

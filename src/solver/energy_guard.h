@@ -52,7 +52,7 @@ class EnergyGuard {
 
   std::vector<std::uint32_t> names_;
   std::vector<Body> bodies_;
-  std::vector<MotionChange<double>> kept_;
+  std::vector<MotionChange<double>> saved_;
 };
 
 }  // namespace poise::solver

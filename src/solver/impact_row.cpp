@@ -41,16 +41,16 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {
     colors_ = std::max(colors_, color + 1);
   }
   begin_.resize(kColors + 2);
-  std::size_t place[(kColors + 1) * kRanks];
+  std::size_t next[(kColors + 1) * kRanks];
   std::size_t sum = 0;
   for (std::uint32_t bin = 0; bin < (kColors + 1) * kRanks; ++bin) {
     if (bin % kRanks == 0) begin_[bin / kRanks] = sum;
-    place[bin] = sum;
+    next[bin] = sum;
     sum += count[bin];
   }
   begin_[kColors + 1] = sum;
   order_.resize(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) order_[place[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < edges.size(); ++i) order_[next[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
 }
 
 }  // namespace poise::solver

@@ -90,13 +90,13 @@ bool answer_places(const System& system, ContactRow& row, double still_mps) {
   SolverBody& b = system.bodies[row.b];
   bool solved = false;
   for (std::uint32_t p = row.point_begin; p < row.point_end; ++p) {
-    const PlacedPoint place = placed_point(system.poses[row.a], system.poses[row.b], system.contact_points[p]);
-    if (place.certain_separation_m > 0) continue;
+    const PlacedPoint point = placed_point(system.poses[row.a], system.poses[row.b], system.contact_points[p]);
+    if (point.certain_separation_m > 0) continue;
     ContactRow single = row;
-    single.arm_m = place.arm_m;
-    single.direction = place.normal;
-    single.moment_a_m = place.arm_m.cross(place.normal);
-    single.moment_b_m = (place.arm_m - row.a_to_b_m).cross(place.normal);
+    single.arm_m = point.arm_m;
+    single.direction = point.normal;
+    single.moment_a_m = point.arm_m.cross(point.normal);
+    single.moment_b_m = (point.arm_m - row.a_to_b_m).cross(point.normal);
     const double closing = approach_mps(single, a, b);
     if (row.restitution * closing <= still_mps) continue;
     if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
@@ -104,7 +104,7 @@ bool answer_places(const System& system, ContactRow& row, double still_mps) {
       continue;
     const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
     apply_impulse(single, lambda, a, b);
-    row.point_impulse_ns += lambda * place.normal;
+    row.point_impulse_ns += lambda * point.normal;
     solved = true;
   }
   return solved;

@@ -204,7 +204,7 @@ TEST(Command, KeepsMomentumAndEnergyOfTheTwoBalls) {
   EXPECT_GT(report.at("contacts_mean").get<double>(), 0);
 }
 
-TEST(Command, JudgesARunByItsFigures) {
+TEST(Command, ChecksTheFiguresOfARun) {
   const auto require = [](const std::string& expression) {
     return poise_command({"run", "two-body", "--frames", "5", "--clock", "work", "--quiet", "--require", expression});
   };

@@ -69,7 +69,7 @@ TEST(StudyLevels, MakesARowForEachPairModelAndLevel) {
   for (const json& row : found.at("rows")) {
     EXPECT_EQ(row.at("touches"), 6);
     if (row.at("level") == "polygons") {
-      EXPECT_LT(row.at("dv_mean"), 0.03) << "the very features that the judge finds";
+      EXPECT_LT(row.at("dv_mean"), 0.03) << "the very features that the oracle finds";
     } else {
       EXPECT_GT(row.at("dv_mean"), 0.001);
     }

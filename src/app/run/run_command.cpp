@@ -65,14 +65,14 @@ class StatesWriter {
     if (!file_) return {};
     return [this](std::uint64_t frame, std::span<const BodyState> states) -> Status {
       if (!keep_) return write(frame, states);
-      kept_.emplace_back(states.begin(), states.end());
+      states_by_frame_.emplace_back(states.begin(), states.end());
       return Done{};
     };
   }
   Status finish() {
     if (!file_) return Done{};
-    for (std::size_t frame = 0; frame < kept_.size(); ++frame) {
-      const Status written = write(frame, kept_[frame]);
+    for (std::size_t frame = 0; frame < states_by_frame_.size(); ++frame) {
+      const Status written = write(frame, states_by_frame_[frame]);
       if (!written) return written;
     }
     return file_->commit();
@@ -90,7 +90,7 @@ class StatesWriter {
   bool keep_;
   double dt_s_;
   std::string text_;
-  std::vector<std::vector<BodyState>> kept_;
+  std::vector<std::vector<BodyState>> states_by_frame_;
 };
 
 LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {

@@ -86,9 +86,9 @@ Status check_convert(const TreeOptions& o) {
 
 void add_tree_options(CLI::App& command, TreeOptions& o) {
   command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --inspect")->type_name("MESH");
-  add_path(command, "--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o");
+  add_path(command, "--tree", o.tree, "Measure this tree instead of building one; without a MESH, convert it to -o");
   add_path(command, "--compare", o.compare,
-           "Judge this tree too and set both side by side; the better figure is marked *");
+           "Measure this tree too and set both side by side; the better figure is marked *");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   command.add_option("--preset", o.preset, "How much time the tree is worth: fast, default or best")
       ->check(CLI::IsMember({"fast", "default", "best"}))
@@ -113,7 +113,7 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
       ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
-  add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the judging samples (default 1)");
+  add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the samples (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256,
             "Threads, 0 = as many as the machine has; the tree is the same (default 0)");
   add_number(command, "--scale", o.scale, 0, true, 1e9, "Metres per unit of the mesh file (default 1)")
@@ -125,9 +125,9 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
       "Examples:\n"
-      "  poise tree bunny.obj -o bunny.sph --picture bunny.png --up y     build, judge, write, draw\n"
+      "  poise tree bunny.obj -o bunny.sph --picture bunny.png --up y     build, measure, write, draw\n"
       "  poise tree bunny.obj --depth 2 --preset best --seed 7 --json -   figures for a program\n"
-      "  poise tree bunny.obj --tree other.sph --require-coverage         judge a tree from elsewhere\n"
+      "  poise tree bunny.obj --tree other.sph --require-coverage         measure a foreign tree\n"
       "  poise tree bunny.obj --compare other.sph --samples 1000000       ours beside another\n"
       "  poise tree --tree bunny.sph -o bunny.urdf --level 2              convert, without the mesh\n"
       "  poise tree --inspect models/*.stl                                what are these meshes?\n"

@@ -32,19 +32,19 @@ bool PointList::better(const FoundPoint& a, const FoundPoint& b) const {
   return a.gap_m < b.gap_m + tie_m_ && a.rank < b.rank;
 }
 
-void PointList::add(const FoundPoint& place) {
-  least_gap_m_ = std::min(least_gap_m_, place.gap_m);
+void PointList::add(const FoundPoint& point) {
+  least_gap_m_ = std::min(least_gap_m_, point.gap_m);
   for (std::size_t i = 0; i < count_; ++i) {
     FoundPoint& other = point_[i];
-    if ((other.point_m - place.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
-    if (other.normal.dot(place.normal) < kOneWay) continue;
-    const std::uint64_t first = std::min(other.order, place.order);
-    if (better(place, other)) other = place;
+    if ((other.point_m - point.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
+    if (other.normal.dot(point.normal) < kOneWay) continue;
+    const std::uint64_t first = std::min(other.order, point.order);
+    if (better(point, other)) other = point;
     other.order = first;
     return;
   }
   if (count_ == kRoom) thin_out();
-  point_[count_++] = place;
+  point_[count_++] = point;
 }
 
 bool PointList::overlaps_only_along(const Vec3& normal) const {
@@ -56,12 +56,12 @@ bool PointList::overlaps_only_along(const Vec3& normal) const {
 
 // True if another face is nearer to the same corner.
 bool PointList::outdone(std::size_t index) const {
-  const FoundPoint& place = point_[index];
-  if (place.corner == FoundPoint::kNoCorner || place.in_groove || !(place.gap_m < 0)) return false;
+  const FoundPoint& point = point_[index];
+  if (point.corner == FoundPoint::kNoCorner || point.in_groove || !(point.gap_m < 0)) return false;
   for (std::size_t i = 0; i < count_; ++i) {
     const FoundPoint& other = point_[i];
-    if (other.corner != place.corner || other.in_groove || !(other.gap_m <= 0)) continue;
-    if (other.gap_m > place.gap_m + tie_m_) return true;
+    if (other.corner != point.corner || other.in_groove || !(other.gap_m <= 0)) continue;
+    if (other.gap_m > point.gap_m + tie_m_) return true;
   }
   return false;
 }
@@ -186,8 +186,8 @@ ManifoldPoints PointList::choose(double reach_m) const {
     std::array<std::uint8_t, kMaxManifoldPoints> picked;
     const std::size_t count = pick(groups.group[g], share[g], picked);
     for (std::size_t k = 0; k < count; ++k) {
-      const FoundPoint& place = point_[picked[k]];
-      set.point[set.count++] = {place.normal, place.point_m, place.gap_m, place.gap_m};
+      const FoundPoint& point = point_[picked[k]];
+      set.point[set.count++] = {point.normal, point.point_m, point.gap_m, point.gap_m};
     }
   }
   return set;

@@ -41,7 +41,7 @@ class PointList {
     count_ = 0;
   }
 
-  void add(const FoundPoint& place);
+  void add(const FoundPoint& point);
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Of all that were added; infinite where there are none.
   [[nodiscard]] double least_gap_m() const { return least_gap_m_; }

@@ -255,8 +255,8 @@ std::vector<std::size_t> outermost(const TriangleMesh& mesh, const std::vector<P
     }
     if (pieces[i].closed) reaching.push_back(i);
   }
-  // Judged by probes, so of three nested pieces the inner two may not name the same one; each step leads to a larger
-  // one.
+  // Decided by sample points, so of three nested pieces the inner two may not name the same one; each step leads to a
+  // larger one.
   for (std::size_t& outermost_one : outer) {
     while (outer[outermost_one] != outermost_one) outermost_one = outer[outermost_one];
   }

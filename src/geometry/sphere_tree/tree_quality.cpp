@@ -209,7 +209,7 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
   figures.volume_ratio = balls_m3 * shares / static_cast<double>(sampling.samples) / volume_m3;
 }
 
-Error cancelled() { return {ErrorKind::Cancelled, "judging was asked to end before it was done"}; }
+Error cancelled() { return {ErrorKind::Cancelled, "measuring was asked to end before it was done"}; }
 
 /// Empty when the tree and the mesh can be measured.
 std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, const TreeQualityOptions& options) {
