@@ -19,7 +19,7 @@ using poise::Vec3;
 /// Empty when the tree covers all samples at every level.
 const char* wrong_tree(const SphereTree& tree, const TriangleMesh& mesh) {
   const auto levels = poise::measure_tree_quality(tree, mesh, {.samples = 5000, .seed = 7});
-  if (!levels) return "the tree cannot be judged";
+  if (!levels) return "the tree cannot be measured";
   for (const poise::TreeLevelFigures& f : levels.value()) {
     if (f.surface_coverage < 1 || f.inside_coverage < 1) return "the tree does not cover its mesh";
   }

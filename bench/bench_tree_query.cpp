@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Walking two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
 // expansion; then the polygons in the leaves that overlap, beside the same question to libfcl. Before anything is
-// timed, random poses near first contact are judged by the triangles themselves (libfcl): a level that finds nothing
+// timed, random poses near first contact are measured by the triangles themselves (libfcl): a level that finds nothing
 // where surfaces meet is an error, and so are polygons that say otherwise.
 //
 //   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
@@ -36,12 +36,12 @@ constexpr std::size_t kTimedPoses = 10000;  // so many that no branch predictor 
 struct Settings {
   std::vector<fs::path> meshes;
   fs::path trees;            ///< folder where trees are kept between runs, NAME.sph; empty: every tree is built
-  std::size_t poses = 2000;  ///< judged, for each pair of meshes
+  std::size_t poses = 2000;  ///< measured, for each pair of meshes
 };
 
 struct NamedShape {
   std::string name;
-  OracleShape judged;
+  OracleShape tested;
 };
 
 struct Reports {
@@ -50,7 +50,7 @@ struct Reports {
   std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
   std::size_t expansions = 0;
   std::size_t hits = 0;
-  std::size_t misjudged = 0;  ///< polygons say otherwise than the judge, and not by a hair
+  std::size_t mismatches = 0;  ///< polygons say otherwise than the oracle, and not by a hair
 };
 
 struct Case {
@@ -61,7 +61,7 @@ struct Case {
   const NamedShape* shape_b = nullptr;
   std::vector<PosedPair> poses;
   Reports reports;
-  std::size_t judged = 0;
+  std::size_t tested = 0;
 };
 
 PairFrame frame_of(const Case& c, const PosedPair& posed) {
@@ -110,10 +110,10 @@ void count(benchmark::State& state, const Case& c) {
     return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(whole, 1));
   };
   const Reports& v = c.reports;
-  state.counters["judged"] = static_cast<double>(c.judged);
+  state.counters["tested"] = static_cast<double>(c.tested);
   state.counters["touching"] = static_cast<double>(v.touching);
-  state.counters["false_alarms"] = share(v.false_alarms, c.judged - v.touching);
-  state.counters["expansions"] = share(v.expansions, c.judged);
+  state.counters["false_alarms"] = share(v.false_alarms, c.tested - v.touching);
+  state.counters["expansions"] = share(v.expansions, c.tested);
   state.counters["hits_per_expansion"] = share(v.hits, v.expansions);
 }
 
@@ -174,8 +174,8 @@ std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools,
 
 /// The polygons alone, after the trees; poses that a tree tells apart are left out.
 void time_polygons(benchmark::State& state, const Case& c) {
-  if (c.reports.misjudged > 0) {
-    state.SkipWithError(fmt::format("polygons and the judge disagree about {} poses", c.reports.misjudged).c_str());
+  if (c.reports.mismatches > 0) {
+    state.SkipWithError(fmt::format("polygons and the oracle disagree about {} poses", c.reports.mismatches).c_str());
     return;
   }
   std::vector<FrontPool> pools;
@@ -209,8 +209,8 @@ void time_polygons(benchmark::State& state, const Case& c) {
   state.counters["ns_per_unit"] = 1e9 * seconds / units;
 }
 
-/// The same yes or no by the judge.
-void time_judge(benchmark::State& state, const NamedShape& a, const NamedShape& b, const Case& c) {
+/// The same yes or no by the oracle.
+void time_oracle(benchmark::State& state, const NamedShape& a, const NamedShape& b, const Case& c) {
   const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
   bench::Latencies latencies;
   std::size_t next = 0;
@@ -218,7 +218,7 @@ void time_judge(benchmark::State& state, const NamedShape& a, const NamedShape& 
     const PosedPair& posed = c.poses[next];
     next = next + 1 == timed ? 0 : next + 1;
     bool touches = false;
-    latencies.time(state, [&] { touches = a.judged.oracle.touches(posed.a, b.judged.oracle, posed.b); });
+    latencies.time(state, [&] { touches = a.tested.oracle.touches(posed.a, b.tested.oracle, posed.b); });
     benchmark::DoNotOptimize(touches);
   }
   latencies.report(state);
@@ -241,14 +241,14 @@ Result<NamedShape> load(const fs::path& file, const fs::path& trees) {
 
 Case oracle(const NamedShape& a, const NamedShape& b, std::size_t poses) {
   constexpr double kBand = 8e-3;
-  Case c{a.name + "/" + b.name, &a.judged.shape, &b.judged.shape, &a, &b, {}, {}, poses};
+  Case c{a.name + "/" + b.name, &a.tested.shape, &b.tested.shape, &a, &b, {}, {}, poses};
   std::mt19937_64 random(17);
   Scratch scratch{std::vector<FrontEntry>(1U << 18U), std::vector<FrontEntry>(1U << 18U)};
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 18U);
   for (std::size_t i = 0; i < poses; ++i) {
-    const PosedPair posed = pose_near_first_touch(a.judged, b.judged, kBand, random);
-    const bool touches = a.judged.oracle.touches(posed.a, b.judged.oracle, posed.b);
+    const PosedPair posed = pose_near_first_touch(a.tested, b.tested, kBand, random);
+    const bool touches = a.tested.oracle.touches(posed.a, b.tested.oracle, posed.b);
     const Walk walked = walk(frame_of(c, posed), scratch);
     if (touches) ++c.reports.touching;
     pools[0].clear();
@@ -261,8 +261,8 @@ Case oracle(const NamedShape& a, const NamedShape& b, std::size_t poses) {
       polygons(frame, pools, pair);
     }
     const bool hair = pair.contact.present && std::abs(pair.contact.estimated_separation_m) <
-                                                  1e-4 * std::min(a.judged.diagonal_m, b.judged.diagonal_m);
-    if (touches != (pair.contact.present && pair.contact.estimated_separation_m <= 0) && !hair) ++c.reports.misjudged;
+                                                  1e-4 * std::min(a.tested.diagonal_m, b.tested.diagonal_m);
+    if (touches != (pair.contact.present && pair.contact.estimated_separation_m <= 0) && !hair) ++c.reports.mismatches;
     if (touches && (walked.front[kDepth] == 0 || walked.full)) ++c.reports.lost;
     if (!touches && walked.front[kDepth] > 0) ++c.reports.false_alarms;
     c.reports.expansions += walked.expansions;
@@ -331,11 +331,11 @@ int run(int argc, char** argv) {
   }
   bool lost = false;
   for (const Case& c : cases) {
-    lost |= c.reports.lost > 0 || c.reports.misjudged > 0;
+    lost |= c.reports.lost > 0 || c.reports.mismatches > 0;
     benchmark::RegisterBenchmark(("fronts/" + c.name).c_str(), time_fronts, c)->UseManualTime();
     benchmark::RegisterBenchmark(("contacts/" + c.name).c_str(), time_contacts, c)->UseManualTime();
     benchmark::RegisterBenchmark(("polygons/" + c.name).c_str(), time_polygons, c)->UseManualTime();
-    benchmark::RegisterBenchmark(("judge/" + c.name).c_str(), time_judge, *c.shape_a, *c.shape_b, c)->UseManualTime();
+    benchmark::RegisterBenchmark(("oracle/" + c.name).c_str(), time_oracle, *c.shape_a, *c.shape_b, c)->UseManualTime();
   }
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -15,7 +15,7 @@ constexpr std::array<ForecastFeature, TailForecast::kFeatures> kTailFeatures{{
     {"contacts", 300.0},
     {"candidate_pairs", 20.0},
     {"sphere_contacts", 100.0},
-    {"patch_visits", 30.0},
+    {"point_iterations", 30.0},
     {"coarse_contacts", 100.0},
 }};
 

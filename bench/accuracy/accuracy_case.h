@@ -21,7 +21,7 @@ namespace poise::accuracy {
 struct Row {
   std::string case_name, figure, unit;  ///< the unit is "1" for shares and "" for counts
   double value = 0;
-  std::optional<double> at_most;  ///< none: reported, not judged
+  std::optional<double> at_most;  ///< none: reported, not measured
   std::string published;          ///< what others reached, in words; empty where nothing was published
   /// Finite and within its bound.
   [[nodiscard]] bool ok() const;

@@ -45,26 +45,27 @@ Result<std::vector<ShapePtr>> load(const Context& context) {
   return shapes;
 }
 
-struct CacheUse {
+struct Watched {
   double momentum = 0, angular_momentum = 0, energy = 0;  // largest change as a share of what the sum could be
   std::size_t impulses = 0;
 };
 
-CacheUse watch(SmallWorld& world, int frames) {
+Watched watch(SmallWorld& world, int frames) {
   const Motions start = motions_of(world.world(), world.bodies());
-  CacheUse kept;
+  Watched watched;
   for (int i = 0; i < frames; ++i) {
     world.step(kStepS);
     for (const Contact& contact : world.world().contacts())
-      kept.impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
+      watched.impulses += contact.impulse_ns.squaredNorm() > 0 ? 1U : 0U;
     const Motions now = motions_of(world.world(), world.bodies());
-    kept.momentum = std::max(kept.momentum, (now.momentum_ns - start.momentum_ns).norm() / start.scale.momentum_ns);
-    kept.angular_momentum =
-        std::max(kept.angular_momentum,
+    watched.momentum =
+        std::max(watched.momentum, (now.momentum_ns - start.momentum_ns).norm() / start.scale.momentum_ns);
+    watched.angular_momentum =
+        std::max(watched.angular_momentum,
                  (now.angular_momentum_js - start.angular_momentum_js).norm() / start.scale.angular_momentum_js);
-    kept.energy = std::max(kept.energy, std::abs(now.kinetic_j / start.kinetic_j - 1));
+    watched.energy = std::max(watched.energy, std::abs(now.kinetic_j / start.kinetic_j - 1));
   }
-  return kept;
+  return watched;
 }
 
 // 64 bodies fall in on their common centre.
@@ -90,12 +91,12 @@ Status cloud_momenta(Context& context) {
       SmallWorld world(context, Vec3::Zero(), {e, friction, 1000});
       fill_cloud(world, shapes.value());
       set_level(world, level);
-      const CacheUse kept = watch(world, 150);
+      const Watched watched = watch(world, 150);
       const std::string which =
           fmt::format("{}, e = {:g}{}", level_name(level), e, friction > 0 ? ", friction 0.5" : "");
-      context.add("change of momentum, " + which, "1", kept.momentum, 1e-12);
-      context.add("change of angular momentum, " + which, "1", kept.angular_momentum, 1e-12);
-      context.add("frames without an impulse, " + which, "", kept.impulses > 100 ? 0 : 150, 0);
+      context.add("change of momentum, " + which, "1", watched.momentum, 1e-12);
+      context.add("change of angular momentum, " + which, "1", watched.angular_momentum, 1e-12);
+      context.add("frames without an impulse, " + which, "", watched.impulses > 100 ? 0 : 150, 0);
       const Status go_on = context.at(++done / 15);
       if (!go_on) return go_on;
     }
@@ -119,9 +120,9 @@ Status impact_energy(Context& context) {
       world.add(a, Vec3::Zero(), Vec3::Zero(), random.turn(), random.in_box(2));
       world.add(b, 2.2 * line + random.in_box(0.15), -2 * line, random.turn(), random.in_box(2));
       set_level(world, level);
-      const CacheUse kept = watch(world, 150);
-      worst = std::max(worst, kept.energy);
-      impulses += kept.impulses;
+      const Watched watched = watch(world, 150);
+      worst = std::max(worst, watched.energy);
+      impulses += watched.impulses;
     }
     context.add("change of kinetic energy, " + level_name(level), "1", worst, 1e-12);
     context.add("throws without an impulse, " + level_name(level), "", impulses >= 12 ? 0 : 24, 0);

@@ -22,7 +22,7 @@ enum class TimeOfImpact : std::uint8_t {
   Touch,
   Miss,
   StartsTouching,  ///< nearer than the tolerance at the start
-  Undecided,       ///< kept so close, without touching, that the search was given up
+  Undecided,       ///< kept so close, without touching, that the search was abandoned
 };
 
 /// The first touch of two bodies in free flight.

@@ -13,7 +13,7 @@ namespace poise::io {
 struct AccuracyRow {
   std::string case_name, figure, unit;  ///< the unit is "1" for shares and "" for counts
   double value = 0;
-  std::optional<double> at_most;  ///< none: reported, not judged
+  std::optional<double> at_most;  ///< none: reported, not measured
   std::string published;          ///< what others reached; may be empty
   bool ok = true;                 ///< finite and within the bound
 };

@@ -22,10 +22,10 @@ struct Method {
 struct Tracker {
   scheduler::TailForecast tail;
   scheduler::TrackedQuantile margin;
-  bool visits = true;
+  bool point_iterations = true;
 
   [[nodiscard]] scheduler::TailWork work_of(scheduler::TailWork work) const {
-    if (!visits) work.point_iterations = work.coarse_contacts = 0;
+    if (!point_iterations) work.point_iterations = work.coarse_contacts = 0;
     return work;
   }
   [[nodiscard]] Nanoseconds point(const RecordedTail& frame) const {
@@ -35,7 +35,7 @@ struct Tracker {
     margin.observe(frame.actual, point(frame));
     scheduler::TailWork work = frame.forecast_for;
     work.contacts = frame.contacts;
-    work.point_iterations = frame.visits;
+    work.point_iterations = frame.point_iterations;
     work = work_of(work);
     tail.learn(work, frame.actual);
   }
@@ -53,10 +53,10 @@ struct Moments {
   [[nodiscard]] double deviation() const { return count > 1 ? std::sqrt(squares / (count - 1)) : 0; }
 };
 
-ForecastScore oracle(const Method& method, std::span<const RecordedTail> tails, double alpha, std::size_t skip) {
+ForecastScore score_of(const Method& method, std::span<const RecordedTail> tails, double alpha, std::size_t skip) {
   ForecastScore score;
   score.method = method.name;
-  double judged = 0;
+  double frames = 0;
   double reserved_ns = 0;
   double needed_ns = 0;
   double loss_ns = 0;
@@ -64,7 +64,7 @@ ForecastScore oracle(const Method& method, std::span<const RecordedTail> tails, 
     const double reserve_ns = method.reserve_ns(tails[i]);
     const double actual_ns = ns_of(tails[i].actual);
     if (i >= skip) {
-      ++judged;
+      ++frames;
       reserved_ns += reserve_ns;
       needed_ns += actual_ns;
       if (actual_ns > reserve_ns) ++score.exceeded;
@@ -72,8 +72,8 @@ ForecastScore oracle(const Method& method, std::span<const RecordedTail> tails, 
     }
     method.learn(tails[i]);
   }
-  if (judged == 0 || needed_ns <= 0) return score;
-  score.exceeded /= judged;
+  if (frames == 0 || needed_ns <= 0) return score;
+  score.exceeded /= frames;
   score.reserve_over_actual = reserved_ns / needed_ns;
   score.pinball = loss_ns / needed_ns;
   return score;
@@ -89,22 +89,22 @@ Method tracked(const std::string& name, Tracker& tracker) {
 std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, double alpha, std::size_t skip) {
   std::vector<ForecastScore> scores;
   Tracker ours{{}, scheduler::TrackedQuantile(alpha), true};
-  scores.push_back(oracle(tracked("tracked quantile of a linear forecast", ours), tails, alpha, skip));
+  scores.push_back(score_of(tracked("tracked quantile of a linear forecast", ours), tails, alpha, skip));
   scores.back().beyond_clip = ours.margin.beyond_clip();
   Tracker without{{}, scheduler::TrackedQuantile(alpha), false};
-  scores.push_back(oracle(tracked("the same without last frame's visits", without), tails, alpha, skip));
+  scores.push_back(score_of(tracked("the same without last frame's visits", without), tails, alpha, skip));
   scores.back().beyond_clip = without.margin.beyond_clip();
   Tracker bare{{}, scheduler::TrackedQuantile(alpha), true};
   scores.push_back(
-      oracle({"linear forecast, no margin", [&](const RecordedTail& frame) { return ns_of(bare.point(frame)); },
-              [&](const RecordedTail& frame) { bare.learn(frame); }},
-             tails, alpha, skip));
+      score_of({"linear forecast, no margin", [&](const RecordedTail& frame) { return ns_of(bare.point(frame)); },
+                [&](const RecordedTail& frame) { bare.learn(frame); }},
+               tails, alpha, skip));
   for (const double deviations : {0.0, 3.0}) {
     Moments moments;
-    scores.push_back(oracle({deviations > 0 ? "mean + 3 sigma" : "mean",
-                             [&](const RecordedTail&) { return moments.mean + deviations * moments.deviation(); },
-                             [&](const RecordedTail& frame) { moments.add(ns_of(frame.actual)); }},
-                            tails, alpha, skip));
+    scores.push_back(score_of({deviations > 0 ? "mean + 3 sigma" : "mean",
+                               [&](const RecordedTail&) { return moments.mean + deviations * moments.deviation(); },
+                               [&](const RecordedTail& frame) { moments.add(ns_of(frame.actual)); }},
+                              tails, alpha, skip));
   }
   std::vector<double> window;
   std::vector<double> sorted;
@@ -116,12 +116,12 @@ std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, do
     std::nth_element(sorted.begin(), at, sorted.end());
     return *at;
   };
-  scores.push_back(oracle({"quantile of the last 200", quantile,
-                           [&](const RecordedTail& frame) {
-                             window.push_back(ns_of(frame.actual));
-                             if (window.size() > kWindow) window.erase(window.begin());
-                           }},
-                          tails, alpha, skip));
+  scores.push_back(score_of({"quantile of the last 200", quantile,
+                             [&](const RecordedTail& frame) {
+                               window.push_back(ns_of(frame.actual));
+                               if (window.size() > kWindow) window.erase(window.begin());
+                             }},
+                            tails, alpha, skip));
   return scores;
 }
 

@@ -12,10 +12,10 @@ namespace poise::simulation {
 
 /// The tail of one frame of a run: what was counted before it and after it, and how long it took.
 struct RecordedTail {
-  scheduler::TailWork forecast_for;  ///< FrameReport::tail_work
-  std::uint64_t contacts = 0;        ///< that were answered in the end
-  std::uint64_t visits = 0;          ///< that were made in the time that was kept
-  Nanoseconds actual{0};             ///< > 0; without what was done in time left over
+  scheduler::TailWork forecast_for;    ///< FrameReport::tail_work
+  std::uint64_t contacts = 0;          ///< that were answered in the end
+  std::uint64_t point_iterations = 0;  ///< that were made in the time that was kept
+  Nanoseconds actual{0};               ///< > 0; without what was done in time left over
 };
 
 /// How one way to make a reserve did.
@@ -33,7 +33,7 @@ struct ForecastScore {
 /// Plays recorded tails again, frame by frame, each method knowing only the frames before: the tracker of this program,
 /// the same without the visits that the frame before needed, the point forecast alone, the mean of all frames before,
 /// mean + 3 standard deviations, and the 1 - alpha quantile of the last 200. The first `skip` frames are learned from
-/// and not judged. A pure function; alpha in [1e-5, 0.5].
+/// and not measured. A pure function; alpha in [1e-5, 0.5].
 std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, double alpha, std::size_t skip);
 
 }  // namespace poise::simulation

@@ -60,7 +60,7 @@ struct Trial {
   const TrialSettings& settings;
 };
 
-// Mean of rho |dw| over the two bodies: the speed that the change of spin gives at the radius of gyration.
+// Mean of rho |dw| over the two bodies: the speed that the change of spin gives at sqrt(I / m).
 double spin_speed(const Trial& trial, const Vec3& dw_a, const Vec3& dw_b) {
   return 0.5 * (trial.a.body.angular_response_m() * dw_a.norm() + trial.b.body.angular_response_m() * dw_b.norm());
 }

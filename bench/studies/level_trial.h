@@ -14,7 +14,7 @@
 
 namespace poise::app {
 
-/// A shape as the judge knows it, and as the engine does.
+/// A shape as the oracle knows it, and as the engine does.
 struct TrialShape {
   std::string name;
   oracle::OracleMesh body;

@@ -27,8 +27,8 @@ Json pair_json(const LevelsPair& pair) {
           {"throws_undecided", pair.undecided},
           {"dv_exact_mean_mps", pair.dv_mps},
           {"dw_exact_mean_mps", pair.dw_mps},
-          {"judge_uncertainty", pair.uncertainty},
-          {"judge_uncertainty_3mm", pair.uncertainty_three}};
+          {"oracle_uncertainty", pair.uncertainty},
+          {"oracle_uncertainty_3mm", pair.uncertainty_three}};
 }
 
 Json row_json(const LevelsPair& pair, const LevelsRow& row) {
@@ -50,8 +50,8 @@ Json row_json(const LevelsPair& pair, const LevelsRow& row) {
           {"ns_per_pair", row.cost.refine_ns},
           {"overlap_ns_per_pair", row.cost.overlap_ns},
           {"response_ns_per_pair", row.cost.response_ns},
-          {"judge_uncertainty", pair.uncertainty},
-          {"judge_uncertainty_3mm", pair.uncertainty_three}};
+          {"oracle_uncertainty", pair.uncertainty},
+          {"oracle_uncertainty_3mm", pair.uncertainty_three}};
 }
 
 Json summary_json(const LevelsSummary& s) {
@@ -83,7 +83,7 @@ std::string quoted(const std::string& text) {
 
 std::string levels_json(const LevelsDocument& document) {
   Json json;
-  json["schema"] = "poise.levels/1";
+  json["schema"] = "poise.levels/2";
   json["half"] = document.half;
   json["seed"] = document.seed;
   json["touches"] = document.touches;
@@ -119,7 +119,7 @@ std::string levels_csv(const LevelsDocument& document) {
   std::string text =
       "shape_a,shape_b,group,model,level,touches,dv_mean,dv_median,dv_p90,dw_mean,dw_median,dw_p90,toc_ms_mean,toc_"
       "early_ms_mean,"
-      "late_share,unseen_share,ns_per_pair,overlap_ns_per_pair,response_ns_per_pair,judge_uncertainty,judge_"
+      "late_share,unseen_share,ns_per_pair,overlap_ns_per_pair,response_ns_per_pair,oracle_uncertainty,oracle_"
       "uncertainty_3mm\n";
   for (const LevelsRow& row : document.rows) {
     const LevelsPair& pair = document.pairs[row.pair];

@@ -12,7 +12,7 @@
 
 namespace poise::io {
 
-/// A pair of shapes of the study, and how the judge judged it.
+/// A pair of shapes of the study, and how the oracle measured it.
 struct LevelsPair {
   std::string shape_a, shape_b;
   std::string group;  ///< round, flat or other
@@ -76,14 +76,14 @@ struct LevelsSummary {
 };
 std::vector<LevelsSummary> summaries(const LevelsDocument& document);
 
-/// A level that is worse than the one before by more than 2 % and the judge's own uncertainty.
+/// A level that is worse than the one before by more than 2 % and the oracle's own uncertainty.
 struct LevelsSetback {
   std::size_t row = 0;  ///< place in LevelsDocument::rows
   double before = 0;    ///< mean error of dv of the level before
 };
 std::vector<LevelsSetback> setbacks(const LevelsDocument& document);
 
-/// `poise.levels/1`, ending in a newline.
+/// `poise.levels/2`, ending in a newline.
 std::string levels_json(const LevelsDocument& document);
 /// One line a row, with a header.
 std::string levels_csv(const LevelsDocument& document);

@@ -90,7 +90,7 @@ std::string levels_plot(const LevelsDocument& document) {
       data += "EOD\n";
       plots += "$target using 1:2 with points pt 2 ps 2 lc rgb \"black\" title \"to reach\", ";
     }
-    plots += fmt::format("{:g} with lines dt 2 lc rgb \"#888888\" title \"the judge's own uncertainty (1 mm)\"",
+    plots += fmt::format("{:g} with lines dt 2 lc rgb \"#888888\" title \"the oracle's own uncertainty (1 mm)\"",
                          std::max(panel.uncertainty, kLeastPlotted));
     text += data + "plot " + plots + "\n";
   }

@@ -28,7 +28,7 @@ Table pair_table(const LevelsDocument& document) {
   Table table{{"pair", "group", "model"}};
   const auto levels = levels_of(document);
   for (const simulation::ProbeLevel level : levels) table[0].push_back(heading(level));
-  table[0].emplace_back("judge 1, 3 mm");
+  table[0].emplace_back("oracle 1, 3 mm");
   for (std::size_t i = 0; i < document.rows.size();) {
     const LevelsRow& first = document.rows[i];
     const LevelsPair& pair = document.pairs[first.pair];
@@ -89,12 +89,12 @@ std::vector<Limits> limits_of(const LevelsDocument& document) {
 Table limits_table(const LevelsDocument& document) {
   Table table{{"group", "model", "toc ms at L3, <= 8", "late % at L3, <= 1", "response ns, <= 100",
                "refine / overlap, <= 1.5"}};
-  const auto judged = [](std::optional<double> value, double most, double scale) {
+  const auto cell_of = [](std::optional<double> value, double most, double scale) {
     return value ? fmt::format("{:.1f}{}", scale * *value, *value <= most ? "" : " missed") : std::string("-");
   };
   for (const Limits& limits : limits_of(document)) {
-    table.push_back({limits.group, limits.model, judged(limits.toc_ms, 8, 1), judged(limits.late, 0.01, 100),
-                     judged(limits.response_ns, 100, 1), judged(limits.ratio, 1.5, 1)});
+    table.push_back({limits.group, limits.model, cell_of(limits.toc_ms, 8, 1), cell_of(limits.late, 0.01, 100),
+                     cell_of(limits.response_ns, 100, 1), cell_of(limits.ratio, 1.5, 1)});
   }
   return table;
 }
@@ -102,8 +102,8 @@ Table limits_table(const LevelsDocument& document) {
 std::string setback_text(const LevelsDocument& document) {
   const std::vector<LevelsSetback> found = setbacks(document);
   if (found.empty())
-    return "No level of any pair is worse than the one before by more than 2 % and the judge's own uncertainty.\n";
-  std::string text = "Levels worse than the one before by more than 2 % and the judge's own uncertainty:\n";
+    return "No level of any pair is worse than the one before by more than 2 % and the oracle's own uncertainty.\n";
+  std::string text = "Levels worse than the one before by more than 2 % and the oracle's own uncertainty:\n";
   for (const LevelsSetback& setback : found) {
     const LevelsRow& row = document.rows[setback.row];
     const LevelsPair& pair = document.pairs[row.pair];

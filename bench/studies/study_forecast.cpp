@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kForecastScene = "pile";
 constexpr std::uint64_t kForecastFrames = 3000;
 constexpr std::uint64_t kForecastWarmUp = 0;
-// Frames that each method learns from before it is judged. Chosen: the start of a run is not what a margin is for.
+// Frames that each method learns from before it is measured. Chosen: the start of a run is not what a margin is for.
 constexpr std::size_t kSkip = 200;
 
 // Of a frame that nobody disturbed at most so much of the tail's time may be missing: what reading the clocks makes of
@@ -84,7 +84,7 @@ void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
       "  poise study forecast --scene gas --bodies 500 --alpha 0.05 --json -\n\n"
       "Frames are recorded once, back to back under the deadline, and each method is played on the same ones, knowing "
       "only those before.\n"
-      "The first 200 are not judged.");
+      "The first 200 are not counted.");
 }
 
 int study_forecast(const StudyForecastOptions& o) {

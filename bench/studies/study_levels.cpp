@@ -170,7 +170,7 @@ void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
             "How many times more edges the round parts of named shapes have (default 8)");
   add_whole(command, "--threads", o.threads, 0, 256,
             "Threads, 0 = as many as the machine has (default 0); costs are measured on one");
-  add_path(command, "--json", o.json, "Write the rows as JSON (poise.levels/1), - for the standard output");
+  add_path(command, "--json", o.json, "Write the rows as JSON (poise.levels/2), - for the standard output");
   add_path(command, "--csv", o.csv, "Write a line a row, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the tables for docs, - for the standard output");
   add_path(command, "--picture", o.picture, "Draw error against level as a PNG (needs gnuplot)");

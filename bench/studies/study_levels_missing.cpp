@@ -8,9 +8,9 @@
 
 namespace poise::app {
 
-// In place of study_levels_run.cpp where the judge could not be built.
+// In place of study_levels_run.cpp where the oracle could not be built.
 int study_levels(const StudyLevelsOptions&) {
-  fmt::print(stderr, "poise study levels: this program was built without libfcl-dev, which judges exactly\n");
+  fmt::print(stderr, "poise study levels: this program was built without libfcl-dev, the exact oracle\n");
   return kExitBadUsage;
 }
 

@@ -31,11 +31,11 @@ void add_studies(CLI::App& command, int& exit_code) {
       "cost", "Time each mandatory stage: nanoseconds a candidate pair and a body, falling and settled");
   add_study_cost_options(*cost_study, *cost);
   cost_study->callback([cost, &exit_code] { exit_code = study_cost(*cost); });
-  auto kept = std::make_shared<StudyTimingOptions>();
-  CLI::App* cache_study = command.add_subcommand(
-      "kept", "Compare frames that have what earlier ones found out with frames that start anew");
-  add_study_kept_options(*cache_study, *kept);
-  cache_study->callback([kept, &exit_code] { exit_code = study_kept(*kept); });
+  auto cache = std::make_shared<StudyTimingOptions>();
+  CLI::App* cache_study =
+      command.add_subcommand("cache", "Compare frames that use the contact cache with frames that start without it");
+  add_study_cache_options(*cache_study, *cache);
+  cache_study->callback([cache, &exit_code] { exit_code = study_cache(*cache); });
   auto scaling = std::make_shared<StudyTimingOptions>();
   CLI::App* scaling_study = command.add_subcommand("scaling", "Time refinement on several numbers of threads");
   add_study_scaling_options(*scaling_study, *scaling);

@@ -51,7 +51,7 @@ void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
       "the wall: run it on a quiet machine.");
 }
 
-void add_study_kept_options(CLI::App& command, StudyTimingOptions& o) {
+void add_study_cache_options(CLI::App& command, StudyTimingOptions& o) {
   command.add_option("--bodies", o.bodies, "Population (default 10000)")
       ->expected(1)
       ->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))
@@ -63,7 +63,7 @@ void add_study_kept_options(CLI::App& command, StudyTimingOptions& o) {
   add_shared(command, o, true);
   command.footer(
       "Example:\n"
-      "  poise study kept --markdown kept.md     what docs/scheduling.md shows; takes a minute\n\n"
+      "  poise study cache --markdown cache.md     what docs/scheduling.md shows; takes a minute\n\n"
       "Without a limit, so that all pairs are at their deepest level in both. To start anew, every body is moved away "
       "and back before the frame.");
 }

@@ -13,7 +13,7 @@
 
 namespace poise::app {
 
-/// The command lines of `poise study cost`, `kept`, `scaling` and `free`.
+/// The command lines of `poise study cost`, `cache`, `scaling` and `free`.
 struct StudyTimingOptions {
   std::string scene = "jacks";
   std::vector<std::uint64_t> bodies, thread_counts;
@@ -27,7 +27,7 @@ struct StudyTimingOptions {
 
 /// Declare the options; `options` must outlive the parse.
 void add_study_cost_options(CLI::App& command, StudyTimingOptions& options);
-void add_study_kept_options(CLI::App& command, StudyTimingOptions& options);
+void add_study_cache_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 
@@ -35,7 +35,7 @@ void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 /// next three.
 int study_cost(const StudyTimingOptions& options);
 /// Frames of a settled scene with what earlier ones found out, and without.
-int study_kept(const StudyTimingOptions& options);
+int study_cache(const StudyTimingOptions& options);
 /// Refinement on several numbers of threads.
 int study_scaling(const StudyTimingOptions& options);
 /// Instructions of a step with each feature off and on; kExitRequirementFailed where one that is off executes something
@@ -46,7 +46,7 @@ int study_free(const StudyTimingOptions& options);
 Status check_timing_options(const StudyTimingOptions& options);
 Result<SceneRun> timed_scene(const StudyTimingOptions& options, std::uint64_t bodies, int threads);
 /// Makes the next frame start anew, with the same state: every body is moved away and back, so nothing is known of its
-/// pairs but what they bore.
+/// pairs but their accumulated impulses.
 Status forget_pairs(SceneRun& run);
 io::MeasuredBy measured_by(const StudyTimingOptions& options, int threads);
 ExecutorKind timed_executor(const StudyTimingOptions& options, int threads);

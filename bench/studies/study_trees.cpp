@@ -122,7 +122,7 @@ void add_study_trees_options(CLI::App& command, StudyTreesOptions& o) {
       ->type_name("NAME");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
-  add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the judging samples (default 1)");
+  add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the samples (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads of a build, 0 = as many as the machine has (default 0)");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.trees/1), - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");

@@ -67,21 +67,21 @@ std::string cost_markdown(const CostDocument& document) {
 }
 
 std::string cache_json(const CacheDocument& document) {
-  Json json = {{"schema", "poise.kept/1"},
+  Json json = {{"schema", "poise.cache/1"},
                {"scene", document.scene},
                {"bodies", document.bodies},
-               {"frames_kept", document.frames_retained},
+               {"frames_cached", document.frames_retained},
                {"frames_anew", document.frames_anew},
-               {"kept_pairs", document.cached_pairs},
-               {"levels_kept", document.levels_retained},
+               {"cached_pairs", document.cached_pairs},
+               {"levels_cached", document.levels_retained},
                {"levels_anew", document.levels_anew},
                {"saved_ns_per_pair", document.saved_ns_per_pair()},
                {"rows", Json::array()}};
   for (const CacheRow& row : document.rows) {
     json["rows"].push_back({{"stage", row.stage},
-                            {"kept_ms_p50", row.cached_ms},
+                            {"cached_ms_p50", row.cached_ms},
                             {"anew_ms_p50", row.anew_ms},
-                            {"kept_over_anew", row.share()}});
+                            {"cached_over_anew", row.share()}});
   }
   json.update(by_json(document.by));
   return text_of(json);

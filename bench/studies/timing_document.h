@@ -59,7 +59,7 @@ struct CacheDocument {
                : 0;
   }
 };
-/// `poise.kept/1`, and a table for docs.
+/// `poise.cache/1`, and a table for docs.
 std::string cache_json(const CacheDocument& document);
 std::string cache_markdown(const CacheDocument& document);
 

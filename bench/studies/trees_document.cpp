@@ -115,7 +115,7 @@ std::string quoted_cell(const std::string& text) {
 Result<TreesRow> row_of_tree_json(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("schema") != "poise.tree/1") return bad_input("schema: must be poise.tree/1");
+    if (json.at("schema") != "poise.tree/2") return bad_input("schema: must be poise.tree/2");
     TreesRow row;
     row.file = json.at("mesh").get<std::string>();
     row.triangles = json.at("triangles").get<std::size_t>();
@@ -132,7 +132,7 @@ Result<TreesRow> row_of_tree_json(const std::string& text) {
     for (const Json& level : json.at("levels")) row.tree.levels.push_back(level_of(level));
     return row;
   } catch (const Json::exception& failure) {
-    return bad_input(fmt::format("not a poise.tree/1 document: {}", failure.what()));
+    return bad_input(fmt::format("not a poise.tree/2 document: {}", failure.what()));
   }
 }
 

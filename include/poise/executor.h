@@ -35,8 +35,8 @@ class HostTask {
 /// The contract is small because Poise waits for items of work, never for workers. The thread that calls World::step
 /// works through all items itself; whoever calls a HostTask takes items from the same tickets. So a host may start
 /// fewer calls than it was asked for, start them late, or none at all: the step only takes longer. Its result is the
-/// same to the bit. Once a call has taken an item, the step waits for that item (under a deadline, refinement gives it
-/// up when its time is over).
+/// same to the bit. Once a call has taken an item, the step waits for that item (under a deadline, refinement abandons
+/// it when its time is over).
 class HostExecutor {
  public:
   virtual ~HostExecutor() = default;

@@ -27,7 +27,7 @@ enum class Solidity : std::uint8_t {
   Shell,  ///< the surface alone
 };
 
-/// What mesh reading did to the input, for a person to judge.
+/// Repairs that mesh reading made.
 struct MeshRepair {
   std::size_t vertices_welded = 0;      ///< vertices that were merged into another
   std::size_t triangles_discarded = 0;  ///< triangles that name a vertex twice after welding, or repeat another
@@ -84,7 +84,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
 /// thread. Refused: as winding_mass_properties, a thickness out of range, and a mesh without area.
 Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double thickness_m);
 
-/// What a mesh is good for, in figures and in words.
+/// Properties of a mesh and what follows from them, in figures and in words.
 struct MeshReport {
   std::size_t triangles = 0, vertices = 0;
   std::size_t pieces = 0;  ///< parts that share no edge

@@ -6,9 +6,9 @@
 
 #include "poise/types.h"
 
-/// Questions about where the bodies of a World are: World::cast_ray, cast_sphere, overlap_sphere, overlap_box and
-/// closest_point. They are answered on true surfaces, not on sphere trees: the triangles of a mesh, the spheres that a
-/// body is made of, planes. All vectors are in the world frame, in metres.
+/// Queries of a World: World::cast_ray, cast_sphere, overlap_sphere, overlap_box and closest_point. They use true
+/// surfaces, not sphere trees: the triangles of a mesh, the spheres that a body is made of, planes. All vectors are
+/// in the world frame, in metres.
 ///
 /// A *solid* holds its inside: balls, half-spaces and closed meshes are solids. An open mesh, or one that was made as a
 /// shell, is its surface alone.
@@ -31,7 +31,7 @@ struct Ray {
   Vec3 origin_m = Vec3::Zero();                                     ///< each component within 1e12 m of 0
   Vec3 direction = Vec3::UnitX();                                   ///< of any length but 0, finite
   double max_distance_m = std::numeric_limits<double>::infinity();  ///< >= 0
-  /// What a solid answers in which the ray starts. False: a hit at distance 0, with the normal against the direction.
+  /// The result for a solid in which the ray starts. False: a hit at distance 0, with the normal against the direction.
   /// True: the point where the ray first leaves it.
   bool leaves_solids = false;
 };

@@ -9,8 +9,8 @@
 namespace poise {
 
 /// One frame against its reference: the same frame done again from the same state with every candidate pair at its
-/// finest level, answered by the contact model `fitted`, and the response iterated until no impulse changes by more
-/// than 1e-10 of the largest. What cannot be said of a frame is empty.
+/// finest level, solved with the contact model `fitted` and iterated until no impulse changes by more than 1e-10 of the
+/// largest. What cannot be said of a frame is empty.
 ///
 /// Touched are the moving bodies to which a contact of the run or of the reference gave an impulse. With du = (dv, dw)
 /// the change of a body's velocity in the step, in the run and (with *) in the reference, m its mass and I its inertia
@@ -19,9 +19,9 @@ namespace poise {
 /// A contact counts where its impulse is above 1e-9 of the largest of the frame: below, the reference itself is not
 /// settled.
 struct ReferenceFigures {
-  bool converged = false;  ///< false: sweeps were cut off; the figures are then as good as the rest of the response
+  bool converged = false;  ///< false: iterations were cut off; the figures are then as good as the rest of the response
   std::uint32_t iterations = 0;      ///< of the reference's response, over the velocities of all pairs
-  std::size_t pairs_not_finest = 0;  ///< a front had no room: those pairs are judged by the deepest level that had
+  std::size_t pairs_not_finest = 0;  ///< a front was full: those pairs use the deepest level that fitted
   std::chrono::nanoseconds time{0};  ///< that the reference took; in no other figure of the frame
 
   std::size_t bodies_touched = 0;
@@ -29,7 +29,7 @@ struct ReferenceFigures {
   std::optional<double> change_mps;  ///< C = sqrt(mean (|dv*|^2 + dw* . I dw* / m)) over the same, m/s
   std::optional<double> e_rel;       ///< E / C; empty where C is 0
   std::optional<double>
-      e_seen_mps;  ///< sqrt(sum s eps^2 / sum s), m/s, with the weights s of judging_weight; E without a view
+      e_seen_mps;  ///< sqrt(sum s eps^2 / sum s), m/s, with the weights s of error_weight; E without a view
 
   std::size_t run_contacts = 0;        ///< pairs with an impulse in the run
   std::size_t reference_contacts = 0;  ///< pairs with an impulse in the reference

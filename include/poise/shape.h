@@ -19,7 +19,7 @@ enum class ShapeKind : std::uint8_t {
 };
 
 /// The triangles of a shape made from a mesh, beside the leaves of its tree; of private layout
-/// (src/geometry/shape_surface.h).
+/// (src/geometry/shape/shape_surface.h).
 struct ShapeSurface;
 
 /// What bodies share: a sphere tree and mass properties at density 1. Immutable once made, so any number of

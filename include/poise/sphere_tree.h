@@ -29,11 +29,11 @@ struct Sphere {
   double radius_m = 0;
 };
 
-/// The sphere that answers for a node where two bodies meet (docs/method.md): the one that the surface inside the node
-/// looks like from outside. 24 bytes. Lengths in metres, in the frame of the tree.
+/// The sphere that stands for a node in a contact (docs/method.md): fitted to the surface inside the node as seen from
+/// outside. 24 bytes. Lengths in metres, in the frame of the tree.
 struct NodeFit {
   float x_m = 0, y_m = 0, z_m = 0;  ///< centre
-  float radius_m = 0;               ///< far below zero for a node without surface: it answers only where no other does
+  float radius_m = 0;     ///< far below zero for a node without surface: used only where no other node has one
   float variance_m2 = 0;  ///< mean square of what the surface deviates from the sphere; 0 where it is the surface
   float core_m = 0;  ///< the ball of this radius about the centre is inside the object; negative: so far outside it is
 };
@@ -51,7 +51,7 @@ struct SphereTree {
       protrusion_max_m;  ///< by how much the exposed part of a node's sphere stands out of the object, at most
   std::vector<float>
       protrusion_mean_m;  ///< the same for the area-weighted mean; docs/sphere-trees.md says how near both bounds are
-  std::vector<NodeFit> fit;               ///< what answers for each node; its own sphere where nothing was fitted
+  std::vector<NodeFit> fit;               ///< fitted sphere of each node; its own sphere where nothing was fitted
   std::vector<NodeIndex> first_child;     ///< index of the first child; the node itself for a leaf
   std::vector<std::uint8_t> child_count;  ///< 0 for a leaf, at most kTreeBranching
   std::vector<NodeIndex> level_begin;     ///< first node of each level, then the number of nodes
@@ -116,12 +116,12 @@ struct TreeQualityOptions {
   std::uint64_t seed = 1;
   Solidity solidity = Solidity::Solid;  ///< what counts as the object
   int threads = 0;                      ///< 0 = as many as the machine has; the figures do not depend on it
-  std::stop_token stop = {};            ///< asks the judging to end; it returns ErrorKind::Cancelled soon after
+  std::stop_token stop = {};            ///< asks the measurement to end; it returns ErrorKind::Cancelled soon after
 };
 
-/// Judges a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an open
-/// one is sampled by winding number. Deterministic for a seed on any number of threads. Any thread. Refused: no node,
-/// no triangle, an index or a coordinate out of range, options out of range.
+/// Measures a tree against the mesh it was built for (same frame). The volume of a closed mesh is exact, that of an
+/// open one is sampled by winding number. Deterministic for a seed on any number of threads. Any thread. Refused: no
+/// node, no triangle, an index or a coordinate out of range, options out of range.
 Result<std::vector<TreeLevelFigures>> measure_tree_quality(const SphereTree& tree, const TriangleMesh& mesh,
                                                            const TreeQualityOptions& options);
 

@@ -12,7 +12,7 @@ using SteadyClock = std::chrono::steady_clock;
 using Nanoseconds = std::chrono::nanoseconds;
 
 /// A step takes a deadline as at most so far from now, either way, and work of the host as at most so long: a year.
-/// Sums of a few such times stay within 64 bits, so nothing behind the door of World has to look.
+/// Sums of a few such times stay within 64 bits, so no code behind the World's interface has to check.
 inline constexpr Nanoseconds kFarthestTime = std::chrono::hours(24 * 365);
 
 /// a + b; the largest or smallest duration where that is out of range.

@@ -8,8 +8,7 @@
 
 namespace poise {
 
-/// What a stretch of a frame's time went into. The stages of a step follow each other and fill it; Worker lies in
-/// Refine.
+/// What a span of a trace shows. The stages of a step follow each other without gaps; Worker spans lie in Refine.
 enum class TraceStage : std::uint8_t {
   Frame,
   Predict,
@@ -25,7 +24,7 @@ enum class TraceStage : std::uint8_t {
 /// `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `response`, `integrate`, `publish`, or `jobs` for Worker.
 const char* trace_name(TraceStage stage);
 
-/// A stretch of time of one thread.
+/// A time span of one thread.
 struct TraceSpan {
   std::chrono::steady_clock::time_point begin{}, end{};
   std::uint64_t frame = 0;  ///< FrameReport::frame
@@ -34,28 +33,28 @@ struct TraceSpan {
   TraceStage stage = TraceStage::Frame;
 };
 
-/// Where World::step leaves what its threads did when (StepInput::trace). Invariant: never more spans than the room
-/// that it was made with, so that step does not allocate; what found no room is counted. Belongs to one World at a
-/// time; read it between steps.
+/// Time spans of the threads of World::step (StepInput::trace). Invariant: never more spans than the capacity, so that
+/// step does not allocate; spans beyond it are discarded and counted. Used by one World at a time; read it between
+/// steps.
 class Trace {
  public:
-  explicit Trace(std::size_t room) : room_(room) { spans_.reserve(room); }
+  explicit Trace(std::size_t capacity) : capacity_(capacity) { spans_.reserve(capacity); }
   void add(const TraceSpan& span) {
-    if (spans_.size() < room_) {
+    if (spans_.size() < capacity_) {
       spans_.push_back(span);
     } else {
-      ++dropped_;
+      ++discarded_;
     }
   }
   [[nodiscard]] const std::vector<TraceSpan>& spans() const { return spans_; }
-  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-  /// Forgets the spans and keeps the room and the count of the dropped.
+  [[nodiscard]] std::uint64_t discarded() const { return discarded_; }
+  /// Removes the spans; keeps the capacity and the count of discarded ones.
   void clear() { spans_.clear(); }
 
  private:
   std::vector<TraceSpan> spans_;
-  std::size_t room_;
-  std::uint64_t dropped_ = 0;
+  std::size_t capacity_;
+  std::uint64_t discarded_ = 0;
 };
 
 }  // namespace poise

@@ -18,7 +18,7 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 /// A level of refinement. 0 is the coarsest: the root sphere.
 using Level = std::uint8_t;
 inline constexpr Level kMaxTreeDepth = 6;
-/// The place of contacts by polygons in figures that count by level, after those of the deepest tree.
+/// Index of contacts by polygons in figures that count by level, after those of the deepest tree.
 inline constexpr Level kPolygonBin = kMaxTreeDepth + 1;
 
 /// Index of a node in the arrays of its SphereTree.

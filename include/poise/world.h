@@ -73,11 +73,11 @@ struct WorldSettings {
   /// none of it is done.
   bool sleeping = false;
   int substeps = 2;  ///< of the resting-contact solver, 1 to 16
-  /// Share of frames under a deadline whose end may take longer than was kept for it, in [1e-5, 0.5]. A smaller one is
-  /// paid for in reserve.
+  /// Share of frames under a deadline whose tail may take longer than its reserve, in [1e-5, 0.5]. A smaller one needs
+  /// a larger reserve.
   double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
   std::uint32_t max_partners = 256;            ///< candidate partners that a body keeps, 1 to 65536
-  std::uint32_t max_front_entries = 1U << 22;  ///< room for fronts, entries a worker thread, >= 64
+  std::uint32_t max_front_entries = 1U << 22;  ///< capacity for fronts, entries a worker thread, >= 64
 };
 
 struct Material {
@@ -190,8 +190,8 @@ class World {
   /// Changes the settings for the steps to come. Refused with the field, nothing being changed: what create() refuses,
   /// and a change of what is fixed when a World is made: executor, host_executor, threads, spin, processors,
   /// realtime_priority, max_front_entries. Another gravity, or sleeping turned off, wakes all bodies; another contact
-  /// model lets pairs forget what they found out (not their impulses); another alpha makes the forecast of host work
-  /// and the margin of the reserve learn anew. A record of the run holds the settings that it began with.
+  /// model clears the contact cache (not the accumulated impulses); another alpha makes the forecast of host work and
+  /// the margin of the reserve learn anew. A record of the run holds the settings that it began with.
   Status set_settings(const WorldSettings& settings);
   /// The same for the policy alone. Refused: a weight that is not finite or < 0.
   Status set_policy(const scheduler::Policy& policy);
@@ -258,9 +258,9 @@ class World {
   /// kFarthestTime counts as kFarthestTime.
   void report_host_work(Nanoseconds actual);
 
-  /// What the time forecasts have come to, for a later run on the same machine; and a start from what an earlier one
-  /// came to, which forgets what this World has learned. Numbers that make no sense count as not known. Neither is part
-  /// of the state.
+  /// The learned coefficients of the time forecasts, for a later run on the same machine; and a start from those of an
+  /// earlier run, which replaces what this World has learned. Values out of range count as unknown. Neither is part of
+  /// the state.
   [[nodiscard]] scheduler::TimePriors time_priors() const;
   void set_time_priors(const scheduler::TimePriors& priors);
 
@@ -276,7 +276,7 @@ class World {
   /// The contacts of a body that is removed end in the next step: then its handle stands in an End event, stale.
   [[nodiscard]] std::span<const ContactEvent> contact_events() const;
 
-  /// What the last step's budget decided, put into `decisions` (its room is used again): the steps of refinement of all
+  /// What the last step's budget decided, put into `decisions` (its capacity is reused): the steps of refinement of all
   /// threads in the order in which they ended. Without StepInput::record in that step there are none.
   void decisions(FrameDecisions& decisions) const;
 

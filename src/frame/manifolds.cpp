@@ -78,7 +78,7 @@ void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& 
   const PlacedPair where = placed_pair(input, pair);
   const collision::PairContact contact = contact_of(input.scene, input.motion, pair, input.levels.progress[i], found);
   points[0] = keep(where, collision::impact_point(contact, where.a.rotation));
-  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.manifold_point[k - 1]);
+  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.point[k - 1]);
   std::fill(impulses.begin(), impulses.end(), solver::AccumulatedImpulse{});
   take_over_impulses(manifold_of(std::span<const solver::ContactPoint>(old).first(olds)),
                      manifold_of(std::span<const solver::AccumulatedImpulse>(old_impulses).first(olds)),

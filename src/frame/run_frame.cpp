@@ -166,8 +166,8 @@ class Step {
     const std::uint32_t most = max_iterations();
     const solver::Convergence ended =
         solve_contacts(input, most, points, world_.contact_solver, frame_.velocities, executor_);
-    report_.point_iterations = ended.visits;
-    if (ended.cut_short) report_.degraded.visits = most;
+    report_.point_iterations = ended.point_iterations;
+    if (ended.cut_short) report_.degraded.point_iterations = most;
     if (!terms_.backtracking) return;
     if (!world_.swept_pool)
       world_.swept_pool = std::make_unique<collision::FrontPool>(world_.settings.max_front_entries);
@@ -179,10 +179,10 @@ class Step {
   [[nodiscard]] std::uint32_t max_iterations() {
     std::uint32_t most = solver::kMaxPointIterations;
     if (input_.replay != nullptr) {
-      if (input_.replay->visits > 0) most = input_.replay->visits;
+      if (input_.replay->point_iterations > 0) most = input_.replay->point_iterations;
     } else if (input_.budget.kind == Budget::Kind::Deadline) {
       most = iterations_in_time(world_.forecasts, input_, counts(), frame_.velocities.point_count, report_);
-      if (input_.record) world_.decisions->visits(most < solver::kMaxPointIterations ? most : 0);
+      if (input_.record) world_.decisions->point_iterations(most < solver::kMaxPointIterations ? most : 0);
     }
     return most;
   }

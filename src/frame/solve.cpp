@@ -218,7 +218,7 @@ solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_it
                                    solver::ContactSolver& contact_solver, Velocities& velocities,
                                    parallel::Executor& executor) {
   solver::SolveSettings settings = input.settings();
-  settings.visits = max_iterations;
+  settings.point_iterations = max_iterations;
   const solver::ContactSystem system{velocities.bodies,
                                      velocities.accelerations,
                                      input.motion.inverse_inertia,

@@ -6,7 +6,7 @@
 
 namespace poise::parallel {
 
-/// A thread that keeps one processor busy while this lives: a stranger on the machine, for studies and tests.
+/// A thread that keeps one processor busy for the lifetime of this object; for studies and tests.
 class BusyThread {
  public:
   /// On this processor where the system permits it, otherwise anywhere; -1: anywhere.

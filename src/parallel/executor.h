@@ -14,8 +14,8 @@
 
 namespace poise::parallel {
 
-/// For how long the items that others have in hand are waited for: until the later of a time and a while from when it
-/// is asked.
+/// How long a run waits for items that other workers have begun: until the later of a point in time and a duration
+/// after the wait begins.
 struct Patience {
   std::chrono::steady_clock::time_point until{};
   std::chrono::nanoseconds at_least{0};
@@ -36,17 +36,17 @@ class Executor {
   /// every call that began has ended. A call must not throw. One thread at a time may call run; a call from inside a
   /// step of the same executor, or beside one, is worked off by its own thread alone, as worker 0.
   virtual void run(WorkerFunction step) = 0;
-  /// The same, but gives up what other workers still have in hand when patience ends: what they have begun then counts
-  /// for nothing, because a step must call commit() before it changes anything that others read, and change nothing
-  /// where that returns false. `step`, and all that it reads before its commit, must stay as they are until settle()
-  /// has returned. Returns how many items were given up.
+  /// The same, but abandons the items that other workers have not finished when patience ends. A step must call
+  /// commit() before it changes anything that others read, and change nothing if that returns false, so abandoned items
+  /// have no effect. `step`, and all that it reads before its commit, must stay as they are until settle() has
+  /// returned. Returns how many items were abandoned.
   virtual std::size_t run_with(const Patience& patience, WorkerFunction step) = 0;
   /// Inside a step: may it change what others read? After true the item is waited for until its end. Always true in
   /// run().
   [[nodiscard]] virtual bool commit(int worker) = 0;
-  /// Waits until those who were given up have noticed it. Next to nothing where nobody was.
+  /// Waits until abandoned workers have noticed it. Costs almost nothing if there are none.
   virtual void settle() = 0;
-  /// Asks sleeping workers to get up, because a run is about to come. Returns at once.
+  /// Wakes sleeping workers before a run. Returns at once.
   virtual void wake() {}
 };
 

@@ -6,9 +6,9 @@
 
 namespace poise::parallel {
 
-/// A reference to a callable of a worker's number, without ownership or allocation; valid while the callable lives. The
-/// callable does one item of work and says whether there may be more for this worker; one that returns nothing is done
-/// after one call.
+/// A reference to a callable that takes a worker's number, without ownership or allocation; valid while the callable
+/// lives. The callable does one item of work and says whether there may be more for this worker; one that returns
+/// nothing is done after one call.
 class WorkerFunction {
  public:
   WorkerFunction() = default;

@@ -79,8 +79,7 @@ void WorkerGate::leave(Worker& worker) {
 
 WorkerGate::ViewQuery WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
   gate = gate_.load(std::memory_order_seq_cst);
-  // Held up before that, it may have been given up in the run before and see the next one, which waits for no one who
-  // was.
+  // A worker held up here may have been abandoned in the last run and see the next one, which does not wait for it.
   if (worker.hand.load(std::memory_order_seq_cst) == kAbandoned) return ViewQuery::Abandoned;
   return has_work(gate, last_run) ? ViewQuery::Open : ViewQuery::Nothing;
 }

@@ -28,15 +28,15 @@ bool spin_until(std::chrono::nanoseconds most, Done&& done) {
   return false;
 }
 
-/// Where workers find the work of a run, and its caller finds out who has some in hand. No locks, no allocation, and no
+/// Hands the items of a run to workers and tells its caller which workers have an item. No locks, no allocation, and no
 /// system call but where somebody sleeps. Invariant: a run's step is called only by workers who said so before they saw
 /// the run open.
 ///
 /// Every worker has a word of its own that says whether it has an item in hand. It says so *before* it looks whether
 /// the run is open, and the caller looks at the words *after* it has closed the run (Dekker's handshake, both sides
 /// sequentially consistent), so either the worker sees the run closed or the caller sees the item. Between two items a
-/// worker is nowhere, and nobody waits for it. A worker that was given up begins nothing before it has been nowhere
-/// again: no later run would wait for it.
+/// worker is idle, and nobody waits for it. An abandoned worker begins no item before it has been idle again, because
+/// no later run would wait for it.
 class WorkerGate {
  public:
   /// Numbers 1 to workers - 1 are served; `workers` in [1, 256].
@@ -44,12 +44,12 @@ class WorkerGate {
 
   /// The calling side; one thread at a time.
   void open(WorkerFunction step, bool may_abandon);
-  /// No item begins from now on; waits for those in hand.
+  /// No item begins from now on; waits for items in progress.
   void close();
-  /// No item begins from now on; waits for those in hand while patience lasts, gives up the others and returns how
-  /// many.
+  /// No item begins from now on; waits for items in progress while patience lasts, abandons the others and returns
+  /// their number.
   std::size_t close(const Patience& patience);
-  /// Until no worker has an item in hand, not even one that was given up.
+  /// Waits until no worker has an item, abandoned ones included.
   void settle();
 
   /// Worker's side: does items of the open run, if there is one that it has not found exhausted. False if there was
@@ -63,8 +63,8 @@ class WorkerGate {
   struct alignas(64) Worker {
     std::atomic<std::uint32_t> hand{kEmpty};
   };
-  /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was given up
-  /// meanwhile.
+  /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was
+  /// abandoned meanwhile.
   enum class ViewQuery : std::uint8_t { Open, Nothing, Abandoned };
   static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
   [[nodiscard]] ViewQuery look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
@@ -77,7 +77,7 @@ class WorkerGate {
   static constexpr std::uint64_t kOpen = 1, kMayGiveUp = 2, kOneRun = 4;
   alignas(64) std::atomic<std::uint64_t> gate_{0};  ///< kOpen, kMayGiveUp, the rest the run's number
   WorkerFunction step_;                             ///< of a run that waits for its items
-  WorkerFunction lasting_step_;                     ///< of one that may give up: untouched until all have settled
+  WorkerFunction lasting_step_;  ///< of a run that may abandon items: not changed until all workers have settled
   std::atomic<bool> caller_sleeps_{false};
   int workers_;
   std::chrono::nanoseconds spin_;

@@ -50,7 +50,8 @@ class BoxRay {
 
 /// Goes through the triangles of a mesh, nearer boxes first. `bound(low, high)` gives a number below which nothing in
 /// the box can be, or kMiss; what is not below limit() is left out. `visit(place)` looks at a triangle and says whether
-/// that is enough. At most 63 levels of four children, so the list of what waits has room (geometry/triangle_bvh.cpp).
+/// that is enough. At most 63 levels of four children, so the list of what waits has room
+/// (geometry/bvh/triangle_bvh.cpp).
 template <class Bound, class Limit, class Visit>
 void walk(const geometry::TriangleBvh& bvh, Bound&& bound, Limit&& limit, Visit&& visit) {
   using geometry::BvhNode;

@@ -21,7 +21,17 @@ using Kind = RefinementStep::Kind;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// What became of a pair, one of these each.
-enum class Fate : std::uint8_t { KnownApart, Reused, Mandatory, FoundApart, Deepest, Known, CutOff, NoRoom, Unserved };
+enum class Fate : std::uint8_t {
+  KnownApart,
+  Reused,
+  Mandatory,
+  FoundApart,
+  Deepest,
+  Known,
+  CutOff,
+  FrontFull,
+  Unserved
+};
 struct FateText {
   Fate fate;
   const char* key;
@@ -29,13 +39,14 @@ struct FateText {
 };
 constexpr std::array kFates{
     FateText{Fate::KnownApart, "known_apart", "known from an earlier frame to be apart: nothing to do"},
-    FateText{Fate::Known, "known_places", "answered by places known from an earlier frame: nothing more to gain"},
+    FateText{Fate::Known, "known_points",
+             "answered by contact points known from an earlier frame: nothing more to gain"},
     FateText{Fate::Mandatory, "mandatory", "of a fast body: refined whole, whatever the budget"},
     FateText{Fate::FoundApart, "found_apart", "refined and found apart"},
     FateText{Fate::Deepest, "deepest", "refined to the deepest level: nothing more to gain"},
     FateText{Fate::Reused, "reused", "left as it was answered last, because the frame was infeasible"},
     FateText{Fate::CutOff, "cut_off", "left coarse: its next level was begun and did not end in time"},
-    FateText{Fate::NoRoom, "no_room", "left coarse: its front had no room"},
+    FateText{Fate::FrontFull, "front_full", "left coarse: its front was full"},
     FateText{Fate::Unserved, "unserved", "left coarse: the budget was used up before its turn"},
 };
 
@@ -43,7 +54,7 @@ const FateText& text_of(Fate fate) {
   return *std::find_if(kFates.begin(), kFates.end(), [fate](const FateText& text) { return text.fate == fate; });
 }
 
-bool left_coarse(Fate fate) { return fate == Fate::CutOff || fate == Fate::NoRoom || fate == Fate::Unserved; }
+bool left_coarse(Fate fate) { return fate == Fate::CutOff || fate == Fate::FrontFull || fate == Fate::Unserved; }
 
 std::vector<Fate> fates_of(const ExplainedFrame& e) {
   const std::vector<PairExplanation>& pairs = e.explanation.pairs;
@@ -65,7 +76,7 @@ std::vector<Fate> fates_of(const ExplainedFrame& e) {
   for (const RefinementStep& step : e.frame.decisions.steps) {
     if (step.pair >= fates.size() || fates[step.pair] != Fate::Unserved) continue;
     if (step.kind == Kind::Cut) fates[step.pair] = Fate::CutOff;
-    if (step.kind == Kind::Full) fates[step.pair] = Fate::NoRoom;
+    if (step.kind == Kind::Full) fates[step.pair] = Fate::FrontFull;
   }
   for (const std::uint32_t pair : e.frame.decisions.reused) {
     if (pair < fates.size() && pairs[pair].level == 0) fates[pair] = Fate::Reused;
@@ -105,16 +116,16 @@ std::vector<std::size_t> left_by_score(const ExplainedFrame& e, const std::vecto
   return left;
 }
 
-const char* cache_use_word(PairExplanation::CacheUse kept) {
-  switch (kept) {
+const char* cache_use_word(PairExplanation::CacheUse use) {
+  switch (use) {
     case PairExplanation::CacheUse::None:
       return "-";
     case PairExplanation::CacheUse::Separated:
       return "apart";
     case PairExplanation::CacheUse::Points:
-      return "places";
+      return "points";
     case PairExplanation::CacheUse::Expired:
-      return "stale";
+      return "expired";
   }
   return "-";
 }
@@ -156,8 +167,9 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
         "it, late by {:.3f} ms\n",
         ms(f.budget), ms(f.refine_available), ms(f.reserve), ms(f.lateness));
   }
-  if (f.decisions.visits > 0)
-    text += fmt::format("resting contact had time for {} visits of places in a substep\n", f.decisions.visits);
+  if (f.decisions.point_iterations > 0)
+    text +=
+        fmt::format("resting contact had time for {} point iterations in a substep\n", f.decisions.point_iterations);
   if (f.decisions.substeps > 0)
     text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   const scheduler::Policy& p = e.explanation.policy;
@@ -193,11 +205,13 @@ std::string left_table(const ExplainedFrame& e, const std::vector<Fate>& fates, 
   std::string text = fmt::format("\nleft coarse, the highest score first ({})\n", shares(rows, left.size()));
   if (left.empty()) return text;
   text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10} {}  why\n", "body", "body", "level", "deepest",
-                      "kept", "units", "score", kCueHeads);
+                      "cached", "units", "score", kCueHeads);
   for (std::size_t k = 0; k < rows; ++k) {
     const PairExplanation& pair = e.explanation.pairs[left[k]];
     const Fate fate = fates[left[k]];
-    const char* why = fate == Fate::CutOff ? "begun, cut off" : fate == Fate::NoRoom ? "no room" : "budget used up";
+    const char* why = fate == Fate::CutOff      ? "begun, cut off"
+                      : fate == Fate::FrontFull ? "front full"
+                                                : "budget used up";
     text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10.4g} {}  {}\n", shown(e, pair.a), shown(e, pair.b),
                         pair.level, pair.deepest, cache_use_word(pair.cached), pair.next_units, pair.next_score,
                         cue_cells(pair), why);
@@ -217,8 +231,8 @@ Json pair_json(const ExplainedFrame& e, const PairExplanation& pair) {
             {"closing_mps", c.closing_mps},
             {"frames_waited", c.frames_waited},
             {"importance", c.importance}}},
-          {"kept", cache_use_word(pair.cached)},
-          {"kept_level", pair.cached_level},
+          {"cached", cache_use_word(pair.cached)},
+          {"cached_level", pair.cached_level},
           {"deepest", pair.deepest},
           {"polygons", pair.polygons}};
 }
@@ -286,7 +300,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"reserve_ms", static_cast<double>(f.reserve.count()) / 1e6},
           {"lateness_ms", static_cast<double>(f.lateness.count()) / 1e6},
           {"substeps", f.decisions.substeps},
-          {"visits", f.decisions.visits},
+          {"point_iterations", f.decisions.point_iterations},
           {"pairs", counts_json(fates)},
           {"refined", std::move(refined)},
           {"left_coarse", std::move(left)}};

@@ -143,7 +143,7 @@ void write_frame(const RecordedFrame& frame, std::string& out) {
   for (const Nanoseconds time : {frame.budget, frame.refine_available, frame.reserve, frame.lateness}) put(time, out);
   put(d.active_pairs, out);
   put(d.substeps, out);
-  put(d.visits, out);
+  put(d.point_iterations, out);
   put(d.reused.size(), out);
   std::uint32_t before = 0;
   for (const std::uint32_t pair : d.reused) {
@@ -162,7 +162,7 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
     *time = reader.time();
   d.active_pairs = reader.number32();
   d.substeps = reader.number32();
-  d.visits = reader.number32();
+  d.point_iterations = reader.number32();
   d.reused.assign(reader.count(), 0);
   std::int64_t pair = 0;
   for (std::uint32_t& reused : d.reused) {

@@ -9,10 +9,10 @@
 namespace poise::solver {
 namespace {
 
-// A residual that grows to this many times the square of the last one says that what was learnt no longer holds.
+// A residual that grows to this many times the square of the last one restarts the history.
 constexpr double kGrown = 4;
-// Keeps the small system solvable where steps repeat each other, and the next point near where they hardly differ:
-// stresses that bodies have among each other without moving would else wander until a place slips.
+// Regularises the small system where steps are nearly parallel, and keeps the next point near: internal stresses would
+// else drift until a contact point slips.
 constexpr double kRidge = 1e-6;
 
 double dot(std::span<const double> a, std::span<const double> b) {
@@ -57,25 +57,25 @@ bool AndersonMixing::mix(std::span<const double> before, std::span<double> after
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, static_cast<int>(kDepth), static_cast<int>(kDepth)>;
   using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, static_cast<int>(kDepth), 1>;
   const auto count = static_cast<Eigen::Index>(count_);
-  const auto place = [&](std::size_t k) { return (next_ + kDepth - 1 - k) % kDepth; };
+  const auto index = [&](std::size_t k) { return (next_ + kDepth - 1 - k) % kDepth; };
   const auto of = [&](const std::vector<double>& v) { return std::span(v).first(size_); };
-  const std::size_t fresh = place(0);
+  const std::size_t fresh = index(0);
   for (std::size_t k = 0; k < count_; ++k) {
-    products_[fresh][place(k)] = products_[place(k)][fresh] =
-        dot(of(steps_[fresh].residual), of(steps_[place(k)].residual));
+    products_[fresh][index(k)] = products_[index(k)][fresh] =
+        dot(of(steps_[fresh].residual), of(steps_[index(k)].residual));
   }
   Small products(count, count);
   Few right(count);
   for (Eigen::Index r = 0; r < count; ++r) {
-    const std::size_t row = place(static_cast<std::size_t>(r));
+    const std::size_t row = index(static_cast<std::size_t>(r));
     right[r] = dot(of(steps_[row].residual), of(residual_));
-    for (Eigen::Index c = 0; c < count; ++c) products(r, c) = products_[row][place(static_cast<std::size_t>(c))];
+    for (Eigen::Index c = 0; c < count; ++c) products(r, c) = products_[row][index(static_cast<std::size_t>(c))];
   }
   products.diagonal().array() += kRidge * products.trace();
   const Few parts = products.ldlt().solve(right);
   if (!parts.allFinite()) return false;
   for (Eigen::Index r = 0; r < count; ++r) {
-    const std::span<const double> step = of(steps_[place(static_cast<std::size_t>(r))].after);
+    const std::span<const double> step = of(steps_[index(static_cast<std::size_t>(r))].after);
     for (std::size_t i = 0; i < size_; ++i) after[i] -= parts[r] * step[i];
   }
   return true;

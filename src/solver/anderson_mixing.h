@@ -24,12 +24,12 @@ class AndersonMixing {
     std::vector<double> residual, after;  // differences to the point before
   };
   std::size_t size_ = 0;
-  std::size_t count_ = 0;  // steps kept, the newest at (next_ - 1) % kDepth
+  std::size_t count_ = 0;  // steps stored, the newest at (next_ - 1) % kDepth
   std::size_t next_ = 0;
   bool started_ = false;
   double last_square_ = 0;
   std::array<Step, kDepth> steps_;
-  std::array<std::array<double, kDepth>, kDepth> products_{};  // of the residuals of two steps, by their places
+  std::array<std::array<double, kDepth>, kDepth> products_{};  // of the residuals of two steps, by their indices
   std::vector<double> residual_, after_;                       // of the last point
 };
 

@@ -18,9 +18,9 @@ Vec3 get(const T (&from)[3][kLanes], std::size_t lane) {
   return {static_cast<double>(from[0][lane]), static_cast<double>(from[1][lane]), static_cast<double>(from[2][lane])};
 }
 
-// What of a pair all its places share.
+// The part of a pair that all its contact points share.
 template <class T>
-void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t lane, RestBlock& block,
+void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t lane, ContactBlock& block,
                PairLanes<T>& shared, StartLanes<T>& start) {
   const SolverBody& a = system.bodies[pair.a];
   const SolverBody& b = system.bodies[pair.b];
@@ -29,7 +29,7 @@ void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t la
   shared.dynamic_a[lane] = static_cast<T>(unit_kg * a.inverse_mass);
   shared.dynamic_b[lane] = static_cast<T>(unit_kg * b.inverse_mass);
   shared.friction[lane] = static_cast<T>(pair.friction);
-  shared.newton_s[lane] = static_cast<T>(unit_kg);
+  shared.reduced_mass[lane] = static_cast<T>(unit_kg);
   set(Vec3(a.velocity_mps - b.velocity_mps), lane, start.velocity);
   set(a.spin_radps, lane, start.spin_a);
   set(b.spin_radps, lane, start.spin_b);
@@ -40,37 +40,37 @@ void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t la
 }
 
 template <class T>
-void fill_point(const ContactSystem& system, const Manifold& pair, double per_unit, std::size_t place, std::size_t lane,
+void fill_point(const ContactSystem& system, const Manifold& pair, double per_unit, std::size_t index, std::size_t lane,
                 PointLanes<T>& into) {
-  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[place]);
+  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[index]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
   into.gap[lane] = static_cast<T>(now.gap_m);
   into.certain[lane] = static_cast<T>(now.certain_separation_m + pair.slop_m);
   into.mass[lane] = 1;
-  const AccumulatedImpulse& load = system.loads[place];
-  into.impulse[lane] = static_cast<T>(per_unit * load.impulse_ns);
-  set(Vec3(per_unit * load.friction_ns), lane, into.friction_impulse);
+  const AccumulatedImpulse& impulse = system.impulses[index];
+  into.impulse[lane] = static_cast<T>(per_unit * impulse.impulse_ns);
+  set(Vec3(per_unit * impulse.friction_ns), lane, into.friction_impulse);
 }
 
 }  // namespace
 
-void fetch_pairs(const ContactSystem& system, const RestBlock& block) {
+void prefetch_pairs(const ContactSystem& system, const ContactBlock& block) {
   for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count))
     hwy::Prefetch(&system.pairs[name]);
 }
 
-void fetch_points(const ContactSystem& system, const RestBlock& block) {
+void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
   constexpr std::size_t kLine = 64;
   for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
     const Manifold& pair = system.pairs[name];
     if (pair.point_count == 0) continue;
-    const auto* place = reinterpret_cast<const std::byte*>(&system.points[pair.point_begin]);
+    const auto* bytes_at = reinterpret_cast<const std::byte*>(&system.points[pair.point_begin]);
     const std::size_t bytes = pair.point_count * sizeof(ContactPoint);
-    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(place + at);
-    hwy::Prefetch(place + bytes - 1);
-    hwy::Prefetch(&system.loads[pair.point_begin]);
-    hwy::Prefetch(&system.loads[pair.point_begin + pair.point_count - 1U]);
+    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(bytes_at + at);
+    hwy::Prefetch(bytes_at + bytes - 1);
+    hwy::Prefetch(&system.impulses[pair.point_begin]);
+    hwy::Prefetch(&system.impulses[pair.point_begin + pair.point_count - 1U]);
     for (const std::uint32_t body : {pair.a, pair.b}) {
       hwy::Prefetch(&system.bodies[body]);
       hwy::Prefetch(&system.poses[body]);
@@ -79,19 +79,19 @@ void fetch_points(const ContactSystem& system, const RestBlock& block) {
   }
 }
 
-void fetch_loads(const ContactSystem& system, const RestBlock& block) {
+void prefetch_impulses(const ContactSystem& system, const ContactBlock& block) {
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
     if (pair.point_count == 0) continue;
-    hwy::Prefetch(&system.loads[pair.point_begin]);
-    hwy::Prefetch(&system.loads[pair.point_begin + pair.point_count - 1U]);
+    hwy::Prefetch(&system.impulses[pair.point_begin]);
+    hwy::Prefetch(&system.impulses[pair.point_begin + pair.point_count - 1U]);
     hwy::Prefetch(&system.applied_impulse_ns[block.pair[lane]]);
   }
 }
 
 template <class T>
-AngularResponse<T> angular_response(const SolverBody& body, const Mat3& inverse_inertia) {
-  AngularResponse<T> made;
+ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat3& inverse_inertia) {
+  ScaledInverseInertia<T> made;
   if (body.inverse_mass == 0) return made;
   const double kg = 1.0 / body.inverse_mass;
   const double parts[6] = {inverse_inertia(0, 0), inverse_inertia(1, 1), inverse_inertia(2, 2),
@@ -101,12 +101,12 @@ AngularResponse<T> angular_response(const SolverBody& body, const Mat3& inverse_
 }
 
 template <class T>
-void fill_block(const ContactSystem& system, double still_mps, RestBlock& block, PairLanes<T>& shared,
+void fill_block(const ContactSystem& system, double still_mps, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes) {
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
   shared = {};
-  for (PointLanes<T>& patch : manifold_points) patch = {};
+  for (PointLanes<T>& point : manifold_points) point = {};
   StartLanes<T> start;
   block.dynamic_a = block.dynamic_b = block.pushed = 0;
   block.frictional = false;
@@ -121,40 +121,41 @@ void fill_block(const ContactSystem& system, double still_mps, RestBlock& block,
     fill_pair(system, pair, lane, block, shared, start);
     const SolverBody& a = system.bodies[pair.a];
     const SolverBody& b = system.bodies[pair.b];
-    // Without a pull, what held the pair last time would add energy.
+    // Without an external acceleration a warm start would add energy.
     const double per_unit = a.pulled || b.pulled ? a.inverse_mass + b.inverse_mass : 0.0;
     for (std::size_t p = 0; p < pair.point_count; ++p)
       fill_point(system, pair, per_unit, pair.point_begin + p, lane, manifold_points[p]);
   }
-  prepare_block(block, shared, start, static_cast<T>(still_mps), manifold_points, lanes.angular_responses.data());
+  prepare_block(block, shared, start, static_cast<T>(still_mps), manifold_points, lanes.scaled_inverse_inertias.data());
 }
 
 template <class T>
-void add_totals(const RestBlock& block, Lanes<T>& lanes) {
-  for (PointLanes<T>& patch : lanes.manifold_points_of(block)) {
+void add_totals(const ContactBlock& block, Lanes<T>& lanes) {
+  for (PointLanes<T>& point : lanes.manifold_points_of(block)) {
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t lane = 0; lane < kLanes; ++lane)
-        patch.total[k][lane] += patch.impulse[lane] * patch.normal[k][lane] + patch.friction_impulse[k][lane];
+        point.total[k][lane] += point.impulse[lane] * point.normal[k][lane] + point.friction_impulse[k][lane];
     }
   }
 }
 
 template <class T>
-void give_block(const ContactSystem& system, const RestBlock& block, const PairLanes<T>& shared, Lanes<T>& lanes) {
+void write_back_block(const ContactSystem& system, const ContactBlock& block, const PairLanes<T>& shared,
+                      Lanes<T>& lanes) {
   const std::span<const PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
-    const double unit_ns = static_cast<double>(shared.newton_s[lane]);
+    const double unit_ns = static_cast<double>(shared.reduced_mass[lane]);
     Vec3 sum = Vec3::Zero();
     Vec3 moment_a = Vec3::Zero();
     for (std::size_t p = 0; p < pair.point_count; ++p) {
-      const PointLanes<T>& patch = manifold_points[p];
-      AccumulatedImpulse& load = system.loads[pair.point_begin + p];
-      load.impulse_ns = unit_ns * static_cast<double>(patch.impulse[lane]);
-      load.friction_ns = unit_ns * get(patch.friction_impulse, lane);
-      const Vec3 given = unit_ns * get(patch.total, lane);
+      const PointLanes<T>& point = manifold_points[p];
+      AccumulatedImpulse& impulse = system.impulses[pair.point_begin + p];
+      impulse.impulse_ns = unit_ns * static_cast<double>(point.impulse[lane]);
+      impulse.friction_ns = unit_ns * get(point.friction_impulse, lane);
+      const Vec3 given = unit_ns * get(point.total, lane);
       sum += given;
-      moment_a += get(patch.arm, lane).cross(given);
+      moment_a += get(point.arm, lane).cross(given);
     }
     system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
@@ -175,13 +176,13 @@ void give_block(const ContactSystem& system, const RestBlock& block, const PairL
   }
 }
 
-template AngularResponse<float> angular_response(const SolverBody&, const Mat3&);
-template AngularResponse<double> angular_response(const SolverBody&, const Mat3&);
-template void fill_block(const ContactSystem&, double, RestBlock&, PairLanes<float>&, Lanes<float>&);
-template void fill_block(const ContactSystem&, double, RestBlock&, PairLanes<double>&, Lanes<double>&);
-template void add_totals(const RestBlock&, Lanes<float>&);
-template void add_totals(const RestBlock&, Lanes<double>&);
-template void give_block(const ContactSystem&, const RestBlock&, const PairLanes<float>&, Lanes<float>&);
-template void give_block(const ContactSystem&, const RestBlock&, const PairLanes<double>&, Lanes<double>&);
+template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
+template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
+template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<float>&, Lanes<float>&);
+template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<double>&, Lanes<double>&);
+template void add_totals(const ContactBlock&, Lanes<float>&);
+template void add_totals(const ContactBlock&, Lanes<double>&);
+template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<float>&, Lanes<float>&);
+template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<double>&, Lanes<double>&);
 
 }  // namespace poise::solver

@@ -15,46 +15,50 @@ template <class T>
 struct Lanes {
   parallel::LargeVector<PairLanes<T>> pairs;  // one a block
   parallel::LargeVector<PointLanes<T>> manifold_points;
-  parallel::LargeVector<Motion<T>> motions;                     // one a body
-  parallel::LargeVector<Motion<T>> begun;                       // velocities and spins when the substep began
-  parallel::LargeVector<AngularResponse<T>> angular_responses;  // one a body
+  parallel::LargeVector<MotionChange<T>> motions;  // one a body
+  parallel::LargeVector<MotionChange<T>> begun;    // velocities and spins when the substep began
+  parallel::LargeVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
 
-  std::span<PointLanes<T>> manifold_points_of(const RestBlock& block) {
+  std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {
     return std::span(manifold_points).subspan(block.first, block.manifold_points);
   }
-  BodyLanes<T> bodies() { return {motions.data(), angular_responses.data()}; }
+  BodyLanes<T> bodies() { return {motions.data(), scaled_inverse_inertias.data()}; }
 };
 
-/// How a body turns, for lanes.
+/// The inverse inertia of a body as the lanes need it.
 template <class T>
-AngularResponse<T> angular_response(const SolverBody& body, const Mat3& inverse_inertia);
+ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat3& inverse_inertia);
 
-/// Makes a block, of which `begin`, `count`, `patches` and `first` are known, and its lanes from its pairs.
+/// Fills a block, whose `begin`, `count`, `manifold_points` and `first` are set, and its lanes from its pairs.
 template <class T>
-void fill_block(const ContactSystem& system, double still_mps, RestBlock& block, PairLanes<T>& shared, Lanes<T>& lanes);
+void fill_block(const ContactSystem& system, double still_mps, ContactBlock& block, PairLanes<T>& shared,
+                Lanes<T>& lanes);
 
-/// Asks for what fill_block and give_block will read of a block's pairs, some blocks before it is their turn: pairs of
-/// a colour lie far apart.
-void fetch_pairs(const ContactSystem& system, const RestBlock& block);
-void fetch_points(const ContactSystem& system, const RestBlock& block);
-void fetch_loads(const ContactSystem& system, const RestBlock& block);
+/// Prefetches what fill_block and write_back_block read of a block's pairs, a few blocks ahead: pairs of one colour lie
+/// far apart in memory.
+void prefetch_pairs(const ContactSystem& system, const ContactBlock& block);
+void prefetch_points(const ContactSystem& system, const ContactBlock& block);
+void prefetch_impulses(const ContactSystem& system, const ContactBlock& block);
 
-/// Adds what a substep came to, to what the step came to.
+/// Adds the impulses of a substep to the totals of the step.
 template <class T>
-void add_totals(const RestBlock& block, Lanes<T>& lanes);
+void add_totals(const ContactBlock& block, Lanes<T>& lanes);
 
-/// Gives the bodies of a block what its places came to in the step, in double precision and at one point for both
-/// bodies of each, and the places what the next step starts with.
+/// Applies the total impulses of the step to the bodies of a block, in double precision and at one point for both
+/// bodies, and stores the accumulated impulses that warm start the next step.
 template <class T>
-void give_block(const ContactSystem& system, const RestBlock& block, const PairLanes<T>& shared, Lanes<T>& lanes);
+void write_back_block(const ContactSystem& system, const ContactBlock& block, const PairLanes<T>& shared,
+                      Lanes<T>& lanes);
 
-extern template AngularResponse<float> angular_response(const SolverBody&, const Mat3&);
-extern template AngularResponse<double> angular_response(const SolverBody&, const Mat3&);
-extern template void fill_block(const ContactSystem&, double, RestBlock&, PairLanes<float>&, Lanes<float>&);
-extern template void fill_block(const ContactSystem&, double, RestBlock&, PairLanes<double>&, Lanes<double>&);
-extern template void add_totals(const RestBlock&, Lanes<float>&);
-extern template void add_totals(const RestBlock&, Lanes<double>&);
-extern template void give_block(const ContactSystem&, const RestBlock&, const PairLanes<float>&, Lanes<float>&);
-extern template void give_block(const ContactSystem&, const RestBlock&, const PairLanes<double>&, Lanes<double>&);
+extern template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
+extern template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
+extern template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<float>&, Lanes<float>&);
+extern template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<double>&, Lanes<double>&);
+extern template void add_totals(const ContactBlock&, Lanes<float>&);
+extern template void add_totals(const ContactBlock&, Lanes<double>&);
+extern template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<float>&,
+                                      Lanes<float>&);
+extern template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<double>&,
+                                      Lanes<double>&);
 
 }  // namespace poise::solver

@@ -27,8 +27,8 @@ HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<
                                  bool moves) {
   using V = hn::Vec<D>;
   const auto turn = [&](const V& figure) HWY_ATTR { return hn::Mul(dynamic, figure); };
-  const Columns<V> first = gather(d, bodies.angular_responses, slots, 0);
-  const Columns<V> last = gather(d, bodies.angular_responses, slots, 4);
+  const Columns<V> first = gather(d, bodies.scaled_inverse_inertias, slots, 0);
+  const Columns<V> last = gather(d, bodies.scaled_inverse_inertias, slots, 4);
   const V zero = hn::Zero(d);
   const Triple<V> none = {zero, zero, zero};
   Side<V> made = {none,
@@ -77,7 +77,7 @@ struct Arms {
   Triple<V> a, b;
 };
 
-// Velocity of a against b at a place, on top of that at the start of the step.
+// Relative velocity of a against b at a contact point, beyond that at the start of the step.
 template <class V>
 HWY_INLINE Triple<V> slip(const Pairs<V>& pairs, const Arms<V>& arms) {
   return difference(sum(pairs.a.v, cross(pairs.a.w, arms.a)), sum(pairs.b.v, cross(pairs.b.w, arms.b)));
@@ -87,17 +87,17 @@ HWY_INLINE Triple<V> way(const Pairs<V>& pairs, const Arms<V>& arms) {
   return difference(sum(pairs.a.x, cross(pairs.a.q, arms.a)), sum(pairs.b.x, cross(pairs.b.q, arms.b)));
 }
 
-// Gives b an impulse and a the opposite: to their velocities, or with `place` to where they are.
-template <bool kPoint, class V>
+// Applies an impulse to b and the opposite to a: to velocities, or with kPosition to positions.
+template <bool kPosition, class V>
 HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pairs) {
   const Triple<V> ma = scaled(pairs.a.dynamic, impulse);
   const Triple<V> mb = scaled(pairs.b.dynamic, impulse);
   const Triple<V> ta = turned(pairs.a, cross(arms.a, impulse));
   const Triple<V> tb = turned(pairs.b, cross(arms.b, impulse));
-  Triple<V>& moving_a = kPoint ? pairs.a.x : pairs.a.v;
-  Triple<V>& moving_b = kPoint ? pairs.b.x : pairs.b.v;
-  Triple<V>& turning_a = kPoint ? pairs.a.q : pairs.a.w;
-  Triple<V>& turning_b = kPoint ? pairs.b.q : pairs.b.w;
+  Triple<V>& moving_a = kPosition ? pairs.a.x : pairs.a.v;
+  Triple<V>& moving_b = kPosition ? pairs.b.x : pairs.b.v;
+  Triple<V>& turning_a = kPosition ? pairs.a.q : pairs.a.w;
+  Triple<V>& turning_b = kPosition ? pairs.b.q : pairs.b.w;
   moving_a = difference(moving_a, ma);
   moving_b = sum(moving_b, mb);
   turning_a = difference(turning_a, ta);
@@ -105,13 +105,13 @@ HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pa
 }
 
 template <class D, class T>
-HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PointLanes<T>& patch, const Triple<hn::Vec<D>>& a_to_b,
+HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PointLanes<T>& point, const Triple<hn::Vec<D>>& a_to_b,
                                     std::size_t lane) {
-  const auto arm = load(d, patch.arm, lane);
+  const auto arm = load(d, point.arm, lane);
   return {arm, difference(arm, a_to_b)};
 }
 
-// By how much one unit along l changes the speed along m: l . K m.
+// Change of the speed along m by a unit impulse along l: l . K m.
 template <class V>
 HWY_INLINE V dynamic(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<V>& tb_l, const Triple<V>& ta_m,
                      const Triple<V>& tb_m) {
@@ -119,40 +119,40 @@ HWY_INLINE V dynamic(const Pairs<V>& pairs, const Triple<V>& ta_l, const Triple<
 }
 
 template <class T>
-void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps,
-             std::span<PointLanes<T>> manifold_points, const AngularResponse<T>* angular_responses) {
+void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartLanes<T>& start, T still_mps,
+             std::span<PointLanes<T>> manifold_points, const ScaledInverseInertia<T>* scaled_inverse_inertias) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V one = hn::Set(d, T(1));
-  const BodyLanes<T> bodies = {nullptr, angular_responses};
+  const BodyLanes<T> bodies = {nullptr, scaled_inverse_inertias};
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
     const Pairs<V> pairs = {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, false),
                             side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, false)};
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
-    const V newton_s = hn::Load(d, shared.newton_s + lane);
+    const V reduced_mass = hn::Load(d, shared.reduced_mass + lane);
     const V moving = hn::Add(pairs.a.dynamic, pairs.b.dynamic);
-    for (PointLanes<T>& patch : manifold_points) {
-      const Triple<V> n = load(d, patch.normal, lane);
-      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
+    for (PointLanes<T>& point : manifold_points) {
+      const Triple<V> n = load(d, point.normal, lane);
+      const Arms<V> arms = arms_of(d, point, a_to_b, lane);
       const Triple<V> rate = sum(load(d, start.velocity, lane), difference(cross(load(d, start.spin_a, lane), arms.a),
                                                                            cross(load(d, start.spin_b, lane), arms.b)));
       const Triple<V> ta = cross(arms.a, n);
       const Triple<V> tb = cross(arms.b, n);
       const V k = hn::Add(moving, dynamic(pairs, ta, tb, ta, tb));
       // The inverse masses make a sum of 1, so 1 / M is at least that.
-      auto counts = hn::And(hn::Gt(newton_s, zero), hn::Ge(k, hn::Set(d, T(0.5))));
-      counts = hn::And(counts, hn::Gt(hn::Load(d, patch.mass + lane), zero));
+      auto counts = hn::And(hn::Gt(reduced_mass, zero), hn::Ge(k, hn::Set(d, T(0.5))));
+      counts = hn::And(counts, hn::Gt(hn::Load(d, point.mass + lane), zero));
       counts =
           hn::And(counts, hn::Le(hn::Mul(hn::Load(d, start.restitution + lane), dot(n, rate)), hn::Set(d, still_mps)));
-      store(d, rate, patch.rate, lane);
-      hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, patch.mass + lane);
-      hn::Store(hn::IfThenElseZero(counts, hn::Load(d, patch.impulse + lane)), d, patch.impulse + lane);
-      store(d, Triple<V>{zero, zero, zero}, patch.total, lane);
+      store(d, rate, point.rate, lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, point.mass + lane);
+      hn::Store(hn::IfThenElseZero(counts, hn::Load(d, point.impulse + lane)), d, point.impulse + lane);
+      store(d, Triple<V>{zero, zero, zero}, point.total, lane);
       const auto frictional = hn::And(counts, hn::Gt(hn::Load(d, shared.friction + lane), zero));
       if (!block.frictional || hn::AllFalse(d, frictional)) {
-        hn::Store(zero, d, patch.across + lane);
-        store(d, Triple<V>{zero, zero, zero}, patch.friction_impulse, lane);
+        hn::Store(zero, d, point.across + lane);
+        store(d, Triple<V>{zero, zero, zero}, point.friction_impulse, lane);
         continue;
       }
       const V sign = hn::CopySign(one, n.z);
@@ -170,48 +170,47 @@ void prepare(const RestBlock& block, const PairLanes<T>& shared, const StartLane
       const V mixed = dynamic(pairs, ta1, tb1, ta2, tb2);
       const V half = hn::Set(d, T(0.5));
       const V apart = hn::Mul(half, hn::Sub(k1, k2));
-      // Both count with one mass, that of the direction which yields most: so friction points against the slip and
-      // never overshoots.
+      // Both tangents use the smallest effective mass of the two, so friction opposes the slip and never overshoots.
       const V most =
           hn::Add(hn::Mul(half, hn::Add(k1, k2)), hn::Sqrt(hn::Add(hn::Mul(apart, apart), hn::Mul(mixed, mixed))));
       hn::Store(hn::IfThenElseZero(frictional, hn::Div(one, hn::IfThenElse(frictional, most, one))), d,
-                patch.across + lane);
-      // What it bore is across the normal of now.
-      const Triple<V> friction_impulse = load(d, patch.friction_impulse, lane);
+                point.across + lane);
+      // Projects the accumulated friction into the current tangent plane.
+      const Triple<V> friction_impulse = load(d, point.friction_impulse, lane);
       const Triple<V> across = difference(friction_impulse, scaled(dot(friction_impulse, n), n));
       store(d,
             Triple<V>{hn::IfThenElseZero(frictional, across.x), hn::IfThenElseZero(frictional, across.y),
                       hn::IfThenElseZero(frictional, across.z)},
-            patch.friction_impulse, lane);
+            point.friction_impulse, lane);
     }
   }
 }
 
 template <class D, class T>
-HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const RestBlock& block, const PairLanes<T>& shared, std::size_t lane,
+HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const ContactBlock& block, const PairLanes<T>& shared, std::size_t lane,
                                       const BodyLanes<T>& bodies) {
   return {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, true),
           side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, true)};
 }
 template <class D, class T, class V>
-HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const RestBlock& block, std::size_t lane, bool pushed,
+HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const ContactBlock& block, std::size_t lane, bool pushed,
                            const BodyLanes<T>& bodies) {
   keep(d, pairs.a, std::uint32_t{block.dynamic_a} >> lane, block.a + lane, pushed, bodies);
   keep(d, pairs.b, std::uint32_t{block.dynamic_b} >> lane, block.b + lane, pushed, bodies);
 }
 
 template <class T>
-void warm(const RestBlock& block, const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
+void warm(const ContactBlock& block, const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
           const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
     Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
-    for (const PointLanes<T>& patch : manifold_points) {
-      const Triple<V> along = scaled(hn::Load(d, patch.impulse + lane), load(d, patch.normal, lane));
-      give<false>(arms_of(d, patch, a_to_b, lane),
-                  block.frictional ? sum(along, load(d, patch.friction_impulse, lane)) : along, pairs);
+    for (const PointLanes<T>& point : manifold_points) {
+      const Triple<V> along = scaled(hn::Load(d, point.impulse + lane), load(d, point.normal, lane));
+      give<false>(arms_of(d, point, a_to_b, lane),
+                  block.frictional ? sum(along, load(d, point.friction_impulse, lane)) : along, pairs);
     }
     keep_pairs(d, pairs, block, lane, false, bodies);
   }
@@ -225,13 +224,13 @@ HWY_INLINE void note(D d, const V& value, T& largest) {
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) largest = std::max(largest, lanes[k]);
 }
 
-// Friction at one place, clamped to the cone of the impulse along the normal; the size of what changed.
+// Friction at one contact point, clamped to the cone of the impulse along the normal; the size of what changed.
 template <class D, class T, class V>
-HWY_INLINE V apply_friction(D d, PointLanes<T>& patch, const V& friction, const Triple<V>& n, const Triple<V>& rate,
+HWY_INLINE V apply_friction(D d, PointLanes<T>& point, const V& friction, const Triple<V>& n, const Triple<V>& rate,
                             const Arms<V>& arms, const V& impulse, std::size_t lane, Pairs<V>& pairs) {
   const V one = hn::Set(d, T(1));
-  const V across = hn::Load(d, patch.across + lane);
-  const Triple<V> before = load(d, patch.friction_impulse, lane);
+  const V across = hn::Load(d, point.across + lane);
+  const Triple<V> before = load(d, point.friction_impulse, lane);
   const Triple<V> velocity = sum(rate, slip(pairs, arms));
   const Triple<V> sliding = difference(velocity, scaled(dot(velocity, n), n));
   const Triple<V> wanted = sum(before, scaled(across, sliding));
@@ -241,20 +240,20 @@ HWY_INLINE V apply_friction(D d, PointLanes<T>& patch, const V& friction, const 
   const V scale = hn::IfThenElse(beyond, hn::Div(most, hn::IfThenElse(beyond, size, one)), one);
   const Triple<V> after = scaled(scale, wanted);
   const Triple<V> given = difference(after, before);
-  store(d, after, patch.friction_impulse, lane);
+  store(d, after, point.friction_impulse, lane);
   give<false>(arms, given, pairs);
   return hn::Sqrt(dot(given, given));
 }
 
 template <class T>
-IterationChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
+IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
                          const SubstepTerms<T>& terms, bool push, const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V per_h = hn::Set(d, T(1) / terms.h_s);
   IterationChange<T> changed;
-  alignas(64) T loads[kLanes];
+  alignas(64) T impulses[kLanes];
   alignas(64) T strayed[kLanes];
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
     Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
@@ -263,44 +262,44 @@ IterationChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span
     bool any_pushed = false;
     V load_sum = zero;
     V strayed_sum = zero;
-    for (PointLanes<T>& patch : manifold_points) {
+    for (PointLanes<T>& point : manifold_points) {
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
-      const Triple<V> n = load(d, patch.normal, lane);
-      const Triple<V> rate = load(d, patch.rate, lane);
-      const Arms<V> arms = arms_of(d, patch, a_to_b, lane);
-      const V mass = load_at(patch.mass);
+      const Triple<V> n = load(d, point.normal, lane);
+      const Triple<V> rate = load(d, point.rate, lane);
+      const Arms<V> arms = arms_of(d, point, a_to_b, lane);
+      const V mass = load_at(point.mass);
       const V closed = dot(n, sum(scaled(hn::Set(d, terms.begun_s), rate), way(pairs, arms)));
-      const V gap = hn::Max(hn::Sub(load_at(patch.gap), closed), zero);
+      const V gap = hn::Max(hn::Sub(load_at(point.gap), closed), zero);
       const V closing = dot(n, sum(rate, slip(pairs, arms)));
-      const V before = load_at(patch.impulse);
+      const V before = load_at(point.impulse);
       V after = hn::Max(hn::Add(before, hn::Mul(mass, hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
       after = hn::IfThenElseZero(hn::Gt(mass, zero), after);
-      hn::Store(after, d, patch.impulse + lane);
+      hn::Store(after, d, point.impulse + lane);
       const V units = hn::Sub(after, before);
       give<false>(arms, scaled(units, n), pairs);
       V change = hn::Abs(units);
       if (block.frictional)
-        change = hn::Max(change, apply_friction(d, patch, friction, n, rate, arms, after, lane, pairs));
+        change = hn::Max(change, apply_friction(d, point, friction, n, rate, arms, after, lane, pairs));
       if (terms.watch) {
-        const V newton_s = load_at(shared.newton_s);
+        const V reduced_mass = load_at(shared.reduced_mass);
         const auto counts = hn::Gt(mass, zero);
         const V change_mps =
             hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1)))));
-        const V load_ns = hn::Mul(newton_s, after);
+        const V impulse_sum_ns = hn::Mul(reduced_mass, after);
         note(d, change_mps, changed.change_mps);
-        note(d, hn::Mul(newton_s, change), changed.change_ns);
-        note(d, load_ns, changed.largest_ns);
-        load_sum = hn::Add(load_sum, load_ns);
-        strayed_sum = hn::Add(strayed_sum, hn::Mul(load_ns, change_mps));
+        note(d, hn::Mul(reduced_mass, change), changed.change_ns);
+        note(d, impulse_sum_ns, changed.largest_ns);
+        load_sum = hn::Add(load_sum, impulse_sum_ns);
+        strayed_sum = hn::Add(strayed_sum, hn::Mul(impulse_sum_ns, change_mps));
       } else {
-        // The only sweep of the substep.
-        Triple<V> total = sum(load(d, patch.total, lane), scaled(after, n));
-        if (block.frictional) total = sum(total, load(d, patch.friction_impulse, lane));
-        store(d, total, patch.total, lane);
+        // The only iteration of the substep.
+        Triple<V> total = sum(load(d, point.total, lane), scaled(after, n));
+        if (block.frictional) total = sum(total, load(d, point.friction_impulse, lane));
+        store(d, total, point.total, lane);
       }
       if (!push) continue;
-      const V overlap = hn::Sub(closed, load_at(patch.certain));
-      // A pair that parts by itself need not be pushed.
+      const V overlap = hn::Sub(closed, load_at(point.certain));
+      // A pair that separates by itself needs no correction.
       const auto may =
           hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
       if (hn::AllFalse(d, may)) continue;
@@ -312,41 +311,41 @@ IterationChange<T> solve(RestBlock& block, const PairLanes<T>& shared, std::span
       any_pushed = true;
     }
     keep_pairs(d, pairs, block, lane, any_pushed, bodies);
-    hn::Store(load_sum, d, loads + lane);
+    hn::Store(load_sum, d, impulses + lane);
     hn::Store(strayed_sum, d, strayed + lane);
   }
   // One lane after another, however many there are at once.
   for (std::size_t k = 0; k < kLanes && terms.watch; ++k) {
-    changed.load_ns += loads[k];
-    changed.strayed_j += strayed[k];
+    changed.impulse_sum_ns += impulses[k];
+    changed.residual_j += strayed[k];
   }
   return changed;
 }
 
-void prepare_float(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+void prepare_float(const ContactBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
                    float still_mps, std::span<PointLanes<float>> manifold_points,
-                   const AngularResponse<float>* angular_responses) {
-  prepare(block, pairs, start, still_mps, manifold_points, angular_responses);
+                   const ScaledInverseInertia<float>* scaled_inverse_inertias) {
+  prepare(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
 }
-void prepare_double(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+void prepare_double(const ContactBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
                     double still_mps, std::span<PointLanes<double>> manifold_points,
-                    const AngularResponse<double>* angular_responses) {
-  prepare(block, pairs, start, still_mps, manifold_points, angular_responses);
+                    const ScaledInverseInertia<double>* scaled_inverse_inertias) {
+  prepare(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
 }
-void warm_float(const RestBlock& block, const PairLanes<float>& pairs,
+void warm_float(const ContactBlock& block, const PairLanes<float>& pairs,
                 std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {
   warm(block, pairs, manifold_points, bodies);
 }
-void warm_double(const RestBlock& block, const PairLanes<double>& pairs,
+void warm_double(const ContactBlock& block, const PairLanes<double>& pairs,
                  std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
   warm(block, pairs, manifold_points, bodies);
 }
-IterationChange<float> solve_float(RestBlock& block, const PairLanes<float>& pairs,
+IterationChange<float> solve_float(ContactBlock& block, const PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
                                    bool push, const BodyLanes<float>& bodies) {
   return solve(block, pairs, manifold_points, terms, push, bodies);
 }
-IterationChange<double> solve_double(RestBlock& block, const PairLanes<double>& pairs,
+IterationChange<double> solve_double(ContactBlock& block, const PairLanes<double>& pairs,
                                      std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
                                      bool push, const BodyLanes<double>& bodies) {
   return solve(block, pairs, manifold_points, terms, push, bodies);
@@ -365,30 +364,30 @@ HWY_EXPORT(warm_double);
 HWY_EXPORT(solve_float);
 HWY_EXPORT(solve_double);
 
-void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+void prepare_block(const ContactBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
                    float still_mps, std::span<PointLanes<float>> manifold_points,
-                   const AngularResponse<float>* angular_responses) {
-  HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, still_mps, manifold_points, angular_responses);
+                   const ScaledInverseInertia<float>* scaled_inverse_inertias) {
+  HWY_DYNAMIC_DISPATCH(prepare_float)(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
 }
-void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+void prepare_block(const ContactBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
                    double still_mps, std::span<PointLanes<double>> manifold_points,
-                   const AngularResponse<double>* angular_responses) {
-  HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, still_mps, manifold_points, angular_responses);
+                   const ScaledInverseInertia<double>* scaled_inverse_inertias) {
+  HWY_DYNAMIC_DISPATCH(prepare_double)(block, pairs, start, still_mps, manifold_points, scaled_inverse_inertias);
 }
-void warm_block(const RestBlock& block, const PairLanes<float>& pairs,
-                std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {
+void warm_start_block(const ContactBlock& block, const PairLanes<float>& pairs,
+                      std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies) {
   HWY_DYNAMIC_DISPATCH(warm_float)(block, pairs, manifold_points, bodies);
 }
-void warm_block(const RestBlock& block, const PairLanes<double>& pairs,
-                std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
+void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
+                      std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
   HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, manifold_points, bodies);
 }
-IterationChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs,
+IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
                                    bool push, const BodyLanes<float>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, terms, push, bodies);
 }
-IterationChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs,
+IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
                                     std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
                                     bool push, const BodyLanes<double>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, terms, push, bodies);

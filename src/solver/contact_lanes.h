@@ -10,49 +10,49 @@ namespace poise::solver {
 /// Pairs that are solved side by side.
 inline constexpr std::size_t kLanes = 8;
 
-/// What a step changes in the motion of one body: velocity and spin on top of those at its start, place and angle on
-/// top of where these alone would lead. One cache line in single precision.
+/// Changes of one body's motion within a step: v and w are changes of linear and angular velocity since its start; x
+/// and q are changes of position and angle beyond those of the start velocities. One cache line in single precision.
 template <class T>
-struct alignas(16 * sizeof(T)) Motion {
+struct alignas(16 * sizeof(T)) MotionChange {
   T v[3] = {}, w[3] = {}, x[3] = {}, q[3] = {};
   T unused[4] = {};
 };
 
-/// How a body turns, world frame: inverse inertia times mass, 1/m^2, so that it is of the size of its measures whatever
-/// its mass.
+/// Inverse inertia times mass, world frame, 1/m^2. This scaling keeps the numbers in the range of single precision
+/// whatever the mass.
 template <class T>
-struct alignas(8 * sizeof(T)) AngularResponse {
-  T inertia[6] = {};  ///< xx, yy, zz, xy, xz, yz; 0 for what does not yield
+struct alignas(8 * sizeof(T)) ScaledInverseInertia {
+  T inertia[6] = {};  ///< xx, yy, zz, xy, xz, yz; 0 for what is not dynamic
   T unused[2] = {};
 };
 
-/// The eight k-th places of the pairs of a block. Impulses are in the units of the pair (PairLanes::newton_s): those
-/// that change the speed of the two against each other by 1 m/s if they do not turn.
+/// The k-th contact points of the eight pairs of a block. Impulses are divided by the reduced mass of the pair
+/// (PairLanes::reduced_mass), so their unit is m/s.
 template <class T>
 struct alignas(64) PointLanes {
   T normal[3][kLanes] = {};
   T arm[3][kLanes] = {};   ///< from a
   T rate[3][kLanes] = {};  ///< velocity of a against b there at the start of the step
   T gap[kLanes] = {};
-  T certain[kLanes] = {};              ///< with the slop
-  T mass[kLanes] = {};                 ///< units that change the approach by 1 m/s; 0 for a lane that answers nothing
-  T across[kLanes] = {};               ///< the same along the tangent that yields most
-  T impulse[kLanes] = {};              ///< along the normal
+  T certain[kLanes] = {};  ///< with the slop
+  T mass[kLanes] = {};     ///< effective mass along the normal, divided by the reduced mass; 0 for an inactive lane
+  T across[kLanes] = {};   ///< the same along the tangent with the smallest effective mass
+  T impulse[kLanes] = {};  ///< along the normal
   T friction_impulse[3][kLanes] = {};  ///< across it
-  T total[3][kLanes] = {};             ///< of both, over the substeps that are over
+  T total[3][kLanes] = {};             ///< normal and friction impulse, summed over the substeps done
 };
 
-/// What all places of the pairs of a block share. Masses are in shares of the inverse masses of both bodies together,
-/// so that nothing leaves single precision whatever they are.
+/// What all contact points of a pair share, for the pairs of a block. Inverse masses are divided by the sum of both, so
+/// that all numbers fit single precision whatever the masses.
 template <class T>
 struct alignas(64) PairLanes {
   T a_to_b[3][kLanes] = {};
   T dynamic_a[kLanes] = {}, dynamic_b[kLanes] = {};  ///< inverse mass as a share of that of both
   T friction[kLanes] = {};
-  T newton_s[kLanes] = {};  ///< 1 / (sum of inverse masses); 0 for a lane that is not in use
+  T reduced_mass[kLanes] = {};  ///< 1 / (sum of inverse masses); 0 for a lane that is not in use
 };
 
-/// What making lanes needs of the pairs beyond that.
+/// Further input of prepare_block.
 template <class T>
 struct alignas(64) StartLanes {
   T velocity[3][kLanes] = {};  ///< of a against b
@@ -60,17 +60,17 @@ struct alignas(64) StartLanes {
   T restitution[kLanes] = {};
 };
 
-/// Up to eight pairs of one colour, which share no yielding body.
-struct RestBlock {
+/// Up to eight pairs of one colour, which share no dynamic body.
+struct ContactBlock {
   std::uint32_t a[kLanes] = {}, b[kLanes] = {};
-  std::uint32_t pair[kLanes] = {};            ///< places in RestSystem::pairs
+  std::uint32_t pair[kLanes] = {};            ///< indices in ContactSystem::pairs
   std::uint32_t begin = 0;                    ///< of its pairs in the order of the colouring
   std::uint32_t first = 0;                    ///< of the lanes
   std::uint8_t count = 0;                     ///< lanes in use
   std::uint8_t manifold_points = 0;           ///< the most that a pair has
   std::uint8_t dynamic_a = 0, dynamic_b = 0;  ///< bit by lane
   bool frictional = true;                     ///< a pair has friction
-  std::uint8_t pushed = 0;                    ///< bit by lane: something overlaps beyond doubt and was pushed
+  std::uint8_t pushed = 0;                    ///< bit by lane: something certainly penetrates and was pushed
 };
 
 /// One substep.
@@ -81,47 +81,48 @@ struct SubstepTerms {
   T still_mps = 0;
   T push_share = 0;
   T most_push_m = 0;
-  bool watch = false;  ///< find out what the sweep changes
+  bool watch = false;  ///< measure what the iteration changes (IterationChange)
 };
 
-/// What a sweep changed.
+/// What a iteration changed.
 template <class T>
 struct IterationChange {
-  T largest_ns = 0;  ///< largest impulse
-  T change_ns = 0;   ///< largest change of one
-  T change_mps = 0;  ///< the largest change of an approach, or of what friction would have changed of it
-  T load_ns = 0;     ///< sum of the impulses
-  T strayed_j = 0;   ///< sum of the impulses, each times the change of its approach
+  T largest_ns = 0;      ///< largest impulse
+  T change_ns = 0;       ///< largest change of one
+  T change_mps = 0;      ///< largest change of an approach speed, or of a tangential speed by friction
+  T impulse_sum_ns = 0;  ///< sum of the impulses
+  T residual_j = 0;      ///< sum of the impulses, each times the change of its approach
 };
 
-/// The motions of a body and how it turns, one a body.
+/// Motion changes and inverse inertias, one of each a body.
 template <class T>
 struct BodyLanes {
-  Motion<T>* motions = nullptr;
-  const AngularResponse<T>* angular_responses = nullptr;
+  MotionChange<T>* motions = nullptr;
+  const ScaledInverseInertia<T>* scaled_inverse_inertias = nullptr;
 };
 
-/// Completes the lanes of a block: normal, arm, gaps and loads of its places are there. Places that close fast enough
-/// to rebound answer nothing.
-void prepare_block(const RestBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
+/// Completes the lanes of a block: normal, arm, gaps and impulses of its contact points are there. Contact points that
+/// close fast enough to rebound answer nothing.
+void prepare_block(const ContactBlock& block, const PairLanes<float>& pairs, const StartLanes<float>& start,
                    float still_mps, std::span<PointLanes<float>> manifold_points,
-                   const AngularResponse<float>* angular_responses);
-void prepare_block(const RestBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
+                   const ScaledInverseInertia<float>* scaled_inverse_inertias);
+void prepare_block(const ContactBlock& block, const PairLanes<double>& pairs, const StartLanes<double>& start,
                    double still_mps, std::span<PointLanes<double>> manifold_points,
-                   const AngularResponse<double>* angular_responses);
+                   const ScaledInverseInertia<double>* scaled_inverse_inertias);
 
-/// Gives the bodies of a block the impulses that its places start with.
-void warm_block(const RestBlock& block, const PairLanes<float>& pairs,
-                std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies);
-void warm_block(const RestBlock& block, const PairLanes<double>& pairs,
-                std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies);
+/// Warm starts a block: applies the accumulated impulses of its contact points to its bodies.
+void warm_start_block(const ContactBlock& block, const PairLanes<float>& pairs,
+                      std::span<const PointLanes<float>> manifold_points, const BodyLanes<float>& bodies);
+void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
+                      std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies);
 
-/// Solves the places of a block one after another, the normal before friction. With `push`, what overlaps beyond doubt
-/// is pushed apart. Without terms.watch it is the only sweep of the substep, and the totals are kept.
-IterationChange<float> solve_block(RestBlock& block, const PairLanes<float>& pairs,
+/// Solves the contact points of a block one after another, the normal impulse before friction. With `push`, certain
+/// penetration is corrected by moving the bodies apart. Without terms.watch this is the only iteration of the substep,
+/// and the totals are stored.
+IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
                                    bool push, const BodyLanes<float>& bodies);
-IterationChange<double> solve_block(RestBlock& block, const PairLanes<double>& pairs,
+IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
                                     std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
                                     bool push, const BodyLanes<double>& bodies);
 

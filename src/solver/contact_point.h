@@ -6,8 +6,8 @@
 
 namespace poise::solver {
 
-/// A place of contact as a pair keeps it: a point of each surface and the direction between them, fixed to the bodies.
-/// While both move little, the gap there is n . (p_b - p_a) to second order in what they turn.
+/// A cached contact point: one point on each surface and the normal between them, fixed to the bodies. For small
+/// motions the gap is n . (p_b - p_a), with an error of second order in the rotation.
 struct ContactPoint {
   Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b, in the frame of b
   Vec3 on_a_m = Vec3::Zero();   ///< in the frame of a
@@ -15,27 +15,27 @@ struct ContactPoint {
   double certainty_m = 0;       ///< the gap that is certain is larger by this, >= 0
 };
 
-/// What a place bore in the last substep, world frame: what the next step starts from.
+/// Impulse that a contact point applied in the last substep, world frame: the warm start of the next step.
 struct AccumulatedImpulse {
   double impulse_ns = 0;            ///< along the normal, >= 0
   Vec3 friction_ns = Vec3::Zero();  ///< across it
 };
 
-/// A place where it is now, world frame.
+/// A contact point at the current poses, world frame.
 struct PlacedPoint {
   Vec3 normal = Vec3::UnitZ();      ///< unit, from a to b
   Vec3 arm_m = Vec3::Zero();        ///< in the middle between the surfaces, from the centre of mass of a
   double gap_m = 0;                 ///< of the surfaces, negative in overlap
-  double certain_separation_m = 0;  ///< >= gap_m; below zero they overlap there beyond doubt
+  double certain_separation_m = 0;  ///< >= gap_m; below zero they certainly penetrate there
 };
 
-inline PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& place) {
+inline PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& point) {
   PlacedPoint now;
-  now.normal = b.rotation * place.normal;
-  const Vec3 arm_a = a.rotation * place.on_a_m;
-  now.gap_m = now.normal.dot((b.position_m - a.position_m) + (b.rotation * place.on_b_m - arm_a));
+  now.normal = b.rotation * point.normal;
+  const Vec3 arm_a = a.rotation * point.on_a_m;
+  now.gap_m = now.normal.dot((b.position_m - a.position_m) + (b.rotation * point.on_b_m - arm_a));
   now.arm_m = arm_a + (0.5 * now.gap_m) * now.normal;
-  now.certain_separation_m = now.gap_m + place.certainty_m;
+  now.certain_separation_m = now.gap_m + point.certainty_m;
   return now;
 }
 

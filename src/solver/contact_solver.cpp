@@ -14,42 +14,43 @@
 namespace poise::solver {
 namespace {
 
-// Share of a certain overlap that a substep takes back, and the greatest speed of that. Faster, and a pair that has
-// just been refined pops.
+// Share of a certain overlap that a substep takes back, and the greatest speed of that. Larger values make a pair pop
+// that has just been refined.
 constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
 
-// Sweeps of a substep: as many as visit so many places in all, at least one, and none more once a sweep changes no
-// approach by more than a share of what counts as still. So small scenes converge, and the cost of large ones is linear
-// in their places.
+// Iterations of a substep: limited by the number of point iterations, at least one, and none more once an iteration
+// changes no approach speed by more than a share of the rest speed. So small scenes converge, and the cost of large
+// ones is linear in their contact points.
 constexpr std::uint32_t kMaxIterations = 60;
 constexpr double kSettledOfStill = 3e-5;
-// So many while places, by what they bear, are farther from their answer than a share of what counts as still: heavy
-// bodies on light ones.
+// Limit while contact points, weighted by their impulses, are farther from the solution than a share of the rest speed:
+// heavy bodies on light ones.
 constexpr std::uint32_t kMaxHardIterations = 600;
 constexpr double kFarOfStill = 0.01;
-// Where visits make so many sweeps, they are sped up, in double precision: heavy bodies on light ones need thousands of
-// plain ones. Plain ones in single precision are fewer than that.
+// Where point_iterations make so many iterations, they are extrapolated, in double precision: heavy bodies on light
+// ones need thousands of plain ones. Plain ones in single precision are fewer than that.
 constexpr std::uint32_t kMixedIterations = 20;
-// A leap led astray if the bodies that touch then have so many times the energy that they had, or would have without
-// contacts.
+// An extrapolation step diverged if the bodies in contact then have this many times the energy that they had, or would
+// have without contacts.
 constexpr double kDiverged = 2;
 
-// How often a substep may go over its places.
+// Limits of the iterations of a substep.
 struct IterationLimit {
   std::uint32_t most = 1;
-  std::uint32_t hard = 1;  // while they are far from their answer
-  bool mixed = false;      // sped up
+  std::uint32_t hard = 1;  // while they are far from the solution
+  bool mixed = false;      // extrapolated
   [[nodiscard]] std::uint32_t iterations(bool far) const { return far ? hard : most; }
 };
 
-// With so many visits of a substep, at their cost.
-IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settings, std::uint32_t visits) {
+// With so many point_iterations of a substep, at their cost.
+IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settings, std::uint32_t point_iterations) {
   const Stopping& stopping = settings.stopping;
   if (stopping.converges()) return {stopping.max_iterations, stopping.max_iterations, false};
   const std::uint32_t points = std::max(static_cast<std::uint32_t>(system.point_count), 1U);
-  const std::uint32_t sped_up = std::min(visits / kMixedIterationCost, kMixedPointIterations) / points;
-  const std::uint32_t plain = std::clamp(std::min(visits, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
+  const std::uint32_t sped_up = std::min(point_iterations / kMixedIterationCost, kMixedPointIterations) / points;
+  const std::uint32_t plain =
+      std::clamp(std::min(point_iterations, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
   if (sped_up < kMixedIterations) return {plain, plain, false};
   const std::uint32_t most = std::min(sped_up, kMaxIterations);
   // Without gravity nothing rests on anything, and still is no measure.
@@ -57,8 +58,8 @@ IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settin
   return {most, weighs ? std::min(sped_up, kMaxHardIterations) : most, true};
 }
 
-Vec3 normal_of(const PointLanes<double>& patch, std::size_t lane) {
-  return {patch.normal[0][lane], patch.normal[1][lane], patch.normal[2][lane]};
+Vec3 normal_of(const PointLanes<double>& point, std::size_t lane) {
+  return {point.normal[0][lane], point.normal[1][lane], point.normal[2][lane]};
 }
 
 // How the iterations of one substep are done, and how they ended.
@@ -78,14 +79,14 @@ struct Iterated {
 }  // namespace
 
 struct ContactSolver::Buffers {
-  parallel::LargeVector<RestBlock> blocks;
+  parallel::LargeVector<ContactBlock> blocks;
   std::vector<std::size_t> block_begin;          // per colour, then the serial ones, then the end
-  std::vector<IterationChange<double>> changes;  // one a block, where sweeps converge
+  std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
   AndersonMixing mixing;
   std::vector<double> before, after;  // impulses of all lanes, in roots of energy
-  std::vector<double> swept;          // impulses of all lanes as the last sweep left them
-  TouchingEnergy energy;
-  double alone_j = 0;  // in this substep without contacts: these only take from it
+  std::vector<double> swept;          // impulses of all lanes after the last plain iteration
+  EnergyGuard energy;
+  double alone_j = 0;  // of this substep without contacts; contacts only reduce it
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -118,13 +119,14 @@ struct ContactSolver::Buffers {
                     parallel::Executor& executor);
 };
 
-// Calls visit(does its block rub, lanes that the block shares, lanes of the place, lane) for every place of every pair.
+// Calls visit(block has friction, lanes of the pairs, lanes of the contact point, lane) for every contact point of
+// every pair.
 template <class Visit>
 void ContactSolver::Buffers::for_impulses(Visit&& visit) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    for (PointLanes<double>& patch : twofold.manifold_points_of(blocks[i])) {
+    for (PointLanes<double>& point : twofold.manifold_points_of(blocks[i])) {
       for (std::size_t lane = 0; lane < blocks[i].count; ++lane)
-        visit(blocks[i].frictional, twofold.pairs[i], patch, lane);
+        visit(blocks[i].frictional, twofold.pairs[i], point, lane);
     }
   }
 }
@@ -132,18 +134,17 @@ void ContactSolver::Buffers::for_impulses(Visit&& visit) {
 // Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
 std::size_t ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
   std::size_t at = 0;
-  const auto root_of = [](double newton_s, double mass) { return mass > 0 ? std::sqrt(newton_s / mass) : 0.0; };
+  const auto root_of = [](double reduced_mass, double mass) { return mass > 0 ? std::sqrt(reduced_mass / mass) : 0.0; };
   for_impulses(
-      [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& patch, std::size_t lane) {
-        into[at++] = root_of(shared.newton_s[lane], patch.mass[lane]) * patch.impulse[lane];
-        const double across = root_of(shared.newton_s[lane], patch.across[lane]);
-        for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * patch.friction_impulse[k][lane];
+      [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& point, std::size_t lane) {
+        into[at++] = root_of(shared.reduced_mass[lane], point.mass[lane]) * point.impulse[lane];
+        const double across = root_of(shared.reduced_mass[lane], point.across[lane]);
+        for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * point.friction_impulse[k][lane];
       });
   return at;
 }
 
-// Goes from what the last sweep came to, to what the last few together let expect, within the cones; back if that makes
-// energy.
+// Extrapolates from the last iterations, clamped to the friction cones; undone if it adds energy.
 void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   read_impulses(after);
   if (!mixing.mix(before, after)) return;
@@ -152,32 +153,32 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   std::size_t at = 0;
   std::size_t kept = 0;
   const auto change_to = [&](double& impulse, double wanted) {
-    // What warm_block gives to the bodies is the change.
+    // What warm_start_block gives to the bodies is the change.
     swept[kept] = impulse;
     impulse = wanted - impulse;
     after[kept++] = wanted;
   };
-  const auto impulse_of = [](double value, double newton_s, double mass) {
-    return mass > 0 && newton_s > 0 ? value / std::sqrt(newton_s / mass) : 0.0;
+  const auto impulse_of = [](double value, double reduced_mass, double mass) {
+    return mass > 0 && reduced_mass > 0 ? value / std::sqrt(reduced_mass / mass) : 0.0;
   };
-  for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& patch, std::size_t lane) {
-    const double newton_s = shared.newton_s[lane];
-    const double normal = std::max(0.0, impulse_of(after[at++], newton_s, patch.mass[lane]));
+  for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& point, std::size_t lane) {
+    const double reduced_mass = shared.reduced_mass[lane];
+    const double normal = std::max(0.0, impulse_of(after[at++], reduced_mass, point.mass[lane]));
     Vec3 across = Vec3::Zero();
     for (Eigen::Index k = 0; k < 3 && frictional; ++k)
-      across[k] = impulse_of(after[at++], newton_s, patch.across[lane]);
-    // Friction along the normal and as much less along the normal itself would change nothing, so no sweep would ever
-    // take it back.
-    const Vec3 along = normal_of(patch, lane);
+      across[k] = impulse_of(after[at++], reduced_mass, point.across[lane]);
+    // A friction component along the normal would cancel against the normal impulse, and no later iteration would
+    // remove it.
+    const Vec3 along = normal_of(point, lane);
     across -= across.dot(along) * along;
     const double most = shared.friction[lane] * normal;
     if (across.norm() > most) across *= most / across.norm();
-    change_to(patch.impulse[lane], normal);
+    change_to(point.impulse[lane], normal);
     for (std::size_t k = 0; k < 3 && frictional; ++k)
-      change_to(patch.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
+      change_to(point.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
   });
   iteration(executor, [&](std::size_t i) {
-    warm_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
+    warm_start_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
   });
   const bool diverged = !(energy.joules(twofold.motions) <= kDiverged * std::max(swept_j, alone_j));
   if (diverged) {
@@ -186,30 +187,29 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   }
   const std::vector<double>& impulses = diverged ? swept : after;
   at = 0;
-  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& patch, std::size_t lane) {
-    patch.impulse[lane] = impulses[at++];
-    for (std::size_t k = 0; k < 3 && frictional; ++k) patch.friction_impulse[k][lane] = impulses[at++];
+  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& point, std::size_t lane) {
+    point.impulse[lane] = impulses[at++];
+    for (std::size_t k = 0; k < 3 && frictional; ++k) point.friction_impulse[k][lane] = impulses[at++];
   });
 }
 
-// Places that part under their load push bodies that nothing pushes. Takes back what share of all impulses makes
-// energy.
+// Contact points that separate under their impulse add energy. Scales all impulses down to the share that adds none.
 void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) {
   const double share = energy.best_share(system, twofold.begun, h_s, twofold.motions);
   if (share == 1) return;
   energy.scale(system, twofold.begun, h_s, share, twofold.motions);
-  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& patch, std::size_t lane) {
-    patch.impulse[lane] *= share;
-    for (std::size_t k = 0; k < 3 && frictional; ++k) patch.friction_impulse[k][lane] *= share;
+  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& point, std::size_t lane) {
+    point.impulse[lane] *= share;
+    for (std::size_t k = 0; k < 3 && frictional; ++k) point.friction_impulse[k][lane] *= share;
   });
 }
 
-// Blocks of the pairs at some places of the colouring, those with most places first.
+// Makes blocks of the pairs in a range of the colouring, those with most contact points first.
 void ContactSolver::Buffers::add_blocks(const ContactSystem& system, std::size_t begin, std::size_t end,
                                         std::size_t width, std::uint32_t& lanes) {
   const std::span<const std::uint32_t> order = system.coloring.order();
   for (; begin < end; begin += width) {
-    RestBlock block;
+    ContactBlock block;
     block.begin = static_cast<std::uint32_t>(begin);
     block.count = static_cast<std::uint8_t>(std::min(width, end - begin));
     block.first = lanes;
@@ -262,7 +262,7 @@ std::array<T, 6> added_in(const Acceleration& pull, double h_s) {
 
 // The figures of a motion one after another: v, w, x, q.
 template <class T>
-T* figures(Motion<T>& motion) {
+T* figures(MotionChange<T>& motion) {
   return motion.v;
 }
 
@@ -274,7 +274,7 @@ void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool 
   const std::array<T, 6> added = added_in<T>(system.accelerations[i], h_s);
   for (std::size_t k = 0; k < 6; ++k) {
     const T before = now[k];
-    // What changed in the substep before was the forces' part and the contacts': both come again.
+    // The changes of the last substep came from forces and contacts: both are applied again.
     now[k] = first ? before + added[k] : before + (before - begun[k]);
     begun[k] = before;
   }
@@ -286,7 +286,7 @@ void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
   for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
 }
 
-// What a body does without contacts: impulses come on top of that.
+// Motion without contacts; impulses are added to it.
 void fly(const ContactSystem& system, std::size_t i, double dt_s) {
   SolverBody& body = system.bodies[i];
   body.moved_m = dt_s * body.velocity_mps;
@@ -297,7 +297,7 @@ void fly(const ContactSystem& system, std::size_t i, double dt_s) {
 
 // Where its motion of the step leads a body, on top of its flight.
 template <class T>
-void land(const Motion<T>& motion, SolverBody& body) {
+void land(const MotionChange<T>& motion, SolverBody& body) {
   body.moved_m +=
       Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
   body.turned_rad +=
@@ -319,8 +319,8 @@ SubstepTerms<T> terms_of(const SolveSettings& settings, bool watch) {
 template <class T>
 IterationChange<double> widened(const IterationChange<T>& change) {
   return {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
-          static_cast<double>(change.change_mps), static_cast<double>(change.load_ns),
-          static_cast<double>(change.strayed_j)};
+          static_cast<double>(change.change_mps), static_cast<double>(change.impulse_sum_ns),
+          static_cast<double>(change.residual_j)};
 }
 
 // Of all blocks: the largest of what is a measure of one, and the sums of the rest, block after block.
@@ -330,8 +330,8 @@ IterationChange<double> sum_of(const std::vector<IterationChange<double>>& chang
     sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
     sum.change_ns = std::max(sum.change_ns, change.change_ns);
     sum.change_mps = std::max(sum.change_mps, change.change_mps);
-    sum.load_ns += change.load_ns;
-    sum.strayed_j += change.strayed_j;
+    sum.impulse_sum_ns += change.impulse_sum_ns;
+    sum.residual_j += change.residual_j;
   }
   return sum;
 }
@@ -346,7 +346,7 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed) {
   all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
-  all.angular_responses.resize(system.bodies.size());
+  all.scaled_inverse_inertias.resize(system.bodies.size());
   if (mixed) {
     before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
@@ -380,7 +380,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     });
     if (!terms.watch) break;
     const IterationChange<double> sum = sum_of(changes);
-    result.far = sum.strayed_j > kFarOfStill * still_mps(settings) * sum.load_ns;
+    result.far = sum.residual_j > kFarOfStill * still_mps(settings) * sum.impulse_sum_ns;
     if (settings.stopping.converges()) {
       result.settled = result.reached = sum.change_ns <= settings.stopping.share * sum.largest_ns;
     } else {
@@ -413,24 +413,24 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   };
   const BodyLanes<T> bodies = all.bodies();
   for_bodies([&](std::size_t i) {
-    all.motions[i] = Motion<T>{};
-    all.angular_responses[i] = angular_response<T>(system.bodies[i], system.inverse_inertia[i]);
+    all.motions[i] = MotionChange<T>{};
+    all.scaled_inverse_inertias[i] = scaled_inverse_inertia<T>(system.bodies[i], system.inverse_inertia[i]);
     system.bodies[i].pulled = !system.accelerations[i].none();
     begin_substep(system, i, h_s, true, all);
   });
   constexpr std::size_t kPairsAhead = 3;
   constexpr std::size_t kAhead = 1;
   iteration(executor, [&](std::size_t i) {
-    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) fetch_points(system, blocks[i + kAhead]);
+    if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
     fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
-    warm_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
+    warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
   if (limit.mixed) energy.begin(system, blocks);
   const auto give = [&](std::size_t i) {
-    if (i + kPairsAhead < blocks.size()) fetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) fetch_loads(system, blocks[i + kAhead]);
-    give_block(system, blocks[i], all.pairs[i], all);
+    if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (i + kAhead < blocks.size()) prefetch_impulses(system, blocks[i + kAhead]);
+    write_back_block(system, blocks[i], all.pairs[i], all);
   };
   SubstepTerms<T> terms = terms_of<T>(settings, limit.most > 1);
   Convergence ended;
@@ -450,7 +450,7 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     ended.reached = ended.reached && done.reached;
     ended.cut_short = ended.cut_short || (!done.settled && limit.iterations(done.far) < full.iterations(done.far));
   }
-  ended.visits = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
+  ended.point_iterations = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
   for_bodies([&](std::size_t i) {
     end_substep(i, h_s, all);
     land(all.motions[i], system.bodies[i]);
@@ -466,7 +466,7 @@ ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
 
 Convergence ContactSolver::solve(const ContactSystem& system, const SolveSettings& settings,
                                  parallel::Executor& executor) {
-  const IterationLimit limit = limit_of(system, settings, std::min(settings.visits, kMaxPointIterations));
+  const IterationLimit limit = limit_of(system, settings, std::min(settings.point_iterations, kMaxPointIterations));
   const bool twofold = settings.stopping.converges() || limit.mixed;
   return twofold ? buffers_->solve<double>(system, settings, limit, executor)
                  : buffers_->solve<float>(system, settings, limit, executor);

@@ -12,10 +12,10 @@ Vec3 of(const double (&parts)[3]) { return {parts[0], parts[1], parts[2]}; }
 
 }  // namespace
 
-void TouchingEnergy::begin(const ContactSystem& system, std::span<const RestBlock> blocks) {
+void EnergyGuard::begin(const ContactSystem& system, std::span<const ContactBlock> blocks) {
   names_.clear();
   driven_ = false;
-  for (const RestBlock& block : blocks) {
+  for (const ContactBlock& block : blocks) {
     for (std::size_t lane = 0; lane < block.count; ++lane) {
       for (const std::uint32_t name : {block.a[lane], block.b[lane]}) {
         const SolverBody& body = system.bodies[name];
@@ -34,23 +34,23 @@ void TouchingEnergy::begin(const ContactSystem& system, std::span<const RestBloc
   }
 }
 
-TouchingEnergy::Speed TouchingEnergy::speed(const Body& body, const Motion<double>& change) {
+EnergyGuard::Speed EnergyGuard::speed(const Body& body, const MotionChange<double>& change) {
   return {body.velocity_mps + of(change.v), body.spin_radps + of(change.w)};
 }
 
-TouchingEnergy::Speed TouchingEnergy::speed_alone(const ContactSystem& system, const Body& body,
-                                                  const Motion<double>& begun, double h_s) {
+EnergyGuard::Speed EnergyGuard::speed_alone(const ContactSystem& system, const Body& body,
+                                            const MotionChange<double>& begun, double h_s) {
   const Acceleration& pull = system.accelerations[body.name];
   const Speed before = speed(body, begun);
   return {before.velocity_mps + h_s * pull.linear_mps2, before.spin_radps + h_s * pull.angular_radps2};
 }
 
 // Twice the kinetic energy where both are the same.
-double TouchingEnergy::product(const Body& body, const Speed& a, const Speed& b) {
+double EnergyGuard::product(const Body& body, const Speed& a, const Speed& b) {
   return body.kg * a.velocity_mps.dot(b.velocity_mps) + a.spin_radps.dot(body.inertia_kgm2 * b.spin_radps);
 }
 
-double TouchingEnergy::joules(std::span<const Motion<double>> changes) const {
+double EnergyGuard::joules(std::span<const MotionChange<double>> changes) const {
   double sum = 0;
   for (const Body& body : bodies_) {
     const Speed now = speed(body, changes[body.name]);
@@ -59,8 +59,8 @@ double TouchingEnergy::joules(std::span<const Motion<double>> changes) const {
   return sum;
 }
 
-double TouchingEnergy::joules_alone(const ContactSystem& system, std::span<const Motion<double>> begun,
-                                    double h_s) const {
+double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const MotionChange<double>> begun,
+                                 double h_s) const {
   double sum = 0;
   for (const Body& body : bodies_) {
     const Speed alone = speed_alone(system, body, begun[body.name], h_s);
@@ -69,8 +69,8 @@ double TouchingEnergy::joules_alone(const ContactSystem& system, std::span<const
   return sum;
 }
 
-double TouchingEnergy::best_share(const ContactSystem& system, std::span<const Motion<double>> begun, double h_s,
-                                  std::span<const Motion<double>> changes) const {
+double EnergyGuard::best_share(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
+                                  std::span<const MotionChange<double>> changes) const {
   if (driven_) return 1.0;
   // With a share s of the impulses the energy is that without, plus s times `slope`, plus s^2 / 2 times `bend`.
   double slope = 0;
@@ -85,11 +85,11 @@ double TouchingEnergy::best_share(const ContactSystem& system, std::span<const M
   return bend > 0 ? std::clamp(-slope / bend, 0.0, 1.0) : 1.0;
 }
 
-void TouchingEnergy::scale(const ContactSystem& system, std::span<const Motion<double>> begun, double h_s, double share,
-                           std::span<Motion<double>> changes) const {
+void EnergyGuard::scale(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
+                        double share, std::span<MotionChange<double>> changes) const {
   for (const Body& body : bodies_) {
     const Speed alone = speed_alone(system, body, begun[body.name], h_s);
-    Motion<double>& change = changes[body.name];
+    MotionChange<double>& change = changes[body.name];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       const double without_v = alone.velocity_mps[at] - body.velocity_mps[at];
@@ -100,13 +100,13 @@ void TouchingEnergy::scale(const ContactSystem& system, std::span<const Motion<d
   }
 }
 
-void TouchingEnergy::keep(std::span<const Motion<double>> changes) {
-  kept_.resize(std::max(kept_.size(), bodies_.size()));
-  for (std::size_t i = 0; i < bodies_.size(); ++i) kept_[i] = changes[bodies_[i].name];
+void EnergyGuard::keep(std::span<const MotionChange<double>> changes) {
+  saved_.resize(std::max(saved_.size(), bodies_.size()));
+  for (std::size_t i = 0; i < bodies_.size(); ++i) saved_[i] = changes[bodies_[i].name];
 }
 
-void TouchingEnergy::restore(std::span<Motion<double>> changes) const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) changes[bodies_[i].name] = kept_[i];
+void EnergyGuard::restore(std::span<MotionChange<double>> changes) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) changes[bodies_[i].name] = saved_[i];
 }
 
 }  // namespace poise::solver

@@ -10,31 +10,30 @@
 
 namespace poise::solver {
 
-/// Kinetic energy of the bodies that touch, while their impulses are sought. Inelastic contacts add none to what the
-/// bodies would have without them, and what a sweep of plain steps does adds none: more is the sign of a leap that led
-/// astray. Invariant: buffers only grow.
-class TouchingEnergy {
+/// Kinetic energy of the bodies in contact while the solver iterates. Inelastic contacts add no energy, and neither
+/// does a plain iteration: a gain is the sign of an extrapolation step that diverged. Invariant: buffers only grow.
+class EnergyGuard {
  public:
   /// Before forces act on `system`.
-  void begin(const ContactSystem& system, std::span<const RestBlock> blocks);
+  void begin(const ContactSystem& system, std::span<const ContactBlock> blocks);
   /// Joules, with these changes on top of the velocities at the start of the step.
-  [[nodiscard]] double joules(std::span<const Motion<double>> changes) const;
+  [[nodiscard]] double joules(std::span<const MotionChange<double>> changes) const;
   /// The same with what the accelerations add in `h_s`, and no contact.
-  [[nodiscard]] double joules_alone(const ContactSystem& system, std::span<const Motion<double>> begun,
+  [[nodiscard]] double joules_alone(const ContactSystem& system, std::span<const MotionChange<double>> begun,
                                     double h_s) const;
 
   /// What share of the impulses takes most energy from the bodies, at most all: with `changes` they have all, with
   /// `begun` and what accelerations add in `h_s`, none. It is 1 for the answer itself, where no place parts under its
   /// load. All of them where something moves that has no mass: what it pushes gains energy rightly.
-  [[nodiscard]] double best_share(const ContactSystem& system, std::span<const Motion<double>> begun, double h_s,
-                                  std::span<const Motion<double>> changes) const;
+  [[nodiscard]] double best_share(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
+                                  std::span<const MotionChange<double>> changes) const;
   /// Leaves the bodies with this share.
-  void scale(const ContactSystem& system, std::span<const Motion<double>> begun, double h_s, double share,
-             std::span<Motion<double>> changes) const;
+  void scale(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s, double share,
+             std::span<MotionChange<double>> changes) const;
 
-  /// Keeps the velocities of these bodies; `restore` brings them back to the bit.
-  void keep(std::span<const Motion<double>> changes);
-  void restore(std::span<Motion<double>> changes) const;
+  /// Saves the velocities of these bodies; `restore` brings them back to the bit.
+  void keep(std::span<const MotionChange<double>> changes);
+  void restore(std::span<MotionChange<double>> changes) const;
 
  private:
   struct Body {
@@ -46,14 +45,15 @@ class TouchingEnergy {
   struct Speed {
     Vec3 velocity_mps, spin_radps;
   };
-  static Speed speed(const Body& body, const Motion<double>& change);
-  static Speed speed_alone(const ContactSystem& system, const Body& body, const Motion<double>& begun, double h_s);
+  static Speed speed(const Body& body, const MotionChange<double>& change);
+  static Speed speed_alone(const ContactSystem& system, const Body& body, const MotionChange<double>& begun,
+                           double h_s);
   static double product(const Body& body, const Speed& a, const Speed& b);
 
   std::vector<std::uint32_t> names_;
   std::vector<Body> bodies_;
   bool driven_ = false;  // by a body without mass that moves: it may give them any energy
-  std::vector<Motion<double>> kept_;
+  std::vector<MotionChange<double>> saved_;
 };
 
 }  // namespace poise::solver

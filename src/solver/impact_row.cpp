@@ -15,7 +15,7 @@ bool prepare_row(ContactRow& row, double inverse_mass_a, const Mat3& inverse_ine
   row.turn_b = inverse_inertia_b * row.moment_b_m;
   const double k = row.direction.squaredNorm() * (inverse_mass_a + inverse_mass_b) + row.moment_a_m.dot(row.turn_a) +
                    row.moment_b_m.dot(row.turn_b);
-  // Opposed normals can cancel to almost nothing; a tenth of a millionth of what one contact would have is nothing.
+  // Opposed normals can cancel; below 1e-7 of what one contact would have the row counts as degenerate.
   const bool sound = std::isfinite(k) && k > 1e-7 * (inverse_mass_a + inverse_mass_b);
   row.effective_mass = sound ? 1.0 / k : 0.0;
   return sound;
@@ -24,7 +24,7 @@ bool prepare_row(ContactRow& row, double inverse_mass_a, const Mat3& inverse_ine
 void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {
   used_.assign(bodies, 0);
   bin_of_.resize(edges.size());
-  // A bin a colour and rank, the highest rank first. What finds no colour keeps its order.
+  // A bin a colour and rank, the highest rank first. Edges without a colour keep their order.
   std::size_t count[(kColors + 1) * kRanks] = {};
   colors_ = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -41,16 +41,16 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {
     colors_ = std::max(colors_, color + 1);
   }
   begin_.resize(kColors + 2);
-  std::size_t place[(kColors + 1) * kRanks];
+  std::size_t next[(kColors + 1) * kRanks];
   std::size_t sum = 0;
   for (std::uint32_t bin = 0; bin < (kColors + 1) * kRanks; ++bin) {
     if (bin % kRanks == 0) begin_[bin / kRanks] = sum;
-    place[bin] = sum;
+    next[bin] = sum;
     sum += count[bin];
   }
   begin_[kColors + 1] = sum;
   order_.resize(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) order_[place[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < edges.size(); ++i) order_[next[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
 }
 
 }  // namespace poise::solver

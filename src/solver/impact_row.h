@@ -9,18 +9,18 @@
 
 namespace poise::solver {
 
-/// A body while impulses are exchanged: small and in one place, because rows of a colour gather and scatter it.
+/// A body as the solver sees it: small and contiguous, because rows of a colour gather and scatter it.
 struct SolverBody {
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 spin_radps = Vec3::Zero();
   Vec3 moved_m = Vec3::Zero();     ///< in the step so far
   Vec3 turned_rad = Vec3::Zero();  ///< in the step so far
-  double inverse_mass = 0;         ///< 0 for bodies that do not yield; these are never written
-  bool solved = false;             ///< resting contact held or pushed it in this step
-  bool pulled = false;             ///< something accelerates it
+  double inverse_mass = 0;         ///< 0 for bodies that are not dynamic; these are never written
+  bool solved = false;             ///< resting contact changed its motion in this step
+  bool pulled = false;             ///< an external acceleration acts on it
 };
 
-/// One sphere contact of a pair, world frame, for the model that answers each on its own.
+/// One sphere contact of a pair, world frame, for the contact model that solves each by itself.
 struct PointContact {
   Vec3 normal = Vec3::UnitZ();  ///< from a to b
   Vec3 arm_a_m = Vec3::Zero();  ///< point - x_a
@@ -28,26 +28,27 @@ struct PointContact {
   double gap_m = 0;
 };
 
-/// One pair that is answered: a single constraint along the wrench (l, t_a, t_b), see docs/method.md. What every row of
-/// a step has comes first, what an impact needs after it: most rows of a scene at rest never get that far.
+/// The constraint row of one pair: a single constraint along the wrench (l, t_a, t_b), see docs/method.md. Fields that
+/// every row needs come first, fields of impacts after them: most rows of a scene at rest have no impact.
 struct ContactRow {
   std::uint32_t a = 0, b = 0;  ///< solver bodies; a pair's order, not that of slots
-  std::uint32_t pair = 0;      ///< place of the pair in canonical order
-  bool bounces = false;        ///< comes in fast enough to rebound: left to the impact phase
-  double gap_m = 0;            ///< likely gap of the two surfaces
+  std::uint32_t pair = 0;      ///< index of the pair in canonical order
+  bool bounces = false;        ///< closes fast enough to rebound: left to the impact phase
+  double gap_m = 0;            ///< estimated separation of the two surfaces
   double restitution = 0;
   double friction = 0;                   ///< Coulomb's coefficient
   double total_ns = 0;                   ///< all that b received along l from impacts
   Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
 
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
-  std::uint32_t point_begin = 0, point_end = 0;    ///< of the places where the pair rests, if it has more than one
-  Vec3 direction = Vec3::Zero();                   ///< l
+  std::uint32_t point_begin = 0,
+                point_end = 0;    ///< of the contact points of the pair's manifold, if it has more than one
+  Vec3 direction = Vec3::Zero();  ///< l
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
   Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
   double inverse_mass_a = 0, inverse_mass_b = 0;
-  double effective_mass = 0;     ///< 1 / K; 0 when degenerate: the row answers nothing
-  Vec3 arm_m = Vec3::Zero();     ///< mean place of contact, from the centre of mass of a
+  double effective_mass = 0;     ///< 1 / K; 0 when degenerate: the row is inactive
+  Vec3 arm_m = Vec3::Zero();     ///< mean contact point, from the centre of mass of a
   Vec3 a_to_b_m = Vec3::Zero();  ///< between the centres of mass
 
   /// What impacts gave to b, N s. A row that was never filled has no direction, and gave nothing along it.
@@ -67,7 +68,8 @@ inline double approach_mps(const ContactRow& row, const SolverBody& a, const Sol
          row.moment_b_m.dot(b.spin_radps);
 }
 
-/// Gives b the impulse lambda along the wrench and a its opposite. Bodies that do not yield are not touched.
+/// Applies the impulse lambda along the wrench to b and its opposite to a. Bodies that are not dynamic stay as they
+/// are.
 inline void apply_impulse(const ContactRow& row, double lambda_ns, SolverBody& a, SolverBody& b) {
   if (row.inverse_mass_a > 0) {
     a.velocity_mps -= (lambda_ns * row.inverse_mass_a) * row.direction;
@@ -79,9 +81,9 @@ inline void apply_impulse(const ContactRow& row, double lambda_ns, SolverBody& a
   }
 }
 
-/// Order of rows such that no two rows of one colour share a body that yields; within a colour by rank, the highest
-/// first. Deterministic for the rows' order. Invariant: begin has one more entry than there are colours; rows of the
-/// last stretch, if `serial`, share bodies.
+/// Order of rows such that no two rows of one colour share a dynamic body; within a colour by rank, the highest first.
+/// Deterministic for the rows' order. Invariant: begin has one more entry than there are colours; rows of the last
+/// stretch, if `serial`, share bodies.
 class Coloring {
  public:
   static constexpr std::uint32_t kColors = 64;
@@ -97,11 +99,11 @@ class Coloring {
     order_.reserve(edges);
     begin_.reserve(kColors + 2);
   }
-  /// order()[k] = the edge at place k; places of colour c are [begin(c), begin(c + 1)).
+  /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)).
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
   [[nodiscard]] std::uint32_t colors() const { return colors_; }
   [[nodiscard]] std::size_t begin(std::uint32_t color) const { return begin_[color]; }
-  /// Places from here on found no free colour and must be solved one after another.
+  /// Edges from this position on got no colour and are solved one after another.
   [[nodiscard]] std::size_t serial_begin() const { return begin_[colors_]; }
 
  private:

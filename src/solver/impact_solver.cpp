@@ -8,8 +8,8 @@
 namespace poise::solver {
 namespace {
 
-// Is this step the one whose start is nearest to the moment when the surfaces meet? Waiting for overlap would answer
-// half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
+// True if the start of this step is nearer to the time of impact than that of the next one. Waiting for overlap would
+// answer half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
 bool meets_now(double gap_m, double closing_mps, double dt_s) { return gap_m <= 0.5 * closing_mps * dt_s; }
 
 // DO eq. 1-3, contact by contact in canonical order, each with the approach speed taken anew.
@@ -41,7 +41,7 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
   return solved;
 }
 
-// Coulomb friction of one impulse along the wrench: what stops the slip at the place of contact, or as much as the cone
+// Coulomb friction of one impulse along the wrench: what stops the slip at the contact point, or as much as the cone
 // allows.
 void apply_friction(const System& system, ContactRow& row, double lambda_ns) {
   SolverBody& a = system.bodies[row.a];
@@ -84,19 +84,19 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
   return true;
 }
 
-// Places of the pair that overlap beyond doubt and would rebound: rest cannot take these, since it rebounds nothing.
+// Solves contact points of the pair that certainly penetrate and would rebound: resting contact has no restitution.
 bool answer_places(const System& system, ContactRow& row, double still_mps) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
   bool solved = false;
   for (std::uint32_t p = row.point_begin; p < row.point_end; ++p) {
-    const PlacedPoint place = placed_point(system.poses[row.a], system.poses[row.b], system.contact_points[p]);
-    if (place.certain_separation_m > 0) continue;
+    const PlacedPoint point = placed_point(system.poses[row.a], system.poses[row.b], system.contact_points[p]);
+    if (point.certain_separation_m > 0) continue;
     ContactRow single = row;
-    single.arm_m = place.arm_m;
-    single.direction = place.normal;
-    single.moment_a_m = place.arm_m.cross(place.normal);
-    single.moment_b_m = (place.arm_m - row.a_to_b_m).cross(place.normal);
+    single.arm_m = point.arm_m;
+    single.direction = point.normal;
+    single.moment_a_m = point.arm_m.cross(point.normal);
+    single.moment_b_m = (point.arm_m - row.a_to_b_m).cross(point.normal);
     const double closing = approach_mps(single, a, b);
     if (row.restitution * closing <= still_mps) continue;
     if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
@@ -104,7 +104,7 @@ bool answer_places(const System& system, ContactRow& row, double still_mps) {
       continue;
     const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
     apply_impulse(single, lambda, a, b);
-    row.point_impulse_ns += lambda * place.normal;
+    row.point_impulse_ns += lambda * point.normal;
     solved = true;
   }
   return solved;
@@ -137,8 +137,8 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
     ++ended.iterations;
     if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
     parallel::Shared<int> solved(0);
-    iteration(system, executor, [&](std::size_t i) {
-      // What neither body's velocity has changed since the last round needs no other look, and at first only what is
+    for_each_row(system, executor, [&](std::size_t i) {
+      // Skips rows whose bodies kept their velocities since the last round, and in the first round those that are not
       // fast.
       RowActivation& gate = activations[i];
       const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
@@ -167,9 +167,9 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       break;
     }
   }
-  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step's sweeps or in the next's.
-  // The first sweep has noted it; what impulses have changed since is looked at again.
-  iteration(system, executor, [&](std::size_t i) {
+  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step or the next. The first
+  // iteration has noted it; rows that impulses changed since are checked again.
+  for_each_row(system, executor, [&](std::size_t i) {
     if (changed[activations[i].a] == 0 && changed[activations[i].b] == 0) return;
     if (activations[i].ready) note_rebound(system, system.rows[i], still_mps);
   });

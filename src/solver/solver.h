@@ -12,44 +12,45 @@
 
 namespace poise::solver {
 
-/// When sweeps end. By default after the few that a frame can pay for. With a share above 0 they are repeated until no
-/// impulse changes by more than that share of the largest one, and at most max_sweeps times in a row.
+/// When iterations end. By default after the few that a frame has time for. With a share above 0 they go on until no
+/// impulse changes by more than that share of the largest one, and at most max_iterations times in a row.
 struct Stopping {
   double share = 0;                  ///< >= 0
   std::uint32_t max_iterations = 1;  ///< >= 1; of the impacts, and of each substep
   [[nodiscard]] bool converges() const { return share > 0; }
 };
 
-/// How sweeps ended.
+/// How the iterations ended.
 struct Convergence {
-  bool reached = true;           ///< false: some sweeps were cut off at max_sweeps
+  bool reached = true;           ///< false: some were cut off at max_iterations
   std::uint32_t iterations = 0;  ///< over the velocities of rows, in all
-  std::uint64_t visits = 0;  ///< of places by resting contact, in all; one that is sped up counts kMixedVisitCost times
-  bool cut_short = false;    ///< SolveSettings::visits ended sweeps of resting contact that more would have gone on
+  std::uint64_t point_iterations =
+      0;                   ///< by resting contact, in all; one with extrapolation counts kMixedIterationCost times
+  bool cut_short = false;  ///< SolveSettings::point_iterations ended resting contact before it had converged
 };
 
-/// What a visit costs that is sped up and in double precision, in plain visits in single precision: 90 ns instead of 13
-/// (docs/scheduling.md).
+/// Cost of one point iteration with extrapolation in double precision, in plain ones in single precision: 90 ns instead
+/// of 13 (docs/scheduling.md).
 inline constexpr std::uint32_t kMixedIterationCost = 7;
-/// Resting contact visits places in a substep at most so often, but each once: 60,000 times plainly, or a third of that
-/// sped up.
+/// Point iterations of resting contact in a substep, at most, but at least one a contact point: 60,000 plain ones, or a
+/// third of that with extrapolation.
 inline constexpr std::uint32_t kPlainPointIterations = 60000;
 inline constexpr std::uint32_t kMixedPointIterations = kPlainPointIterations / 3;
 /// The same at their cost.
 inline constexpr std::uint32_t kMaxPointIterations = kMixedIterationCost * kMixedPointIterations;
 
-/// What every row of a step is solved with. SI units.
+/// Parameters of the solver. SI units.
 struct SolveSettings {
   double dt_s = 1.0 / 60.0;
   Vec3 gravity_mps2 = Vec3::Zero();
   int substeps = 2;
   Stopping stopping;
-  std::uint32_t visits =
-      kMaxPointIterations;  ///< of a substep at most, at their cost, but for one sweep; not where `stopping` converges
+  std::uint32_t point_iterations = kMaxPointIterations;  ///< limit for a substep, at their cost, but at least one
+                                                         ///< iteration; unused where `stopping` converges
 };
 
-/// Speeds up to this do not count as motion of a contact: what gravity adds in a step, and rounding where there is
-/// none.
+/// Approach speed below which a contact counts as at rest: what gravity adds in a step, or a rounding bound without
+/// gravity.
 inline double still_mps(const SolveSettings& settings) {
   constexpr double kRoundingMps = 1e-12;
   return std::max(settings.gravity_mps2.norm() * settings.dt_s, kRoundingMps);
@@ -62,10 +63,10 @@ struct Acceleration {
   [[nodiscard]] bool none() const { return linear_mps2.isZero(0) && angular_radps2.isZero(0); }
 };
 
-/// What a sweep looks at before it touches a row: small, because most sweeps leave most rows alone.
+/// What an iteration reads before it touches a row: small, because most iterations skip most rows.
 struct RowActivation {
   std::uint32_t a = 0, b = 0;
-  bool fast = true;   ///< its bodies move fast enough against each other that it may need an answer
+  bool fast = true;   ///< its bodies move fast enough relative to each other that it may need an impulse
   bool ready = true;  ///< the row holds what an impact needs
 };
 
@@ -80,31 +81,33 @@ class RowSource {
 struct SolveScratch {
   std::vector<RowActivation> activations;  ///< one a row; made by solve_impacts where there is no RowSource
   std::vector<std::uint32_t> changed;      ///< one a body: the last round of impacts that changed its velocity, from 1
-  std::vector<double> change_ns;  ///< one a row, where sweeps converge: by how much the last one changed its impulse
+  std::vector<double>
+      change_ns;  ///< one a row, where iterations converge: by how much the last one changed its impulse
 };
 
-/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `places` are those of the rows.
+/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `contact_points` are those of
+/// the rows.
 struct System {
   std::span<SolverBody> bodies;
   std::span<ContactRow> rows;
   std::span<const PointContact> points;
   std::span<const ContactPoint> contact_points;
-  std::span<const collision::Pose> poses;  ///< one a body; read for places only
+  std::span<const collision::Pose> poses;  ///< one a body; read for contact points only
   std::span<const Mat3> inverse_inertia;   ///< one a body, world frame; read for point contacts and friction only
   const Coloring& coloring;
   SolveScratch& scratch;
-  const RowSource* source = nullptr;  ///< of rows whose gate is not ready; without it all are
+  const RowSource* source = nullptr;  ///< of rows that are not ready; null: all rows are
 };
 
-/// Answers impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that
-/// closes faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to
-/// this step's start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets
-/// later in the step and does not rebound is slowed so that it just touches. Rows with point contacts answer these one
-/// by one instead (DO eq. 1-3). Sweeps are repeated while an impulse was needed, at most kImpactSweeps times or as
-/// `stopping` says. Linear and angular momentum are kept; energy never grows. Point contacts are answered in the first
-/// sweep alone. Interlocked bodies may close at one place while their mean parts: a place that overlaps beyond doubt
-/// and closes fast enough to rebound gets an impulse of its own. With friction an impulse lambda brings one across it,
-/// against the slip at the place of contact and at most the coefficient times lambda.
+/// Solves impacts, before forces act on the new velocities (Guendelman, Bridson and Fedkiw 2003): every row that closes
+/// faster than gravity adds in a step gets one impulse lambda = (1 + e) v_c / K if the surfaces meet nearer to this
+/// step's start than to the next one's, with e = 0 where the rebound would be slower than that; one that meets later in
+/// the step and does not rebound is slowed so that it just touches. Rows with point contacts solve these one by one
+/// instead (DO eq. 1-3). Iterations are repeated while an impulse was needed, at most kImpactIterations times or as
+/// `stopping` says. Linear and angular momentum are conserved; energy never grows. Point contacts are solved in the
+/// first iteration only. Interlocked bodies may close at one contact point while the mean separates: a contact point
+/// that certainly penetrates and closes fast enough to rebound gets an impulse of its own. With friction an impulse
+/// lambda brings a tangential one, against the slip at the contact point and at most the coefficient times lambda.
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
 inline constexpr std::uint32_t kImpactIterations = 8;
 

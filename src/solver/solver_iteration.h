@@ -8,11 +8,11 @@
 
 namespace poise::solver {
 
-/// Calls solve(i) for the place of every row, colour after colour: in parallel within a colour, whose rows share no
-/// yielding body, and one after another where no colour was free. The order is that of the rows, so threads do not
-/// show.
+/// Calls solve(i) for the index of every row, colour after colour: in parallel within a colour, whose rows share no
+/// dynamic body, and one after another where no colour was free. The order is that of the rows, so the result does not
+/// depend on threads.
 template <class Solve>
-void iteration(const System& system, parallel::Executor& executor, Solve&& solve) {
+void for_each_row(const System& system, parallel::Executor& executor, Solve&& solve) {
   constexpr std::size_t kGrain = 128;
   for (std::uint32_t color = 0; color < system.coloring.colors(); ++color) {
     const std::size_t first = system.coloring.begin(color);
@@ -24,8 +24,8 @@ void iteration(const System& system, parallel::Executor& executor, Solve&& solve
   for (std::size_t i = system.coloring.serial_begin(); i < system.rows.size(); ++i) solve(i);
 }
 
-/// Did the last sweep change no impulse by more than the share of the largest one that `stopping` allows? `impulse_ns`
-/// says which impulse of a row is meant.
+/// True if the last iteration changed no impulse by more than the share of the largest one that `stopping` allows.
+/// `impulse_ns` says which impulse of a row is meant.
 inline bool settled(const System& system, const Stopping& stopping, double ContactRow::*impulse_ns) {
   double largest_ns = 0;
   double change_ns = 0;

@@ -23,12 +23,12 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
 void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.steps.clear();
   decisions.reused.clear();
-  decisions.substeps = decisions.visits = 0;
+  decisions.substeps = decisions.point_iterations = 0;
   decisions.frame = known_ ? frame_ : 0;
   decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
   if (!known_) return;
   decisions.substeps = substeps_;
-  decisions.visits = point_iterations_;
+  decisions.point_iterations = point_iterations_;
   decisions.reused = reused_;
   std::sort(decisions.reused.begin(), decisions.reused.end());
   constexpr std::size_t kMostWorkers = 256;

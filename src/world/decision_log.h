@@ -33,7 +33,7 @@ class DecisionLog {
   /// reused what is cached of it though that was too old. From the thread of the step, after begin.
   void substeps(std::uint32_t count) { substeps_ = count; }
   /// Likewise the point iterations that a substep may make (0: as many as the solver does by itself).
-  void visits(std::uint32_t most) { point_iterations_ = most; }
+  void point_iterations(std::uint32_t most) { point_iterations_ = most; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
 
   /// All lists as one, by time; of one time the lower worker first. Uses the memory of `decisions` again.

@@ -177,7 +177,7 @@ TEST(Command, TakesItsOptionsIntoTheReport) {
       figures_of({"run",         "jacks", "--bodies",  "20",    "--frames",   "4",         "--threads",   "2",
                   "--policy",    "fifo",  "--contact", "paper", "--deadline", "7.5",       "--host-work", "0.5",
                   "--max-level", "1",     "--seed",    "5",     "--paced",    "--sleeping"});
-  EXPECT_EQ(report.at("schema"), "poise.run/1");
+  EXPECT_EQ(report.at("schema"), "poise.run/2");
   EXPECT_EQ(report.at("scene"), "jacks");
   EXPECT_EQ(report.at("policy"), "fifo");
   EXPECT_EQ(report.at("contact"), "paper");
@@ -204,7 +204,7 @@ TEST(Command, KeepsMomentumAndEnergyOfTheTwoBalls) {
   EXPECT_GT(report.at("contacts_mean").get<double>(), 0);
 }
 
-TEST(Command, JudgesARunByItsFigures) {
+TEST(Command, ChecksTheFiguresOfARun) {
   const auto require = [](const std::string& expression) {
     return poise_command({"run", "two-body", "--frames", "5", "--clock", "work", "--quiet", "--require", expression});
   };

@@ -51,7 +51,7 @@ TEST(Replay, GivesTheStateOfTheWallClockRunOnAnyThreadsAndExecutor) {
                                                 std::vector<std::string>{"--threads", "3", "--executor", "threads"},
                                                 std::vector<std::string>{"--executor", "serial"}}) {
       const json replay = replayed(file, how);
-      EXPECT_EQ(replay.at("schema"), "poise.replay/1");
+      EXPECT_EQ(replay.at("schema"), "poise.replay/2");
       EXPECT_EQ(replay.at("state_hash"), run.at("state_hash"));
       EXPECT_EQ(replay.at("frames"), 80) << "warm-up included";
       EXPECT_EQ(replay.at("same"), true);

@@ -40,7 +40,7 @@ io::TreeDocument document() {
 
 TEST(TreeDocument, KeepsTheFiguresOfTheTreeBesideThoseOfTheMesh) {
   const json found = json::parse(io::tree_json(document()));
-  EXPECT_EQ(found.at("schema"), "poise.tree/1");
+  EXPECT_EQ(found.at("schema"), "poise.tree/2");
   EXPECT_EQ(found.at("mesh"), "cow.obj");
   EXPECT_EQ(found.at("tree"), "built");
   EXPECT_EQ(found.at("preset"), "best");

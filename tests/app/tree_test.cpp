@@ -51,7 +51,7 @@ TEST(TreeCommand, BuildsJudgesAndTellsItAsATable) {
 
 TEST(TreeCommand, TellsTheSameToPrograms) {
   const json found = figures({kSlab, "--depth", "1", "--seed", "5", "--threads", "1"});
-  EXPECT_EQ(found.at("schema"), "poise.tree/1");
+  EXPECT_EQ(found.at("schema"), "poise.tree/2");
   EXPECT_EQ(found.at("triangles"), 12);
   EXPECT_EQ(found.at("depth"), 1);
   EXPECT_EQ(found.at("preset"), "default");
@@ -204,7 +204,7 @@ TEST(TreeCommand, TakesOpenMeshesAndSheetsAndSaysSo) {
   const json box = figures({folder.file("box.obj"), "--depth", "1", "--preset", "fast", "--require-coverage"});
   EXPECT_EQ(box.at("closed"), false);
   EXPECT_EQ(box.at("solidity"), "solid");
-  EXPECT_NE(box.at("verdict").get<std::string>().find("open"), std::string::npos) << box.at("verdict");
+  EXPECT_NE(box.at("mesh_report").get<std::string>().find("open"), std::string::npos) << box.at("mesh_report");
   const json square = figures({folder.file("square.obj"), "--depth", "1", "--preset", "fast", "--require-coverage"});
   EXPECT_EQ(square.at("solidity"), "shell");
   EXPECT_EQ(square.at("levels").at(1).at("volume_ratio"), 0);
@@ -224,19 +224,19 @@ TEST(TreeCommand, TellsWhatMeshesAreARowEach) {
   std::ofstream(folder.file("sheet.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const std::vector<std::string> files{kSlab, folder.file("open.obj"), folder.file("sheet.obj"),
                                        folder.file("words.obj")};
-  const CommandResult table = poise_command({"tree", "--verdict", files[0], files[1], files[2], files[3]});
+  const CommandResult table = poise_command({"tree", "--inspect", files[0], files[1], files[2], files[3]});
   EXPECT_EQ(table.exit_code, 0) << table.error;
   const CommandResult result =
-      poise_command({"tree", "--verdict", files[0], files[1], files[2], files[3], "--json", "-"});
+      poise_command({"tree", "--inspect", files[0], files[1], files[2], files[3], "--json", "-"});
   const json found = json::parse(result.out, nullptr, false);
   ASSERT_EQ(found.at("rows").size(), 4U);
   const char* reports[] = {"closed", "open", "sheet", "refused"};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(found.at("rows").at(i).at("file"), files[i]);
-    EXPECT_EQ(found.at("rows").at(i).at("verdict"), reports[i]);
+    EXPECT_EQ(found.at("rows").at(i).at("kind"), reports[i]);
     EXPECT_NE(table.out.find(found.at("rows").at(i).at("why").get<std::string>()), std::string::npos) << table.out;
   }
-  EXPECT_EQ(poise_command({"tree", "--verdict", files[3]}).exit_code, 3) << "nothing could be read";
+  EXPECT_EQ(poise_command({"tree", "--inspect", files[3]}).exit_code, 3) << "nothing could be read";
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "architecture/old_words.h"
 #include "architecture/source_rules.h"
 
 namespace poise::tests {
@@ -145,6 +146,30 @@ TEST(CodeOnly, BlanksCommentsAndLiteralsAndKeepsLinesInPlace) {
   EXPECT_EQ(code_only("n = 1'000; c = '\"'; d"), "n = 1'000; c =    ; d");
 }
 
+TEST(OldWords, AreFoundInCodeDocsAndScenes) {
+  const std::vector<std::string> code = old_words("src/solver/a.h", "int a;\nRestPlace place;\n");
+  ASSERT_EQ(code.size(), 1U);
+  EXPECT_EQ(code[0].find("src/solver/a.h:2: "), 0U) << code[0];
+  EXPECT_NE(code[0].find("ContactPoint"), std::string::npos) << code[0];
+  for (const char* line : {"double likely_m = 0;", "std::vector<PairMemory> all;", "report.kept_apart",
+                           "\"patch_visits\"", "tail_patch_visits,", "// the job is given up", "the exact judge",
+                           "laid out by rows", "MeshVerdict verdict_of", "wake_stirred(); // stir", "RestSolverTest"})
+    EXPECT_FALSE(old_words("docs/a.md", line).empty()) << line;
+  EXPECT_EQ(old_words("scenes/a.json", "{\"kept_apart\": 1, \"verdict\": 2}").size(), 2U);
+}
+
+TEST(OldWords, LeaveOtherWordsAlone) {
+  for (const char* line : {"the stirrup", "rubber", "overlay outer", "oversight of insight", "remover", "keep_kept",
+                           "a place in memory", "carbonyields_", "adjudge"})
+    EXPECT_EQ(old_words("src/solver/a.cpp", line), std::vector<std::string>{}) << line;
+}
+
+TEST(OldWords, MayStandInTheChangelogAndInNoPicture) {
+  EXPECT_TRUE(old_words("CHANGELOG.md", "RestPlace is ContactPoint").empty());
+  EXPECT_TRUE(old_words("docs/images/a.png", "RestPlace").empty());
+  EXPECT_FALSE(old_words("docs/a.md", "RestPlace is ContactPoint").empty());
+}
+
 // Whatever a checkout holds beside the sources: builds, results, what version control and editors keep.
 bool is_skipped(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 6> kSkipped{"build", "out", ".git", ".cache", "node_modules", "shared"};
@@ -168,6 +193,7 @@ TEST(Architecture, HoldsInEveryFileOfTheRepository) {
     std::ifstream file(it->path(), std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     for (const std::string& line : broken_rules(path, text)) broken += line + "\n";
+    for (const std::string& line : old_words(path, text)) broken += line + "\n";
     ++files;
   }
   EXPECT_GT(files, 30U) << "looked in the wrong place: " << root;

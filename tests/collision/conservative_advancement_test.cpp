@@ -118,7 +118,7 @@ TEST(FirstImpact, StopsShortWhereItsWorkRunsOut) {
   const ShapePtr ball = make_sphere_shape(0.025).value();
   const ShapePtr plate = box(Vec3(1, 1, 0.02));
   ImpactTerms terms{1.0, kTolerance};
-  terms.max_point_iterations = 3;
+  terms.max_node_pairs = 3;
   const TimeOfImpact met =
       first_time_of_impact(at(ball, Vec3(0.1, 0.03, 2), Vec3(0, 0, -500)), at(plate, Vec3::Zero()), terms);
   EXPECT_EQ(met.kind, TimeOfImpact::Kind::Cut);

@@ -136,7 +136,7 @@ TEST(FittedSums, HaveTheSameBitsOnEveryInstructionSet) {
 PairContact answer(const PairFrame& frame, std::span<const FrontEntry> front) {
   ContactSums sums;
   add_to_sums(frame, front, sums);
-  return finish_contact(frame, sums, Mat3::Identity());
+  return make_contact(frame, sums, Mat3::Identity());
 }
 
 PairFrame balls(double radius_a_m, double radius_b_m, const Vec3& between_m, std::array<ShapePtr, 2>& shapes) {

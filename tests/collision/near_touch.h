@@ -13,7 +13,7 @@
 
 namespace poise::collision {
 
-/// A mesh about the middle of its bounding box, its judge, and a shape that holds a tree of it.
+/// A mesh about the middle of its bounding box, its oracle, and a shape that holds a tree of it.
 struct OracleShape {
   PolygonOracle oracle;
   Shape shape;
@@ -34,13 +34,13 @@ inline void center_mesh(TriangleMesh& mesh) {
 
 /// A shape without mass properties, which queries do not ask for, with its triangles.
 inline OracleShape make_oracle_shape(const TriangleMesh& mesh, SphereTree tree) {
-  OracleShape judged{PolygonOracle(mesh), {}, mesh.diagonal_m()};
+  OracleShape made{PolygonOracle(mesh), {}, mesh.diagonal_m()};
   const Sphere root = tree.sphere(0);
-  judged.shape.bounding_radius_m = root.center_m.norm() + root.radius_m;
-  judged.shape.tree = std::move(tree);
-  judged.shape.surface = std::make_shared<const ShapeSurface>(
-      geometry::make_surface(mesh, Vec3::Zero(), Solidity::Solid, judged.shape.tree));
-  return judged;
+  made.shape.bounding_radius_m = root.center_m.norm() + root.radius_m;
+  made.shape.tree = std::move(tree);
+  made.shape.surface = std::make_shared<const ShapeSurface>(
+      geometry::make_surface(mesh, Vec3::Zero(), Solidity::Solid, made.shape.tree));
+  return made;
 }
 
 struct PosedPair {

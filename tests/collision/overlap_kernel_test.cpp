@@ -98,7 +98,7 @@ TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) 
 }
 
 TEST(OverlapKernel, APlaceBeyondTheRoomIsNeverWritten) {
-  // All 64 children of two equal bodies in one place overlap, and lists are written in pieces.
+  // All 64 children of two equal bodies in one contact point overlap, and lists are written in pieces.
   const ShapePtr worm = make_worm(300);
   const Pose pose;
   const PairFrame frame = make_pair_frame(*worm, pose, *worm, pose, 10, 0);

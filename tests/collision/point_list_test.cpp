@@ -34,7 +34,7 @@ TEST(PointList, ChoosesTheDeepestAndTheOnesThatSpanTheRest) {
   }
   const ManifoldPoints set = list.choose(0.01);
   ASSERT_EQ(set.count, 4U);
-  EXPECT_EQ(set.manifold_point[0].gap_m, -0.1);
+  EXPECT_EQ(set.point[0].gap_m, -0.1);
   for (const ManifoldPoint& p : set.all()) {
     EXPECT_EQ(std::abs(p.point_m.x()), 3);
     EXPECT_EQ(std::abs(p.point_m.y()), 3);
@@ -47,7 +47,7 @@ TEST(PointList, WhatIsNearAnotherPlaceInTheSameDirectionIsTheSamePlace) {
   list.add(found(Vec3(5e-4, 0, 0), -1e-3, 2));
   list.add(found(Vec3(0, 5e-4, 0), 2e-3, 0));
   EXPECT_EQ(list.count(), 1U);
-  EXPECT_EQ(list.choose(0.1).manifold_point[0].gap_m, -1e-3);
+  EXPECT_EQ(list.choose(0.1).point[0].gap_m, -1e-3);
   list.add(found(Vec3(0, 0, 0), 0, 3, Vec3::UnitX()));
   EXPECT_EQ(list.count(), 2U);
   EXPECT_EQ(list.least_gap_m(), -1e-3);
@@ -59,7 +59,7 @@ TEST(PointList, EveryDirectionHasItsShare) {
   list.add(found(Vec3(2, 0, 0), 0.001, 9, Vec3::UnitX()));
   ManifoldPoints set = list.choose(0.01);
   ASSERT_EQ(set.count, 4U);
-  EXPECT_EQ(set.manifold_point[3].normal, Vec3::UnitX());
+  EXPECT_EQ(set.point[3].normal, Vec3::UnitX());
   list.add(found(Vec3(2, 3, 0), 0.001, 10, Vec3::UnitX()));
   list.add(found(Vec3(2, 4, 0), 0.001, 11, Vec3::UnitX()));
   set = list.choose(0.01);
@@ -78,7 +78,7 @@ TEST(PointList, ACornerBeneathTwoFacesLeavesByTheNearerOneButInAGroove) {
     list.add(up);
     const ManifoldPoints set = list.choose(0.01);
     EXPECT_EQ(set.count, groove ? 2U : 1U);
-    EXPECT_EQ(set.manifold_point[groove ? 1 : 0].normal, Vec3::UnitZ());
+    EXPECT_EQ(set.point[groove ? 1 : 0].normal, Vec3::UnitZ());
   }
 }
 
@@ -99,7 +99,7 @@ TEST(PointList, TheOrderOfFindingDoesNotMatter) {
     const ManifoldPoints other = shuffled.choose(1);
     ASSERT_EQ(one.count, 4U);
     ASSERT_EQ(other.count, 4U);
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one.manifold_point[i].point_m, other.manifold_point[i].point_m);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one.point[i].point_m, other.point[i].point_m);
   }
 }
 
@@ -117,7 +117,7 @@ TEST(PointList, AFullListKeepsItsDeepestAndItsOutermost) {
   }
   const ManifoldPoints set = list.choose(1);
   ASSERT_EQ(set.count, 4U);
-  EXPECT_NEAR(set.manifold_point[0].gap_m, least, 2e-6);
+  EXPECT_NEAR(set.point[0].gap_m, least, 2e-6);
   EXPECT_GT(widest(set), 9);
 }
 

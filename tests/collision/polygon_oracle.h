@@ -8,7 +8,7 @@
 
 namespace poise::collision {
 
-/// The triangles of a mesh as the Flexible Collision Library (libfcl) knows them: an exact judge of whether surfaces
+/// The triangles of a mesh as the Flexible Collision Library (libfcl) knows them: an exact oracle of whether surfaces
 /// meet, written by others. For tests and benchmarks alone. Immutable; any thread. The frame is that of the mesh.
 class PolygonOracle {
  public:

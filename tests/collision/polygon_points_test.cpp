@@ -95,7 +95,7 @@ ManifoldPoints manifold_points(const Shape& a, const Shape& b, const Mat3& turn,
   return manifold_points(a, Pose{}, b, Pose{offset, turn}, margin);
 }
 
-/// Is there a patch at each of these places, and none beside?
+/// Is there a contact point at each of these contact points, and none beside?
 void expect_points(const ManifoldPoints& set, std::initializer_list<Vec3> wanted, const Vec3& normal, double gap,
                    double tolerance = 1e-6) {
   EXPECT_EQ(set.count, wanted.size());
@@ -233,9 +233,9 @@ TEST(PolygonPoints, ACornerOnAFaceAndAnEdgeAcrossAnEdgeAreOnePlace) {
     const ManifoldPoints set =
         manifold_points(cube(), Pose{Vec3::Zero(), roof}, cube(), Pose{Vec3(0.1, 0.05, 2 * half + gap), keel});
     ASSERT_EQ(set.count, 1U);
-    EXPECT_LT((roof * set.manifold_point[0].normal - Vec3::UnitZ()).norm(), 1e-6);
-    EXPECT_NEAR(set.manifold_point[0].gap_m, gap, 1e-8);
-    EXPECT_NEAR((roof * set.manifold_point[0].point_m).z(), half + 0.5 * gap, 1e-8);
+    EXPECT_LT((roof * set.point[0].normal - Vec3::UnitZ()).norm(), 1e-6);
+    EXPECT_NEAR(set.point[0].gap_m, gap, 1e-8);
+    EXPECT_NEAR((roof * set.point[0].point_m).z(), half + 0.5 * gap, 1e-8);
   }
 }
 
@@ -296,8 +296,8 @@ TEST(PolygonPoints, AMeshOnAPlaneStandsOnItsLowestCorners) {
     const ManifoldPoints set =
         manifold_points(*round, Pose{Vec3(0, 0, 0.5 + gap), turned(0.3, Vec3(1, 2, 3))}, *floor, Pose{});
     EXPECT_GE(set.count, 1U);
-    EXPECT_NEAR(set.manifold_point[0].gap_m, gap, 3e-3);
-    EXPECT_LT(set.manifold_point[0].point_m.cross(set.manifold_point[0].normal).norm(), 0.06);
+    EXPECT_NEAR(set.point[0].gap_m, gap, 3e-3);
+    EXPECT_LT(set.point[0].point_m.cross(set.point[0].normal).norm(), 0.06);
   }
 }
 
@@ -315,7 +315,7 @@ TEST(PolygonPoints, BallsOnAMeshRestOneByOne) {
     const ManifoldPoints set =
         manifold_points(*groove, *ball, Mat3::Identity(), bottom + Vec3(0, 0.3, std::sqrt(2) * (0.4 + gap)));
     ASSERT_EQ(set.count, 2U);
-    EXPECT_NEAR(set.manifold_point[0].normal.dot(set.manifold_point[1].normal), 0, 1e-6);
+    EXPECT_NEAR(set.point[0].normal.dot(set.point[1].normal), 0, 1e-6);
     for (const ManifoldPoint& p : set.all()) EXPECT_NEAR(p.gap_m, gap, 1e-7);
   }
 }
@@ -400,7 +400,7 @@ TEST(PolygonPoints, WhereNothingCanBeToldTheImpactsAnswerIsTheOnePlace) {
   const PolygonAnswer answer = solve_by_polygons(cube(), *crumb, turned(0.3, Vec3(1, 2, 3)), Vec3(0.1, 0, 0.05), 0.02);
   ASSERT_TRUE(answer.contact.present);
   ASSERT_EQ(answer.level.manifold_points.count, 1U);
-  const ManifoldPoint& manifold_point = answer.level.manifold_points.manifold_point[0];
+  const ManifoldPoint& manifold_point = answer.level.manifold_points.point[0];
   EXPECT_LT((manifold_point.normal - answer.contact.direction.normalized()).norm(), 1e-12);
   EXPECT_EQ(manifold_point.point_m, answer.contact.arm_m);
   EXPECT_EQ(manifold_point.gap_m, answer.contact.estimated_separation_m);
@@ -438,9 +438,9 @@ TEST(PolygonPoints, PiecesOfAnySizeGiveTheSamePlaces) {
     ASSERT_EQ(whole.count, pieces.count);
     for (std::size_t i = 0; i < whole.count; ++i) {
       ++found;
-      EXPECT_EQ(whole.manifold_point[i].point_m, pieces.manifold_point[i].point_m);
-      EXPECT_EQ(whole.manifold_point[i].gap_m, pieces.manifold_point[i].gap_m);
-      EXPECT_NEAR(whole.manifold_point[i].normal.norm(), 1, 1e-12);
+      EXPECT_EQ(whole.point[i].point_m, pieces.point[i].point_m);
+      EXPECT_EQ(whole.point[i].gap_m, pieces.point[i].gap_m);
+      EXPECT_NEAR(whole.point[i].normal.norm(), 1, 1e-12);
     }
   }
   EXPECT_GT(found, 10);

@@ -45,7 +45,7 @@ const OracleShape* shapes() {
   return both;
 }
 
-// By how much the judge's distance grows when b moves, over the length of the move: the normal, where the surfaces are
+// By how much the oracle's distance grows when b moves, over the length of the move: the normal, where the surfaces are
 // apart and one pair of features is the nearest.
 Vec3 gradient(const OracleShape& a, const OracleShape& b, const PosedPair& posed, double step_m) {
   Vec3 slope;
@@ -65,7 +65,7 @@ struct Agreement {
   int gaps = 0, normals = 0, normals_off = 0, lifted = 0, lifted_off = 0;
 };
 
-// One pose against the judge.
+// One pose against the oracle.
 void compare(const OracleShape& a, const OracleShape& b, const PosedPair& posed, std::span<FrontPool> pools,
              bool with_normals, Agreement& sum) {
   const double size = std::min(a.diagonal_m, b.diagonal_m);
@@ -116,7 +116,7 @@ TEST(PolygonsOfMeshes, AgreeWithTheJudgeAboutTouchGapAndNormal) {
   for (int round = 0; round < 1000; ++round) {
     const OracleShape& a = shapes()[round / 5 % 2];
     const OracleShape& b = shapes()[round / 10 % 2];
-    // The search for a first touch is the judge's, and slow: each serves for five poses around it.
+    // The search for a first touch is the oracle's, and slow: each serves for five poses around it.
     if (round % 5 == 0) found = pose_near_first_touch(a, b, 4e-3, random);
     PosedPair posed = found;
     if (round % 5 != 0) {

@@ -95,12 +95,12 @@ TEST(Allocation, ATraceAllocatesNothingAndWhatFindsNoRoomIsCounted) {
   const Budget ample = Budget::until(SteadyClock::now() + std::chrono::hours(1));
   Trace roomy(10000);
   EXPECT_EQ(allocations_once_warm(ExecutorKind::Threads, ample, ContactModel::Fitted, &roomy), 0U);
-  EXPECT_EQ(roomy.dropped(), 0U);
+  EXPECT_EQ(roomy.discarded(), 0U);
   EXPECT_GE(roomy.spans().size(), 200U * 9U);
   Trace small(10);
   EXPECT_EQ(allocations_once_warm(ExecutorKind::Serial, ample, ContactModel::Fitted, &small), 0U);
   EXPECT_EQ(small.spans().size(), 10U);
-  EXPECT_GE(small.dropped(), 200U * 9U - 10U);
+  EXPECT_GE(small.discarded(), 200U * 9U - 10U);
 }
 
 TEST(Allocation, PolygonsAllocateNothing) {

@@ -162,7 +162,7 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
     recorded.hashes.push_back(stage.world.state_hash());
     EXPECT_EQ(recorded.decisions.back().substeps, static_cast<std::uint32_t>(report.degraded.substeps));
     EXPECT_EQ(recorded.decisions.back().reused.size(), report.degraded.pairs_reused);
-    EXPECT_EQ(recorded.decisions.back().visits > 0, i >= 50);
+    EXPECT_EQ(recorded.decisions.back().point_iterations > 0, i >= 50);
     fewer += report.degraded.substeps > 0 ? 1U : 0U;
     reused += report.degraded.pairs_reused;
   }
@@ -171,7 +171,7 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
   EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Serial, 1), recorded.hashes.size());
   EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Threads, 2), recorded.hashes.size());
   Recorded swept = recorded;
-  swept.decisions[60].visits = 0;
+  swept.decisions[60].point_iterations = 0;
   EXPECT_EQ(frames_alike(c, swept, ExecutorKind::Serial, 1), 60U)
       << "how often places are visited is part of what is decided";
   Recorded whole = recorded;

@@ -73,16 +73,16 @@ TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
   stage.jacks(30, 3);
   for (int i = 0; i < 90; ++i) {
     const FrameReport report = stage.world.step(easy());
-    EXPECT_EQ(report.degraded.visits, 0U);
+    EXPECT_EQ(report.degraded.point_iterations, 0U);
   }
   const WorldState& world = WorldAccess::of(stage.world);
   for (int i = 0; i < 10; ++i) {
     const FrameReport stopped = stage.world.step(hopeless());
-    EXPECT_GT(stopped.degraded.visits, 0U);
+    EXPECT_GT(stopped.degraded.point_iterations, 0U);
     EXPECT_EQ(stopped.point_iterations, world.outputs.velocities.point_count) << "one sweep of one substep";
     EXPECT_LT(stopped.mandatory, stopped.times.total + Nanoseconds(1));
     const FrameReport whole = stage.world.step(easy());
-    EXPECT_EQ(whole.degraded.visits, 0U);
+    EXPECT_EQ(whole.degraded.point_iterations, 0U);
     EXPECT_GT(whole.point_iterations, 2 * world.outputs.velocities.point_count)
         << "it wanted no more than one sweep a substep";
   }

@@ -67,7 +67,7 @@ TEST(LevelsReached, CountPairsLeftForWantOfTimeAndForHowLong) {
     const FrameReport report = pile.look(Budget::work(0));
     EXPECT_EQ(report.levels->left_for_time, report.pairs_left);
     EXPECT_GT(report.levels->left_for_time, 0U);
-    EXPECT_EQ(report.levels->left_for_room, 0U);
+    EXPECT_EQ(report.levels->left_for_capacity, 0U);
     EXPECT_GT(report.levels->longest_wait, waited);
     waited = report.levels->longest_wait;
   }

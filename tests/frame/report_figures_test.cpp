@@ -61,7 +61,7 @@ TEST(LevelFigures, AreOverTheFramesThatWereLookedAt) {
   second.bodies[2] = 5;
   second.weight[2] = 1;
   second.left_for_time = 2;
-  second.left_for_room = 1;
+  second.left_for_capacity = 1;
   second.longest_wait = 9;
   frames[1].report.levels = first;
   frames[4].report.levels = second;
@@ -73,7 +73,7 @@ TEST(LevelFigures, AreOverTheFramesThatWereLookedAt) {
   EXPECT_DOUBLE_EQ(levels.weight[2], 0.25);
   EXPECT_DOUBLE_EQ(levels.weight[kPolygonBin], 0.5);
   EXPECT_DOUBLE_EQ(levels.left_for_time_mean, 4.5);
-  EXPECT_DOUBLE_EQ(levels.left_for_room_mean, 0.5);
+  EXPECT_DOUBLE_EQ(levels.left_for_capacity_mean, 0.5);
   EXPECT_EQ(levels.longest_wait, 9U);
 }
 

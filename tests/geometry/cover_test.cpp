@@ -111,7 +111,7 @@ TEST(CoverCells, RadiusAboutIsThatOfTheFarthestPointAndWithinNeverTakesAnAtomTha
     const float radius = set.radius_about(cells, center, 9);
     EXPECT_GE(static_cast<double>(radius), farthest - 1e-7);
     EXPECT_LE(static_cast<double>(radius), farthest + 1e-6);
-    // An atom whose middle lies outside the ball is left out even if its points are all in it.
+    // An cell whose middle lies outside the ball is left out even if its points are all in it.
     for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
       const float reach = cells.reach_from(cell, center);
       const float middle = (cells.middles.at(cell) - center).norm();
@@ -216,7 +216,7 @@ TEST(GreedyCover, HoldsEveryAtomWithEightBallsOrFewer) {
   }
 }
 
-/// Atoms of an L under two parents, cut across: a ball at each end.
+/// Cells of an L under two parents, cut across: a ball at each end.
 class LevelCoverOf : public testing::Test {
  protected:
   LevelCoverOf() {
@@ -255,7 +255,7 @@ class LevelCoverOf : public testing::Test {
     return cover.take_best(score);
   }
 
-  /// Each atom that no closed parent holds has one ball that answers for it, holds it, and whose parent may pass it on.
+  /// Each cell that no closed parent holds has one ball that answers for it, holds it, and whose parent may pass it on.
   void expect_cover(const std::vector<CoverBall>& balls) const {
     std::vector<int> owners(cells_.size(), 0);
     std::vector<std::size_t> family(parents_.size(), 0);

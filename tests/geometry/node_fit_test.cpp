@@ -14,7 +14,7 @@
 namespace poise::geometry {
 namespace {
 
-SphereTree lone_sphere(const Vec3& center_m, double radius_m) {
+SphereTree single_sphere(const Vec3& center_m, double radius_m) {
   LooseNode node;
   node.center_m = center_m.cast<float>();
   node.radius_m = static_cast<float>(radius_m);
@@ -35,7 +35,7 @@ TEST(NodeFit, OfACurvedPieceTouchesItFromInside) {
   const TriangleMesh mesh = make_procedural_shape("torus", 8).value();
   // A piece of the tube's outer side has two curvatures, 1/0.15 m and 1/0.5 m: the fit lies between, and nearer than
   // the tree's own sphere.
-  const NodeFit fit = fit_of(lone_sphere({0.35, 0, 0}, 0.2), mesh);
+  const NodeFit fit = fit_of(single_sphere({0.35, 0, 0}, 0.2), mesh);
   EXPECT_NEAR(center(fit).norm() + static_cast<double>(fit.radius_m), 0.5, 0.02);
   EXPECT_LT(std::sqrt(static_cast<double>(fit.variance_m2)), 0.03);
 }
@@ -43,7 +43,7 @@ TEST(NodeFit, OfACurvedPieceTouchesItFromInside) {
 TEST(NodeFit, OfABoxFacesCentreLiesUnderTheFace) {
   const TriangleMesh mesh = test::box_mesh({2, 2, 2});
   // Only the face z = 1 is inside the sphere.
-  const NodeFit fit = fit_of(lone_sphere({0, 0, 0.7}, 0.5), mesh);
+  const NodeFit fit = fit_of(single_sphere({0, 0, 0.7}, 0.5), mesh);
   EXPECT_NEAR(center(fit).z() + static_cast<double>(fit.radius_m), 1, 0.05);
   EXPECT_LT(center(fit).head<2>().norm(), 0.03);
   EXPECT_LT(center(fit).z(), 0.7);
@@ -51,7 +51,7 @@ TEST(NodeFit, OfABoxFacesCentreLiesUnderTheFace) {
 
 TEST(NodeFit, OfASphereWithoutSurfaceNeverAnswersAndKnowsItsCore) {
   const TriangleMesh mesh = test::box_mesh({2, 2, 2});
-  const NodeFit fit = fit_of(lone_sphere({0.1, 0.2, 0.3}, 0.25), mesh);
+  const NodeFit fit = fit_of(single_sphere({0.1, 0.2, 0.3}, 0.25), mesh);
   EXPECT_LT(fit.radius_m, -mesh.diagonal_m());
   EXPECT_NEAR(static_cast<double>(fit.core_m), 0.7, 1e-4);
 }

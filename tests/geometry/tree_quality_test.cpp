@@ -136,9 +136,9 @@ TEST(MeasureTree, EndsWhenAskedHoweverManySamplesAreLeft) {
   std::stop_source stop;
   stop.request_stop();
   // These samples would take minutes.
-  const auto judged = measure_tree_quality(tree, mesh, {.samples = 100000000, .stop = stop.get_token()});
-  ASSERT_FALSE(judged);
-  EXPECT_EQ(judged.error().kind, ErrorKind::Cancelled);
+  const auto measured = measure_tree_quality(tree, mesh, {.samples = 100000000, .stop = stop.get_token()});
+  ASSERT_FALSE(measured);
+  EXPECT_EQ(measured.error().kind, ErrorKind::Cancelled);
 }
 
 TEST(MeasureTree, RefusesWhatItCannotJudge) {

@@ -112,9 +112,9 @@ TEST_P(GiveUp, RunsOtherLoopsWhileAWorkerIsStillHeldUp) {
   EXPECT_EQ(item.committed, 0);
 }
 
-// A run that may not give up waits for no one who was given up before it. So such a worker must not begin anything in
+// A run that may not abandon waits for no one who was abandoned before it. So such a worker must not begin anything in
 // it.
-TEST(WorkerGate, AWorkerThatIsGivenUpBeforeItLooksBeginsNothingInTheNextRun) {
+TEST(WorkerGate, AWorkerThatIsAbandonedBeforeItLooksBeginsNothingInTheNextRun) {
   WorkerGate gate(2, std::chrono::nanoseconds(0));
   int items = 0;
   const auto step = [&](int) { return ++items < 3; };
@@ -136,7 +136,7 @@ TEST(WorkerGate, AWorkerThatIsGivenUpBeforeItLooksBeginsNothingInTheNextRun) {
   EXPECT_FALSE(gate.take_part(1, last_run));
 }
 
-TEST_P(GiveUp, SettlesBeforeAnItemMayBeGivenUpAgain) {
+TEST_P(GiveUp, SettlesBeforeAnItemMayBeAbandonedAgain) {
   HeldItem first{*executor_, false};
   ASSERT_EQ(executor_->run_with({}, first), 1U);
   std::jthread helper([&] {

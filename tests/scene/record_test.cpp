@@ -56,7 +56,7 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.frame = number;
   frame.decisions.active_pairs = 5000;
   frame.decisions.substeps = number % 3 == 2 ? 1 : 0;
-  frame.decisions.visits = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
+  frame.decisions.point_iterations = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
   for (std::uint64_t i = 0; i < 20 * (number % 4); ++i) {
     frame.decisions.steps.push_back({static_cast<std::uint32_t>(random() % 5000),

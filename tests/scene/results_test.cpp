@@ -126,7 +126,7 @@ RunDocument sample() {
 
 TEST(RunDocument, HasTheMembersOfItsSchemaWithFullPrecision) {
   const nlohmann::json json = nlohmann::json::parse(run_json(sample()));
-  EXPECT_EQ(json.at("schema"), "poise.run/1");
+  EXPECT_EQ(json.at("schema"), "poise.run/2");
   for (const char* name :
        {"scene", "bodies", "frames", "threads", "policy", "contact", "clock", "deadline_ms", "refinement_used",
         "contacts_mean", "state_hash", "machine", "build", "settings", "stage_ms", "tail", "work", "capacity"}) {

@@ -129,7 +129,7 @@ TEST(TailForecast, IsALinearForecastOverNamedFeatures) {
   EXPECT_FALSE(LinearForecast::first_problem(TailForecast::features()).has_value());
   const TailForecast tail;
   EXPECT_EQ(tail.linear().index_of("contacts"), TailForecast::kContacts);
-  EXPECT_EQ(tail.linear().index_of("patch_visits"), TailForecast::kPointIterations);
+  EXPECT_EQ(tail.linear().index_of("point_iterations"), TailForecast::kPointIterations);
   EXPECT_EQ(tail.linear().index_of("coarse_contacts"), TailForecast::kCoarseContacts);
 }
 

@@ -95,7 +95,7 @@ TEST(RefineUntil, ASmallerJobStillFitsWhereALargeOneDoesNot) {
   EXPECT_EQ(counts.overrun, Nanoseconds(0));
 }
 
-TEST(RefineUntil, AJobIsDoneInBoundedPartsAndGivenUpAtTheCut) {
+TEST(RefineUntil, AJobIsDoneInBoundedPartsAndAbandonedAtTheCut) {
   const auto run = [](Nanoseconds deadline) {
     RefineQueue queue;
     queue.begin_frame(1, 1);

@@ -10,7 +10,7 @@
 namespace poise::solver {
 namespace {
 
-// One Gauss-Seidel sweep of a chain of springs, whose plain repetition takes some hundreds of sweeps.
+// One Gauss-Seidel iteration of a chain of springs, whose plain repetition takes some hundreds of iterations.
 std::vector<double> swept(std::vector<double> x) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double left = i > 0 ? x[i - 1] : 0;

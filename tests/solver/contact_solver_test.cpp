@@ -9,7 +9,7 @@
 namespace poise::solver {
 namespace {
 
-/// Bodies and pairs that rest on each other, the places of one pair given when the pair is added.
+/// Bodies and pairs that rest on each other, the contact points of one pair given when the pair is added.
 struct Bench {
   std::vector<SolverBody> bodies;
   std::vector<collision::Pose> poses;
@@ -17,7 +17,7 @@ struct Bench {
   std::vector<Mat3> inverse_inertia;
   std::vector<Manifold> pairs;
   std::vector<ContactPoint> points;
-  std::vector<AccumulatedImpulse> loads;
+  std::vector<AccumulatedImpulse> impulses;
   std::vector<Vec3> applied_impulse_ns;
   Coloring coloring;
   SolveSettings settings;
@@ -49,7 +49,7 @@ struct Bench {
     for (const Vec3& point : points_m) {
       points.push_back({normal, point - 0.5 * gap_m * normal - poses[a].position_m,
                         point + 0.5 * gap_m * normal - poses[b].position_m, 0});
-      loads.emplace_back();
+      impulses.emplace_back();
     }
   }
   Convergence solve() {
@@ -62,7 +62,7 @@ struct Bench {
     }
     coloring.color(edges, bodies.size());
     applied_impulse_ns.resize(pairs.size());
-    return solver.solve({bodies, accelerations, inverse_inertia, poses, pairs, points, loads, applied_impulse_ns,
+    return solver.solve({bodies, accelerations, inverse_inertia, poses, pairs, points, impulses, applied_impulse_ns,
                          coloring, point_count},
                         settings, *executor);
   }
@@ -84,7 +84,7 @@ struct Bench {
   }
 };
 
-// Boxes of 1 kg in a column, each on four places of the one below.
+// Boxes of 1 kg in a column, each on four contact points of the one below.
 void stack(Bench& bench, int boxes) {
   bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
   bench.add_body(0);
@@ -109,12 +109,13 @@ TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
         Allowed{25 * kMixedIteration, 25 * kMixedIteration}}) {
     Bench bench;
     stack(bench, 10);
-    bench.settings.visits = visits;
+    bench.settings.point_iterations = visits;
     const Convergence ended = bench.solve();
     EXPECT_TRUE(ended.cut_short) << visits;
-    EXPECT_LE(ended.visits, std::uint64_t{most} * static_cast<std::uint64_t>(bench.settings.substeps)) << visits;
-    EXPECT_GT(ended.visits, before) << visits;
-    before = ended.visits;
+    EXPECT_LE(ended.point_iterations, std::uint64_t{most} * static_cast<std::uint64_t>(bench.settings.substeps))
+        << visits;
+    EXPECT_GT(ended.point_iterations, before) << visits;
+    before = ended.point_iterations;
     double drop_mps = 0;
     for (const SolverBody& body : bench.bodies) drop_mps = std::max(drop_mps, body.velocity_mps.norm());
     EXPECT_LT(drop_mps, drop_before_mps) << visits << ": more visits hold it no better";
@@ -125,7 +126,7 @@ TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
   EXPECT_FALSE(whole.solve().cut_short) << "nothing was kept from it";
   Bench alone;
   stack(alone, 1);
-  alone.settings.visits = 19 * 4;
+  alone.settings.point_iterations = 19 * 4;
   EXPECT_FALSE(alone.solve().cut_short) << "one box settles before";
 }
 
@@ -141,7 +142,7 @@ TEST(Rest, ABodyOnTheFloorStaysWhereItIs) {
   EXPECT_TRUE(bench.bodies[ball].solved);
   EXPECT_FALSE(bench.bodies[floor].solved);
   EXPECT_NEAR(bench.applied_impulse_ns[0].z(), 2 * 9.81 / 60, 1e-6);
-  EXPECT_NEAR(bench.loads[0].impulse_ns, 2 * 9.81 / 120, 1e-6) << "a substep's";
+  EXPECT_NEAR(bench.impulses[0].impulse_ns, 2 * 9.81 / 120, 1e-6) << "a substep's";
 }
 
 TEST(Rest, AGapClosesAndNoMore) {
@@ -250,7 +251,8 @@ RC_GTEST_PROP(Rest, AnyPlacesKeepMomentumAndAngularMomentum, ()) {
   RC_ASSERT((bench.angular_momentum() - angular).norm() < 1e-12 * 10);
 }
 
-// A layer of balls on the ground, each against its neighbours: more pairs than lanes, of different patch counts.
+// A layer of balls on the ground, each against its neighbours: more pairs than lanes, of different contact point
+// counts.
 Bench layer(int threads) {
   Bench bench;
   bench.executor = parallel::make_executor(ExecutorKind::Threads, threads);

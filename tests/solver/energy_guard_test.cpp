@@ -18,9 +18,9 @@ struct Two {
   std::vector<Mat3> inverse_inertia{4, Mat3::Zero()};
   Coloring coloring;
   ContactSystem system = {bodies, accelerations, inverse_inertia, {}, {}, {}, {}, {}, coloring};
-  std::array<RestBlock, 1> blocks;
-  std::vector<Motion<double>> changes{4};
-  TouchingEnergy energy;
+  std::array<ContactBlock, 1> blocks;
+  std::vector<MotionChange<double>> changes{4};
+  EnergyGuard energy;
 
   Two() {
     for (const std::size_t i : {1U, 2U, 3U}) {
@@ -40,12 +40,12 @@ struct Two {
   }
 };
 
-TEST(TouchingEnergy, CountsEachBodyThatTouchesOnceAndNoOther) {
+TEST(EnergyGuard, CountsEachBodyThatTouchesOnceAndNoOther) {
   const Two two;
   EXPECT_DOUBLE_EQ(two.energy.joules(two.changes), 0.5 * 2 * 9 + 0.5 * 2 * 4) << "1 kg m^2 / 0.5 about y";
 }
 
-TEST(TouchingEnergy, CountsChangesOnTopOfTheStart) {
+TEST(EnergyGuard, CountsChangesOnTopOfTheStart) {
   Two two;
   two.changes[1].v[0] = -3;
   two.changes[2].w[0] = 1;
@@ -53,16 +53,16 @@ TEST(TouchingEnergy, CountsChangesOnTopOfTheStart) {
   EXPECT_DOUBLE_EQ(two.energy.joules(two.changes), 0.5 * 2 * 4 + 0.5 * 1 * 1);
 }
 
-TEST(TouchingEnergy, AloneIsWithForcesAndWithoutContacts) {
+TEST(EnergyGuard, AloneIsWithForcesAndWithoutContacts) {
   const Two two;
   EXPECT_DOUBLE_EQ(two.energy.joules_alone(two.system, two.changes, 0.1),
                    0.5 * 2 * (9 + 1) + 0.5 * 2 * 4 + 0.5 * 4 * 1);
 }
 
-TEST(TouchingEnergy, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
+TEST(EnergyGuard, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
   // Body 1 falls at 3 m/s along x with what it began with; the impulses turn that into 1 m/s the other way.
   Two two;
-  const std::vector<Motion<double>> begun(4);
+  const std::vector<MotionChange<double>> begun(4);
   for (Acceleration& pull : two.accelerations) pull.linear_mps2.setZero();
   two.changes[1].v[0] = -4;
   const double share = two.energy.best_share(two.system, begun, 0.1, two.changes);
@@ -77,9 +77,9 @@ TEST(TouchingEnergy, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
   EXPECT_EQ(two.energy.best_share(two.system, begun, 0.1, two.changes), 0) << "these only push on";
 }
 
-TEST(TouchingEnergy, ScalingKeepsWhatForcesAdd) {
+TEST(EnergyGuard, ScalingKeepsWhatForcesAdd) {
   Two two;
-  std::vector<Motion<double>> begun(4);
+  std::vector<MotionChange<double>> begun(4);
   begun[1].v[0] = 1;
   two.changes[1].v[0] = 5;
   two.changes[1].v[2] = 3;
@@ -88,11 +88,11 @@ TEST(TouchingEnergy, ScalingKeepsWhatForcesAdd) {
   EXPECT_DOUBLE_EQ(two.changes[1].v[2], 1) << "-1 without, 3 with";
 }
 
-TEST(TouchingEnergy, BringsBackWhatWasToTheBit) {
+TEST(EnergyGuard, BringsBackWhatWasToTheBit) {
   Two two;
   two.changes[1].v[2] = 0.1;
   two.changes[2].q[1] = 0.3;
-  const std::vector<Motion<double>> were = two.changes;
+  const std::vector<MotionChange<double>> were = two.changes;
   two.energy.keep(two.changes);
   two.changes[1].v[2] = std::numeric_limits<double>::infinity();
   two.changes[2].q[1] = std::numeric_limits<double>::quiet_NaN();

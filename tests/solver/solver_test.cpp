@@ -176,7 +176,7 @@ TEST(Impact, FrictionTakesFromTheSlipAtMostItsShareOfTheImpulse) {
 }
 
 TEST(Convergence, OfImpactsGoesOnPastTheSweepsOfAFrame) {
-  // An inelastic row of thirty: each sweep passes motion on, and eight do not bring it to rest relative to itself.
+  // An inelastic row of thirty: each iteration passes motion on, and eight do not bring it to rest relative to itself.
   const auto row = [](const Stopping& stopping, Convergence& ended) {
     Bench bench;
     bench.settings.stopping = stopping;

@@ -115,7 +115,7 @@ TEST(ForecastTrial, WorkThatRepeatsFromFrameToFrameIsForeseenByItsVisitsAlone) {
 TEST(ForecastTrial, FramesThatAreNotJudgedAreStillLearnedFrom) {
   std::vector<RecordedTail> tails(100, tail_of(10, 10, microseconds(100)));
   tails.back().actual = microseconds(900);
-  EXPECT_EQ(try_forecasts(tails, 0.01, 100)[3].exceeded, 0) << "none is judged";
+  EXPECT_EQ(try_forecasts(tails, 0.01, 100)[3].exceeded, 0) << "none is counted";
   EXPECT_EQ(try_forecasts(tails, 0.01, 99)[3].exceeded, 1) << "the last one alone";
 }
 

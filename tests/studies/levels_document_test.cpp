@@ -42,18 +42,18 @@ io::LevelsDocument study() {
 
 TEST(LevelsDocument, EachRowHasTheMembersOfItsSchema) {
   const json found = json::parse(io::levels_json(study()));
-  EXPECT_EQ(found.at("schema"), "poise.levels/1");
+  EXPECT_EQ(found.at("schema"), "poise.levels/2");
   ASSERT_EQ(found.at("rows").size(), 7U);
   const json& first = found.at("rows").at(0);
   for (const char* member :
        {"shape_a", "shape_b", "model", "level", "touches", "dv_mean", "dv_median", "dv_p90", "dw_mean", "dw_median",
-        "dw_p90", "toc_ms_mean", "late_share", "ns_per_pair", "judge_uncertainty"}) {
+        "dw_p90", "toc_ms_mean", "late_share", "ns_per_pair", "oracle_uncertainty"}) {
     EXPECT_TRUE(first.contains(member)) << member;
   }
   EXPECT_EQ(first.at("level"), 1);
   EXPECT_EQ(found.at("rows").at(2).at("level"), "polygons");
   EXPECT_EQ(first.at("ns_per_pair"), 400);
-  EXPECT_EQ(first.at("judge_uncertainty"), 0.03);
+  EXPECT_EQ(first.at("oracle_uncertainty"), 0.03);
   EXPECT_TRUE(found.contains("machine"));
   EXPECT_TRUE(found.contains("build"));
 }

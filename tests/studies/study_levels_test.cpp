@@ -64,12 +64,12 @@ TEST(StudyLevels, MakesARowForEachPairModelAndLevel) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_EQ(result.error, "");
   const json found = json::parse(contents(folder.file("s.json")));
-  EXPECT_EQ(found.at("schema"), "poise.levels/1");
+  EXPECT_EQ(found.at("schema"), "poise.levels/2");
   ASSERT_EQ(found.at("rows").size(), 3U * 3U);
   for (const json& row : found.at("rows")) {
     EXPECT_EQ(row.at("touches"), 6);
     if (row.at("level") == "polygons") {
-      EXPECT_LT(row.at("dv_mean"), 0.03) << "the very features that the judge finds";
+      EXPECT_LT(row.at("dv_mean"), 0.03) << "the very features that the oracle finds";
     } else {
       EXPECT_GT(row.at("dv_mean"), 0.001);
     }
@@ -77,8 +77,8 @@ TEST(StudyLevels, MakesARowForEachPairModelAndLevel) {
     EXPECT_LE(row.at("dv_median"), row.at("dv_p90"));
     EXPECT_EQ(row.at("unseen_share"), 0) << "a tree covers its mesh";
     EXPECT_GT(row.at("ns_per_pair"), 0);
-    EXPECT_GT(row.at("judge_uncertainty"), 0);
-    EXPECT_LT(row.at("judge_uncertainty"), 0.2);
+    EXPECT_GT(row.at("oracle_uncertainty"), 0);
+    EXPECT_LT(row.at("oracle_uncertainty"), 0.2);
   }
   EXPECT_EQ(lines(contents(folder.file("s.csv"))).size(), 1U + found.at("rows").size());
   EXPECT_NE(contents(folder.file("s.md")).find("| slab cube | flat | wrench |"), std::string::npos);

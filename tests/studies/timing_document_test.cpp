@@ -79,11 +79,11 @@ TEST(Trace, KeepsItsRoomAndCountsTheRest) {
   Trace trace(2);
   for (int i = 0; i < 5; ++i) trace.add({});
   EXPECT_EQ(trace.spans().size(), 2U);
-  EXPECT_EQ(trace.dropped(), 3U);
+  EXPECT_EQ(trace.discarded(), 3U);
   trace.clear();
   trace.add({});
   EXPECT_EQ(trace.spans().size(), 1U);
-  EXPECT_EQ(trace.dropped(), 3U);
+  EXPECT_EQ(trace.discarded(), 3U);
 }
 
 }  // namespace

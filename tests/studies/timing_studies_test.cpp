@@ -37,14 +37,14 @@ TEST(StudyCost, TimesEachMandatoryStageOfEachPopulationFallingAndSettled) {
 
 TEST(StudyKept, ASettledPileRefinesNextToNothingAndMoreWhereItStartsAnew) {
   const CommandResult result = poise_command(
-      {"study", "kept", "--bodies", "60", "--frames", "3", "--settle", "400", "--json", "-", "--threads", "1"});
+      {"study", "cache", "--bodies", "60", "--frames", "3", "--settle", "400", "--json", "-", "--threads", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json document = json::parse(result.out);
-  EXPECT_EQ(document.at("schema"), "poise.kept/1");
+  EXPECT_EQ(document.at("schema"), "poise.cache/1");
   EXPECT_EQ(document.at("frames_anew"), 3);
-  EXPECT_EQ(document.at("frames_kept"), 9);
-  EXPECT_GT(document.at("kept_pairs"), 60);
-  EXPECT_GT(document.at("levels_anew").get<double>(), 10 * (1 + document.at("levels_kept").get<double>()))
+  EXPECT_EQ(document.at("frames_cached"), 9);
+  EXPECT_GT(document.at("cached_pairs"), 60);
+  EXPECT_GT(document.at("levels_anew").get<double>(), 10 * (1 + document.at("levels_cached").get<double>()))
       << "what is kept was not forgotten, or never kept";
   ASSERT_EQ(document.at("rows").size(), 9U);
   EXPECT_EQ(document.at("rows").at(8).at("stage"), "all of these");

@@ -64,7 +64,7 @@ TEST(TreesDocument, ReadsARowFromWhatPoiseTreeWrites) {
   EXPECT_EQ(row.value().tree.cost->peak_bytes, std::uint64_t{3} << 20U);
   ASSERT_EQ(row.value().tree.levels.size(), 2U);
   EXPECT_EQ(row.value().tree.levels[1].protrusion_mean_m, 0.2);
-  for (const char* bad : {"", "[]", "{}", R"({"schema": "poise.run/1"})", R"({"schema": "poise.tree/1", "mesh": 3})"}) {
+  for (const char* bad : {"", "[]", "{}", R"({"schema": "poise.run/2"})", R"({"schema": "poise.tree/2", "mesh": 3})"}) {
     EXPECT_FALSE(io::row_of_tree_json(bad)) << bad;
   }
 }

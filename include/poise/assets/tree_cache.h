@@ -11,7 +11,7 @@
 
 namespace poise {
 
-/// Where built trees are kept between runs. The library touches the cache only where it is handed these settings.
+/// The cache of built trees between runs. The library touches the cache only where it is handed these settings.
 struct TreeCacheSettings {
   bool on = true;
   std::filesystem::path folder;  ///< empty: default_tree_cache_folder(); made with mode 0700 when it is missing
@@ -22,7 +22,7 @@ struct TreeCacheSettings {
 enum class TreeCacheOutcome : std::uint8_t {
   Off,          ///< the cache was not looked at
   Hit,          ///< read from the cache
-  Built,        ///< built and kept; an entry above the limit is built and not kept
+  Built,        ///< built and stored; a tree larger than the limit is not stored
   Rebuilt,      ///< there was an entry, but a damaged or foreign one: built, and the entry replaced
   NotWritable,  ///< built, but the folder could not be written
 };

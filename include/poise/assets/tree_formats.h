@@ -47,7 +47,7 @@ struct SphereChoice {
 /// level. Any thread.
 Result<std::vector<Sphere>> read_spheres(const std::filesystem::path& file, const SphereChoice& choice = {});
 
-/// What a tree from elsewhere is worth for a mesh.
+/// Quality of a foreign tree for a mesh.
 struct ForeignTreeReport {
   std::vector<TreeLevelFigures> levels;
   double surface_coverage = 1;  ///< smallest over the levels, 0..1
@@ -58,10 +58,10 @@ struct ForeignTreeReport {
   [[nodiscard]] std::string summary() const;
 };
 
-/// Takes in a tree that was not built here: judges it against its mesh (same frame), and fills what its nodes know of
+/// Adopts a tree that was not built here: measures it against its mesh (same frame), and fills what its nodes know of
 /// protrusion and surface, which files do not have. The tree's spheres stay as they are, leaking or not: the caller
-/// decides by the report. Deterministic for a seed on any number of threads. Any thread. Refused as judge_tree refuses,
-/// ErrorKind::Cancelled among it; the tree is then as it was.
+/// decides by the report. Deterministic for a seed on any number of threads. Any thread. Refused as
+/// measure_tree_quality refuses, ErrorKind::Cancelled among it; the tree is then as it was.
 Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh,
                                      const TreeQualityOptions& options = {});
 

@@ -128,7 +128,7 @@ struct SceneCamera {
 struct SceneHostWork {
   double load_ms = 0;                ///< time on the CPU, >= 0
   double jitter_ms = 0;              ///< each frame's differs by up to this, at most load_ms
-  std::optional<double> reserve_ms;  ///< kept free for it; without it, what the frames before let expect
+  std::optional<double> reserve_ms;  ///< reserved for it; without it, learned from the frames before
 };
 
 /// What a scene file says, checked, as plain data (docs/scene-format.md).

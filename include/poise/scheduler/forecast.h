@@ -27,7 +27,7 @@ class TailForecast {
  public:
   static constexpr std::size_t kFeatures = 7;         ///< one and the counts of TailWork, in its order
   static constexpr std::size_t kContacts = 2;         ///< place of TailWork::contacts
-  static constexpr std::size_t kPointIterations = 5;  ///< place of TailWork::patch_visits; in nanoseconds each
+  static constexpr std::size_t kPointIterations = 5;  ///< place of TailWork::point_iterations; in nanoseconds each
   static constexpr std::size_t kCoarseContacts = 6;   ///< likewise of TailWork::coarse_contacts
   using Features = std::array<double, kFeatures>;
 

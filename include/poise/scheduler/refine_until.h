@@ -81,7 +81,7 @@ struct LeaveWhenIdle {
 ///
 /// A part never begins unless the time that it is looked at plus its forecast is within the budget's cut, for what the
 /// tail has to deal with then. An item whose job does not fit is closed (`left`), and smaller ones behind it may still
-/// fit; a job whose next part does not fit is given up (`abandoned`), its item closed. Allocates nothing, takes no
+/// fit; a job whose next part does not fit is abandoned (`abandoned`), its item closed. Allocates nothing, takes no
 /// lock.
 template <class Now, class Job, class Idle = LeaveWhenIdle>
 RefineCounts refine_until(RefineQueue& queue, const FrameBudget& budget, std::uint64_t quantum_units, Now&& now,

@@ -120,7 +120,7 @@ std::string json_of(const ReplayOptions& options, const io::RecordHeader& h, con
   using Json = nlohmann::ordered_json;
   Json damage = nullptr;
   if (r.damage) damage = {{"after_frames", r.frames}, {"byte", r.damage->byte}, {"what", r.damage->what}};
-  Json json = {{"schema", "poise.replay/1"},
+  Json json = {{"schema", "poise.replay/2"},
                {"record", options.record},
                {"scene", h.scene_name},
                {"recorded",
@@ -236,7 +236,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->type_name("E");
   add_path(*command, "--files", options->files,
            "The folder that the scene's files are relative to (default: where it was when recorded)");
-  add_path(*command, "--json", options->json, "Write the result as JSON (poise.replay/1), - for the standard output");
+  add_path(*command, "--json", options->json, "Write the result as JSON (poise.replay/2), - for the standard output");
   add_path(*command, "--states", options->states, "Write every body after every frame as CSV");
   add_tree_cache_options(*command, options->tree_cache);
   command->add_flag("--quiet", options->quiet, "No progress and no table");

@@ -64,14 +64,14 @@ class StatesWriter {
     if (!file_) return {};
     return [this](std::uint64_t frame, std::span<const BodyState> states) -> Status {
       if (!keep_) return write(frame, states);
-      kept_.emplace_back(states.begin(), states.end());
+      states_by_frame_.emplace_back(states.begin(), states.end());
       return Done{};
     };
   }
   Status finish() {
     if (!file_) return Done{};
-    for (std::size_t frame = 0; frame < kept_.size(); ++frame) {
-      const Status written = write(frame, kept_[frame]);
+    for (std::size_t frame = 0; frame < states_by_frame_.size(); ++frame) {
+      const Status written = write(frame, states_by_frame_[frame]);
       if (!written) return written;
     }
     return file_->commit();
@@ -89,7 +89,7 @@ class StatesWriter {
   bool keep_;
   double dt_s_;
   std::string text_;
-  std::vector<std::vector<BodyState>> kept_;
+  std::vector<std::vector<BodyState>> states_by_frame_;
 };
 
 LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
@@ -269,9 +269,9 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (trace) {
     written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
     if (!written) return refuse("run", written.error());
-    if (trace->dropped() > 0)
-      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n", trace->dropped(),
-                 kTraceRoom);
+    if (trace->discarded() > 0)
+      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n",
+                 trace->discarded(), kTraceRoom);
   }
   if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
   if (!written) return refuse("run", written.error());

@@ -96,7 +96,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_whole(command, "--realtime", options.realtime, 1, 99,
             "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with "
             "--executor tbb)");
-  add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/1), - for the standard output");
+  add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/2), - for the standard output");
   add_path(command, "--states", options.states, "Write every body after every frame as CSV");
   add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
   add_path(command, "--trace", options.trace,

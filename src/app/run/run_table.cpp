@@ -116,7 +116,7 @@ void refinement(const simulation::RunFigures& f, Out out) {
     fmt::format_to(
         out,
         "               {:.4g} pairs a frame left for want of time, {:.4g} of room; at most {} frames at level 0\n",
-        f.levels.left_for_time_mean, f.levels.left_for_room_mean, f.levels.longest_wait);
+        f.levels.left_for_time_mean, f.levels.left_for_capacity_mean, f.levels.longest_wait);
   } else if (w.frames_with_pairs_left == 0) {
     fmt::format_to(out, "               every pair was refined to its end in every frame\n");
   }

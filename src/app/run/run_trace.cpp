@@ -10,7 +10,7 @@ namespace poise::app {
 Status write_trace(io::AtomicFile& file, const std::string& scene, int threads, const Trace& trace,
                    std::span<const simulation::RunFrame> frames) {
   constexpr std::size_t kAtOnce = 4096;
-  const io::TraceHead head{"poise run " + scene, threads, trace.dropped()};
+  const io::TraceHead head{"poise run " + scene, threads, trace.discarded()};
   const SteadyClock::time_point zero = frames.empty() ? SteadyClock::time_point{} : frames.front().report.started;
   Status written = file.write(io::trace_begin(head));
   const std::span<const TraceSpan> spans(trace.spans());

@@ -44,10 +44,10 @@ MeshFinding report_of(const std::string& file, const MeshReadOptions& reading) {
 
 std::string as_json(const std::vector<MeshFinding>& reports) {
   nlohmann::ordered_json json;
-  json["schema"] = "poise.verdicts/1";
+  json["schema"] = "poise.mesh-reports/1";
   json["rows"] = nlohmann::ordered_json::array();
   for (const MeshFinding& v : reports) {
-    nlohmann::ordered_json row = {{"file", v.file}, {"verdict", v.kind}, {"why", v.why}};
+    nlohmann::ordered_json row = {{"file", v.file}, {"kind", v.kind}, {"why", v.why}};
     if (v.kind != "refused") {
       row["triangles"] = v.mesh.triangles;
       row["vertices"] = v.mesh.vertices;
@@ -68,7 +68,7 @@ std::string as_json(const std::vector<MeshFinding>& reports) {
 std::string as_table(const std::vector<MeshFinding>& reports) {
   std::size_t width = 4;
   for (const MeshFinding& v : reports) width = std::max(width, v.file.size());
-  std::string text = fmt::format("{:<{}}  {:<8} why\n", "file", width, "verdict");
+  std::string text = fmt::format("{:<{}}  {:<8} why\n", "file", width, "kind");
   for (const MeshFinding& v : reports) text += fmt::format("{:<{}}  {:<8} {}\n", v.file, width, v.kind, v.why);
   return text;
 }

@@ -5,8 +5,8 @@
 
 namespace poise::app {
 
-/// `poise tree --verdict`: what each mesh is and what follows from it, as a table or JSON (poise.verdicts/1). Returns
-/// the exit code: a file that is refused is a row like the others, unless all of them are.
+/// `poise tree --inspect`: what each mesh is and what follows from it, as a table or JSON (poise.mesh-reports/1).
+/// Returns the exit code: a file that is refused is a row like the others, unless all of them are.
 int print_mesh_reports(const TreeOptions& options);
 
 }  // namespace poise::app

@@ -65,7 +65,7 @@ Status save_all(const TreeOptions& options, const TreeWork& work) {
   return written;
 }
 
-int judge(const TreeOptions& options) {
+int measure(const TreeOptions& options) {
   const Status writable = can_write({options.output, options.json, options.picture});
   if (!writable) return refuse("tree", writable.error());
   Progress progress(!options.quiet);
@@ -95,20 +95,20 @@ int tree_command(const TreeOptions& options) {
   const Status sound = check_tree_options(options);
   if (!sound) return refuse("tree", kExitBadUsage, sound.error().message);
   switch (task_of(options)) {
-    case TreeTask::MeshFinding:
+    case TreeTask::Inspect:
       return print_mesh_reports(options);
     case TreeTask::Convert:
       return convert(options);
-    case TreeTask::Oracle:
+    case TreeTask::Measure:
       break;
   }
-  return judge(options);
+  return measure(options);
 }
 
 }  // namespace
 
 void add_tree_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("tree", "Build, judge, compare, convert and draw sphere trees of meshes");
+  CLI::App* command = app.add_subcommand("tree", "Build, measure, compare, convert and draw sphere trees of meshes");
   auto options = std::make_shared<TreeOptions>();
   add_tree_options(*command, *options);
   command->callback([options, &exit_code] { exit_code = tree_command(*options); });

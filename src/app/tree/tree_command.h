@@ -5,7 +5,7 @@
 
 namespace poise::app {
 
-/// Declares `poise tree`, which builds and judges the sphere tree of a mesh. `exit_code` must outlive the parse.
+/// Declares `poise tree`, which builds and measures the sphere tree of a mesh. `exit_code` must outlive the parse.
 void add_tree_command(CLI::App& app, int& exit_code);
 
 }  // namespace poise::app

@@ -64,16 +64,16 @@ std::string preset_name(TreePreset preset) {
 
 std::string tree_json(const TreeDocument& document) {
   Json json;
-  json["schema"] = "poise.tree/1";
+  json["schema"] = "poise.tree/2";
   json["mesh"] = document.mesh;
   json["vertices"] = document.vertices;
   json["triangles"] = document.triangles;
   json["repair"] = {{"vertices_welded", document.repair.vertices_welded},
-                    {"triangles_dropped", document.repair.triangles_discarded},
+                    {"triangles_discarded", document.repair.triangles_discarded},
                     {"triangles_turned", document.repair.triangles_turned},
                     {"pieces_turned", document.repair.pieces_turned},
                     {"flipped", document.repair.flipped}};
-  json["verdict"] = document.report;
+  json["mesh_report"] = document.report;
   json["closed"] = document.closed;
   json["diagonal_m"] = document.diagonal_m;
   json["volume_m3"] = document.volume_m3;

@@ -20,7 +20,7 @@ struct TreeBuildCost {
   std::uint64_t peak_bytes = 0;  ///< largest resident memory of the process meanwhile, the mesh included; 0 = unknown
 };
 
-/// A tree and what was found when it was judged against its mesh.
+/// A tree and what was found when it was measured against its mesh.
 struct MeasuredTree {
   std::string file;                         ///< empty for a tree that was built here
   Level depth = 0;                          ///< that was asked for; of a tree from a file, its own
@@ -59,7 +59,7 @@ bool leaks(const MeasuredTree& tree, Solidity solidity);
 
 std::string preset_name(TreePreset preset);
 
-/// The document as `poise.tree/1` JSON, ending in a newline: the first tree's figures beside the mesh's, and where two
+/// The document as `poise.tree/2` JSON, ending in a newline: the first tree's figures beside the mesh's, and where two
 /// are compared each of them in `trees`.
 std::string tree_json(const TreeDocument& document);
 

@@ -45,7 +45,7 @@ Status check_output(const TreeOptions& o) {
 }
 
 Status check_report(const TreeOptions& o) {
-  if (o.meshes.empty()) return bad_input("--verdict needs a MESH");
+  if (o.meshes.empty()) return bad_input("--inspect needs a MESH");
   return refuse_given({{"--tree", !o.tree.empty()},
                        {"--compare", !o.compare.empty()},
                        {"-o", !o.output.empty()},
@@ -60,7 +60,7 @@ Status check_report(const TreeOptions& o) {
                        {"--level", o.level.has_value()},
                        {"--shell", o.shell},
                        {"--require-coverage", o.require_coverage}},
-                      "has no meaning with --verdict, which builds no tree");
+                      "has no meaning with --inspect, which builds no tree");
 }
 
 Status check_convert(const TreeOptions& o) {
@@ -85,10 +85,10 @@ Status check_convert(const TreeOptions& o) {
 }  // namespace
 
 void add_tree_options(CLI::App& command, TreeOptions& o) {
-  command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --verdict")->type_name("MESH");
-  add_path(command, "--tree", o.tree, "Judge this tree instead of building one; without a MESH, convert it to -o");
+  command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --inspect")->type_name("MESH");
+  add_path(command, "--tree", o.tree, "Measure this tree instead of building one; without a MESH, convert it to -o");
   add_path(command, "--compare", o.compare,
-           "Judge this tree too and set both side by side; the better figure is marked *");
+           "Measure this tree too and set both side by side; the better figure is marked *");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   command.add_option("--preset", o.preset, "How much time the tree is worth: fast, default or best")
       ->check(CLI::IsMember({"fast", "default", "best"}))
@@ -98,7 +98,7 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
            "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)");
   add_whole(command, "--level", o.level, 0, kMaxTreeDepth,
             "The level to write as .urdf, .yml or .json (default the deepest)");
-  add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/1), - for the standard output");
+  add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/2), - for the standard output");
   add_path(command, "--picture", o.picture,
            "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out");
   command
@@ -113,24 +113,24 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
       ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
-  add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the judging samples (default 1)");
+  add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the samples (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256,
             "Threads, 0 = as many as the machine has; the tree is the same (default 0)");
   add_number(command, "--scale", o.scale, 0, true, 1e9, "Metres per unit of the mesh file (default 1)")
       ->type_name("FACTOR");
   command.add_flag("--require-coverage", o.require_coverage,
                    "Exit with 1 if a tree leaks: some sampled point is not covered");
-  command.add_flag("--verdict", o.report,
+  command.add_flag("--inspect", o.report,
                    "Only say what each MESH is: closed, open or a sheet, and what follows from that");
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
       "Examples:\n"
-      "  poise tree bunny.obj -o bunny.sph --picture bunny.png --up y     build, judge, write, draw\n"
+      "  poise tree bunny.obj -o bunny.sph --picture bunny.png --up y     build, measure, write, draw\n"
       "  poise tree bunny.obj --depth 2 --preset best --seed 7 --json -   figures for a program\n"
-      "  poise tree bunny.obj --tree other.sph --require-coverage         judge a tree from elsewhere\n"
+      "  poise tree bunny.obj --tree other.sph --require-coverage         measure a foreign tree\n"
       "  poise tree bunny.obj --compare other.sph --samples 1000000       ours beside another\n"
       "  poise tree --tree bunny.sph -o bunny.urdf --level 2              convert, without the mesh\n"
-      "  poise tree --verdict models/*.stl                                what are these meshes?\n"
+      "  poise tree --inspect models/*.stl                                what are these meshes?\n"
       "  poise tree sheet.ply --shell --scale 0.001                       a surface in millimetres\n\n"
       "A tree is always built anew here, never taken from the cache, since its cost is part of the answer.\n"
       "Exit codes: 0 done, 1 --require-coverage does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped "
@@ -139,17 +139,17 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
 }
 
 TreeTask task_of(const TreeOptions& options) {
-  if (options.report) return TreeTask::MeshFinding;
-  return options.meshes.empty() ? TreeTask::Convert : TreeTask::Oracle;
+  if (options.report) return TreeTask::Inspect;
+  return options.meshes.empty() ? TreeTask::Convert : TreeTask::Measure;
 }
 
 Status check_tree_options(const TreeOptions& o) {
   Status sound = check_output(o);
   if (!sound) return sound;
-  if (task_of(o) == TreeTask::MeshFinding) return check_report(o);
+  if (task_of(o) == TreeTask::Inspect) return check_report(o);
   if (task_of(o) == TreeTask::Convert) return check_convert(o);
   if (o.meshes.size() > 1)
-    return bad_input(fmt::format("{} meshes are named; only --verdict takes more than one", o.meshes.size()));
+    return bad_input(fmt::format("{} meshes are named; only --inspect takes more than one", o.meshes.size()));
   if (o.up && o.picture.empty()) return bad_input("--up needs --picture");
   if (o.front && o.picture.empty()) return bad_input("--front needs --picture");
   if (o.front && axis_of(*o.front).dot(axis_of(up_of(o))) != 0) {

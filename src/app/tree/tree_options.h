@@ -16,9 +16,9 @@ namespace poise::app {
 
 /// What one call of `poise tree` is asked for.
 enum class TreeTask {
-  Oracle,       ///< a tree that is built, or read, is judged against a mesh, and perhaps compared with another
-  Convert,      ///< a tree from a file is written in another format, without a mesh
-  MeshFinding,  ///< meshes are assessed, and no tree is built
+  Measure,  ///< a tree that is built, or read, is measured against a mesh, and perhaps compared with another
+  Convert,  ///< a tree from a file is written in another format, without a mesh
+  Inspect,  ///< meshes are assessed, and no tree is built
 };
 
 /// The command line of `poise tree`, as it was given.

@@ -65,17 +65,17 @@ Result<TreeWork> begin_work(const TreeOptions& options) {
   return work;
 }
 
-/// Judges the tree and puts both into the work.
-Status add_tree(SphereTree tree, io::MeasuredTree judged, const std::stop_token& stop, TreeWork& work) {
+/// Measures the tree and adds both to the work.
+Status add_tree(SphereTree tree, io::MeasuredTree measured, const std::stop_token& stop, TreeWork& work) {
   io::TreeDocument& d = work.document;
   Result<std::vector<TreeLevelFigures>> levels =
       measure_tree_quality(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads, stop});
   if (!levels && levels.error().kind == ErrorKind::Cancelled) return cancelled();
-  if (!levels) return in_file(judged.file.empty() ? d.mesh : judged.file, levels.error());
-  judged.levels = std::move(levels).value();
-  judged.nodes = tree.node_count();
-  judged.bytes = io::bytes_of(tree);
-  d.trees.push_back(std::move(judged));
+  if (!levels) return in_file(measured.file.empty() ? d.mesh : measured.file, levels.error());
+  measured.levels = std::move(levels).value();
+  measured.nodes = tree.node_count();
+  measured.bytes = io::bytes_of(tree);
+  d.trees.push_back(std::move(measured));
   work.trees.push_back(std::move(tree));
   return Done{};
 }
@@ -95,10 +95,10 @@ Status add_file(const std::string& file, std::optional<std::uint64_t> level, con
                 TreeWork& work) {
   Result<SphereTree> tree = read_tree(file, level);
   if (!tree) return tree.error();
-  io::MeasuredTree judged;
-  judged.file = file;
-  judged.depth = tree.value().depth();
-  return add_tree(std::move(tree).value(), std::move(judged), stop, work);
+  io::MeasuredTree measured;
+  measured.file = file;
+  measured.depth = tree.value().depth();
+  return add_tree(std::move(tree).value(), std::move(measured), stop, work);
 }
 
 }  // namespace
@@ -130,15 +130,15 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
     TreeBuildOptions build = build_options(options, work.document.solidity);
     build.stop = interrupt.token();
     build.progress = [&progress](double share) { progress.share("building the tree", share); };
-    io::MeasuredTree judged;
-    judged.depth = build.depth;
-    judged.preset = build.preset;
-    judged.cost.emplace();
-    Result<SphereTree> tree = build_measured(work.mesh, build, *judged.cost);
+    io::MeasuredTree measured;
+    measured.depth = build.depth;
+    measured.preset = build.preset;
+    measured.cost.emplace();
+    Result<SphereTree> tree = build_measured(work.mesh, build, *measured.cost);
     if (interrupt.asked()) return cancelled();
     if (!tree) return in_file(work.document.mesh, tree.error());
-    progress.say("judging the tree");
-    const Status added = add_tree(std::move(tree).value(), std::move(judged), interrupt.token(), work);
+    progress.say("measuring the tree");
+    const Status added = add_tree(std::move(tree).value(), std::move(measured), interrupt.token(), work);
     if (!added) return added.error();
   }
   // The level is that of what is written, which is the first tree.
@@ -147,7 +147,7 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
   for (const auto& [file, level] : files) {
     if (file.empty()) continue;
     if (interrupt.asked()) return cancelled();
-    progress.say(fmt::format("judging {}", file));
+    progress.say(fmt::format("measuring {}", file));
     const Status added = add_file(file, level, interrupt.token(), work);
     if (!added) return added.error();
   }

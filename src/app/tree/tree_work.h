@@ -23,7 +23,7 @@ struct TreeWork {
   io::TreeDocument document;
 };
 
-/// Reads the mesh, builds or reads the trees and judges them. A refusal names the file; Cancelled after Ctrl-C.
+/// Reads the mesh, builds or reads the trees and measures them. A refusal names the file; Cancelled after Ctrl-C.
 Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, const parallel::Interrupt& interrupt);
 
 /// Builds a tree and measures what that takes. A refusal comes back as the builder says it.

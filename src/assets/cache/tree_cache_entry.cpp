@@ -81,7 +81,7 @@ bool sound_numbers(const SphereTree& tree, std::size_t node) {
   return std::isfinite(fit.variance_m2) && fit.variance_m2 >= 0;
 }
 
-/// Whether levels and children are laid out as SphereTree says: the children of a level's nodes, in order, are the next
+/// Whether levels and children are arranged as SphereTree says: the children of a level's nodes, in order, are the next
 /// level.
 bool sound_layout(const SphereTree& tree, std::size_t nodes) {
   const std::size_t levels = tree.level_begin.size() - 1;

@@ -26,7 +26,7 @@ std::uint64_t leading_count(std::string_view word) {
   return error == std::errc::result_out_of_range ? UINT64_MAX : value;
 }
 
-std::string judge(const std::string& what, std::uint64_t count, std::uint64_t file_bytes) {
+std::string count_problem(const std::string& what, std::uint64_t count, std::uint64_t file_bytes) {
   if (count <= file_bytes) return {};
   return fmt::format("announces {} {} in {} bytes, must have room for them", count, what, file_bytes);
 }
@@ -39,8 +39,9 @@ std::string wrong_off_counts(std::string_view start, std::uint64_t file_bytes) {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if (words[i].front() < '0' || words[i].front() > '9') continue;
       // The first line that has numbers has the counts: vertices, faces, edges.
-      std::string wrong = judge("vertices", leading_count(words[i]), file_bytes);
-      if (wrong.empty() && i + 1 < words.size()) wrong = judge("faces", leading_count(words[i + 1]), file_bytes);
+      std::string wrong = count_problem("vertices", leading_count(words[i]), file_bytes);
+      if (wrong.empty() && i + 1 < words.size())
+        wrong = count_problem("faces", leading_count(words[i + 1]), file_bytes);
       return wrong;
     }
   }
@@ -56,7 +57,8 @@ std::string wrong_ply_counts(std::string_view start, std::uint64_t file_bytes) {
     }
     if (words.size() < 3 || words[0] != "element") continue;
     has_faces = has_faces || words[1] == "face" || words[1] == "tristrips";
-    std::string wrong = judge(fmt::format("entries '{}'", words[1].substr(0, 40)), leading_count(words[2]), file_bytes);
+    std::string wrong =
+        count_problem(fmt::format("entries '{}'", words[1].substr(0, 40)), leading_count(words[2]), file_bytes);
     if (!wrong.empty()) return wrong;
   }
   return {};

@@ -33,10 +33,10 @@ std::string ForeignTreeReport::summary() const {
 }
 
 Result<ForeignTreeReport> adopt_tree(SphereTree& tree, const TriangleMesh& mesh, const TreeQualityOptions& options) {
-  Result<std::vector<TreeLevelFigures>> judged = measure_tree_quality(tree, mesh, options);
-  if (!judged) return judged.error();
+  Result<std::vector<TreeLevelFigures>> measured = measure_tree_quality(tree, mesh, options);
+  if (!measured) return measured.error();
   ForeignTreeReport report;
-  report.levels = std::move(judged).value();
+  report.levels = std::move(measured).value();
   for (const TreeLevelFigures& level : report.levels) {
     report.surface_coverage = std::min(report.surface_coverage, level.surface_coverage);
     report.inside_coverage = std::min(report.inside_coverage, level.inside_coverage);

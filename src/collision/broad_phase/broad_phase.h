@@ -11,7 +11,7 @@
 
 namespace poise::collision {
 
-/// A ball that holds a body wherever it may be during the step.
+/// A ball that contains a body throughout the step.
 struct MotionBound {
   Vec3 center_m = Vec3::Zero();
   double radius_m = 0;  ///< bounding radius and all motion of the step, >= 0
@@ -21,7 +21,7 @@ struct MotionBound {
   bool dynamic = true;
 };
 
-/// A body that moves far in the step: its ball at the start, and the straight way of its centre.
+/// A body that moves far in the step: its ball at the start and the straight path of its centre.
 struct SweptBound {
   MotionBound start;
   Vec3 motion_m = Vec3::Zero();
@@ -50,13 +50,13 @@ class BroadPhase {
  public:
   struct Result {
     std::span<const CandidatePair> pairs;  ///< sorted by (low, high), each once; valid until the next call
-    std::size_t discarded = 0;             ///< partners beyond max_partners
+    std::size_t discarded = 0;             ///< candidate partners discarded beyond max_partners
   };
-  /// At least one of a pair is dynamic, and each is in a group that the other collides with. A bound keeps at most
-  /// `max_partners` partners that are found from it. The same result on any number of threads. Linear in bounds and
-  /// pairs. `swept` bodies have no part in the grid: each looks along its way, at the cells there or at all entries if
-  /// that is less, and keeps every partner that it meets, other swept ones by comparison with each. Without any,
-  /// nothing of that is done.
+  /// At least one of a pair is dynamic, and each is in a group that the other collides with. Each bound has at most
+  /// `max_partners` partners found by its own search. The same result on any number of threads. Linear in bounds and
+  /// pairs. `swept` bodies are not in the grid: each searches the cells along its path, or all entries if these are
+  /// fewer, and keeps every partner on it; swept bodies are compared with each other directly. Without swept bodies
+  /// this costs nothing.
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
               parallel::Executor& executor, std::span<const SweptBound> swept = {});
 

@@ -23,7 +23,7 @@ inline bool meet(std::uint32_t group_a, std::uint32_t with_a, std::uint32_t grou
   return (group_a & with_b) != 0 && (group_b & with_a) != 0;
 }
 
-/// Gathers the pairs of one worker and hands them over a batch at a time.
+/// Collects the pairs of one worker and writes them out in batches.
 struct BroadPhase::Collector {
   static constexpr std::size_t kBatch = 512;
   std::span<CandidatePair> out;
@@ -38,14 +38,14 @@ struct BroadPhase::Collector {
   }
   void flush() {
     const std::size_t begin = tickets.take(count);
-    // Beyond the end only the number counts: the caller makes room and asks again.
+    // Beyond the end pairs are only counted: the caller enlarges the buffer and repeats the search.
     const std::size_t room = out.size() - std::min(begin, out.size());
     std::copy_n(batch, std::min(count, room), out.begin() + static_cast<std::ptrdiff_t>(std::min(begin, out.size())));
     count = 0;
   }
 };
 
-/// Visits the entries of `count` cells in a row along x.
+/// Calls visit for the entries of `count` cells in a row along x.
 template <class Visit>
 void BroadPhase::visit_row(const Cell& first, std::int32_t count, Visit&& visit) const {
   const auto visit_buckets = [&](std::uint64_t begin, std::uint64_t end) {

@@ -34,8 +34,8 @@ struct BroadPhase::Way {
   }
 };
 
-// Visits the entries of a grid that may meet the way: layer after layer of cells along its longest axis, in each of
-// them the cells around the part of the way that is near. Every entry if that is fewer.
+// Calls visit for the entries of a grid that may meet the way: layer after layer of cells along its longest axis, in
+// each of them the cells around the part of the way that is near. Every entry if that is fewer.
 template <class Visit>
 void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) const {
   const Grid& grid = grids_[static_cast<std::size_t>(grid_index)];

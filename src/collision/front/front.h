@@ -15,7 +15,7 @@ struct FrontEntry {
   NodeIndex b = 0;
 };
 
-/// Names a segment of a FrontPool; see below.
+/// Reference to a segment of a FrontPool.
 struct SegmentRef {
   static constexpr std::uint32_t kNone = 0xffffffffU;
   std::uint32_t bits = kNone;
@@ -29,9 +29,9 @@ struct FrontSegment {
   SegmentRef next;
 };
 
-/// Room for the fronts that one worker makes in one frame. Invariant: entries and segments that were handed out stay
-/// where they are until clear(). Written by its worker alone; what it published may be read by any. The memory is taken
-/// once and never grows: pages that no front ever reached cost nothing.
+/// Arena for the fronts that one worker makes in one frame. Invariant: entries and segments keep their address until
+/// clear(). Only its worker writes; any thread may read published segments. The memory is reserved once and never
+/// grows; pages that were never touched cost nothing.
 class FrontPool {
  public:
   explicit FrontPool(std::uint32_t max_entries)
@@ -41,18 +41,18 @@ class FrontPool {
         max_segments_(max_entries / kEntriesPerSegment + 1) {}
 
   void clear() { entry_count_ = segment_count_ = 0; }
-  /// Where the next segment's entries may be written.
+  /// Free entries, for the next segment; empty when the pool is full.
   [[nodiscard]] std::span<FrontEntry> room() {
     if (segment_count_ == max_segments_) return {};
     return {entries_.get() + entry_count_, max_entries_ - entry_count_};
   }
-  /// Keeps the first `count` entries of room() as a segment; the index of it.
+  /// Makes a segment of the first `count` entries of room() and returns its index.
   std::uint32_t keep(std::uint32_t count) {
     segments_[segment_count_] = {entry_count_, count, {}};
     entry_count_ += count;
     return segment_count_++;
   }
-  /// Gives back what was handed out after a mark: a level that does not complete is dropped whole.
+  /// Frees everything allocated after a mark: a level that does not complete is discarded whole.
   struct Mark {
     std::uint32_t entries, segments;
   };

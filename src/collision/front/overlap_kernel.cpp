@@ -87,8 +87,8 @@ struct Block {
   FrontEntry first;
 };
 
-// Writes the pairs of a block in order; places of `out` beyond them may be overwritten, but none beyond the block's
-// own 64.
+// Writes the pairs of a block in order; contact points of `out` beyond them may be overwritten, but none beyond the
+// block's own 64.
 HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
   constexpr int kAtOnce = 4;  // most blocks have no more, and then the loop ends as foreseen
   const auto hits = static_cast<std::uint32_t>(std::popcount(bits));

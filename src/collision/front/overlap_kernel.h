@@ -16,19 +16,18 @@ struct FloatFrame {
   float offset_m[3];
 };
 
-/// How near is near: on top of the two radii, metres.
+/// Distances added to the sum of the two radii, metres.
 struct Nearness {
   float inflation_m = 0;  ///< covers the rounding of single precision
-  float wide_m = 0;       ///< >= 0: what misses by less has nearly overlapped
+  float wide_m = 0;       ///< >= 0: nodes that miss each other by less count as nearly overlapping
 };
 
-/// How far an expansion came.
+/// Result of an expansion.
 struct Expansion {
-  std::uint32_t consumed =
-      0;                    ///< entries of the input that were expanded; fewer than given when there was no room left
-  std::uint32_t hits = 0;   ///< entries written
-  std::uint32_t close = 0;  ///< entries written to the second list
-  bool nearly = false;      ///< some two nodes that do not overlap would with wide_m more
+  std::uint32_t consumed = 0;  ///< entries of the input that were expanded; fewer than given when the output was full
+  std::uint32_t hits = 0;      ///< entries written
+  std::uint32_t close = 0;     ///< entries written to the second list
+  bool nearly = false;         ///< some two nodes that do not overlap would overlap with wide_m more
 };
 
 /// Expands each entry of a front into the overlapping pairs of its nodes' children (a leaf stands for itself), in
@@ -38,7 +37,7 @@ Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFram
                        std::span<const FrontEntry> front, std::span<FrontEntry> out);
 
 /// The same, and those of them with |o_a - o_b| < r_a + r_b + closeness_m once more in a list of their own, in order;
-/// it needs as much room.
+/// it needs the same capacity.
 Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
                              const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
                              std::span<FrontEntry> out, std::span<FrontEntry> close);

@@ -50,7 +50,7 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
   return frame;
 }
 
-void expect_fits(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame) {
+void set_expected_fit(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame) {
   const double finest_m = kFinestOfSkin * frame.skin_m;
   frame.width_m =
       kWidth * std::sqrt(deviation_a_m * deviation_a_m + deviation_b_m * deviation_b_m + finest_m * finest_m);

@@ -7,7 +7,7 @@
 
 namespace poise::collision {
 
-/// Where a body is while its contacts are sought: the state at the start of the step.
+/// Pose of a body for contact detection: the one at the start of the step.
 struct Pose {
   Vec3 position_m = Vec3::Zero();
   Mat3 rotation = Mat3::Identity();  ///< body to world
@@ -22,13 +22,13 @@ struct PairFrame {
   Vec3 offset_m = Vec3::Zero();      ///< centre of mass of b in the frame of a
   Vec3 plane_normal = Vec3::Zero();  ///< b is a plane: its normal in the frame of a
   double plane_height_m = 0;  ///< b is a plane: its surface is plane_normal . p = plane_height_m in the frame of a
-  double margin_m = 0;        ///< gaps below this count: what the two may close in the step
+  double margin_m = 0;        ///< gaps below this make contacts: the largest approach in the step
   double skin_m = 0;          ///< gaps below this count as touching
-  bool fitted = false;        ///< nodes answer by their fitted spheres
+  bool fitted = false;        ///< contacts come from the fitted spheres of the nodes
   bool by_spheres = false;    ///< the spheres themselves are the surface, whatever they protrude
-  double width_m = 1;         ///< of the weights of fitted spheres, > 0; see expect_fits
-  double expected_gap_m = 0;  ///< see expect_fits
-  float closeness_m = 0;      ///< nodes whose spheres are nearer than this answer for the pair, if there are any
+  double width_m = 1;         ///< of the weights of fitted spheres, > 0; see set_expected_fit
+  double expected_gap_m = 0;  ///< see set_expected_fit
+  float closeness_m = 0;      ///< contacts of nodes nearer than this decide the pair's contact, if there are any
   FloatFrame rounded{};
   Nearness nearness{};  ///< margin and a bound of the rounding of single precision; wide_m is the caller's
 
@@ -38,10 +38,10 @@ struct PairFrame {
 PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
                           double skin_m);
 
-/// With fitted spheres: tells the frame by how much the surfaces deviate from the fits of the level that is worked out
-/// (means over its nodes), and what the level before said of the gap. The two nodes where the surfaces are nearest have
-/// spheres that are at most as far apart as the surfaces.
-void expect_fits(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame);
+/// With fitted spheres: sets the deviation of the surfaces from the fits of the level in progress (means over its
+/// nodes) and the gap that the level before found. The two nodes where the surfaces are nearest have spheres that are
+/// at most as far apart as the surfaces.
+void set_expected_fit(double deviation_a_m, double deviation_b_m, double gap_m, PairFrame& frame);
 
 /// Expands part of a front of the pair by one level on both sides.
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out);

@@ -12,13 +12,14 @@ namespace {
 
 constexpr FrontEntry kRoots[1] = {{0, 0}};
 
-// Bodies that are known by their bounding spheres alone nest deeper than the mean protrusion says: by this share of the
-// way to the largest. Chosen: at 0 and at 0.25 settled piles stand up to 34 and 36 % off their height at full levels,
-// here within 20 (docs/accuracy.md, "levels change").
+// At level 0 bodies nest deeper than the mean protrusion says: by this share of the difference to the largest
+// protrusion. Chosen: at 0 and at 0.25 settled piles stand up to 34 and 36 % off their height at full levels, here
+// within 20 (docs/accuracy.md, "levels change").
 constexpr double kNesting = 0.125;
 
-// Places nearer than this many skins (a quarter of the smaller body's radius, chosen) in like directions are one.
-constexpr double kPointOfSize = 50;
+// Contacts nearer than this many skins (a quarter of the smaller body's radius, chosen) in similar directions form one
+// contact point.
+constexpr double kClusterSkins = 50;
 
 // A wrench of one contact, with the gaps of level 0. The moment about b is left to the caller.
 PairContact impact_contact(const SphereContact& touch, const Vec3& arm_m, double lift_m, double most_m) {
@@ -108,13 +109,13 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   SphereContact touch;
   touch.normal = -normal;
   touch.gap_m = normal.dot(a.center_m) - height_m - radius;
-  // The end of the sphere, not the middle between the surfaces: a place that is kept then stands a third of its lift in
-  // the plane and not the whole of it, which presses bodies of a pile into walls (docs/response.md). On the line of the
-  // normal moments are the same anywhere.
+  // The end of the sphere, not the middle between the surfaces: a cached contact point then lies a third of its lift
+  // inside the plane and not all of it, which would press bodies of a pile into walls (docs/response.md). On the line
+  // of the normal moments are the same anywhere.
   const Vec3 arm = a.center_m - a.mass_center_m + radius * touch.normal;
   PairContact contact =
       impact_contact(touch, arm, coarsest_lift_m(*a.shape), static_cast<double>(tree.protrusion_max_m[0]));
-  // A body whose centre of mass is beneath the plane is there beyond doubt, in part at least.
+  // A body whose centre of mass is beneath the plane certainly penetrates it.
   const double center_m = normal.dot(a.mass_center_m) - height_m;
   contact.estimated_separation_m = std::min(contact.estimated_separation_m, center_m);
   contact.certain_separation_m = std::min(contact.certain_separation_m, center_m);
@@ -170,13 +171,13 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<con
   pair.front = progress.first;
   pair.front_entries = progress.entries;
   pair.next_units = progress.entries;
-  found.contact = finish_contact(frame, progress.sums, rotation_a);
+  found.contact = make_contact(frame, progress.sums, rotation_a);
   pair.apart = !found.contact.present;
   found.manifold_points.count = 0;
   if (pair.apart || found.contact.estimated_separation_m >= frame.margin_m) return;
-  ManifoldClusters points(frame.margin_m, kPointOfSize * frame.skin_m);
+  ManifoldClusters points(frame.margin_m, kClusterSkins * frame.skin_m);
   for_each_segment(pools, pair.front,
-                   [&](std::span<const FrontEntry> entries) { add_to_points(frame, entries, points); });
+                   [&](std::span<const FrontEntry> entries) { add_node_contacts(frame, entries, points); });
   points.finish(found.manifold_points);
 }
 

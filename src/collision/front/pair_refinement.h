@@ -12,13 +12,13 @@
 
 namespace poise::collision {
 
-/// The deepest completed level of a pair in this frame, and what it says.
+/// The deepest completed level of a pair in this frame and its result.
 struct PairLevel {
   Level level = 0;
-  Level deepest = 0;                ///< no level below brings anything
+  Level deepest = 0;                ///< deepest level that refines the pair further
   bool polygons = false;            ///< the deepest level is that of the polygons, after all levels of the trees
   bool apart = false;               ///< no two nodes of this level are nearer than the margin
-  bool nearly = false;              ///< some that were passed over would be with PairFrame::nearness.wide_m more
+  bool nearly = false;              ///< some that were not would be with PairFrame::nearness.wide_m more
   SegmentRef front;                 ///< none at level 0: the two roots
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
   std::uint32_t next_units = 1;     ///< what the next level costs, in node-pair expansions
@@ -27,22 +27,22 @@ struct PairLevel {
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
 };
 
-/// What that level found out, if there is one: apart from it, because most pairs of a calm scene have none.
+/// The contact that this level found, if any. Separate from PairLevel because most pairs of a calm scene have none.
 struct LevelContact {
-  PairContact contact;             ///< answers impacts
-  ManifoldPoints manifold_points;  ///< where the pair rests; filled with the contact
+  PairContact contact;             ///< used for impacts
+  ManifoldPoints manifold_points;  ///< for resting contact; filled with the contact
 };
 
-/// Both together, for who refines one pair by itself.
+/// Both, for callers that refine a single pair.
 struct SinglePair : PairLevel, LevelContact {};
 
-/// A level that is being worked out, by one worker at a time, in bounded pieces.
+/// A level in progress: expanded by one worker at a time in bounded pieces.
 struct LevelProgress {
-  SegmentRef reading;        ///< of the front that is expanded
+  SegmentRef reading;        ///< of the front being expanded
   std::uint32_t offset = 0;  ///< entries of it that are done
-  SegmentRef first, last;    ///< of the front that is made
+  SegmentRef first, last;    ///< of the new front
   std::uint32_t entries = 0;
-  bool nearly = false;  ///< likewise of PairLevel
+  bool nearly = false;  ///< as PairLevel::nearly
   ContactSums sums;
   FrontPool::Mark mark{};  ///< of the worker's pool when the level was begun
 };
@@ -50,7 +50,7 @@ struct LevelProgress {
 enum class Quantum : std::uint8_t {
   More,      ///< the level is not complete yet
   Complete,  ///< the level may be published
-  Full,      ///< the pool has no room: the level is to be dropped whole
+  Full,      ///< the pool is full: the level must be discarded whole
 };
 
 /// The deepest level of the trees that refining two shapes can reach; b may be a plane.
@@ -62,8 +62,8 @@ struct PlacedRoot {
   Vec3 center_m = Vec3::Zero();
   Vec3 mass_center_m = Vec3::Zero();
 };
-/// How far beneath the root sphere the surface is likely to be where bodies meet at level 0: likely gaps are larger by
-/// that of both.
+/// Estimated depth of the surface beneath the root sphere at a contact of level 0; the estimated separation is larger
+/// by that of both bodies.
 double coarsest_lift_m(const Shape& shape);
 /// The contact of level 0: that of the two root spheres, whatever their distance.
 PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
@@ -76,11 +76,11 @@ LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
                     LevelProgress& progress);
 
-/// Makes a complete level the pair's own, and finds where the pair rests if it is nearer than the margin.
+/// Stores a complete level in the pair and computes its manifold if it is nearer than the margin.
 void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools,
                    const LevelProgress& progress, PairLevel& pair, LevelContact& found);
 
-/// A contact as the one place where a pair rests, in the frame of a.
+/// The contact as a manifold of one point, in the frame of a.
 ManifoldPoint impact_point(const PairContact& contact, const Mat3& rotation_a);
 
 /// Calls visit(span of entries) over the pair's front, in order.

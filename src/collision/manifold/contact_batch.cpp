@@ -122,7 +122,7 @@ void set_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, C
   POISE_ASSERT(!entries.empty() && entries.size() <= ContactBatch::kEntries && !frame.with_plane());
   batch.count = entries.size();
   if (HWY_DYNAMIC_DISPATCH(contacts)(frame, entries, batch)) return;
-  // Centres that coincide take a direction of their own: rare, and left to the one place that knows it.
+  // Coinciding centres need a fallback direction: rare, so sphere_contact does it.
   for (std::size_t k = 0; k < entries.size(); ++k) {
     const SphereContact contact = sphere_contact(frame, entries[k]);
     const auto put = [k](const Vec3& v, ContactBatch::Vectors& into) {

@@ -9,7 +9,8 @@
 
 namespace poise::collision {
 
-/// The contacts of a run of entries of two trees, a figure an array, and what they add to a wrench; the frame of a.
+/// The contacts of a run of entries of two trees as a structure of arrays, and their terms of a wrench; in the frame of
+/// a.
 struct ContactBatch {
   static constexpr std::size_t kEntries = 32;
   using Figures = double[kEntries];
@@ -22,7 +23,7 @@ struct ContactBatch {
   alignas(64) Figures certain_m;           ///< sum of the largest
   alignas(64) Figures weight_m;            ///< w, 0 where the gap is no smaller than the limit
   Vectors direction, moment_m2, place_m2;  ///< w n, c x w n, w c
-  std::size_t count = 0;                   ///< entries; places up to the next multiple of eight repeat the last one
+  std::size_t count = 0;  ///< entries; array elements up to the next multiple of eight repeat the last one
 };
 
 /// Sets normals, points, gaps and protrusions: what sphere_contact says of each entry, bit for bit on any instruction

@@ -9,7 +9,7 @@
 namespace poise::collision {
 namespace {
 
-/// One impulse along the mean direction at the mean place (DO eq. 1).
+/// One impulse along the mean direction at the mean point (DO eq. 1).
 PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a) {
   PairContact contact;
   if (!(sums.weight > 0)) return contact;
@@ -21,7 +21,7 @@ PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const 
   contact.moment_a_m = contact.arm_m.cross(contact.direction);
   contact.moment_b_m = (contact.arm_m - rotation_a * frame.offset_m).cross(contact.direction);
   contact.certain_separation_m = sums.cores_m;
-  // What overlaps beyond doubt is not apart, whatever the fitted spheres say.
+  // Certain penetration counts whatever the fitted spheres say.
   contact.estimated_separation_m = std::min(sums.fitted_m, sums.cores_m);
   contact.present = true;
   return contact;
@@ -78,7 +78,7 @@ void add_batch(const PairFrame& frame, ContactBatch& batch, ContactSums& sums) {
   }
   const bool touched = sums.touching.weight_m != 0;
   set_wrenches(frame.skin_m, frame.margin_m, batch);
-  // What is merely near counts up to the first that touches.
+  // Near contacts count until the first touching one.
   std::size_t near = 0;
   if (!touched) {
     while (near < batch.count && batch.weight_m[near] == 0) ++near;
@@ -146,7 +146,7 @@ void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::sp
   }
 }
 
-void add_to_points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points) {
+void add_node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points) {
   if (frame.fitted) {
     add_points(frame, entries, points);
     return;
@@ -165,7 +165,7 @@ void add_to_points(const PairFrame& frame, std::span<const FrontEntry> entries, 
   }
 }
 
-PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a) {
+PairContact make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a) {
   if (frame.fitted) return finish_fitted(frame, sums.fitted.weight > 0 ? sums.fitted : sums.fitted_near, rotation_a);
   PairContact contact;
   const WrenchSum& sum = sums.touching.weight_m > 0 ? sums.touching : sums.near;

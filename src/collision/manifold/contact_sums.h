@@ -38,9 +38,9 @@ struct WrenchSum {
   Vec3 place_m2 = Vec3::Zero();   ///< sum of w c
 };
 
-/// What a front says. With PairFrame::fitted that is `fitted`, or while it is empty
-/// `fitted_near`. Otherwise two wrenches of the same front: `touching` weighs by w = skin - gap over the entries with
-/// gap < skin; `near` by w = margin - gap over all. The second counts only while nothing touches.
+/// Sums over a front. With PairFrame::fitted `fitted` counts, or `fitted_near` while it is empty. Otherwise two
+/// wrenches of the same front: `touching` weighs by w = skin - gap over the entries with gap < skin; `near` by w =
+/// margin - gap over all. The second counts only while nothing touches.
 struct ContactSums {
   WrenchSum touching;
   WrenchSum near;
@@ -56,23 +56,22 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
 void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close,
                ContactSums& sums);
 
-/// What a pair is answered by: one wrench about the two centres of mass, world frame, and how far apart the surfaces
-/// are.
+/// The contact of a pair: one wrench about the two centres of mass, world frame, and the separation of the surfaces.
 struct PairContact {
   Vec3 direction = Vec3::Zero();      ///< l, from a to b, |l| <= 1
   Vec3 moment_a_m = Vec3::Zero();     ///< t_a = sum w (c - x_a) x n / sum w
   Vec3 moment_b_m = Vec3::Zero();     ///< t_b = sum w (c - x_b) x n / sum w
   Vec3 arm_m = Vec3::Zero();          ///< mean contact point from the centre of mass of a
   double spheres_m = 0;               ///< least gap of two spheres; not known with PairFrame::fitted
-  double estimated_separation_m = 0;  ///< likely gap of the two surfaces, least over the front
-  double certain_separation_m = 0;    ///< below zero the two surfaces penetrate beyond doubt
+  double estimated_separation_m = 0;  ///< estimated separation of the two surfaces, least over the front
+  double certain_separation_m = 0;    ///< below zero the two surfaces penetrate certainly
   bool present = false;               ///< something is nearer than the margin
 };
 
-/// Gives the contacts of entries that are nearer than the margin to `places`, in order: of the fitted spheres with
-/// PairFrame::fitted, otherwise of the nodes' own with the gap that is likely there.
-void add_to_points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points);
+/// Adds the contacts of entries nearer than the margin to `points`, in order: of the fitted spheres with
+/// PairFrame::fitted, otherwise of the nodes' own spheres with their estimated separation.
+void add_node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points);
 
-PairContact finish_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a);
+PairContact make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a);
 
 }  // namespace poise::collision

@@ -17,7 +17,7 @@ constexpr std::size_t kLanes = 8;
 // Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers
 // stay within single precision, and out of the numbers near 0 that are slow.
 constexpr float kLargest = 6, kSmallest = -16;
-constexpr float kLeastOfPoints = 4.54e-5F;  ///< of the weights, exp(-10)
+constexpr float kLeastPointWeight = 4.54e-5F;  ///< of the weights, exp(-10)
 constexpr float kBeyond = 1e30F;
 
 // Fits of one side, a figure an array.
@@ -112,14 +112,14 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fi
 // Adds up to eight contacts to the lanes.
 void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lanes& sums) {
   const hn::CappedTag<float, kLanes> d;
-  alignas(32) static constexpr float kPoints[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+  alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
   Fits a;
   Fits b;
   gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
   if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
   const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
-    const auto used = hn::Lt(hn::Load(d, kPoints + k), hn::Set(d, static_cast<float>(entries.size())));
+    const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(entries.size())));
     const auto c = contacts_of(d, frame, a, b, k);
     const auto ax = c.ax;
     const auto ay = c.ay;
@@ -135,7 +135,7 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lane
     const auto steepness = hn::Mul(hn::Sub(set(frame.expected_gap_m), gap), set(1.0 / frame.width_m));
     const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, kSmallest)), hn::Set(d, kLargest));
     const auto weight = hn::IfThenElseZero(used, exponential(d, exponent));
-    auto sharp = hn::IfThenElseZero(used, hn::Max(weight, hn::Set(d, kLeastOfPoints)));
+    auto sharp = hn::IfThenElseZero(used, hn::Max(weight, hn::Set(d, kLeastPointWeight)));
     sharp = hn::Mul(sharp, sharp);
     sharp = hn::Mul(sharp, sharp);
     sharp = hn::Mul(sharp, sharp);

@@ -83,8 +83,8 @@ void ManifoldClusters::finish(ManifoldPoints& into) {
   into.count = count_;
   for (std::size_t i = 0; i < count_; ++i) {
     const Cluster& cluster = clusters_[i];
-    into.manifold_point[i] = {cluster.direction, cluster.point_m, cluster.gap_m,
-                              std::max(cluster.gap_m, cluster.certain_separation_m)};
+    into.point[i] = {cluster.direction, cluster.point_m, cluster.gap_m,
+                     std::max(cluster.gap_m, cluster.certain_separation_m)};
   }
 }
 

@@ -14,19 +14,18 @@ struct NodeContact {
   Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
   Vec3 point_m = Vec3::Zero();  ///< in the middle between the two surfaces
   double gap_m = 0;
-  double certain_separation_m = 0;  ///< below zero the objects overlap beyond doubt
+  double certain_separation_m = 0;  ///< below zero the objects certainly penetrate
 };
 
-/// Gathers the contacts of a front into few places, as they come: each contact joins the place that it is nearest to in
-/// position and direction, or founds one while there is room. Weighs by depth below the reach, w = reach - gap. Nothing
-/// is dropped: what finds no room joins the nearest place. The answer depends on the order of contacts, which is that
-/// of the front.
+/// Clusters the contacts of a front into few contact points: each contact joins the nearest cluster in position and
+/// direction, or starts a new one while there is capacity, else it joins the nearest. Weights are w = reach - gap. The
+/// result depends on the order of contacts, which is that of the front.
 class ManifoldClusters {
  public:
-  /// Contacts count when their gap is below `reach_m`; those within `size_m` of a place may join it.
+  /// Contacts count when their gap is below `reach_m`; those within `size_m` of a cluster may join it.
   ManifoldClusters(double reach_m, double size_m) : reach_m_(reach_m), inverse_square_(1.0 / (size_m * size_m)) {}
   void add(const NodeContact& contact);
-  /// At most kMaxPatches; the nearest ones are put together until they fit.
+  /// Writes the manifold: at most kMaxManifoldPoints; the nearest clusters are merged until they fit.
   void finish(ManifoldPoints& into);
 
  private:
@@ -39,7 +38,7 @@ class ManifoldClusters {
     double gap_m = 0, certain_separation_m = 0;  ///< least
     void update();
   };
-  /// Squared distance of two places: 1 at the size of a place, or at an angle of 45 degrees.
+  /// Squared distance of a contact and a cluster: 1 at a distance of size_m, or at an angle of 45 degrees.
   [[nodiscard]] double apart(const Vec3& point_m, const Vec3& normal, const Cluster& cluster) const;
   void merge_nearest();
 

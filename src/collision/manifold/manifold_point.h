@@ -9,22 +9,22 @@
 
 namespace poise::collision {
 
-/// Places at which a pair may rest on each other at once.
+/// Largest number of contact points of a manifold.
 inline constexpr std::size_t kMaxManifoldPoints = 4;
 
-/// One of these places, in the frame of a: surfaces that face each other there and may only slide.
+/// A contact point of a manifold, in the frame of a.
 struct ManifoldPoint {
   Vec3 normal = Vec3::UnitZ();      ///< unit, from a to b
   Vec3 point_m = Vec3::Zero();      ///< in the middle between the two surfaces
   double gap_m = 0;                 ///< of the surfaces along the normal, negative in overlap
-  double certain_separation_m = 0;  ///< >= gap_m; below zero the objects overlap here beyond doubt
+  double certain_separation_m = 0;  ///< >= gap_m; below zero the objects overlap here certainly
 };
 
-/// The places of one pair, at most kMaxPatches; none where nothing is nearer than the margin.
+/// The manifold of one pair: at most kMaxManifoldPoints contact points; none where nothing is nearer than the margin.
 struct ManifoldPoints {
-  std::array<ManifoldPoint, kMaxManifoldPoints> manifold_point;
+  std::array<ManifoldPoint, kMaxManifoldPoints> point;
   std::size_t count = 0;
-  [[nodiscard]] std::span<const ManifoldPoint> all() const { return std::span(manifold_point).first(count); }
+  [[nodiscard]] std::span<const ManifoldPoint> all() const { return std::span(point).first(count); }
 };
 
 }  // namespace poise::collision

@@ -239,7 +239,7 @@ ConvexGap surface_gap(const MovingBody& a, const MovingBody& b, double limit_m) 
   const StandingShape stands_a = standing(a, origin);
   const StandingShape stands_b = standing(b, origin);
   GapMeasure measure{plane_of(stands_b), {limit_m, Vec3::Zero(), Vec3::Zero()}};
-  Descent descent(ImpactTerms{}.max_point_iterations);
+  Descent descent(ImpactTerms{}.max_node_pairs);
   const double left = descent.run(stands_a, stands_b, measure);
   // What could not be looked at may be as near as its bound.
   if (left < measure.nearest.gap_m) measure.nearest.gap_m = left;
@@ -251,7 +251,7 @@ TimeOfImpact first_time_of_impact(const MovingBody& a, const MovingBody& b, cons
   TimeOfImpact impact;
   impact.a = a;
   impact.b = b;
-  Descent descent(terms.max_point_iterations);
+  Descent descent(terms.max_node_pairs);
   for (std::uint32_t round = 0; round < terms.max_rounds; ++round) {
     const double left_s = terms.duration_s - impact.time_s;
     if (left_s <= 0) return impact;

@@ -11,7 +11,7 @@
 
 namespace poise::collision {
 
-/// A body on its way: its centre of mass goes straight on, and it turns freely. World frame.
+/// A moving body: its centre of mass moves straight at constant velocity, and it rotates freely. World frame.
 struct MovingBody {
   const Shape* shape = nullptr;
   Vec3 position_m = Vec3::Zero();  ///< of the centre of mass
@@ -30,12 +30,12 @@ Mat3 turn_of(const MovingBody& moving_body);
 /// gap: 0 where they cross.
 ConvexGap surface_gap(const MovingBody& a, const MovingBody& b, double limit_m);
 
-/// When and how two bodies meet.
+/// Time of impact of two bodies and their contact then.
 struct TimeOfImpact {
   enum class Kind : std::uint8_t {
-    None,  ///< nothing meets within the time
+    None,  ///< no impact within the time
     Hit,   ///< the gap has come down to the tolerance, and they close
-    Cut,   ///< up to here nothing has met; what comes later would have cost more work than one pair may have
+    Cut,   ///< no impact up to this time; the work limit of the pair ended the search
   };
   Kind kind = Kind::None;
   double time_s = 0;
@@ -43,12 +43,12 @@ struct TimeOfImpact {
   ConvexGap contact;  ///< of a hit, world frame
 };
 
-/// What one meeting may cost, and what counts as touching.
+/// Work limits of a time of impact query, and the distance that counts as touching.
 struct ImpactTerms {
-  double duration_s = 0;                          ///< >= 0
-  double tolerance_m = 0;                         ///< > 0; a hit stands between half of it and all of it apart
-  std::uint32_t max_point_iterations = 1U << 17;  ///< of pairs of nodes or of parts
-  std::uint32_t max_rounds = 64;                  ///< in which bodies that turn are moved on
+  double duration_s = 0;                    ///< >= 0
+  double tolerance_m = 0;                   ///< > 0; a hit stands between half of it and all of it apart
+  std::uint32_t max_node_pairs = 1U << 17;  ///< limit of node and part pairs that are tested
+  std::uint32_t max_rounds = 64;            ///< limit of advancement rounds of rotating bodies
 };
 
 /// The first moment within the duration at which the surfaces come as near as the tolerance while they close. b may be

@@ -14,7 +14,7 @@
 
 namespace poise::collision {
 
-/// A shape where it stands, relative to some origin.
+/// A shape at a pose relative to some origin.
 struct StandingShape {
   const Shape* shape = nullptr;
   Mat3 turn = Mat3::Identity();  ///< body frame to world
@@ -63,15 +63,15 @@ void for_parts(const StandingShape& s, NodeIndex leaf, Visit&& visit) {
   }
 }
 
-/// A descent of two trees together, or of one against a plane, to the parts that may matter, most promising first, in
-/// bounded work.
+/// A simultaneous descent of two trees, or of one against a plane, to the parts that may improve the result, best bound
+/// first, with bounded work.
 ///
 /// Measure has: `double of_balls(a, b)` and `double to_plane(a)`, lower bounds of what `of_parts` and `part_to_plane`
-/// would say of anything inside; `void of_parts(a, b)`, `void part_to_plane(a)`, which keep the best; and `double
+/// compute for anything inside; `void of_parts(a, b)`, `void part_to_plane(a)`, which store the best; and `double
 /// best()`, beyond which nothing matters. A bound that is not below it is left out.
 class Descent {
  public:
-  explicit Descent(std::uint32_t max_point_iterations) : left_(max_point_iterations) {}
+  explicit Descent(std::uint32_t max_node_pairs) : left_(max_node_pairs) {}
   [[nodiscard]] std::uint32_t left() const { return left_; }
 
   /// The whole descent. Returns infinity, or where the work ran out the least bound of what was left.
@@ -134,9 +134,9 @@ class Descent {
   }
 
   static const ConvexPart& placed(const ConvexPart& part) { return part; }
-  template <class Point>
-  static ConvexPart placed(const Point& place) {
-    return place();
+  template <class MakePart>
+  static ConvexPart placed(const MakePart& make_part) {
+    return make_part();
   }
 
   // False where the work ran out.

@@ -7,10 +7,10 @@
 namespace poise::collision {
 namespace {
 
-// Of places that span the same but for this share, the one with the least gap is taken, and of those the first in the
+// Of points that span the same up to this share, the one with the least gap is taken, and of these the first in the
 // mesh.
 constexpr double kClearlyMore = 1e-2;
-// Axes in the plane of contact along which the outermost places are kept when the list is full.
+// Axes in the plane of contact along which the outermost contact points are kept when the list is full.
 constexpr std::size_t kAxes = 8;
 
 // Two directions square to a unit one (Frisvad 2012 shows why the least coordinate is the safe one to cross with).
@@ -32,19 +32,19 @@ bool PointList::better(const FoundPoint& a, const FoundPoint& b) const {
   return a.gap_m < b.gap_m + tie_m_ && a.rank < b.rank;
 }
 
-void PointList::add(const FoundPoint& place) {
-  least_gap_m_ = std::min(least_gap_m_, place.gap_m);
+void PointList::add(const FoundPoint& point) {
+  least_gap_m_ = std::min(least_gap_m_, point.gap_m);
   for (std::size_t i = 0; i < count_; ++i) {
     FoundPoint& other = point_[i];
-    if ((other.point_m - place.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
-    if (other.normal.dot(place.normal) < kOneWay) continue;
-    const std::uint64_t first = std::min(other.order, place.order);
-    if (better(place, other)) other = place;
+    if ((other.point_m - point.point_m).squaredNorm() > merge_m_ * merge_m_) continue;
+    if (other.normal.dot(point.normal) < kOneWay) continue;
+    const std::uint64_t first = std::min(other.order, point.order);
+    if (better(point, other)) other = point;
     other.order = first;
     return;
   }
   if (count_ == kRoom) thin_out();
-  point_[count_++] = place;
+  point_[count_++] = point;
 }
 
 bool PointList::overlaps_only_along(const Vec3& normal) const {
@@ -54,14 +54,14 @@ bool PointList::overlaps_only_along(const Vec3& normal) const {
   return true;
 }
 
-// Does the same corner leave the solid sooner by another face?
+// True if another face is nearer to the same corner.
 bool PointList::outdone(std::size_t index) const {
-  const FoundPoint& place = point_[index];
-  if (place.corner == FoundPoint::kNoCorner || place.in_groove || !(place.gap_m < 0)) return false;
+  const FoundPoint& point = point_[index];
+  if (point.corner == FoundPoint::kNoCorner || point.in_groove || !(point.gap_m < 0)) return false;
   for (std::size_t i = 0; i < count_; ++i) {
     const FoundPoint& other = point_[i];
-    if (other.corner != place.corner || other.in_groove || !(other.gap_m <= 0)) continue;
-    if (other.gap_m > place.gap_m + tie_m_) return true;
+    if (other.corner != point.corner || other.in_groove || !(other.gap_m <= 0)) continue;
+    if (other.gap_m > point.gap_m + tie_m_) return true;
   }
   return false;
 }
@@ -97,8 +97,7 @@ void PointList::sort_into(double reach_m, Groups& groups) const {
   }
 }
 
-// Of the places that are as deep as the deepest: the one farthest from the middle of all, so that the rest can span
-// from it.
+// Of the points as deep as the deepest: the one farthest from the middle of all, so that the rest can span from it.
 std::size_t PointList::outermost_of_deepest(const Group& group) const {
   const auto found = [&](std::size_t k) -> const FoundPoint& { return point_[group.member[k]]; };
   Vec3 middle = Vec3::Zero();
@@ -146,7 +145,7 @@ std::size_t PointList::pick(const Group& group, std::size_t most,
   if (second == group.count) return count;
   take(second);
   if (most < 3) return count;
-  // Twice areas. Places that make no triangle higher than the merging distance add nothing.
+  // Twice areas. Points that make no triangle higher than the merging distance add nothing.
   const Vec3 base = chosen[1] - chosen[0];
   const double thin = merge_m_ * base.norm();
   const std::size_t third =
@@ -187,8 +186,8 @@ ManifoldPoints PointList::choose(double reach_m) const {
     std::array<std::uint8_t, kMaxManifoldPoints> picked;
     const std::size_t count = pick(groups.group[g], share[g], picked);
     for (std::size_t k = 0; k < count; ++k) {
-      const FoundPoint& place = point_[picked[k]];
-      set.manifold_point[set.count++] = {place.normal, place.point_m, place.gap_m, place.gap_m};
+      const FoundPoint& point = point_[picked[k]];
+      set.point[set.count++] = {point.normal, point.point_m, point.gap_m, point.gap_m};
     }
   }
   return set;

@@ -11,28 +11,28 @@
 
 namespace poise::collision {
 
-/// A place where two surfaces face each other, and what tells it from others.
+/// A candidate contact point: a point where two surfaces face each other.
 struct FoundPoint {
   static constexpr std::uint64_t kNoCorner = ~std::uint64_t{0};
 
-  Vec3 normal, point_m;  ///< as in Patch
+  Vec3 normal, point_m;  ///< as in ManifoldPoint
   double gap_m;
-  std::uint64_t order;   ///< where the features stand in the meshes: the lower one goes first among equals
-  std::uint64_t corner;  ///< names the corner that lies over or beneath a face; kNoCorner for other features
-  std::uint32_t rank;    ///< of two that are one place and equally far, the lower one stays
+  std::uint64_t order;   ///< order of the features in the meshes: the lower one wins ties
+  std::uint64_t corner;  ///< id of the corner that lies over or beneath a face; kNoCorner for other features
+  std::uint32_t rank;    ///< of two merged points with equal gaps, the one with the lower rank stays
   bool in_groove;        ///< as in FacingFeatures
 };
 
-/// The places found for a pair, in bounded room. Invariant: no two of them are one place, that is, nearer than the
-/// merging distance with directions less than kOneWay apart. When the room is full, those that span the others are kept
-/// (per direction the nearest and the farthest ones along eight axes).
+/// Candidate contact points of a pair, of bounded capacity. Invariant: no two are nearer than the merging distance with
+/// directions less than kOneWay apart. When the list is full, only the points that span the others stay (per direction
+/// the nearest and the farthest ones along eight axes).
 class PointList {
  public:
-  static constexpr double kOneWay = 0.9396926207859084;  ///< cosine of 20 degrees: directions within it answer as one
+  static constexpr double kOneWay = 0.9396926207859084;  ///< cosine of 20 degrees: normals within it count as one
   static constexpr std::size_t kRoom = 64;
 
-  /// `size_m` of the smaller body (its bounding radius, > 0): places nearer than 1e-3 of it are one, gaps within 2e-6
-  /// of it equal.
+  /// `size_m` of the smaller body (its bounding radius, > 0): points nearer than 1e-3 of it are merged, gaps within
+  /// 2e-6 of it count as equal.
   explicit PointList(double size_m = 1) { clear(size_m); }
   void clear(double size_m) {
     merge_m_ = 1e-3 * size_m;
@@ -41,18 +41,18 @@ class PointList {
     count_ = 0;
   }
 
-  void add(const FoundPoint& place);
+  void add(const FoundPoint& point);
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Of all that were added; infinite where there are none.
   [[nodiscard]] double least_gap_m() const { return least_gap_m_; }
-  /// Are the directions of all that overlap within kOneWay of this one? True where there are none.
+  /// True if the normals of all penetrating points are within kOneWay of this one, also where there are none.
   [[nodiscard]] bool overlaps_only_along(const Vec3& normal) const;
 
-  /// At most kMaxPatches of those with gaps below `reach_m`, that hold the pair as all of them would. A corner beneath
-  /// several faces counts for the one that it is nearest to, but in a groove. Directions more than 20 degrees apart
-  /// share the room, the deepest first. Of one direction: the deepest, the one farthest from it, the one that makes the
-  /// largest triangle with them, and the one that adds most to that. The answer does not depend on the order of adding
-  /// but for what was merged.
+  /// At most kMaxManifoldPoints of those with gaps below `reach_m`, that support the pair as all of them would. A
+  /// corner beneath several faces counts for the one that it is nearest to, but in a groove. Directions more than 20
+  /// degrees apart share the manifold, the deepest first. Of one direction: the deepest, the one farthest from it, the
+  /// one that makes the largest triangle with them, and the one that adds most to that. The result does not depend on
+  /// the order of add() except by merging.
   [[nodiscard]] ManifoldPoints choose(double reach_m) const;
 
  private:

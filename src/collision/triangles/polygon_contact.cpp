@@ -19,10 +19,10 @@ constexpr std::uint32_t kBlock = 64;
 constexpr std::uint32_t kUnitsPerBlock = 2;
 constexpr std::uint32_t kTrianglesPerUnit = 8;
 constexpr std::uint32_t kFirstEntries = 64;
-// Share of the smaller radius by which b stands aside, in a direction that no scene is built along: faces and edges
-// that would lie exactly in each other do not, and nothing else can tell.
+// B is displaced by this share of the smaller radius, in a direction that no scene is aligned with, so that no faces
+// and edges coincide exactly.
 constexpr double kSleepingPair = 1e-9;
-// Leaves are met with this share of both bodies' radii to spare: for standing aside, and for rounding.
+// Leaves are tested with this share of both bodies' radii added: for that displacement and for rounding.
 constexpr double kSpare = 4e-9;
 // Steps from surface to surface that a first guess of the gap takes at most; each is a search for the closest point.
 constexpr int kGuessSteps = 4;
@@ -167,7 +167,7 @@ class Block {
           if (!progress_.rests) continue;
           FacingFeatures at_rest = feature;
           at_rest.point_b_m -= gap * frame_.plane_normal;
-          note_point(at_rest, std::uint64_t{triangle} << 32U, progress_.points);
+          add_facing_point(at_rest, std::uint64_t{triangle} << 32U, progress_.points);
         }
       }
     }
@@ -180,7 +180,7 @@ class Block {
   }
 
   void note(const FacingFeatures& feature, std::uint32_t triangle_a, std::uint32_t triangle_b) {
-    if (progress_.rests) note_point(feature, std::uint64_t{triangle_a} << 32U | triangle_b, progress_.points);
+    if (progress_.rests) add_facing_point(feature, std::uint64_t{triangle_a} << 32U | triangle_b, progress_.points);
     if (!feature.resting && feature.gap_m < progress_.reach_m(frame_)) add_feature(feature, sums_);
   }
 
@@ -190,8 +190,8 @@ class Block {
     const Vec3 body = on.rotation.transpose() * (ball.center_m - on.offset_m);
     const double radius2 = ball.radius_m * ball.radius_m;
     std::size_t count = 0;
-    // A ball far away is nowhere near, whatever is lost of its place; one nearby loses no more than the surface's own
-    // points.
+    // A ball far away is nowhere near, whatever is lost of its contact point; one nearby loses no more than the
+    // surface's own points.
     const auto x = static_cast<float>(body.x());
     const auto y = static_cast<float>(body.y());
     const auto z = static_cast<float>(body.z());
@@ -249,7 +249,7 @@ class Block {
       const double above = t.normal.dot(center - t.corner_m[0]);
       // Whether it is inside is asked once, of the nearest face, when all have been seen.
       if (above < 0 && -above <= sinks_m_ && above - radius_m > sums_.sunk.gap_m && over_face(t, center)) {
-        note_sunk({above - radius_m, sign * t.normal, center, center - above * t.normal, of_b}, sums_);
+        add_sunk_ball({above - radius_m, sign * t.normal, center, center - above * t.normal, of_b}, sums_);
       }
     }
     const double reach = farthest_m();
@@ -330,7 +330,7 @@ MetPairs::Answer MetPairs::meet(std::uint32_t a, std::uint32_t b) {
   const std::uint64_t key = (std::uint64_t{a} << 32U) | b;
   // Fibonacci hashing (Knuth, vol. 3, 6.4): the high bits of the product.
   auto place = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 54U);
-  for (; keys_[place] != kNone; place = (place + 1) % kPoints) {
+  for (; keys_[place] != kNone; place = (place + 1) % kSlots) {
     if (keys_[place] == key) return Answer::Met;
   }
   if (count_ == kMost) return Answer::NoRoom;
@@ -408,7 +408,7 @@ Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, s
 
 void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair,
                       LevelContact& found) {
-  found.contact = finish_polygons(frame, progress.on_a, progress.on_b, progress.sums, found.contact, rotation_a);
+  found.contact = make_polygon_contact(frame, progress.on_a, progress.on_b, progress.sums, found.contact, rotation_a);
   found.manifold_points = {};
   if (progress.rests) {
     found.manifold_points = manifold_points_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums,

@@ -13,8 +13,8 @@
 
 namespace poise::collision {
 
-/// Pairs of numbers that were met before. Invariant: what was once in it stays, so that a pair which is not in it when
-/// it is full never was and never will be.
+/// A set of pairs of numbers that were already processed. Invariant: nothing is removed, so a pair that is missing when
+/// the set is full is never added.
 class MetPairs {
  public:
   enum class Answer : std::uint8_t { New, Met, NoRoom };
@@ -22,14 +22,14 @@ class MetPairs {
   Answer meet(std::uint32_t a, std::uint32_t b);
 
  private:
-  static constexpr std::size_t kPoints = 1024;
+  static constexpr std::size_t kSlots = 1024;
   static constexpr std::size_t kMost = 768;
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::array<std::uint64_t, kPoints> keys_;
+  std::array<std::uint64_t, kSlots> keys_;
   std::size_t count_ = 0;
 };
 
-/// The level of polygons of a pair while it is worked out, by one worker, in bounded pieces. About 32 KB, on the stack.
+/// The polygon level of a pair in progress: one worker, in bounded pieces. About 32 KB, on the stack.
 struct PolygonProgress {
   SegmentRef reading;        ///< of the front of leaves
   bool roots = false;        ///< the front is the two roots
@@ -40,12 +40,12 @@ struct PolygonProgress {
   double most_m = 0;  ///< the surfaces are not farther apart than this, or than the margin
   PolygonSums sums;
   MetPairs met;
-  bool rests = true;  ///< the pair's patches are asked for
+  bool rests = true;  ///< the manifold of the pair is wanted
   PointList points;
 
-  /// Beyond this, what faces each other no longer counts for an impact.
+  /// Facing features beyond this distance do not count for an impact.
   [[nodiscard]] double reach_m(const PairFrame& frame) const;
-  /// The same for places to rest on.
+  /// The same for contact points of resting contact.
   [[nodiscard]] double points_reach_m(const PairFrame& frame) const;
 };
 
@@ -56,7 +56,7 @@ void allow_polygons(const Shape& a, const Shape& b, Level max_level, PairLevel& 
 /// What the polygons of a front of leaves (none: the two roots) cost, in node-pair expansions; at most 2^32 - 1.
 std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const FrontPool> pools, SegmentRef front);
 
-/// With `rests` false the pair gets no patches, and nothing is done for them.
+/// With `rests` false no manifold is computed.
 void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
                     PolygonProgress& progress, bool rests = true);
 
@@ -64,7 +64,7 @@ void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLe
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
                      PolygonProgress& progress);
 
-/// Makes the complete level the pair's own, its patches with it. The front stays that of the leaves.
+/// Stores the complete level and its manifold in the pair. The front stays that of the leaves.
 void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair,
                       LevelContact& found);
 

@@ -8,17 +8,17 @@
 namespace poise::collision {
 namespace {
 
-// Shares of the smaller body's radius. What is farther than the first beyond the nearest place does not hold the pair
-// yet; what is deeper than the second is looked for along the curve of the crossing. Chosen: what a pair at rest keeps
-// between frames, and its skin.
+// Shares of the smaller body's radius. A point farther than the first beyond the nearest one does not support the pair
+// yet; penetration deeper than the second is searched along the crossing curve. Chosen: the reach of the contact cache
+// between frames, and the skin.
 constexpr double kReach = 1.5e-2;
 constexpr double kBeneath = 1e-2;
-// Of a deep overlap: how much deeper than the impact's answer a corner may lie, and the deepest that is told at all.
+// Of deep penetration: how much deeper than the impact contact a corner may lie, and the largest depth reported.
 constexpr double kDeeper = 1.5;
 constexpr double kDeepest = 0.25;
 // From this share of what was looked through on, corners may lie deeper.
 constexpr double kNearlyBeneath = 0.8;
-// Places that reach this share of the depth of the impact's answer explain it.
+// Points that reach this share of the depth of the impact contact replace it.
 constexpr double kExplained = 0.33;
 // Triangles at the crossing that are looked at again, of each body.
 constexpr std::size_t kAgain = 24;
@@ -75,7 +75,7 @@ void look_deeper(const PlacedSurface& on_a, const PlacedSurface& on_b, const Pol
       FeatureList features;
       const std::size_t count = facing_features(on_a, a, on_b, b[j], sides, 0.0, features, beneath_m);
       const std::uint64_t order = std::uint64_t{a.index} << 32U | b[j].index;
-      for (std::size_t k = 0; k < count; ++k) note_point(features[k], order, points);
+      for (std::size_t k = 0; k < count; ++k) add_facing_point(features[k], order, points);
     }
   }
 }
@@ -88,7 +88,7 @@ double points_reach_m(const PairFrame& frame, double least_m) {
 
 double points_beneath_m(const PairFrame& frame) { return kBeneath * size_m(frame); }
 
-void note_point(const FacingFeatures& feature, std::uint64_t order, PointList& points) {
+void add_facing_point(const FacingFeatures& feature, std::uint64_t order, PointList& points) {
   std::uint64_t corner = FoundPoint::kNoCorner;
   if (feature.corner != FacingFeatures::kNoCorner)
     corner = std::uint64_t{feature.corner} << 1U | (feature.corner_of_b ? 1U : 0U);
@@ -108,9 +108,9 @@ ManifoldPoints manifold_points_of(const PairFrame& frame, const Mat3& rotation_a
   }
   const double length = contact.direction.norm();
   const Vec3 normal = length > 0 ? Vec3(rotation_a.transpose() * contact.direction / length) : Vec3(Vec3::UnitZ());
-  // The impact's answer takes the place of features that were not found. Where places overlap in other directions too,
-  // its depth along the mean of them says nothing; nor does it in a shallow overlap, where a normal that leans a little
-  // makes much of it.
+  // The impact contact replaces features that were not found. Where points penetrate in other directions too, its depth
+  // along their mean is not used; nor is it in shallow penetration, where a normal that leans a little makes much of
+  // it.
   const bool found = points.count() > 0 && (depth <= 0 || points.least_gap_m() < 0);
   const bool too_shallow = deep && points.least_gap_m() > -kExplained * depth && points.overlaps_only_along(normal);
   if (!found || too_shallow) {

@@ -9,18 +9,19 @@
 
 namespace poise::collision {
 
-/// Places nearer than this count for a pair whose surfaces are `least_m` apart, or overlap (<= 0); at most the frame's
-/// margin.
+/// Contact points nearer than this count for a pair whose surfaces are `least_m` apart, or overlap (<= 0); at most the
+/// frame's margin.
 double points_reach_m(const PairFrame& frame, double least_m);
 /// Features count as passed through each other up to this depth while triangles are looked through.
 double points_beneath_m(const PairFrame& frame);
 
-/// Notes the features of the triangles `order` (of a in the high half, of b in the low one) as a place.
-void note_point(const FacingFeatures& feature, std::uint64_t order, PointList& points);
+/// Adds facing features as a contact point; `order` holds the triangle of a in its high half and that of b in its low
+/// half.
+void add_facing_point(const FacingFeatures& feature, std::uint64_t order, PointList& points);
 
-/// Where a pair rests, from the places that its triangles gave and from what answers its impact. Bodies that overlap
-/// deeper than these reach are looked at again along the curve where they cross; where nothing can be told the impact's
-/// answer is the one place. Bounded: at most 24 x 24 triangles; allocates nothing. Adds to `places`.
+/// The manifold of a pair, from the contact points of its triangles and from its impact contact. Bodies that penetrate
+/// deeper than these points reach are searched again along the curve where the surfaces cross; where that finds nothing
+/// the impact contact is the only point. Bounded: at most 24 x 24 triangles; allocates nothing. Adds to `points`.
 ManifoldPoints manifold_points_of(const PairFrame& frame, const Mat3& rotation_a, const PlacedSurface& on_a,
                                   const PlacedSurface& on_b, const PolygonSums& sums, const PairContact& contact,
                                   PointList& points);

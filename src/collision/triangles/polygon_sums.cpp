@@ -8,13 +8,14 @@
 namespace poise::collision {
 namespace {
 
-// Share of the smaller body's radius by which a gap must be larger to weigh half. Chosen: as fine as a touch is told
-// apart in docs/method.md (1e-4 of the size), so that two corners count together only where nothing could say which is
-// first.
+// A gap that is larger by this share of the smaller body's radius has half the weight. Chosen: as fine as a touch is
+// told apart in docs/method.md (1e-4 of the size), so that two corners count together only where nothing could say
+// which is first.
 constexpr double kSoftness = 1e-4;
 // Twenty halvings: what weighs a millionth is left out.
 constexpr double kHalvings = 20;
-// A curve whose area vector is smaller than this share of what its parts sweep encloses nothing; far above rounding.
+// A curve whose area vector is smaller than this share of what its parts iteration encloses nothing; far above
+// rounding.
 constexpr double kEnclosing = 1e-9;
 // Curves that stay open by more than this share of their length have lost a piece; their moment is not to be trusted.
 constexpr double kOpen = 1e-6;
@@ -41,7 +42,7 @@ double halved(double x) {
   return std::ldexp(sum, -static_cast<int>(whole));
 }
 
-// What answers a pair: unit direction and moment about the centre of mass of a, in the frame of a.
+// Contact of a pair: unit direction and moment about the centre of mass of a, in the frame of a.
 struct Answer {
   Vec3 direction = Vec3::Zero();
   Vec3 moment_m = Vec3::Zero();
@@ -60,8 +61,7 @@ PairContact contact_of(const PairFrame& frame, const Answer& answer, const Mat3&
   return contact;
 }
 
-// The leaves' answer with a gap that polygons know; where there are no leaves' (trees of one node), the line of the
-// centres.
+// The contact of the leaves with the gap of the polygons; without one (trees of one node) along the line of centres.
 PairContact by_leaves(const PairFrame& frame, const PairContact& leaves, double gap_m, const Mat3& rotation_a) {
   PairContact contact = leaves;
   if (!leaves.present) {
@@ -234,7 +234,8 @@ PairContact finish_crossing(const PairFrame& frame, const PlacedSurface& on_a, c
   return contact_of(frame, with_features(sums, answer, 1.0), rotation_a);
 }
 
-// Is b, whose surface nowhere comes near a's, inside it? Its first corner, or its first leaf where it has none, tells.
+// True if b, whose surface is nowhere near a's, lies inside it: tests its first corner, or its first leaf where it has
+// none.
 bool swallows(const PlacedSurface& on_a, const Shape& a, const PlacedSurface& on_b, const Shape& b) {
   if (on_a.surface == nullptr || !on_a.surface->solid || !(b.bounding_radius_m < 2 * a.bounding_radius_m)) return false;
   const Vec3 body = on_b.surface != nullptr ? on_b.surface->vertices_m[on_b.surface->triangles[0].vertex[0]]
@@ -296,12 +297,12 @@ void add_segment(const CrossingSegment& segment, std::uint32_t triangle_a, std::
   ++sums.segments;
 }
 
-void note_sunk(const SunkBall& ball, PolygonSums& sums) {
+void add_sunk_ball(const SunkBall& ball, PolygonSums& sums) {
   if (ball.gap_m > sums.sunk.gap_m) sums.sunk = ball;
 }
 
-PairContact finish_polygons(const PairFrame& frame, const PlacedSurface& on_a, const PlacedSurface& on_b,
-                            const PolygonSums& sums, const PairContact& leaves, const Mat3& rotation_a) {
+PairContact make_polygon_contact(const PairFrame& frame, const PlacedSurface& on_a, const PlacedSurface& on_b,
+                                 const PolygonSums& sums, const PairContact& leaves, const Mat3& rotation_a) {
   if (sums.crossed) return finish_crossing(frame, on_a, on_b, sums, leaves, rotation_a);
   if (std::isfinite(sums.sunk.gap_m) && inside(sums.sunk.of_b ? on_a : on_b, sums.sunk.center_m)) {
     Answer answer;

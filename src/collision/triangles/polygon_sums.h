@@ -18,7 +18,7 @@ struct RetainedSegment {
   std::uint32_t triangle_a, triangle_b;
 };
 
-/// The centre of a ball that may lie inside a solid, and the nearest face that it would have to leave by.
+/// The centre of a ball that may lie inside a solid, and the nearest face through which it can leave.
 struct SunkBall {
   double gap_m = -std::numeric_limits<double>::infinity();  ///< of the ball, were it to leave there
   Vec3 normal;                                              ///< from a to b
@@ -27,9 +27,9 @@ struct SunkBall {
 };
 
 /// What the polygons of a pair add up to, in the frame of a. Facing features weigh 2^(-(gap - least gap) / softness),
-/// so that faces that lie on each other answer in their middle and a lone corner answers alone; the least gap may fall
-/// while they are added. Where surfaces cross, the curve of the crossing gives the gradient of the overlapped volume
-/// (docs/method.md).
+/// so that faces in contact give a contact at their middle, and a single corner one at the corner; the least gap may
+/// fall while they are added. Where surfaces cross, the curve of the crossing gives the gradient of the overlapped
+/// volume (docs/method.md).
 struct PolygonSums {
   static constexpr std::size_t kRetainedSegments = 128;
 
@@ -62,12 +62,12 @@ double reach_of_sums_m(const PairFrame& frame, const PolygonSums& sums, double m
 
 void add_feature(const FacingFeatures& feature, PolygonSums& sums);
 void add_segment(const CrossingSegment& segment, std::uint32_t triangle_a, std::uint32_t triangle_b, PolygonSums& sums);
-void note_sunk(const SunkBall& ball, PolygonSums& sums);
+void add_sunk_ball(const SunkBall& ball, PolygonSums& sums);
 
-/// The contact of a pair by its polygons. `leaves` is what the leaves said; it answers for what polygons cannot: a body
-/// that is inside another one altogether, and a curve that encloses nothing. `on_b` is where b's surface was taken to
-/// stand.
-PairContact finish_polygons(const PairFrame& frame, const PlacedSurface& on_a, const PlacedSurface& on_b,
-                            const PolygonSums& sums, const PairContact& leaves, const Mat3& rotation_a);
+/// The contact of a pair by its polygons. `leaves` is the contact of the leaves, used where polygons give none: for a
+/// body that lies wholly inside another, and for a curve that encloses nothing. `on_b` is the placement of b's surface
+/// that the sums used.
+PairContact make_polygon_contact(const PairFrame& frame, const PlacedSurface& on_a, const PlacedSurface& on_b,
+                                 const PolygonSums& sums, const PairContact& leaves, const Mat3& rotation_a);
 
 }  // namespace poise::collision

@@ -10,7 +10,7 @@ namespace {
 // How far, as a sine, a direction may lean out of a cone of normals: rounding alone would drop a face that lies on an
 // edge.
 constexpr double kLean = 1e-7;
-// The same for places to rest on: faces that lie on each other may lean by this and still have their rims crossed.
+// The same for resting contact: faces that lie on each other may lean by this and still have their rims crossed.
 // Chosen.
 constexpr double kRestingLean = 0.1;
 // Sine of the angle under which two edges count as parallel; their ends speak for them. Where the direction square to

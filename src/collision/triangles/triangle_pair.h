@@ -11,8 +11,7 @@
 
 namespace poise::collision {
 
-/// A surface where it stands: p = rotation * (p of the body) + offset. All that follows is in the frame that this leads
-/// to.
+/// A surface at a pose: p = rotation * (p of the body) + offset. All that follows is in the frame that this leads to.
 struct PlacedSurface {
   const ShapeSurface* surface = nullptr;
   Mat3 rotation = Mat3::Identity();
@@ -50,7 +49,7 @@ struct FacingFeatures {
   std::uint32_t corner;  ///< that lies over or beneath a face: its vertex; kNoCorner for all else
   Kind kind;
   bool corner_of_b;  ///< whose corner it is
-  bool resting;      ///< beneath, or leaning a little: a place to rest on, of which a first touch knows nothing
+  bool resting;      ///< penetrating, or leaning a little: counts for resting contact and not for impacts
   bool in_groove;    ///< a corner beneath a face and past its rim, where the surface turns up: beneath the next face as
                      ///< well
 };

@@ -15,8 +15,8 @@
 
 namespace poise::collision {
 
-/// What a body really looks like, for judging: the triangles of its mesh, the spheres that it is made of, or a plane,
-/// in the body frame. Slow and exact; nothing of a frame uses it. Immutable once made; any thread may ask.
+/// The true surface of a body, for verification: the triangles of its mesh, the spheres that it is made of, or a plane,
+/// in the body frame. Slow and exact; no frame uses it. Immutable once made; any thread may ask.
 class TrueSurface {
  public:
   /// Triangles with valid indices; with Solidity::Solid what they wind around belongs to the object.
@@ -26,7 +26,7 @@ class TrueSurface {
   /// The half-space normal . x <= offset_m; normal unit.
   TrueSurface(const Vec3& normal, double offset_m);
 
-  /// Does the straight way from one point to another, in the body frame, pass through the surface? The inside of a ball
+  /// True if the segment from one point to another, in the body frame, passes through the surface. The inside of a ball
   /// is taken for surface unless both ends are in it.
   [[nodiscard]] bool blocks(const Vec3& from, const Vec3& to) const;
 

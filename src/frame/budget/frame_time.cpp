@@ -220,7 +220,7 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   facts.manifold_points = manifold_points;
   facts.iterations_a_substep = static_cast<double>(report.point_iterations) / substeps;
   // What it would have wanted is not known. Chosen.
-  if (report.degraded.visits > 0)
+  if (report.degraded.point_iterations > 0)
     facts.iterations_a_substep = std::min(2 * facts.iterations_a_substep, double{solver::kMaxPointIterations});
   // Choosing what is left out takes longer than making a reserve, and who chooses must know how long.
   if (report.infeasible_forecast) facts.planning = report.planning;

@@ -61,7 +61,7 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   collision::PairFrame frame = frame_of(refiner, posed);
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
-    collision::expect_fits(refiner.scene.facts_of(posed.pair.a).deviation_m[next],
+    collision::set_expected_fit(refiner.scene.facts_of(posed.pair.a).deviation_m[next],
                            refiner.scene.facts_of(posed.pair.b).deviation_m[next],
                            level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
   }

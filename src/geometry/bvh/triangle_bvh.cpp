@@ -81,10 +81,10 @@ TriangleBvh::TriangleBvh(const TriangleMesh& mesh, Solidity solidity)
   origin_m_ = box_.center();
   BvhLayout layout = flatten_bvh(mesh, box_);
   triangle_of_ = std::move(layout.order);
-  point_.resize(count);
+  position_.resize(count);
   corners_m_.reserve(count);
   for (std::uint32_t place = 0; place < count; ++place) {
-    point_[triangle_of_[place]] = place;
+    position_[triangle_of_[place]] = place;
     const auto& t = mesh.triangles[triangle_of_[place]];
     corners_m_.push_back({mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]});
   }
@@ -101,7 +101,7 @@ TriangleBvh::Closest TriangleBvh::closest(const Vec3& point, double squared_boun
 
 TriangleBvh::Closest TriangleBvh::closest_from(const Vec3& point, std::uint32_t guess) const {
   Closest best;
-  if (guess < point_.size()) {
+  if (guess < position_.size()) {
     best.point_m = closest_on_triangle(point, corners(guess));
     best.squared_distance_m2 = (best.point_m - point).squaredNorm();
     best.triangle = guess;

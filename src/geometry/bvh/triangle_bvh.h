@@ -61,7 +61,7 @@ class TriangleBvh {
   [[nodiscard]] double diagonal_m() const { return nodes_.empty() ? 0.0 : (box_.high - box_.low).norm(); }
   /// Whether every edge is run through in both directions equally often.
   [[nodiscard]] bool closed() const { return closed_; }
-  [[nodiscard]] const TriangleCorners& corners(std::uint32_t triangle) const { return corners_m_[point_[triangle]]; }
+  [[nodiscard]] const TriangleCorners& corners(std::uint32_t triangle) const { return corners_m_[position_[triangle]]; }
   /// Unit normal by the order of the corners; 0 for a triangle without area.
   [[nodiscard]] Vec3 triangle_normal(std::uint32_t triangle) const;
   /// Appends the triangles (indices in the mesh) whose box comes within `radius_m` of a point: all that come that near,
@@ -87,7 +87,7 @@ class TriangleBvh {
   Bounds box_;
   std::vector<TriangleCorners> corners_m_;  ///< in the order of the leaves
   std::vector<std::uint32_t> triangle_of_;  ///< place -> index in the mesh
-  std::vector<std::uint32_t> point_;        ///< index in the mesh -> place
+  std::vector<std::uint32_t> position_;     ///< index in the mesh -> place
   std::vector<BvhNode> nodes_;
   std::vector<BvhClusters> clusters_;  ///< beside nodes_; empty for a closed mesh
 };

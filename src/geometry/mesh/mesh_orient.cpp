@@ -210,7 +210,7 @@ std::vector<Piece> pieces_of(const TriangleMesh& mesh) {
   return pieces;
 }
 
-/// Whether a whole piece lies in a closed one, judged at a few of its vertices.
+/// Whether a whole piece lies in a closed one, measured at a few of its vertices.
 bool lies_in(const TriangleMesh& mesh, const Piece& piece, const TriangleBvh& closed) {
   const std::size_t step = std::max<std::size_t>(1, piece.triangles.size() / kProbes);
   for (std::size_t i = 0; i < piece.triangles.size(); i += step) {
@@ -255,8 +255,8 @@ std::vector<std::size_t> outermost(const TriangleMesh& mesh, const std::vector<P
     }
     if (pieces[i].closed) reaching.push_back(i);
   }
-  // Judged by probes, so of three nested pieces the inner two may not name the same one; each step leads to a larger
-  // one.
+  // Decided by sample points, so of three nested pieces the inner two may not name the same one; each step leads to a
+  // larger one.
   for (std::size_t& outermost_one : outer) {
     while (outer[outermost_one] != outermost_one) outermost_one = outer[outermost_one];
   }

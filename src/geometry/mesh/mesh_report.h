@@ -7,7 +7,7 @@
 
 namespace poise::geometry {
 
-/// Whether a mesh that is not closed holds something without doubt, judged by its samples; else it is a sheet.
+/// Whether a mesh that is not closed holds something without doubt, measured by its samples; else it is a sheet.
 bool encloses(const SampledMass& sampled);
 
 /// The warning that goes with the mass of such a mesh, as one line.

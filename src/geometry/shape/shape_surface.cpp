@@ -101,7 +101,7 @@ void set_edges(ShapeSurface& surface, std::span<const EdgeUse> uses) {
       SurfaceTriangle& u = surface.triangles[edge[1].triangle];
       t.across[side_of(t, edge[0])] = edge[1].triangle;
       u.across[side_of(u, edge[1])] = edge[0].triangle;
-      // A needle without area has no normal to judge by: its sides count.
+      // A needle without area has no normal to measure by: its sides count.
       out = t.normal.isZero(0) || u.normal.isZero(0) || stands_out(surface, t, edge[0], u);
     }
     if (!out) return;

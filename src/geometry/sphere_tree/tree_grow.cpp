@@ -18,7 +18,7 @@ constexpr float kGoodEnough = 0.001F;
 constexpr float kGrowShellFactor = 1.5F;
 constexpr std::size_t kFewestGrowSamples = 30000;
 constexpr std::size_t kMostSamples = 400000;
-/// Atoms for each leaf that a tree may have, where that is more than the preset's; and at most.
+/// Cells for each leaf that a tree may have, where that is more than the preset's; and at most.
 constexpr std::size_t kCellsPerLeaf = 24;
 constexpr std::size_t kMaxCells = 600000;
 constexpr double kStartShare = 0.25;  ///< of the whole time, for progress
@@ -26,7 +26,7 @@ constexpr double kEndShare = 0.9;
 
 class Grower {
   // Invariant: parents_ are the nodes that level level_ consists of, node_of_[i] the loose node of parents_[i], and
-  // every atom is in `allowed` of a closed parent or in `own` of exactly one open one.
+  // every cell is in `allowed` of a closed parent or in `own` of exactly one open one.
  public:
   Grower(const TriangleMesh& mesh, const TriangleBvh& bvh, const TreeBuildOptions& options,
          parallel::Executor& executor, const std::function<void(double)>& progress,
@@ -61,7 +61,7 @@ class Grower {
     return std::ranges::any_of(parents_, [](const CoverParent& parent) { return !parent.closed; });
   }
 
-  /// A node whose stored sphere holds the atoms, exactly.
+  /// A node whose stored sphere holds the cells, exactly.
   LooseNode node_about(const Vec3& center_m, const std::vector<std::uint32_t>& own) const {
     LooseNode node;
     node.center_m = to_float(center_m);
@@ -74,7 +74,7 @@ class Grower {
     return node;
   }
 
-  /// Which of the atoms lie in a node's stored sphere, exactly.
+  /// Which of the cells lie in a node's stored sphere, exactly.
   [[nodiscard]] std::vector<std::uint32_t> held_by(const LooseNode& node,
                                                    const std::vector<std::uint32_t>& cells) const {
     const Vec3 center_m = node.center_m.cast<double>();
@@ -93,7 +93,7 @@ class Grower {
     return held;
   }
 
-  /// A parent for the next level, and its loose node; `allowed` are the atoms that the nodes above it hold.
+  /// A parent for the next level, and its loose node; `allowed` are the cells that the nodes above it hold.
   CoverParent close_ball(const Vec3& center_m, std::vector<std::uint32_t> own,
                          const std::vector<std::uint32_t>& allowed) {
     nodes_.push_back(node_about(center_m, own));

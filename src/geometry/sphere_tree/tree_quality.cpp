@@ -32,7 +32,8 @@ struct Sampling {
   parallel::Executor& executor;
   std::stop_token stop;
 
-  /// Sums of work(random, count) -> Part over all parts, in order; parts are left out once the judging is asked to end.
+  /// Sums of work(random, count) -> Part over all parts, in order; parts are left out once the measuring is asked to
+  /// end.
   template <class Part, class Work>
   Part sum(std::uint64_t figure, Work&& work) const {
     const std::size_t count = (samples + kPart - 1) / kPart;
@@ -208,9 +209,9 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
   figures.volume_ratio = balls_m3 * shares / static_cast<double>(sampling.samples) / volume_m3;
 }
 
-Error cancelled() { return {ErrorKind::Cancelled, "judging was asked to end before it was done"}; }
+Error cancelled() { return {ErrorKind::Cancelled, "measuring was asked to end before it was done"}; }
 
-/// Empty when the tree and the mesh can be judged.
+/// Empty when the tree and the mesh can be measured.
 std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, const TreeQualityOptions& options) {
   if (tree.node_count() == 0) return "tree: there is no node, at least one is needed";
   if (options.samples < 1 || options.samples > 100000000)

@@ -63,11 +63,11 @@ Json work_json(const simulation::WorkFigures& work) {
           {"mandatory_mean", work.mandatory_mean},
           {"refine_mean", work.refine_mean},
           {"jobs_done", work.jobs_done},
-          {"jobs_dropped", work.jobs_discarded},
-          {"jobs_given_up", work.jobs_abandoned},
+          {"jobs_discarded", work.jobs_discarded},
+          {"jobs_abandoned", work.jobs_abandoned},
           {"pairs_separated", work.pairs_separated},
-          {"kept_apart", work.cached_separations},
-          {"kept_contacts", work.cached_contacts},
+          {"cached_separations", work.cached_separations},
+          {"cached_contacts", work.cached_contacts},
           {"candidate_pairs_mean", work.candidate_pairs_mean},
           {"coarse_pairs_mean", work.coarse_pairs_mean},
           {"pairs_left_mean", work.pairs_left_mean},
@@ -75,11 +75,11 @@ Json work_json(const simulation::WorkFigures& work) {
 }
 
 Json reached_json(const simulation::LevelFigures& levels) {
-  return {{"looked_at", levels.frames},
+  return {{"frames_listed", levels.frames},
           {"by_body", levels.bodies},
           {"by_weight", levels.weight},
           {"left_for_time_mean", levels.left_for_time_mean},
-          {"left_for_room_mean", levels.left_for_room_mean},
+          {"left_for_capacity_mean", levels.left_for_capacity_mean},
           {"longest_wait", levels.longest_wait}};
 }
 
@@ -109,7 +109,7 @@ Json reference_json(const RunDocument& d) {
   add("false_rate", r.false_rate);
   add("missed_rate", r.missed_rate);
   add("bodies_touched", r.bodies_touched);
-  add("sweeps", r.iterations);
+  add("iterations", r.iterations);
   json["not_converged"] = r.not_converged;
   json["pairs_not_finest"] = r.pairs_not_finest;
   add("time_ms", r.time_ms);
@@ -170,12 +170,12 @@ void add_figures(const RunDocument& d, Json& json) {
   for (const simulation::StageFigures& stage : f.stages) json["stage_ms"][stage.name] = of(stage.ms);
   json["tail"] = tail_json(f.tail);
   json["degraded"] = {{"frames", f.degraded.frames},
-                      {"fewer_sweeps", f.degraded.fewer_iterations},
+                      {"fewer_iterations", f.degraded.fewer_iterations},
                       {"fewer_substeps", f.degraded.fewer_substeps},
                       {"pairs_reused", f.degraded.pairs_reused},
                       {"infeasible_forecast", f.degraded.infeasible_forecast}};
   json["work"] = work_json(f.work);
-  json["capacity"] = {{"pairs_dropped", f.capacity.pairs_discarded},
+  json["capacity"] = {{"pairs_discarded", f.capacity.pairs_discarded},
                       {"fronts_full", f.capacity.fronts_full},
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
@@ -193,7 +193,7 @@ void add_figures(const RunDocument& d, Json& json) {
 
 Json document_json(const RunDocument& d) {
   Json json;
-  json["schema"] = "poise.run/1";
+  json["schema"] = "poise.run/2";
   json["scene"] = d.scene;
   json["scene_file"] = d.scene_file;
   json["bodies"] = d.bodies;

@@ -63,7 +63,7 @@ struct NamedFigure {
   std::optional<double> value;
 };
 
-/// The document as `poise.run/1` JSON, numbers with full precision, ending in a newline.
+/// The document as `poise.run/2` JSON, numbers with full precision, ending in a newline.
 std::string run_json(const RunDocument& document);
 
 /// Every number (and undefined number) of the document in its order, plus `miss_rate` for `misses.rate`.

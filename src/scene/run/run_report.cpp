@@ -149,7 +149,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.sleep.woken += report.woken;
     asleep += report.asleep;
     if (report.degraded.any()) ++figures.degraded.frames;
-    if (report.degraded.visits > 0) ++figures.degraded.fewer_iterations;
+    if (report.degraded.point_iterations > 0) ++figures.degraded.fewer_iterations;
     if (report.degraded.substeps > 0) ++figures.degraded.fewer_substeps;
     figures.degraded.pairs_reused += report.degraded.pairs_reused;
     if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;
@@ -208,13 +208,13 @@ LevelFigures level_figures(std::span<const RunFrame> frames) {
       weight += reached.weight[place];
     }
     for_time += reached.left_for_time;
-    for_room += reached.left_for_room;
+    for_room += reached.left_for_capacity;
     figures.longest_wait = std::max(figures.longest_wait, reached.longest_wait);
   }
   for (double& share : figures.weight) share = weight > 0 ? share / weight : 0;
   if (figures.frames > 0) {
     figures.left_for_time_mean = static_cast<double>(for_time) / static_cast<double>(figures.frames);
-    figures.left_for_room_mean = static_cast<double>(for_room) / static_cast<double>(figures.frames);
+    figures.left_for_capacity_mean = static_cast<double>(for_room) / static_cast<double>(figures.frames);
   }
   return figures;
 }

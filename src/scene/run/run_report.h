@@ -84,7 +84,7 @@ struct LevelFigures {
   std::array<std::uint64_t, kPolygonBin + 1> bodies{};  ///< by the least level of their contacts
   std::array<double, kPolygonBin + 1>
       weight{};  ///< share of what a viewer can notice, by the level of the contact; sums to 1 unless there is none
-  double left_for_time_mean = 0, left_for_room_mean = 0;  ///< pairs
+  double left_for_time_mean = 0, left_for_capacity_mean = 0;  ///< pairs
   std::uint32_t longest_wait = 0;  ///< starvation: frames since a pair that was left coarse was answered beyond level 0
 };
 

@@ -87,7 +87,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("mandatory_forecast_ms", ms(r.mandatory_forecast));
   row.column("infeasible_forecast", r.infeasible_forecast ? 1 : 0);
   row.column("degraded_substeps", r.degraded.substeps);
-  row.column("degraded_visits", r.degraded.visits);
+  row.column("degraded_point_iterations", r.degraded.point_iterations);
   row.column("pairs_reused", r.degraded.pairs_reused);
   row.column("host_actual_ms", ms(r.host_actual));
   row.column("tail_beyond_clip", r.tail_beyond_clip ? 1 : 0);
@@ -95,7 +95,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("tail_contacts", r.tail_work.contacts);
   row.column("tail_pairs", r.tail_work.candidate_pairs);
   row.column("tail_sphere_contacts", r.tail_work.sphere_contacts);
-  row.column("tail_patch_visits", r.tail_work.point_iterations);
+  row.column("tail_point_iterations", r.tail_work.point_iterations);
   row.column("tail_coarse_contacts", r.tail_work.coarse_contacts);
 }
 
@@ -104,15 +104,15 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("candidate_pairs", r.candidate_pairs);
   row.column("coarse_pairs", r.coarse_pairs);
   row.column("contact_pairs", r.contact_pairs);
-  row.column("patch_visits", r.point_iterations);
+  row.column("point_iterations", r.point_iterations);
   row.column("work_mandatory", r.work_mandatory);
   row.column("work_refine", r.work_refine);
   row.column("jobs_done", r.jobs_done);
-  row.column("jobs_dropped", r.jobs_discarded);
-  row.column("jobs_given_up", r.jobs_abandoned);
+  row.column("jobs_discarded", r.jobs_discarded);
+  row.column("jobs_abandoned", r.jobs_abandoned);
   row.column("pairs_separated", r.pairs_separated);
-  row.column("kept_apart", r.cached_separations);
-  row.column("kept_contacts", r.cached_contacts);
+  row.column("cached_separations", r.cached_separations);
+  row.column("cached_contacts", r.cached_contacts);
   row.column("pairs_left", r.pairs_left);
   for (std::size_t level = 0; level <= kMaxTreeDepth; ++level) {
     row.column(fmt::format("level_{}", level), r.level_histogram[level]);
@@ -121,7 +121,7 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("swept_pairs", r.swept_pairs);
   row.column("swept_hits", r.swept_hits);
   row.column("swept_cut", r.swept_cut);
-  row.column("pairs_dropped", r.pairs_discarded);
+  row.column("pairs_discarded", r.pairs_discarded);
   row.column("fronts_full", r.fronts_full);
   row.column("colors_full", r.colors_full);
   row.column("degenerate", r.degenerate);
@@ -158,7 +158,7 @@ void reference_columns(const std::optional<ReferenceFigures>& reference, FrameRo
   number("reference_gap_mean_px", &ReferenceFigures::gap_mean_px);
   number("reference_gap_max_px", &ReferenceFigures::gap_max_px);
   row.column("reference_converged", reference ? std::optional(reference->converged ? 1 : 0) : std::nullopt);
-  member("reference_sweeps", &ReferenceFigures::iterations);
+  member("reference_iterations", &ReferenceFigures::iterations);
   member("reference_pairs_not_finest", &ReferenceFigures::pairs_not_finest);
   row.column("reference_time_ms", reference ? std::optional(ms(reference->time)) : std::nullopt);
 }

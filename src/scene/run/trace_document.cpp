@@ -75,7 +75,7 @@ void append_counters(const simulation::RunFrame& frame, SteadyClock::time_point 
 
 std::string trace_end(const TraceHead& head) {
   return ",\n" +
-         fmt::format(R"({{"name":"poise.trace","ph":"M","pid":1,"tid":0,"args":{{"dropped":{}}}}})", head.dropped) +
+         fmt::format(R"({{"name":"poise.trace","ph":"M","pid":1,"tid":0,"args":{{"discarded":{}}}}})", head.discarded) +
          "\n]\n";
 }
 

@@ -14,7 +14,7 @@ namespace poise::io {
 struct TraceHead {
   std::string process;  ///< as a viewer shows it
   int threads = 1;
-  std::uint64_t dropped = 0;  ///< spans that found no room
+  std::uint64_t discarded = 0;  ///< spans beyond the capacity
 };
 
 /// A trace in pieces, joined a JSON array of Chrome trace events ("Trace Event Format", D. Sinclair, Google 2016;

@@ -57,7 +57,7 @@ void CellSet::gather(const CoverCells& cells, const std::vector<std::uint32_t>& 
 float CellSet::radius_about(const CoverCells& cells, const Vec3f& center, float limit) {
   if (ids_.empty()) return 0;
   const float most = squared_distances(middles_, center, distances_.data());
-  // Some point of an atom is at least this far: its middle is within its reach of all of them.
+  // Some point of a cell is at least this far: its middle is within its reach of all of them.
   const float sure = std::sqrt(most) - largest_reach_;
   if (sure > limit) return sure;
   const auto farthest =

@@ -11,7 +11,7 @@
 namespace poise::geometry {
 
 /// The frame in which trees are built: the middle of the box is the origin, its diagonal the unit. Single precision is
-/// then good to 1e-7 of the diagonal; what must be exact is reckoned in double from the atoms' own points.
+/// then good to 1e-7 of the diagonal; what must be exact is reckoned in double from the cells' own points.
 struct CoverFrame {
   Vec3 middle_m = Vec3::Zero();
   double diagonal_m = 1;
@@ -20,30 +20,30 @@ struct CoverFrame {
   [[nodiscard]] Vec3 from(const Vec3f& point) const { return middle_m + diagonal_m * point.cast<double>(); }
 };
 
-/// Atoms as the search sees them, in single precision, each with a ball about the middle of its box. Immutable once
+/// Cells as the search sees them, in single precision, each with a ball about the middle of its box. Immutable once
 /// made.
 struct CoverCells {
   PointList middles;
   std::vector<float> reach;        ///< from the middle to the farthest point
-  std::vector<std::size_t> begin;  ///< first point of each atom, then the number of points
+  std::vector<std::size_t> begin;  ///< first point of each cell, then the number of points
   std::vector<Vec3f> points;
 
   CoverCells() = default;
   CoverCells(const SolidCells& cells, const CoverFrame& frame);
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(reach.size()); }
-  /// From a place to the farthest point of an atom.
+  /// From a place to the farthest point of a cell.
   [[nodiscard]] float reach_from(std::uint32_t cell, const Vec3f& place) const;
   [[nodiscard]] bool within(std::uint32_t cell, const Vec3f& center, float radius) const;
 };
 
-/// Some atoms, gathered for many questions about one ball. One thread at a time.
+/// Some cells, gathered for many questions about one ball. One thread at a time.
 class CellSet {
   // Invariant: middles_, reach_ and ids_ are as long as each other, distances_ at least that long.
  public:
   void gather(const CoverCells& cells, const std::vector<std::uint32_t>& ids);
   /// Radius of the ball about `center` that holds them all, a little more than rounding; once it is sure to be above
-  /// `limit`, a number above the limit. 0 for no atom.
+  /// `limit`, a number above the limit. 0 for no cell.
   [[nodiscard]] float radius_about(const CoverCells& cells, const Vec3f& center, float limit);
 
  private:

@@ -26,9 +26,9 @@ struct StartSettings {
   LevelSettings level{.bids = 12, .iterations = 2};
 };
 
-/// Searches for the balls of level 1 with coarse atoms: several random covers are improved and compared by what they
+/// Searches for the balls of level 1 with coarse cells: several random covers are improved and compared by what they
 /// let stand out and by how far the balls below would stand out, estimated by a quick greedy cover of each; the best is
-/// returned, its atoms being those of `atoms`. Tries run side by side; the result does not depend on the executor.
+/// returned, its cells being those of `cells`. Tries run side by side; the result does not depend on the executor.
 std::vector<CoverBall> find_start(const CoverScene& scene, const CoverCells& cells, const CoverParent& root,
                                   const StartSettings& settings, parallel::Executor& executor,
                                   const std::function<bool()>& keep_going);

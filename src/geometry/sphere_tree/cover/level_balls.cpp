@@ -27,7 +27,7 @@ float LevelCover::signed_distance(const Vec3f& at) const {
   return static_cast<float>(bvh_.signed_distance_m(frame_.from(at)) / frame_.diagonal_m);
 }
 
-/// A pattern search for the centre, with the radius that the atoms then need. The ball must not be counted among the
+/// A pattern search for the centre, with the radius that the cells then need. The ball must not be counted among the
 /// samples.
 void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& cells, float step) {
   if (cells.empty()) {
@@ -100,7 +100,7 @@ void LevelCover::find_covered(CoverBall& ball, const std::vector<std::uint32_t>&
   }
 }
 
-/// By a plane through the middle of the atoms, across that principal axis whose halves would stand out least. The
+/// By a plane through the middle of the cells, across that principal axis whose halves would stand out least. The
 /// halves' centres start from the ball's own, which is deep.
 bool LevelCover::halve(const CoverBall& ball, const std::vector<std::uint32_t>& cells, Halves& best) {
   if (cells.size() < 2) return false;

@@ -100,7 +100,7 @@ void LevelCover::set_prices(const LevelSettings& settings) {
   }
 }
 
-/// Each atom goes to the ball, of a parent that may pass it on, that would stand out least with it, prices added.
+/// Each cell goes to the ball, of a parent that may pass it on, that would stand out least with it, prices added.
 void LevelCover::assign() {
   std::ranges::fill(least_bid_, std::numeric_limits<float>::infinity());
   for (CoverBall& ball : balls_) ball.own.clear();
@@ -274,7 +274,7 @@ void LevelCover::fill_free_points() {
   }
 }
 
-/// Gives the atoms of a ball that matters little to its siblings, and its place to half of the ball that stands out
+/// Gives the cells of a ball that matters little to its siblings, and its place to half of the ball that stands out
 /// most.
 bool LevelCover::swap(std::uint32_t poor, std::uint32_t worst, const std::vector<std::uint32_t>& family) {
   const std::int64_t before = total_;
@@ -347,7 +347,7 @@ std::vector<CoverBall> LevelCover::take_best(LevelScore* result) {
   for (const CoverBall& ball : balls_) count(ball, 1);
   drop_empty();
   if (result != nullptr) *result = score();
-  // Of the balls that hold an atom, the one that stands out least for it answers for it.
+  // Of the balls that hold a cell, the one that stands out least for it answers for it.
   std::ranges::fill(least_bid_, std::numeric_limits<float>::infinity());
   for (std::uint32_t k = 0; k < balls_.size(); ++k) {
     CoverBall& ball = balls_[k];

@@ -16,9 +16,9 @@ struct CoverBall {
   Vec3f center = Vec3f::Zero();
   float radius = 0;           ///< 0 for a ball that is no longer there
   float signed_distance = 0;  ///< of the centre, negative inside; radius + this is how far it may stand out
-  float price = 0;            ///< added to its bids for atoms
+  float price = 0;            ///< added to its bids for cells
   std::uint32_t parent = 0;
-  std::vector<std::uint32_t> own;      ///< the atoms that it answers for, ascending
+  std::vector<std::uint32_t> own;      ///< the cells that it answers for, ascending
   std::vector<std::uint32_t> covered;  ///< all that it holds of those that its parent may pass on, ascending
 };
 
@@ -27,7 +27,7 @@ struct CoverParent {
   Vec3f center = Vec3f::Zero();
   float radius = 0;
   bool closed = false;
-  std::vector<std::uint32_t> own;  ///< the atoms that its children answer for at first, ascending
+  std::vector<std::uint32_t> own;  ///< the cells that its children answer for at first, ascending
   std::vector<std::uint32_t>
       allowed;  ///< all that it and every node above it hold: what its children may answer for, ascending
 };
@@ -39,16 +39,16 @@ struct LevelScore {
 
 /// How long a level is worked on.
 struct LevelSettings {
-  int bids = 12;       ///< rounds in which atoms go to the ball that bids least, and balls move; at least 1
+  int bids = 12;       ///< rounds in which cells go to the ball that bids least, and balls move; at least 1
   int iterations = 6;  ///< of shrinking to what no other ball holds, at most
   int redone = 0;      ///< attempts to make the worst families anew
   double equal_sizes =
       0;  ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
 };
 
-/// Makes the balls of one level, at most kTreeBranching below each parent, so that every atom is held by a ball whose
+/// Makes the balls of one level, at most kTreeBranching below each parent, so that every cell is held by a ball whose
 /// parent may pass it on, and little stands out: docs/sphere-trees.md, "How a level is made". One thread at a time;
-/// several may share atoms, samples and mesh.
+/// several may share cells, samples and mesh.
 class LevelCover {
   // Invariant: count_[i] is the number of balls (closed parents included) that hold sample i while their radius is
   // above 0, and total_ the sum of weight_[i] over samples with a count.
@@ -57,7 +57,7 @@ class LevelCover {
              const std::vector<DeepPoint>& points, const std::vector<CoverParent>& parents);
 
   /// Improves balls, of which each open parent needs at least one. `keep_going` is asked after the first round and
-  /// before each further one; what there is when it says no holds every atom.
+  /// before each further one; what there is when it says no holds every cell.
   template <class KeepGoing>
   void improve(std::vector<CoverBall> balls, const LevelSettings& settings, KeepGoing&& keep_going) {
     begin(std::move(balls));
@@ -69,7 +69,7 @@ class LevelCover {
     }
     if (keep_going()) redo_worst(settings.redone);
   }
-  /// The best balls found, each with the atoms that it answers for; together all atoms that no closed parent holds.
+  /// The best balls found, each with the cells that it answers for; together all cells that no closed parent holds.
   std::vector<CoverBall> take_best(LevelScore* score = nullptr);
 
  private:
@@ -125,7 +125,7 @@ class LevelCover {
   std::vector<CoverBall> balls_;
   std::vector<std::vector<std::uint32_t>> family_;  ///< balls of each parent
   std::vector<std::uint8_t> held_;                  ///< by a closed parent
-  std::vector<std::uint16_t> holders_;              ///< balls that hold an atom, while sweeping
+  std::vector<std::uint16_t> holders_;              ///< balls that hold a cell, while sweeping
   std::vector<float> least_bid_;
   std::vector<std::uint32_t> winner_;
 

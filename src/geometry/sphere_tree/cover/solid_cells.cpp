@@ -204,10 +204,10 @@ void close_cell(SolidCells& cells) {
   cells.begin.push_back(cells.points_m.size());
 }
 
-/// Puts the cells' points together: a block of cells that are wholly inside is one atom, since nothing of it is near
+/// Puts the cells' points together: a block of cells that are wholly inside is one cell, since nothing of it is near
 /// the surface.
 class CellGatherer {
-  // Invariant: atoms_.begin holds the first point of each finished atom, then the number of points.
+  // Invariant: atoms_.begin holds the first point of each finished cell, then the number of points.
  public:
   CellGatherer(const Grid& grid, const Pieces& pieces, const std::vector<std::uint8_t>& has_surface,
                const std::vector<std::uint8_t>& inside, bool closed)
@@ -225,26 +225,26 @@ class CellGatherer {
   }
 
  private:
-  using Point = std::array<std::size_t, 3>;
+  using GridIndex = std::array<std::size_t, 3>;
 
-  [[nodiscard]] bool full(const Point& at) const {
+  [[nodiscard]] bool full(const GridIndex& at) const {
     if (has_surface_[grid_.cell_index(at[0], at[1], at[2])] != 0) return false;
     return inside_[grid_.corner_index(at[0], at[1], at[2])] != 0 && corners_inside(at, 1) == 8;
   }
-  [[nodiscard]] std::size_t corners_inside(const Point& at, std::size_t size) const {
+  [[nodiscard]] std::size_t corners_inside(const GridIndex& at, std::size_t size) const {
     std::size_t count = 0;
     for (std::size_t c = 0; c < 8; ++c) count += inside_[corner(at, size, c)];
     return count;
   }
-  [[nodiscard]] std::size_t corner(const Point& at, std::size_t size, std::size_t c) const {
+  [[nodiscard]] std::size_t corner(const GridIndex& at, std::size_t size, std::size_t c) const {
     return grid_.corner_index(at[0] + size * (c & 1U), at[1] + size * (c >> 1U & 1U), at[2] + size * (c >> 2U));
   }
-  void add_corner(const Point& at, std::size_t size, std::size_t c) {
+  void add_corner(const GridIndex& at, std::size_t size, std::size_t c) {
     cells_.points_m.emplace_back(grid_.plane(0, at[0] + size * (c & 1U)), grid_.plane(1, at[1] + size * (c >> 1U & 1U)),
                                  grid_.plane(2, at[2] + size * (c >> 2U)));
   }
 
-  void gather_block(const Point& at, std::size_t size) {
+  void gather_block(const GridIndex& at, std::size_t size) {
     if (at[0] >= grid_.cells[0] || at[1] >= grid_.cells[1] || at[2] >= grid_.cells[2]) return;
     if (size == 1) return gather_cell(at);
     bool all = at[0] + size <= grid_.cells[0] && at[1] + size <= grid_.cells[1] && at[2] + size <= grid_.cells[2];
@@ -261,7 +261,7 @@ class CellGatherer {
       gather_block({at[0] + half * (c & 1U), at[1] + half * (c >> 1U & 1U), at[2] + half * (c >> 2U)}, half);
   }
 
-  void gather_cell(const Point& at) {
+  void gather_cell(const GridIndex& at) {
     const std::size_t cell = grid_.cell_index(at[0], at[1], at[2]);
     const std::size_t in = corners_inside(at, 1);
     // Around holes of an open mesh the inside may end where there is no triangle; then all of the cell counts.

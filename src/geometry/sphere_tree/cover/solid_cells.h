@@ -12,15 +12,15 @@
 
 namespace poise::geometry {
 
-/// A solid cut into small pieces by a regular grid. Each atom is a set of points whose convex hull holds all of the
+/// A solid cut into small pieces by a regular grid. Each cell is a set of points whose convex hull holds all of the
 /// solid that lies in one grid cell: the corners of the triangles clipped to the cell, and those corners of the cell
 /// that are inside. (An extreme point of "solid within cell" lies on the surface, hence on a clipped triangle, or is a
-/// corner of the cell.) So a ball that holds the points of an atom holds that part of the solid, and balls that hold
-/// all atoms hold all of it.
+/// corner of the cell.) So a ball that holds the points of a cell holds that part of the solid, and balls that hold
+/// all cells hold all of it.
 struct SolidCells {
   std::vector<Vec3> points_m;
-  std::vector<std::size_t> begin;  ///< first point of each atom, then the number of points
-  std::vector<Vec3> middle_m;      ///< mean of each atom's points
+  std::vector<std::size_t> begin;  ///< first point of each cell, then the number of points
+  std::vector<Vec3> middle_m;      ///< mean of each cell's points
 
   [[nodiscard]] std::size_t size() const { return middle_m.size(); }
   [[nodiscard]] std::span<const Vec3> points_of(std::size_t cell) const {
@@ -28,8 +28,8 @@ struct SolidCells {
   }
 };
 
-/// Cuts a mesh into about `target` atoms (fewer for a thin shape whose box would need too many cells). Blocks of cells
-/// that are wholly inside are one atom. Of an open mesh a cell with a corner inside takes all of its corners. The
+/// Cuts a mesh into about `target` cells (fewer for a thin shape whose box would need too many cells). Blocks of cells
+/// that are wholly inside are one cell. Of an open mesh a cell with a corner inside takes all of its corners. The
 /// result does not depend on the executor.
 SolidCells cut_into_cells(const TriangleMesh& mesh, const TriangleBvh& bvh, std::size_t target,
                           parallel::Executor& executor);

@@ -11,7 +11,7 @@ namespace {
 // Chosen by trying them: tighter ones take longer, see docs/sphere-trees.md.
 constexpr double kMaxWithin = 0.02;
 constexpr double kMeanWithin = 0.05;
-constexpr std::size_t kMaxPoints = 6000;
+constexpr std::size_t kMaxPatches = 6000;
 constexpr int kMostRounds = 24;
 /// Patches are not cut below this angle from middle to corner; 1e-5 of the radius.
 constexpr double kSmallestReach_rad = 1e-5;
@@ -26,12 +26,12 @@ struct Cap {
 
 /// A spherical triangle of directions from the sphere's centre, smaller than an octant, and what is known of the
 /// distance there.
-struct ManifoldPoint {
+struct SurfacePatch {
   std::array<Vec3, 3> corners;
   Vec3 middle;
   double cos_reach = 1;       ///< cosine of the angle from the middle to the farthest corner
   double area = 0;            ///< in steradians
-  std::size_t first_cap = 0;  ///< caps that it meets, in PatchSet::met_
+  std::size_t first_cap = 0;  ///< caps that it meets, in ManifoldPoints::met_
   std::size_t cap_count = 0;  ///< none: all of it is exposed
   double max_m = 0;           ///< the distance is nowhere larger
   double mean_m = 0;          ///< nor its mean over the patch, nor over any part of it where the patch meets a cap
@@ -42,7 +42,7 @@ struct ManifoldPoint {
 
 /// Largest x . way over a patch, at least. A direction of the patch is a sum of shares of the corners, divided by a
 /// length from cos_reach to 1.
-double most_along(const ManifoldPoint& patch, const Vec3& way) {
+double most_along(const SurfacePatch& patch, const Vec3& way) {
   const double most = std::max({patch.corners[0].dot(way), patch.corners[1].dot(way), patch.corners[2].dot(way)});
   return most > 0 ? most / patch.cos_reach : most;
 }
@@ -86,14 +86,14 @@ class ManifoldPoints {
   }
 
   SphereProtrusion refine() {
-    for (int round = 0; round < kMostRounds && points_.size() < kMaxPoints; ++round) {
+    for (int round = 0; round < kMostRounds && patches_.size() < kMaxPatches; ++round) {
       const std::vector<std::uint8_t> chosen = choose();
       if (std::ranges::find(chosen, 1) == chosen.end()) break;
-      const std::vector<ManifoldPoint> old = std::move(points_);
-      points_.clear();
+      const std::vector<SurfacePatch> old = std::move(patches_);
+      patches_.clear();
       for (std::size_t i = 0; i < old.size(); ++i) {
         if (chosen[i] == 0) {
-          points_.push_back(old[i]);
+          patches_.push_back(old[i]);
         } else {
           cut(old[i].corners, 1, old[i].first_cap, old[i].cap_count, old[i].piece);
         }
@@ -133,7 +133,7 @@ class ManifoldPoints {
     cut({a, b, c}, times - 1, first_cap, cap_count, guess);
   }
 
-  [[nodiscard]] bool exposed(const ManifoldPoint& patch, const Vec3& direction) const {
+  [[nodiscard]] bool exposed(const SurfacePatch& patch, const Vec3& direction) const {
     for (std::size_t i = patch.first_cap; i < patch.first_cap + patch.cap_count; ++i) {
       const Cap& cap = caps_[met_[i]];
       if (direction.dot(cap.axis) > cap.cosine) return false;
@@ -143,7 +143,7 @@ class ManifoldPoints {
 
   /// Whether all of a patch is in a cap. A cap up to half a sphere is convex; for a larger one the circle around the
   /// patch is asked.
-  static bool hidden_by(const Cap& cap, const ManifoldPoint& patch) {
+  static bool hidden_by(const Cap& cap, const SurfacePatch& patch) {
     if (cap.cosine >= 0) {
       return std::ranges::all_of(patch.corners, [&](const Vec3& corner) { return corner.dot(cap.axis) > cap.cosine; });
     }
@@ -155,7 +155,7 @@ class ManifoldPoints {
   }
 
   void add(const std::array<Vec3, 3>& corners, std::size_t first_cap, std::size_t cap_count, std::uint32_t guess) {
-    ManifoldPoint patch;
+    SurfacePatch patch;
     patch.corners = corners;
     patch.middle = (corners[0] + corners[1] + corners[2]).normalized();
     patch.cos_reach =
@@ -175,10 +175,10 @@ class ManifoldPoints {
     patch.area = solid_angle(corners);
     bound(patch, guess);
     if (patch.exposed_seen) seen_m_ = std::max(seen_m_, patch.seen_m);
-    points_.push_back(patch);
+    patches_.push_back(patch);
   }
 
-  void bound(ManifoldPoint& patch, std::uint32_t guess) const {
+  void bound(SurfacePatch& patch, std::uint32_t guess) const {
     Vec3 at = patch.middle;
     patch.exposed_seen = exposed(patch, at);
     for (std::size_t i = 0; i < 3 && !patch.exposed_seen; ++i) {
@@ -208,7 +208,7 @@ class ManifoldPoints {
   /// The distance to a convex piece is convex: over the flat triangle of the corners it is at most what lies linearly
   /// between theirs, and the sphere is within the sagitta of that. Seen from the centre, the flat triangle has its
   /// weights within cos_reach^3.
-  void bound_by_piece(ManifoldPoint& patch) const {
+  void bound_by_piece(SurfacePatch& patch) const {
     double most = 0;
     double least = std::numeric_limits<double>::infinity();
     double sum = 0;
@@ -226,7 +226,7 @@ class ManifoldPoints {
 
   [[nodiscard]] double largest_bound() const {
     double largest_m = 0;
-    for (const ManifoldPoint& patch : points_) largest_m = std::max(largest_m, patch.max_m);
+    for (const SurfacePatch& patch : patches_) largest_m = std::max(largest_m, patch.max_m);
     return largest_m;
   }
 
@@ -236,7 +236,7 @@ class ManifoldPoints {
     std::vector<std::pair<double, double>> partly;  // mean, area
     double sum = 0;
     double area = 0;
-    for (const ManifoldPoint& patch : points_) {
+    for (const SurfacePatch& patch : patches_) {
       if (patch.cap_count > 0) {
         partly.emplace_back(patch.mean_m, patch.area);
       } else {
@@ -255,14 +255,14 @@ class ManifoldPoints {
 
   /// Which patches are to be cut next: 1 for those.
   [[nodiscard]] std::vector<std::uint8_t> choose() const {
-    std::vector<std::uint8_t> chosen(points_.size(), 0);
+    std::vector<std::uint8_t> chosen(patches_.size(), 0);
     const double smallest_cosine = std::cos(kSmallestReach_rad);
     const double enough_m = std::max(seen_m_ * (1 + kMaxWithin), seen_m_ + tolerance_m_);
     // Those with the largest bounds first: they may show a distance that settles the others.
     const double from_m = enough_m + 0.3 * std::max(0.0, largest_bound() - enough_m);
     double sum = 0;
     double area = 0;
-    for (const ManifoldPoint& patch : points_) {
+    for (const SurfacePatch& patch : patches_) {
       const double share = patch.area * (patch.cap_count == 0 ? 1.0 : patch.exposed_seen ? 0.5 : 0.0);
       sum += patch.seen_m * share;
       area += share;
@@ -271,8 +271,8 @@ class ManifoldPoints {
     std::vector<std::pair<double, std::size_t>>
         gaps;  // how much a patch may add to the mean's error, negative so that the largest comes first
     double gap_sum = 0;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const ManifoldPoint& patch = points_[i];
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+      const SurfacePatch& patch = patches_[i];
       if (patch.cos_reach > smallest_cosine) continue;
       if (patch.max_m > enough_m && patch.max_m >= from_m) chosen[i] = 1;
       double gap = patch.mean_m - patch.seen_m;
@@ -300,7 +300,7 @@ class ManifoldPoints {
   double seen_m_ = 0;
   std::vector<Cap> caps_;
   std::vector<std::uint32_t> met_;
-  std::vector<ManifoldPoint> points_;
+  std::vector<SurfacePatch> patches_;
 };
 
 }  // namespace

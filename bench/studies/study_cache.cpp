@@ -42,15 +42,15 @@ struct TimedCache {
 
 }  // namespace
 
-int study_kept(const StudyTimingOptions& o) {
-  const auto refuse_kept = [](const Error& error) {
-    fmt::print(stderr, "poise study kept: {}\n", error.message);
+int study_cache(const StudyTimingOptions& o) {
+  const auto refuse_cache = [](const Error& error) {
+    fmt::print(stderr, "poise study cache: {}\n", error.message);
     return exit_code_of(error);
   };
   const Status sound = check_timing_options(o);
-  if (!sound) return refuse_kept(sound.error());
+  if (!sound) return refuse_cache(sound.error());
   const Status writable = can_write({o.json, o.markdown});
-  if (!writable) return refuse_kept(writable.error());
+  if (!writable) return refuse_cache(writable.error());
   const parallel::Interrupt interrupt;
   io::CacheDocument document;
   document.scene = o.scene;
@@ -58,38 +58,38 @@ int study_kept(const StudyTimingOptions& o) {
   const std::uint64_t settle = o.settle.value_or(1300);
   const std::uint64_t total = settle + kEvery * o.frames.value_or(40);
   Result<SceneRun> run = timed_scene(o, document.bodies, static_cast<int>(o.threads.value_or(0)));
-  if (!run) return refuse_kept(run.error());
-  TimedCache kept;
+  if (!run) return refuse_cache(run.error());
+  TimedCache cached;
   TimedCache anew;
   Progress progress(!o.quiet);
   for (std::uint64_t frame = 0; frame < total; ++frame) {
-    if (interrupt.asked()) return refuse_kept({ErrorKind::Cancelled, "stopped by Ctrl-C"});
+    if (interrupt.asked()) return refuse_cache({ErrorKind::Cancelled, "stopped by Ctrl-C"});
     progress.share(fmt::format("{} bodies", document.bodies), static_cast<double>(frame) / static_cast<double>(total));
     Status ready = run.value().before_frame(frame);
     const bool forgets = frame >= settle && frame % kEvery == 0;
     if (ready && forgets) ready = forget_pairs(run.value());
-    if (!ready) return refuse_kept(ready.error());
+    if (!ready) return refuse_cache(ready.error());
     StepInput input;
     input.dt_s = kCacheStepS;
     const FrameReport report = run.value().world().step(input);
     if (report.status != StepStatus::Done)
-      return refuse_kept(bad_input("the step was refused: its input is out of range"));
-    if (frame >= settle) (forgets ? anew : kept).add(report);
+      return refuse_cache(bad_input("the step was refused: its input is out of range"));
+    if (frame >= settle) (forgets ? anew : cached).add(report);
   }
   progress.end();
   const auto row = [&](const char* stage, const std::vector<double>& with, const std::vector<double>& without) {
     document.rows.push_back({stage, simulation::percentile(with, 0.5), simulation::percentile(without, 0.5)});
   };
-  for (std::size_t i = 0; i < kStages.size(); ++i) row(kStages[i].name, kept.stage_ms[i], anew.stage_ms[i]);
-  row("coarse and refine", kept.finding_ms, anew.finding_ms);
-  row("all of these", kept.all_ms, anew.all_ms);
-  document.frames_retained = kept.all_ms.size();
+  for (std::size_t i = 0; i < kStages.size(); ++i) row(kStages[i].name, cached.stage_ms[i], anew.stage_ms[i]);
+  row("coarse and refine", cached.finding_ms, anew.finding_ms);
+  row("all of these", cached.all_ms, anew.all_ms);
+  document.frames_retained = cached.all_ms.size();
   document.frames_anew = anew.all_ms.size();
-  document.cached_pairs = simulation::percentile(kept.cached_pairs, 0.5);
-  document.levels_retained = simulation::percentile(kept.levels, 0.5);
+  document.cached_pairs = simulation::percentile(cached.cached_pairs, 0.5);
+  document.levels_retained = simulation::percentile(cached.levels, 0.5);
   document.levels_anew = simulation::percentile(anew.levels, 0.5);
   document.by = measured_by(o, run.value().world().threads());
-  return write_timing(o, "kept", io::cache_json(document), io::cache_markdown(document));
+  return write_timing(o, "cache", io::cache_json(document), io::cache_markdown(document));
 }
 
 }  // namespace poise::app
