@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -30,13 +31,14 @@ struct FrontSegment {
 };
 
 /// Room for the fronts that one worker makes in one frame. Invariant: entries and segments that were handed out stay
-/// where they are until clear(). Written by its worker alone; what it published may be read by any. The memory is taken
-/// once and never grows: pages that no front ever reached cost nothing.
+/// where they are until clear(). Written by its worker alone; what it published may be read by any. The address space
+/// is taken once and never grows; nothing is written into it before a front needs it, so that pages which no front ever
+/// reached cost no memory.
 class FrontPool {
  public:
   explicit FrontPool(std::uint32_t max_entries)
-      : entries_(new FrontEntry[max_entries]),
-        segments_(new FrontSegment[max_entries / kEntriesPerSegment + 1]),
+      : entry_bytes_(new std::byte[sizeof(FrontEntry) * max_entries]),
+        segment_bytes_(new std::byte[sizeof(FrontSegment) * (max_entries / kEntriesPerSegment + 1)]),
         max_entries_(max_entries),
         max_segments_(max_entries / kEntriesPerSegment + 1) {}
 
@@ -44,11 +46,11 @@ class FrontPool {
   /// Where the next segment's entries may be written.
   [[nodiscard]] std::span<FrontEntry> room() {
     if (segment_count_ == max_segments_) return {};
-    return {entries_.get() + entry_count_, max_entries_ - entry_count_};
+    return {entries() + entry_count_, max_entries_ - entry_count_};
   }
   /// Keeps the first `count` entries of room() as a segment; the index of it.
   std::uint32_t keep(std::uint32_t count) {
-    segments_[segment_count_] = {entry_count_, count, {}};
+    segments()[segment_count_] = {entry_count_, count, {}};
     entry_count_ += count;
     return segment_count_++;
   }
@@ -61,16 +63,19 @@ class FrontPool {
     entry_count_ = mark.entries;
     segment_count_ = mark.segments;
   }
-  [[nodiscard]] FrontSegment& segment(std::uint32_t index) { return segments_[index]; }
-  [[nodiscard]] const FrontSegment& segment(std::uint32_t index) const { return segments_[index]; }
+  [[nodiscard]] FrontSegment& segment(std::uint32_t index) { return segments()[index]; }
+  [[nodiscard]] const FrontSegment& segment(std::uint32_t index) const { return segments()[index]; }
   [[nodiscard]] std::span<const FrontEntry> entries(const FrontSegment& segment) const {
-    return {entries_.get() + segment.begin, segment.count};
+    return {entries() + segment.begin, segment.count};
   }
 
  private:
   static constexpr std::uint32_t kEntriesPerSegment = 4;  // jobs of a few entries are the rule
-  std::unique_ptr<FrontEntry[]> entries_;
-  std::unique_ptr<FrontSegment[]> segments_;
+  // Both are aggregates that need no destructor: they begin to live with the bytes (C++20, implicit-lifetime types).
+  [[nodiscard]] FrontEntry* entries() const { return reinterpret_cast<FrontEntry*>(entry_bytes_.get()); }
+  [[nodiscard]] FrontSegment* segments() const { return reinterpret_cast<FrontSegment*>(segment_bytes_.get()); }
+  std::unique_ptr<std::byte[]> entry_bytes_;
+  std::unique_ptr<std::byte[]> segment_bytes_;
   std::uint32_t max_entries_, max_segments_;
   std::uint32_t entry_count_ = 0;
   std::uint32_t segment_count_ = 0;
