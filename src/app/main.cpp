@@ -11,6 +11,7 @@
 #include "app/run/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
+#include "app/suggestions.h"
 #include "app/tree/tree_command.h"
 #include "build_info.h"
 #include "studies/study_command.h"
@@ -35,6 +36,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& stop) {
     // Help and the version end here too, with 0; every mistake is bad usage.
     const int code = app.exit(stop);
+    if (dynamic_cast<const CLI::ExtrasError*>(&stop) != nullptr)
+      std::fputs(poise::app::argument_hints(app).c_str(), stderr);
     if (code != 0) return poise::app::kExitBadUsage;
     return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
   }
