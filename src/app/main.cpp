@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/check/check_command.h"
 #include "app/exit_codes.h"
 #include "app/replay/replay_command.h"
 #include "app/run/run_command.h"
@@ -26,6 +27,7 @@ int run(int argc, char** argv) {
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
   poise::app::add_run_command(app, exit_code);
+  poise::app::add_check_command(app, exit_code);
   poise::app::add_replay_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
