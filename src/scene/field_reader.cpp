@@ -78,6 +78,7 @@ std::optional<Error> Problems::first() const {
 }
 
 std::string Problems::suggest(std::string_view name, const std::vector<std::string_view>& names) {
+  if (!suggests()) return {};
   const std::string_view near = nearest_name(name, names, &letters_left_);
   return near.empty() ? std::string() : fmt::format("; did you mean {}?", in_quotes(near));
 }

@@ -18,19 +18,25 @@ constexpr Range kDeadline{0, 1e6, true};
 constexpr Range kHostWork{0, 1e6, false};
 constexpr Range kAlpha{1e-5, 0.5, false};
 
+/// The place in `list` of what `value` names. A list of all names is made only for a suggestion that is worked out.
+template <class Named>
 void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
-               const std::vector<std::string_view>& names, std::size_t& target) {
+               const std::vector<Named>& list, std::size_t& target) {
   if (value.kind != JsonValue::Kind::String) {
     problems.refuse(path, value, fmt::format("must be the name of a {}", what));
     return;
   }
   // Without any names their list was refused already.
-  if (names.empty()) return;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == value.text) {
+  if (list.empty()) return;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].name == value.text) {
       target = i;
       return;
     }
+  }
+  std::vector<std::string_view> names;
+  if (problems.suggests()) {
+    for (const Named& named : list) names.emplace_back(named.name);
   }
   problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, problems.suggest(value.text, names)));
 }
@@ -150,17 +156,13 @@ bool is_plane(const Scene& scene, std::size_t shape) {
 
 void read_shape_name(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene,
                      std::size_t& target) {
-  std::vector<std::string_view> names;
-  for (const SceneShape& shape : scene.shapes) names.emplace_back(shape.name);
-  read_name(value, path, problems, "shape", names, target);
+  read_name(value, path, problems, "shape", scene.shapes, target);
 }
 
 void read_material_name(const ObjectReader& reader, const Scene& scene, std::size_t& target) {
   const JsonValue* value = reader.require("material");
   if (value == nullptr) return;
-  std::vector<std::string_view> names;
-  for (const SceneMaterial& material : scene.materials) names.emplace_back(material.name);
-  read_name(*value, reader.path("material"), reader.problems(), "material", names, target);
+  read_name(*value, reader.path("material"), reader.problems(), "material", scene.materials, target);
 }
 
 }  // namespace io
