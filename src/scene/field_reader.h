@@ -33,9 +33,9 @@ class Problems {
   [[nodiscard]] std::size_t count() const { return count_; }
   /// `; did you mean "x"?` or nothing. All suggestions of a file together compare at most some 30 million letters, so
   /// that thousands of wrong names are told in a second; later ones get no suggestion.
+  std::string suggest(std::string_view name, const std::vector<std::string_view>& names);
   /// Whether there is work left for suggestions: enough for one pair of the longest names that are compared.
   [[nodiscard]] bool suggests() const { return letters_left_ > 100 * 100; }
-  std::string suggest(std::string_view name, const std::vector<std::string_view>& names);
 
  private:
   void keep(std::string message);
