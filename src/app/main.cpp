@@ -7,12 +7,14 @@
 #include <exception>
 #include <string_view>
 
+#include "app/check/check_command.h"
 #include "app/exit_codes.h"
 #include "app/replay/replay_command.h"
 #include "app/run/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
 #include "app/study_command.h"
+#include "app/suggestions.h"
 #include "app/tree/tree_command.h"
 #include "scene/made_by.h"
 
@@ -27,6 +29,7 @@ int run(int argc, char** argv) {
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
   poise::app::add_run_command(app, exit_code);
+  poise::app::add_check_command(app, exit_code);
   poise::app::add_replay_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
@@ -37,6 +40,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& stop) {
     // Help and the version end here too, with 0; every mistake is bad usage.
     const int code = app.exit(stop);
+    if (dynamic_cast<const CLI::ExtrasError*>(&stop) != nullptr)
+      std::fputs(poise::app::argument_hints(app).c_str(), stderr);
     if (code != 0) return poise::app::kExitBadUsage;
     return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
   }

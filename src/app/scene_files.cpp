@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <system_error>
+
+#include "scene/field_reader.h"
 
 namespace poise::app {
 namespace {
@@ -36,12 +39,16 @@ std::vector<std::filesystem::path> shipped_scenes() {
 Result<std::filesystem::path> find_scene(const std::string& scene) {
   const bool is_name = scene.find('/') == std::string::npos && scene.find('.') == std::string::npos;
   if (!is_name) return std::filesystem::path(scene);
-  std::string names;
+  std::string listed;
+  std::vector<std::string> names;
   for (const std::filesystem::path& file : shipped_scenes()) {
     if (file.stem() == scene) return file;
-    names += (names.empty() ? "" : ", ") + file.stem().string();
+    names.push_back(file.stem().string());
+    listed += (listed.empty() ? "" : ", ") + names.back();
   }
-  return bad_input(scene + ": no scene of this name ships (" + names + "); a file needs a path such as ./" + scene);
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  return bad_input(scene + ": no scene of this name ships (" + listed + "); a file needs a path such as ./" + scene +
+                   io::suggestion(scene, views));
 }
 
 }  // namespace poise::app

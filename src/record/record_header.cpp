@@ -31,16 +31,6 @@ struct ExecutorName {
 };
 constexpr std::array kExecutors{ExecutorName{"tbb", ExecutorKind::Tbb}, ExecutorName{"threads", ExecutorKind::Threads},
                                 ExecutorName{"serial", ExecutorKind::Serial}, ExecutorName{"host", ExecutorKind::Host}};
-struct WeightName {
-  const char* name;
-  double scheduler::Policy::*weight;
-};
-constexpr std::array kWeights{WeightName{"frustum", &scheduler::Policy::frustum},
-                              WeightName{"size", &scheduler::Policy::size},
-                              WeightName{"eccentricity", &scheduler::Policy::eccentricity},
-                              WeightName{"closing", &scheduler::Policy::closing},
-                              WeightName{"waiting", &scheduler::Policy::waiting},
-                              WeightName{"importance", &scheduler::Policy::importance}};
 
 Json optional_number(const std::optional<std::uint64_t>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -63,7 +53,12 @@ Json world_json(const WorldSettings& world) {
   for (const PolicyName& named : kPolicies) {
     if (named.kind == world.policy.kind) json["policy"] = named.name;
   }
-  for (const WeightName& named : kWeights) json["weights"][named.name] = world.policy.*named.weight;
+  for (const scheduler::PolicyField& field : scheduler::policy_weights())
+    json["weights"][std::string(field.name)] = world.policy.*field.value;
+  for (const scheduler::PolicyField& field : scheduler::policy_parameters())
+    json["parameters"][std::string(field.name)] = world.policy.*field.value;
+  for (const scheduler::PolicyCount& field : scheduler::policy_counts())
+    json["parameters"][std::string(field.name)] = world.policy.*field.value;
   for (const ExecutorName& named : kExecutors) {
     if (named.kind == world.executor) json["executor"] = named.name;
   }
@@ -133,10 +128,34 @@ void read_shape(const JsonValue& value, const std::string& path, Problems& probl
   }
 }
 
+/// Records of before the parameters have only the first six weights; what is missing has its default, with which they
+/// ran.
+void read_policy(const ObjectReader& world, scheduler::Policy& policy) {
+  std::vector<std::string_view> weights, parameters;
+  for (const scheduler::PolicyField& field : scheduler::policy_weights()) weights.push_back(field.name);
+  for (const scheduler::PolicyField& field : scheduler::policy_parameters()) parameters.push_back(field.name);
+  for (const scheduler::PolicyCount& field : scheduler::policy_counts()) parameters.push_back(field.name);
+  if (const JsonValue* value = world.require("weights")) {
+    const ObjectReader each(*value, world.path("weights"), world.problems(), weights);
+    for (const scheduler::PolicyField& field : scheduler::policy_weights())
+      each.number(field.name, Range{field.least, field.most, false}, policy.*field.value);
+  }
+  if (const JsonValue* value = world.find("parameters")) {
+    const ObjectReader each(*value, world.path("parameters"), world.problems(), parameters);
+    for (const scheduler::PolicyField& field : scheduler::policy_parameters())
+      each.number(field.name, Range{field.least, field.most, false}, policy.*field.value);
+    for (const scheduler::PolicyCount& field : scheduler::policy_counts()) {
+      std::uint64_t count = policy.*field.value;
+      each.whole(field.name, field.least, field.most, count);
+      policy.*field.value = static_cast<std::uint32_t>(count);
+    }
+  }
+}
+
 void read_world(const JsonValue& value, Problems& problems, WorldSettings& world) {
   const ObjectReader reader(value, "world", problems,
-                            {"contact", "policy", "weights", "executor", "threads", "sleeping", "substeps",
-                             "max_partners", "max_front_entries"});
+                            {"contact", "policy", "weights", "parameters", "executor", "threads", "sleeping",
+                             "substeps", "max_partners", "max_front_entries"});
   if (const auto* named =
           named_in(reader, "contact", std::span<const simulation::NamedContactModel>(simulation::kContactModels)))
     world.contact = named->model;
@@ -144,14 +163,7 @@ void read_world(const JsonValue& value, Problems& problems, WorldSettings& world
     world.policy.kind = named->kind;
   if (const auto* named = named_in(reader, "executor", std::span<const ExecutorName>(kExecutors)))
     world.executor = named->kind;
-  if (const JsonValue* weights = reader.require("weights")) {
-    const ObjectReader each(*weights, reader.path("weights"), problems,
-                            {"frustum", "size", "eccentricity", "closing", "waiting", "importance"});
-    for (const WeightName& named : kWeights) {
-      each.require(named.name);
-      each.number(named.name, kNotNegative, world.policy.*named.weight);
-    }
-  }
+  read_policy(reader, world.policy);
   reader.require("sleeping");
   reader.flag("sleeping", world.sleeping);
   std::uint64_t threads = 1, substeps = 1, partners = 1, entries = 64;

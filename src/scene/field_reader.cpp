@@ -10,37 +10,45 @@
 namespace poise::io {
 namespace {
 
-/// Levenshtein's distance with one row of memory.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
+/// Levenshtein's distance with one row of memory, or `limit` where it is not below that.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = row[0];
     row[0] = i + 1;
+    std::size_t least = row[0];
     for (std::size_t j = 0; j < b.size(); ++j) {
       const std::size_t above = row[j + 1];
       row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0U : 1U)});
       diagonal = above;
+      least = std::min(least, row[j + 1]);
     }
+    // No later row is smaller than the least of this one.
+    if (least >= limit) return limit;
   }
-  return row.back();
+  return std::min(row.back(), limit);
 }
 
 }  // namespace
 
-std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& names) {
-  if (name.size() > 100) return {};
+std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& names,
+                              std::uint64_t* letters) {
+  if (name.empty() || name.size() > 100) return {};
   std::string_view best;
-  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  std::size_t limit = std::max<std::size_t>(1, name.size() / 3) + 1;
   for (const std::string_view candidate : names) {
     if (candidate.size() > 100) continue;
+    const std::uint64_t work = 1 + name.size() * candidate.size();
+    if (letters != nullptr && *letters < work) return {};
+    if (letters != nullptr) *letters -= work;
     // The unit left away is the commonest slip: mass for mass_kg.
-    const bool without_unit = candidate.size() > name.size() && candidate.substr(0, name.size()) == name &&
-                              candidate[name.size()] == '_' && !name.empty();
-    const std::size_t distance = without_unit ? 1 : edit_distance(name, candidate);
-    if (distance < best_distance) {
+    const bool without_unit =
+        candidate.size() > name.size() && candidate.substr(0, name.size()) == name && candidate[name.size()] == '_';
+    const std::size_t distance = without_unit ? 1 : edit_distance(name, candidate, limit);
+    if (distance < limit) {
       best = candidate;
-      best_distance = distance;
+      limit = distance;
     }
   }
   return best;
@@ -51,13 +59,36 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
   return near.empty() ? std::string() : fmt::format("; did you mean {}?", in_quotes(near));
 }
 
+std::string listed(const std::vector<std::string_view>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += i == 0 ? "" : i + 1 == names.size() ? " or " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
+void Problems::keep(std::string message) {
+  ++count_;
+  if (all_.size() < kMostProblems) all_.push_back(std::move(message));
+}
+
+std::optional<Error> Problems::first() const {
+  return all_.empty() ? std::optional<Error>() : std::optional<Error>(bad_input(all_.front()));
+}
+
+std::string Problems::suggest(std::string_view name, const std::vector<std::string_view>& names) {
+  if (!suggests()) return {};
+  const std::string_view near = nearest_name(name, names, &letters_left_);
+  return near.empty() ? std::string() : fmt::format("; did you mean {}?", in_quotes(near));
+}
+
 void Problems::refuse(const std::string& path, const JsonValue& value, const std::string& rule) {
-  if (!first_) first_ = bad_input(fmt::format("{}: {} = {}, {}", file_, path, shown(value), rule));
+  keep(fmt::format("{}: {} = {}, {}", file_, path, shown(value), rule));
 }
 
 void Problems::refuse(const std::string& path, const std::string& what) {
-  if (first_) return;
-  first_ = bad_input(path.empty() ? fmt::format("{}: {}", file_, what) : fmt::format("{}: {}: {}", file_, path, what));
+  keep(path.empty() ? fmt::format("{}: {}", file_, what) : fmt::format("{}: {}: {}", file_, path, what));
 }
 
 void read_number(const JsonValue& value, const std::string& path, Range range, Problems& problems, double& target) {
@@ -93,6 +124,10 @@ void read_vec3(const JsonValue& value, const std::string& path, Range range, Pro
 
 ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& problems,
                            std::initializer_list<std::string_view> known)
+    : ObjectReader(value, std::move(path), problems, std::vector<std::string_view>(known)) {}
+
+ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& problems,
+                           const std::vector<std::string_view>& names)
     : value_(value), path_(std::move(path)), problems_(problems) {
   if (value.kind != JsonValue::Kind::Object) {
     if (path_.empty()) {
@@ -102,10 +137,9 @@ ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& p
     }
     return;
   }
-  const std::vector<std::string_view> names(known);
   for (const std::string& key : value.keys) {
     if (std::find(names.begin(), names.end(), std::string_view(key)) == names.end()) {
-      problems_.refuse(this->path(key), "no such field" + suggestion(key, names));
+      problems_.refuse(this->path(key), "no such field" + problems_.suggest(key, names));
     }
   }
 }
@@ -116,7 +150,8 @@ const JsonValue* ObjectReader::find(std::string_view key) const {
 
 const JsonValue* ObjectReader::require(std::string_view key) const {
   const JsonValue* found = find(key);
-  if (found == nullptr) problems_.refuse(path(key), "missing, and it is required");
+  if (found == nullptr && value_.kind == JsonValue::Kind::Object)
+    problems_.refuse(path(key), "missing, and it is required");
   return found;
 }
 
@@ -167,6 +202,21 @@ void ObjectReader::pair(std::string_view key, Range range, std::array<double, 2>
   }
   for (std::size_t i = 0; i < 2; ++i) {
     read_number(found->items[i], item_path(path(key), i), range, problems_, target[i]);
+  }
+}
+
+void ObjectReader::one_of(std::string_view key, const std::vector<std::string_view>& names, std::size_t& target) const {
+  const JsonValue* found = find(key);
+  if (found == nullptr) return;
+  if (found->kind != JsonValue::Kind::String) {
+    problems_.refuse(path(key), *found, "must be a text");
+    return;
+  }
+  const auto at = std::find(names.begin(), names.end(), std::string_view(found->text));
+  if (at == names.end()) {
+    problems_.refuse(path(key), *found, "must be " + listed(names) + problems_.suggest(found->text, names));
+  } else {
+    target = static_cast<std::size_t>(at - names.begin());
   }
 }
 

@@ -15,7 +15,11 @@
 
 namespace poise::io {
 
-/// Keeps the first thing that is wrong with a file, so that reading can go on without a check after every field.
+/// Problems of one file that are kept as text; the others are counted. Chosen.
+inline constexpr std::size_t kMostProblems = 10'000;
+
+/// Collects what is wrong with a file, so that reading can go on without a check after every field. Invariant: all()
+/// holds the first kMostProblems of them in the order in which they were found.
 class Problems {
  public:
   explicit Problems(std::string file) : file_(std::move(file)) {}
@@ -23,11 +27,35 @@ class Problems {
   void refuse(const std::string& path, const JsonValue& value, const std::string& rule);
   /// `PATH: WHAT`, or `WHAT` alone for an empty path.
   void refuse(const std::string& path, const std::string& what);
-  [[nodiscard]] const std::optional<Error>& first() const { return first_; }
+  [[nodiscard]] std::optional<Error> first() const;
+  [[nodiscard]] const std::vector<std::string>& all() const { return all_; }
+  /// Of all problems, also those that are not kept.
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// `; did you mean "x"?` or nothing. All suggestions of a file together compare at most some 30 million letters, so
+  /// that thousands of wrong names are told in a second; later ones get no suggestion.
+  std::string suggest(std::string_view name, const std::vector<std::string_view>& names);
+  /// Whether there is work left for suggestions: enough for one pair of the longest names that are compared.
+  [[nodiscard]] bool suggests() const { return letters_left_ > 100 * 100; }
 
  private:
+  void keep(std::string message);
+
   std::string file_;
-  std::optional<Error> first_;
+  std::vector<std::string> all_;
+  std::size_t count_ = 0;
+  std::uint64_t letters_left_ = 30'000'000;
+};
+
+/// Whether nothing was refused since it was made: rules that join several values are looked at only where each of them
+/// is sound, so that one mistake is told once.
+class SoundSoFar {
+ public:
+  explicit SoundSoFar(const Problems& problems) : problems_(problems), before_(problems.count()) {}
+  explicit operator bool() const { return problems_.count() == before_; }
+
+ private:
+  const Problems& problems_;
+  std::size_t before_;
 };
 
 /// Range of a number; bounds belong to it unless `open_min`.
@@ -53,13 +81,15 @@ class ObjectReader {
  public:
   ObjectReader(const JsonValue& value, std::string path, Problems& problems,
                std::initializer_list<std::string_view> known);
+  ObjectReader(const JsonValue& value, std::string path, Problems& problems,
+               const std::vector<std::string_view>& known);
 
   [[nodiscard]] const JsonValue* find(std::string_view key) const;
   [[nodiscard]] bool has(std::string_view key) const { return find(key) != nullptr; }
   [[nodiscard]] std::string path(std::string_view key) const { return member_path(path_, key); }
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] Problems& problems() const { return problems_; }
-  /// Notes a problem if the member is missing.
+  /// Notes a problem if the member of an object is missing.
   const JsonValue* require(std::string_view key) const;
 
   // Each leaves the target alone where the member is missing, or refused.
@@ -70,6 +100,8 @@ class ObjectReader {
   void text(std::string_view key, std::string& target) const;
   void vec3(std::string_view key, Range range, Vec3& target) const;
   void pair(std::string_view key, Range range, std::array<double, 2>& target) const;
+  /// One of these texts; the index of it.
+  void one_of(std::string_view key, const std::vector<std::string_view>& names, std::size_t& target) const;
 
  private:
   const JsonValue& value_;
@@ -78,8 +110,14 @@ class ObjectReader {
 };
 
 /// The entry of `names` that a slip of the hand would turn into `name`, or an empty view. Ties: the first one.
-std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& names);
-/// `, did you mean "x"?` or nothing.
+/// `letters`, if given, is how many comparisons of letters it may take; what was taken is subtracted. With none left
+/// the view is empty.
+std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& names,
+                              std::uint64_t* letters = nullptr);
+/// `; did you mean "x"?` or nothing.
 std::string suggestion(std::string_view name, const std::vector<std::string_view>& names);
+
+/// `a, b or c`.
+std::string listed(const std::vector<std::string_view>& names);
 
 }  // namespace poise::io

@@ -18,19 +18,27 @@ constexpr Range kDeadline{0, 1e6, true};
 constexpr Range kHostWork{0, 1e6, false};
 constexpr Range kAlpha{1e-5, 0.5, false};
 
+/// The place in `list` of what `value` names. A list of all names is made only for a suggestion that is worked out.
+template <class Named>
 void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
-               const std::vector<std::string_view>& names, std::size_t& target) {
+               const std::vector<Named>& list, std::size_t& target) {
   if (value.kind != JsonValue::Kind::String) {
     problems.refuse(path, value, fmt::format("must be the name of a {}", what));
     return;
   }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == value.text) {
+  // Without any names their list was refused already.
+  if (list.empty()) return;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].name == value.text) {
       target = i;
       return;
     }
   }
-  problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, suggestion(value.text, names)));
+  std::vector<std::string_view> names;
+  if (problems.suggests()) {
+    for (const Named& named : list) names.emplace_back(named.name);
+  }
+  problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, problems.suggest(value.text, names)));
 }
 
 void parse_frame(const ObjectReader& top, Scene& scene) {
@@ -59,10 +67,11 @@ void parse_frame(const ObjectReader& top, Scene& scene) {
 
 void parse_host_work(const JsonValue& value, Problems& problems, Scene& scene) {
   const ObjectReader reader(value, "host_work", problems, {"load_ms", "jitter_ms", "reserve_ms"});
+  const SoundSoFar sound(problems);
   SceneHostWork work;
   reader.number("load_ms", kHostWork, work.load_ms);
   reader.number("jitter_ms", kHostWork, work.jitter_ms);
-  if (work.jitter_ms > work.load_ms)
+  if (sound && work.jitter_ms > work.load_ms)
     problems.refuse("host_work.jitter_ms", *reader.find("jitter_ms"), "must be at most load_ms");
   if (reader.has("reserve_ms")) {
     double reserve_ms = 0;
@@ -79,7 +88,8 @@ void parse_max_level(const ObjectReader& top, Scene& scene) {
     scene.polygons = value->text == "polygons";
     if (!scene.polygons) {
       top.problems().refuse("max_level", *value,
-                            fmt::format("must be a whole number from 0 to {}, or \"polygons\"", kMaxTreeDepth));
+                            fmt::format("must be a whole number from 0 to {}, or \"polygons\"{}", kMaxTreeDepth,
+                                        top.problems().suggest(value->text, {"polygons"})));
     }
     return;
   }
@@ -91,6 +101,7 @@ void parse_max_level(const ObjectReader& top, Scene& scene) {
 void parse_gaze(const ObjectReader& top, Scene& scene) {
   const JsonValue* value = top.find("gaze_px");
   if (value == nullptr) return;
+  const SoundSoFar sound(top.problems());
   std::array<double, 2> gaze{};
   top.pair("gaze_px", kNotNegative, gaze);
   scene.gaze_px = gaze;
@@ -98,6 +109,7 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
     top.problems().refuse("gaze_px", *value, "needs a camera");
     return;
   }
+  if (!sound) return;
   const std::array<double, 2>& size = scene.camera->resolution_px;
   if (gaze[0] > size[0] || gaze[1] > size[1]) {
     top.problems().refuse("gaze_px", *value,
@@ -122,12 +134,11 @@ void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   parse_gaze(top, scene);
   if (const JsonValue* value = top.require("materials")) parse_materials(*value, problems, scene);
   if (const JsonValue* value = top.require("shapes")) parse_shapes(*value, problems, scene);
-  // A body that names a refused shape would be told about a second, made-up mistake.
-  if (problems.first()) return;
+  const SoundSoFar sound(problems);
   if (const JsonValue* value = top.find("bodies")) parse_bodies(*value, problems, scene);
   if (const JsonValue* value = top.find("tray")) parse_tray(*value, problems, scene);
   if (const JsonValue* value = top.find("generators")) parse_generators(*value, problems, scene);
-  if (scene.bodies.empty() && scene.generators.empty()) {
+  if (sound && scene.bodies.empty() && scene.generators.empty()) {
     problems.refuse("", "bodies and generators are both empty or missing, at least one body or generator is required");
   }
   const std::uint64_t generated = generated_body_count(scene);
@@ -145,31 +156,37 @@ bool is_plane(const Scene& scene, std::size_t shape) {
 
 void read_shape_name(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene,
                      std::size_t& target) {
-  std::vector<std::string_view> names;
-  for (const SceneShape& shape : scene.shapes) names.emplace_back(shape.name);
-  read_name(value, path, problems, "shape", names, target);
+  read_name(value, path, problems, "shape", scene.shapes, target);
 }
 
 void read_material_name(const ObjectReader& reader, const Scene& scene, std::size_t& target) {
   const JsonValue* value = reader.require("material");
   if (value == nullptr) return;
-  std::vector<std::string_view> names;
-  for (const SceneMaterial& material : scene.materials) names.emplace_back(material.name);
-  read_name(*value, reader.path("material"), reader.problems(), "material", names, target);
+  read_name(*value, reader.path("material"), reader.problems(), "material", scene.materials, target);
 }
 
 }  // namespace io
 
-Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base) {
+Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base,
+                          std::vector<std::string>* errors) {
+  if (errors != nullptr) errors->clear();
   Result<io::JsonValue> root = io::parse_json(text, name);
-  if (!root) return root.error();
+  if (!root) {
+    if (errors != nullptr) errors->push_back(root.error().message);
+    return root.error();
+  }
   Scene scene;
   scene.source = name;
   scene.base = base;
   io::Problems problems(name);
   io::parse_top(root.value(), problems, scene);
-  if (problems.first()) return *problems.first();
-  return scene;
+  if (problems.count() == 0) return scene;
+  if (errors != nullptr) {
+    *errors = problems.all();
+    if (problems.count() > errors->size())
+      errors->push_back(fmt::format("{}: and {} more", name, problems.count() - errors->size()));
+  }
+  return *problems.first();
 }
 
 Result<std::string> io::read_scene_text(const std::filesystem::path& file) {
@@ -178,8 +195,15 @@ Result<std::string> io::read_scene_text(const std::filesystem::path& file) {
   const std::filesystem::file_status status = std::filesystem::status(file, failure);
   if (!std::filesystem::exists(status)) return bad_input(name + ": no such file");
   if (std::filesystem::is_directory(status)) return bad_input(name + ": is a directory, must be a scene file");
+  // Opening a pipe waits until somebody writes, and some devices never end.
+  if (!std::filesystem::is_regular_file(status))
+    return bad_input(name + ": is a pipe or a device, must be a file; SCENE - reads the standard input");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return bad_input(name + ": cannot be opened for reading");
+  return read_scene_stream(stream, name);
+}
+
+Result<std::string> io::read_scene_stream(std::istream& stream, const std::string& name) {
   std::string text;
   std::vector<char> block(1U << 16U);
   while (stream.good()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <istream>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,11 @@
 
 namespace poise::io {
 
-/// The text of a scene file, as read_scene reads it. Refused with the file: one that is not there, empty or too large.
+/// The text of a scene file, as read_scene reads it. Refused with the file: one that is not there, a pipe or a device,
+/// empty or too large.
 Result<std::string> read_scene_text(const std::filesystem::path& file);
+/// The same from a stream, read to its end; `name` stands in the messages.
+Result<std::string> read_scene_stream(std::istream& stream, const std::string& name);
 
 /// The parts of a scene file, each from its own JSON value. Problems are noted, never thrown.
 void parse_materials(const JsonValue& value, Problems& problems, Scene& scene);

@@ -22,6 +22,7 @@ void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& k
     problems.refuse(reader.path(), "must have either shape or shapes");
     return;
   }
+  const SoundSoFar sound(problems);
   if (one != nullptr) {
     kind.shapes.resize(1);
     read_shape_name(*one, reader.path("shape"), problems, scene, kind.shapes[0]);
@@ -34,16 +35,14 @@ void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& k
     }
   }
   for (const std::size_t shape : kind.shapes) {
-    if (is_plane(scene, shape)) {
+    if (sound && is_plane(scene, shape)) {
       problems.refuse(reader.path(),
                       fmt::format("shape {} is a plane, must be a solid", in_quotes(scene.shapes[shape].name)));
     }
   }
-  std::string mix = "cycle";
-  reader.text("mix", mix);
-  kind.mix_by_seed = mix == "seed";
-  if (mix != "cycle" && mix != "seed")
-    problems.refuse(reader.path("mix"), *reader.find("mix"), "must be cycle or seed");
+  std::size_t mix = 0;
+  reader.one_of("mix", {"cycle", "seed"}, mix);
+  kind.mix_by_seed = mix == 1;
   read_material_name(reader, scene, kind.material);
   reader.flag("random_orientation", kind.random_orientation);
   reader.vec3("velocity_mps", kAnyQuantity, kind.velocity_mps);
@@ -103,6 +102,7 @@ SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Probl
 
 void parse_rate(const ObjectReader& reader, StreamGenerator& stream) {
   Problems& problems = reader.problems();
+  const SoundSoFar sound(problems);
   double per_second = 0;
   reader.require("per_second");
   reader.number("per_second", kPositive, per_second);
@@ -111,13 +111,13 @@ void parse_rate(const ObjectReader& reader, StreamGenerator& stream) {
     problems.refuse(reader.path(), "must have either to_s or total");
     return;
   }
-  if (problems.first()) return;
+  reader.whole("total", 1, kMaxSceneBodies, stream.total);
+  reader.number("to_s", kSeconds, stream.to_s);
+  if (!sound) return;
   if (reader.has("total")) {
-    reader.whole("total", 1, kMaxSceneBodies, stream.total);
     stream.to_s = stream.from_s + static_cast<double>(stream.total) / per_second;
     return;
   }
-  reader.number("to_s", kSeconds, stream.to_s);
   const double bodies = std::round(per_second * (stream.to_s - stream.from_s));
   if (!(stream.to_s > stream.from_s)) {
     problems.refuse(reader.path("to_s"), *reader.find("to_s"), "must be > from_s");
@@ -137,11 +137,12 @@ SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Pro
   if (value.kind != JsonValue::Kind::Object) return stream;
   parse_kind(reader, scene, stream.kind);
   parse_rate(reader, stream);
+  const SoundSoFar sound(problems);
   reader.require("region_min_m");
   const JsonValue* max = reader.require("region_max_m");
   reader.vec3("region_min_m", kAnyQuantity, stream.region_min_m);
   reader.vec3("region_max_m", kAnyQuantity, stream.region_max_m);
-  if (max != nullptr && (stream.region_max_m - stream.region_min_m).minCoeff() < 0) {
+  if (sound && (stream.region_max_m - stream.region_min_m).minCoeff() < 0) {
     problems.refuse(reader.path("region_max_m"), *max, "must not be below region_min_m");
   }
   return stream;
@@ -152,6 +153,8 @@ SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Pro
 void parse_tray(const JsonValue& value, Problems& problems, Scene& scene) {
   const ObjectReader reader(value, "tray", problems, {"material", "side_m", "side_per_sqrt_body_m"});
   SceneTray tray;
+  scene.tray = tray;
+  if (value.kind != JsonValue::Kind::Object) return;
   read_material_name(reader, scene, tray.material);
   if (reader.has("side_m") == reader.has("side_per_sqrt_body_m")) {
     problems.refuse("tray", "must have either side_m or side_per_sqrt_body_m");

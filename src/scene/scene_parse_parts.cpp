@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -27,10 +28,10 @@ void parse_sphere(const JsonValue& value, const std::string& path, Problems& pro
 void parse_plane(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
   const ObjectReader reader(value, path, problems, {"normal", "offset_m"});
   PlaneSource source;
+  const SoundSoFar sound(problems);
   const JsonValue* normal = reader.require("normal");
   reader.vec3("normal", kAnyQuantity, source.normal);
-  if (normal != nullptr && !(source.normal.norm() > 1e-100))
-    problems.refuse(reader.path("normal"), *normal, "must not be zero");
+  if (sound && !(source.normal.norm() > 1e-100)) problems.refuse(reader.path("normal"), *normal, "must not be zero");
   reader.number("offset_m", kAnyQuantity, source.offset_m);
   shape.source = source;
 }
@@ -51,8 +52,49 @@ void read_file(const ObjectReader& reader, std::filesystem::path& target) {
   read_file_name(reader, "file", target);
 }
 
+/// Four numbers w x y z, not all 0, normalised. A value that is refused leaves the target alone.
+void read_rotation(const ObjectReader& reader, std::string_view key, Quat& target) {
+  const JsonValue* value = reader.find(key);
+  if (value == nullptr) return;
+  const std::string path = reader.path(key);
+  if (value->kind != JsonValue::Kind::Array || value->items.size() != 4) {
+    reader.problems().refuse(path, *value, "must be a list of 4 numbers, w x y z");
+    return;
+  }
+  const SoundSoFar sound(reader.problems());
+  std::array<double, 4> wxyz{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    read_number(value->items[i], item_path(path, i), kAnyQuantity, reader.problems(), wxyz[i]);
+  }
+  if (!sound) return;
+  const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (!(given.norm() > 1e-100)) {
+    reader.problems().refuse(path, *value, "must not be zero");
+    return;
+  }
+  target = given.normalized();
+}
+
+/// How a mesh is turned before anything else is done with it.
+void parse_turn(const ObjectReader& reader, MeshSource& source) {
+  source.turned = reader.has("up") || reader.has("rotation_wxyz");
+  if (reader.has("up") && reader.has("rotation_wxyz")) {
+    reader.problems().refuse(reader.path("rotation_wxyz"), "not with up, which is a rotation too");
+    return;
+  }
+  // A quarter turn about x or y, so that the other axes stay where a person expects them.
+  constexpr double kHalf = std::numbers::sqrt2 / 2;
+  const std::array<Quat, 6> turns{Quat(kHalf, 0, -kHalf, 0), Quat(kHalf, 0, kHalf, 0), Quat(kHalf, kHalf, 0, 0),
+                                  Quat(kHalf, -kHalf, 0, 0), Quat::Identity(),         Quat(0, 1, 0, 0)};
+  std::size_t up = 4;
+  reader.one_of("up", {"x", "-x", "y", "-y", "z", "-z"}, up);
+  source.rotation = turns[up];
+  read_rotation(reader, "rotation_wxyz", source.rotation);
+}
+
 void parse_mesh(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
-  const ObjectReader reader(value, path, problems, {"file", "scale", "depth", "shell_thickness_m"});
+  const ObjectReader reader(value, path, problems,
+                            {"file", "scale", "depth", "shell_thickness_m", "up", "rotation_wxyz"});
   MeshSource source;
   read_file(reader, source.file);
   reader.number("scale", kPositive, source.scale);
@@ -60,6 +102,7 @@ void parse_mesh(const JsonValue& value, const std::string& path, Problems& probl
   reader.whole("depth", 0, kMaxTreeDepth, depth);
   source.depth = static_cast<Level>(depth);
   reader.number("shell_thickness_m", kLength, source.shell_thickness_m);
+  parse_turn(reader, source);
   shape.source = std::move(source);
 }
 
@@ -106,32 +149,13 @@ void parse_spheres(const JsonValue& value, const std::string& path, Problems& pr
 void parse_inertia(const ObjectReader& reader, BodyDefinition& body) {
   const JsonValue* value = reader.find("inertia_kgm2");
   if (value == nullptr) return;
+  const SoundSoFar sound(reader.problems());
   reader.vec3("inertia_kgm2", kMass, body.inertia_kgm2);
   const Vec3& moments = body.inertia_kgm2;
-  if (2 * moments.maxCoeff() > moments.sum()) {
+  if (sound && 2 * moments.maxCoeff() > moments.sum()) {
     reader.problems().refuse(reader.path("inertia_kgm2"), *value,
                              "must keep the triangle inequality: no moment larger than the other two together");
   }
-}
-
-void parse_orientation(const ObjectReader& reader, BodyDefinition& body) {
-  const JsonValue* value = reader.find("orientation_wxyz");
-  if (value == nullptr) return;
-  const std::string path = reader.path("orientation_wxyz");
-  if (value->kind != JsonValue::Kind::Array || value->items.size() != 4) {
-    reader.problems().refuse(path, *value, "must be a list of 4 numbers, w x y z");
-    return;
-  }
-  std::array<double, 4> wxyz{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    read_number(value->items[i], item_path(path, i), kAnyQuantity, reader.problems(), wxyz[i]);
-  }
-  const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (!(given.norm() > 1e-100)) {
-    reader.problems().refuse(path, *value, "must not be zero");
-    return;
-  }
-  body.orientation = given.normalized();
 }
 
 // "static": true says the same as "motion": "static"; what says both must agree.
@@ -156,9 +180,10 @@ void parse_motion(const ObjectReader& reader, BodyDefinition& definition) {
   }
 }
 
-void check_static(const ObjectReader& reader, const Scene& scene, const SceneBody& body) {
+/// `plane`: the shape is known to be one.
+void check_static(const ObjectReader& reader, bool plane, const SceneBody& body) {
   Problems& problems = reader.problems();
-  if (is_plane(scene, body.shape) && body.definition.motion != MotionType::Static) {
+  if (plane && body.definition.motion != MotionType::Static) {
     problems.refuse(reader.path("static"), "must be true, since the shape is a plane");
   }
   if (body.definition.motion != MotionType::Static) return;
@@ -178,13 +203,15 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
   if (value.kind != JsonValue::Kind::Object) return;
   SceneBody body;
   reader.text("name", body.name);
+  const SoundSoFar shape_known(problems);
   if (const JsonValue* shape = reader.require("shape"))
     read_shape_name(*shape, reader.path("shape"), problems, scene, body.shape);
+  const bool plane = shape_known && is_plane(scene, body.shape);
   read_material_name(reader, scene, body.material);
   BodyDefinition& definition = body.definition;
   parse_motion(reader, definition);
   reader.vec3("position_m", kAnyQuantity, definition.position_m);
-  parse_orientation(reader, definition);
+  read_rotation(reader, "orientation_wxyz", definition.orientation);
   reader.vec3("velocity_mps", kAnyQuantity, definition.velocity_mps);
   reader.vec3("angular_velocity_radps", kAnyQuantity, definition.angular_velocity_radps);
   reader.number("mass_kg", kMass, definition.mass_kg);
@@ -192,7 +219,7 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
   reader.bits("group", definition.group);
   reader.bits("collides_with", definition.collides_with);
   reader.number("importance", kNotNegative, definition.importance);
-  check_static(reader, scene, body);
+  check_static(reader, plane, body);
   scene.bodies.push_back(std::move(body));
 }
 
@@ -252,6 +279,7 @@ void parse_camera(const JsonValue& value, Problems& problems, Scene& scene) {
   const ObjectReader reader(value, "camera", problems,
                             {"position_m", "look_at_m", "up", "vertical_fov_deg", "resolution_px"});
   SceneCamera camera;
+  const SoundSoFar sound(problems);
   reader.require("position_m");
   reader.require("look_at_m");
   reader.vec3("position_m", kAnyQuantity, camera.position_m);
@@ -260,34 +288,43 @@ void parse_camera(const JsonValue& value, Problems& problems, Scene& scene) {
   reader.number("vertical_fov_deg", kFieldOfView, camera.vertical_fov_deg);
   reader.pair("resolution_px", kResolution, camera.resolution_px);
   const Vec3 ahead = camera.look_at_m - camera.position_m;
+  scene.camera = camera;
+  if (!sound) return;
   if (!(ahead.norm() > 1e-9)) {
     problems.refuse("camera.look_at_m", "must differ from camera.position_m");
   } else if (!(camera.up.norm() > 1e-9) || !(ahead.normalized().cross(camera.up.normalized()).norm() > 1e-6)) {
     problems.refuse("camera.up", "must not be zero, nor along the line of sight");
   }
-  scene.camera = camera;
 }
 
 void parse_policy(const JsonValue& value, Problems& problems, Scene& scene) {
-  const ObjectReader reader(value, "policy", problems,
-                            {"kind", "frustum", "size", "eccentricity", "closing", "waiting", "importance"});
-  constexpr Range kExponent{0, 10, false};
-  std::string kind = "perceptual";
-  reader.text("kind", kind);
+  std::vector<std::string_view> known{"kind"};
+  for (const scheduler::PolicyField& field : scheduler::policy_weights()) known.push_back(field.name);
+  for (const scheduler::PolicyField& field : scheduler::policy_parameters()) known.push_back(field.name);
+  for (const scheduler::PolicyCount& field : scheduler::policy_counts()) known.push_back(field.name);
+  const ObjectReader reader(value, "policy", problems, known);
   scheduler::Policy& policy = scene.policy;
-  if (kind == "fifo") {
-    policy.kind = scheduler::PolicyKind::Fifo;
-  } else if (kind == "random") {
-    policy.kind = scheduler::PolicyKind::Random;
-  } else if (kind != "perceptual") {
-    problems.refuse("policy.kind", *reader.find("kind"), "must be perceptual, fifo or random");
+  const JsonValue* kind = reader.find("kind");
+  if (kind != nullptr && kind->kind == JsonValue::Kind::String && kind->text == "custom") {
+    problems.refuse("policy.kind", *kind,
+                    "is for programs that hand the World a function of their own; a scene file may say perceptual, "
+                    "fifo or random");
+  } else {
+    constexpr std::array kKinds{scheduler::PolicyKind::Perceptual, scheduler::PolicyKind::Fifo,
+                                scheduler::PolicyKind::Random};
+    std::size_t named = 0;
+    reader.one_of("kind", {"perceptual", "fifo", "random"}, named);
+    policy.kind = kKinds[named];
   }
-  reader.number("frustum", kExponent, policy.frustum);
-  reader.number("size", kExponent, policy.size);
-  reader.number("eccentricity", kExponent, policy.eccentricity);
-  reader.number("closing", kExponent, policy.closing);
-  reader.number("waiting", kExponent, policy.waiting);
-  reader.number("importance", kExponent, policy.importance);
+  for (const auto& fields : {scheduler::policy_weights(), scheduler::policy_parameters()}) {
+    for (const scheduler::PolicyField& field : fields)
+      reader.number(field.name, Range{field.least, field.most, false}, policy.*field.value);
+  }
+  for (const scheduler::PolicyCount& field : scheduler::policy_counts()) {
+    std::uint64_t count = policy.*field.value;
+    reader.whole(field.name, field.least, field.most, count);
+    policy.*field.value = static_cast<std::uint32_t>(count);
+  }
 }
 
 }  // namespace poise::io

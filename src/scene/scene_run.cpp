@@ -141,7 +141,7 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   if (!world) return world.error();
   auto impl =
       std::make_unique<Impl>(Impl{scene, std::move(world).value(), scene_view(scene), {}, {}, {}, {}, {}, 0, 0});
-  const Status loaded = impl->add_shapes_and_materials({settings.threads, options.tree_cache});
+  const Status loaded = impl->add_shapes_and_materials({settings.threads, options.tree_cache, options.tree_progress});
   if (!loaded) return loaded.error();
   const Status started = impl->add_start(options, settings.seed);
   if (!started) return started.error();

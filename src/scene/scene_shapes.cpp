@@ -3,19 +3,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <utility>
 
 #include "parallel/executor.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
+#include "parallel/shared_counters.h"
 #include "poise/assets/tree_formats.h"
 #include "scene/json_document.h"
 
 namespace poise::io {
 namespace {
+
+/// A rotation by quarter turns moves coordinates without rounding.
+void turn(TriangleMesh& mesh, const Quat& rotation) {
+  Mat3 matrix = rotation.toRotationMatrix();
+  const Mat3 rounded = matrix.array().round();
+  if ((matrix - rounded).cwiseAbs().maxCoeff() < 1e-12) matrix = rounded;
+  for (Vec3& vertex : mesh.vertices_m) vertex = matrix * vertex;
+}
 
 /// Makes the shape of each kind of source, and says what the cache did.
 struct Loader {
@@ -23,6 +34,8 @@ struct Loader {
   int threads;
   const std::optional<TreeCacheSettings>& tree_cache;
   TreeCacheUse& use;
+  std::function<void(double)> progress = {};
+  std::stop_token stop = {};
 
   [[nodiscard]] std::filesystem::path found(const std::filesystem::path& file) const {
     return file.is_absolute() ? file : scene.base / file;
@@ -32,17 +45,24 @@ struct Loader {
     return make_plane_shape(source.normal, source.offset_m);
   }
   Result<ShapePtr> operator()(const SpheresSource& source) const { return make_spheres_shape(source.spheres); }
+  [[nodiscard]] Result<TriangleMesh> turned_mesh_of(const MeshSource& source) const {
+    Result<TriangleMesh> mesh = mesh_of(source.file, source.scale);
+    if (mesh && source.turned) turn(mesh.value(), source.rotation);
+    return mesh;
+  }
   [[nodiscard]] Result<TriangleMesh> mesh_of(const std::filesystem::path& file, double scale) const {
     MeshReadOptions read;
     read.scale = scale;
     return read_mesh(found(file), read);
   }
   Result<ShapePtr> operator()(const MeshSource& source) const {
-    const Result<TriangleMesh> mesh = mesh_of(source.file, source.scale);
+    const Result<TriangleMesh> mesh = turned_mesh_of(source);
     if (!mesh) return mesh.error();
     TreeBuildOptions build;
     build.depth = source.depth;
     build.threads = threads;
+    build.progress = progress;
+    build.stop = stop;
     if (!tree_cache || !tree_cache->on) {
       ++use.off;
       return make_mesh_shape(mesh.value(), build, source.shell_thickness_m);
@@ -116,12 +136,24 @@ const char* kind_name(const SceneShape& shape) {
   return kNames[shape.source.index()];
 }
 
-/// File and field of a shape, for messages.
+}  // namespace
+
 std::string place_of(const Scene& scene, const SceneShape& shape) {
   return scene.source + ": " + member_path(member_path("shapes", shape.name), kind_name(shape));
 }
 
-}  // namespace
+Result<TriangleMesh> scene_mesh(const Scene& scene, const MeshSource& source) {
+  TreeCacheUse unused;
+  return Loader{scene, 0, {}, unused}.turned_mesh_of(source);
+}
+
+Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& shape, const LoadSettings& settings) {
+  TreeCacheUse unused;
+  std::stop_source stopped;
+  stopped.request_stop();
+  return std::visit(Loader{scene, settings.threads, settings.tree_cache, unused, {}, stopped.get_token()},
+                    shape.source);
+}
 
 std::vector<std::string> shape_warnings(const Scene& scene, std::span<const ShapePtr> shapes) {
   std::vector<std::string> warnings;
@@ -155,11 +187,19 @@ Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& setting
     return std::holds_alternative<MeshSource>(shape.source);
   });
   const int threads = meshes > 1 ? 1 : settings.threads;
+  parallel::Shared<std::size_t> done;
   std::vector<Result<ShapePtr>> made(scene.shapes.size(), Result<ShapePtr>(ShapePtr{}));
   std::vector<TreeCacheUse> uses(made.size());
-  const auto executor = parallel::make_executor(ExecutorKind::Threads, settings.threads);
-  parallel::parallel_for(*executor, made.size(), 1, [&](std::size_t i, std::size_t, int) {
-    made[i] = std::visit(Loader{scene, threads, settings.tree_cache, uses[i]}, scene.shapes[i].source);
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, meshes > 1 ? settings.threads : 1);
+  parallel::parallel_for(*executor, made.size(), 1, [&](std::size_t i, std::size_t, int worker) {
+    std::function<void(double)> progress;
+    // Worker 0 is the calling thread, which alone tells; where one mesh is built, it builds it.
+    if (worker == 0 && settings.progress)
+      progress = [&](double share) {
+        settings.progress((static_cast<double>(done.get()) + share) / static_cast<double>(made.size()));
+      };
+    made[i] = std::visit(Loader{scene, threads, settings.tree_cache, uses[i], progress}, scene.shapes[i].source);
+    done.add(1);
   });
   LoadedShapes loaded;
   for (std::size_t i = 0; i < made.size(); ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,8 +12,9 @@
 namespace poise::io {
 
 struct LoadSettings {
-  int threads = 0;                              ///< sphere trees are built on up to so many, 0 = all
-  std::optional<TreeCacheSettings> tree_cache;  ///< none: every tree is built
+  int threads = 0;                                  ///< sphere trees are built on up to so many, 0 = all
+  std::optional<TreeCacheSettings> tree_cache;      ///< none: every tree is built
+  std::function<void(double share)> progress = {};  ///< on the calling thread, with the share of the shapes, 0 to 1
 };
 
 struct LoadedShapes {
@@ -22,6 +24,15 @@ struct LoadedShapes {
 
 /// Loads or makes the shapes of a scene. Refused with scene file and field.
 Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& settings);
+
+/// One shape as load_shapes makes it, but a tree of a mesh that is in no cache is not built: ErrorKind::Cancelled.
+Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& shape, const LoadSettings& settings);
+
+/// The mesh of a shape, scaled and turned as the scene says.
+Result<TriangleMesh> scene_mesh(const Scene& scene, const MeshSource& source);
+
+/// File and field of a shape, for messages: `pile.json: shapes.jack.mesh`.
+std::string place_of(const Scene& scene, const SceneShape& shape);
 
 /// The notes of shapes that load_shapes made, with scene file and field.
 std::vector<std::string> shape_warnings(const Scene& scene, std::span<const ShapePtr> shapes);

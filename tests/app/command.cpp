@@ -22,7 +22,8 @@ namespace poise::testing {
 namespace {
 
 /// -1 if the program cannot be started.
-pid_t start(const std::string& out_file, const std::string& error_file, const std::vector<std::string>& arguments) {
+pid_t start(const std::string& out_file, const std::string& error_file, const std::vector<std::string>& arguments,
+            const std::string& in_file = "/dev/null") {
   // Unless a test says otherwise, the trees and times that the user keeps are neither read nor written.
   ::setenv("POISE_TREE_CACHE", "off", 0);
   ::setenv("POISE_TIME_PRIORS", "off", 0);
@@ -33,7 +34,7 @@ pid_t start(const std::string& out_file, const std::string& error_file, const st
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, in_file.c_str(), O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_file.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error_file.c_str(), O_WRONLY | O_CREAT, 0600);
   pid_t child = -1;
@@ -56,6 +57,15 @@ CommandResult poise_command(const std::vector<std::string>& arguments) {
   const TemporaryFolder folder;
   CommandResult result;
   result.exit_code = wait_for(start(folder.file("out"), folder.file("error"), arguments));
+  result.out = contents(folder.file("out"));
+  result.error = contents(folder.file("error"));
+  return result;
+}
+
+CommandResult poise_command_reading(const std::string& in_file, const std::vector<std::string>& arguments) {
+  const TemporaryFolder folder;
+  CommandResult result;
+  result.exit_code = wait_for(start(folder.file("out"), folder.file("error"), arguments, in_file));
   result.out = contents(folder.file("out"));
   result.error = contents(folder.file("error"));
   return result;

@@ -15,6 +15,9 @@ struct CommandResult {
 /// Runs the built `poise` with these arguments, without a shell, and waits for it.
 CommandResult poise_command(const std::vector<std::string>& arguments);
 
+/// The same with the standard input from `in_file`.
+CommandResult poise_command_reading(const std::string& in_file, const std::vector<std::string>& arguments);
+
 /// The same, with a pipe at `fifo` that the program writes to: at its first bytes it gets Ctrl-C. What came through the
 /// pipe until its end is added to `received`.
 CommandResult interrupted_command(const std::vector<std::string>& arguments, const std::string& fifo,

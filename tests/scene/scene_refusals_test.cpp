@@ -243,8 +243,8 @@ TEST(SceneRefusals, OfTheFileItselfSayWhatIsWrongWithIt) {
   const auto message = [](const std::string& file) { return read_scene(file).error().message; };
   EXPECT_EQ(message("/nowhere/x.json"), "/nowhere/x.json: no such file");
   EXPECT_EQ(message("/tmp"), "/tmp: is a directory, must be a scene file");
-  EXPECT_EQ(message("/dev/null"), "/dev/null: the file is empty");
-  EXPECT_EQ(message("/dev/zero"), "/dev/zero: larger than 256 MiB, must be a scene file");
+  EXPECT_EQ(message("/dev/null"), "/dev/null: is a pipe or a device, must be a file; SCENE - reads the standard input");
+  EXPECT_EQ(message("/dev/zero"), "/dev/zero: is a pipe or a device, must be a file; SCENE - reads the standard input");
   EXPECT_EQ(refusal("{\n\"name\": \"x\",\n}").substr(0, 40), "s.json: line 3, column 1: not valid JSON");
 }
 

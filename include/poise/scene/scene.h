@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -41,10 +42,12 @@ struct PlaneSource {
   double offset_m = 0;
 };
 struct MeshSource {
-  std::filesystem::path file;    ///< as written; relative ones are meant from Scene::base
-  double scale = 1;              ///< metres per unit of the file
-  Level depth = 3;               ///< of the sphere tree
-  double shell_thickness_m = 0;  ///< > 0: the surface alone, as plates so thick; 0: a solid
+  std::filesystem::path file;        ///< as written; relative ones are meant from Scene::base
+  double scale = 1;                  ///< metres per unit of the file
+  Level depth = 3;                   ///< of the sphere tree
+  double shell_thickness_m = 0;      ///< > 0: the surface alone, as plates so thick; 0: a solid
+  Quat rotation = Quat::Identity();  ///< turns the file's frame into that of the shape, about the file's origin
+  bool turned = false;               ///< the file says how the mesh is turned: `up` or `rotation_wxyz`
 };
 struct SpheresSource {
   std::vector<Sphere> spheres;
@@ -162,8 +165,11 @@ struct Scene {
 /// Refused with file, field, value and rule; syntax errors with line and column.
 Result<Scene> read_scene(const std::filesystem::path& file);
 
-/// The same from text; `name` stands in the messages, `base` is what relative files are relative to.
-Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base);
+/// The same from text; `name` stands in the messages, `base` is what relative files are relative to. The
+/// error of a refusal is the first that was found; `errors`, if given, gets all of them, one line each, in the order of
+/// reading (the first 10,000, then how many more).
+Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base,
+                          std::vector<std::string>* errors = nullptr);
 
 /// Bodies that the generators of a scene make together by its own counts.
 std::uint64_t generated_body_count(const Scene& scene);
@@ -179,6 +185,9 @@ struct SceneRunOptions {
   std::optional<std::uint64_t> seed;  ///< instead of the scene's; moves generated bodies too
   std::optional<TreeCacheSettings>
       tree_cache;  ///< where built trees are kept; without it no file but the scene's is touched
+  /// Called now and then while trees are built, on the calling thread, with the share of all shapes that is done, from
+  /// 0 to 1. May be empty.
+  std::function<void(double share)> tree_progress = {};
 };
 
 /// How many trees of a scene's meshes came how (TreeCacheOutcome).

@@ -18,6 +18,7 @@
 #include "app/refusal.h"
 #include "app/replay/replay_loop.h"
 #include "app/run/run_options.h"
+#include "app/suggestions.h"
 #include "app/tree_cache_options.h"
 #include "parallel/interrupt.h"
 #include "record/record_shapes.h"
@@ -59,7 +60,8 @@ Result<Scene> scene_of(const ReplayOptions& options, const io::RecordHeader& hea
   return scene;
 }
 
-Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& header, const Scene& scene) {
+Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& header, const Scene& scene,
+                        Progress& progress) {
   RunOptions threads;
   threads.executor = options.executor;
   SceneRunOptions start;
@@ -67,6 +69,9 @@ Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& he
   start.bodies = header.bodies;
   start.seed = header.seed;
   start.tree_cache = tree_cache_settings(options.tree_cache).value();
+  start.tree_progress = [&progress](double share) {
+    progress.share("loading shapes and building sphere trees", share);
+  };
   Result<SceneRun> run = SceneRun::create(scene, start);
   if (!run) return run;
   const Status shapes = io::check_shapes(scene, run.value().shapes(), header.shapes);
@@ -181,10 +186,11 @@ int replay(const ReplayOptions& options) {
     if (!opened) return refuse("replay", opened.error());
     *file = std::move(opened).value();
   }
+  if (!options.quiet) warn_of_threads("replay", static_cast<int>(options.threads.value_or(0)));
   const parallel::Interrupt interrupt;
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
-  Result<SceneRun> run = run_of(options, header, scene.value());
+  Result<SceneRun> run = run_of(options, header, scene.value(), progress);
   if (!run) {
     progress.end();
     return refuse("replay", run.error());
@@ -232,7 +238,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   add_whole(*command, "--threads", options->threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   command
       ->add_option("--executor", options->executor, "Threads by tbb, threads or serial (default: tbb where built in)")
-      ->check(CLI::IsMember({"tbb", "threads", "serial"}))
+      ->check(one_of({"tbb", "threads", "serial"}))
       ->type_name("E");
   add_path(*command, "--files", options->files,
            "The folder that the scene's files are relative to (default: where it was when recorded)");

@@ -19,7 +19,7 @@
 #include "app/run/run_record.h"
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
-#include "app/scene_files.h"
+#include "app/scene_input.h"
 #include "parallel/executor.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
@@ -27,7 +27,6 @@
 #include "scene/run/requirement.h"
 #include "scene/run/run_document.h"
 #include "scene/run/run_tables.h"
-#include "scene/scene_parse.h"
 
 namespace poise::app {
 namespace {
@@ -294,12 +293,12 @@ int run_scene(const RunOptions& options) {
     if (!parsed) return refuse("run", kExitBadUsage, "--require: " + parsed.error().message);
     requirement = std::move(parsed).value();
   }
-  const Result<std::filesystem::path> file = find_scene(options.scene);
-  if (!file) return refuse("run", file.error());
-  const Result<std::string> text = io::read_scene_text(file.value());
+  const Result<SceneText> text = read_scene_argument(options.scene, "run", options.quiet);
   if (!text) return refuse("run", text.error());
-  const Result<Scene> scene = parse_scene(text.value(), file.value().string(), file.value().parent_path());
-  if (!scene) return refuse("run", scene.error());
+  std::vector<std::string> errors;
+  const Result<Scene> scene = parse_scene_text(text.value(), errors);
+  for (const std::string& error : errors) refuse("run", kExitBadInput, error);
+  if (!scene) return exit_code_of(scene.error());
   if (options.bodies && scene.value().generators.empty()) {
     return refuse("run", kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
   }
@@ -313,6 +312,10 @@ int run_scene(const RunOptions& options) {
   start.world = world_settings(options, scene.value());
   start.bodies = options.bodies;
   start.seed = options.seed;
+  start.tree_progress = [&progress](double share) {
+    progress.share("loading shapes and building sphere trees", share);
+  };
+  if (!options.quiet) warn_of_threads("run", start.world.threads);
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return refuse("run", kExitBadUsage, cache.error().message);
   start.tree_cache = cache.value();
@@ -337,8 +340,8 @@ int run_scene(const RunOptions& options) {
     progress.end();
     fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
-  return run_prepared(options, requirement, scene.value(), text.value(), run.value(), outputs.value(), record.value(),
-                      progress);
+  return run_prepared(options, requirement, scene.value(), text.value().text, run.value(), outputs.value(),
+                      record.value(), progress);
 }
 
 }  // namespace

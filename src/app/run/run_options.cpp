@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <system_error>
 
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "app/suggestions.h"
+#include "parallel/executor.h"
 #include "world/contact_model_names.h"
 
 namespace poise::app {
@@ -46,7 +49,9 @@ void add_max_level(CLI::App& command, RunOptions& options) {
 
 void add_run_options(CLI::App& command, RunOptions& options) {
   constexpr std::uint64_t kMany = std::numeric_limits<std::uint64_t>::max();
-  command.add_option("scene", options.scene, "A scene file, or the name of a scene that ships (poise scenes)")
+  command
+      .add_option("scene", options.scene,
+                  "A scene file, the name of a scene that ships (poise scenes), or - for the standard input")
       ->required()
       ->type_name("SCENE");
   add_whole(command, "--frames", options.frames, 1, kMaxSceneFrames,
@@ -63,15 +68,15 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--policy", options.policy,
                   "What is refined first: perceptual, fifo or random (default: the scene's)")
-      ->check(CLI::IsMember({"perceptual", "fifo", "random"}))
+      ->check(one_of({"perceptual", "fifo", "random"}))
       ->type_name("P");
   command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default fitted)")
-      ->check(CLI::IsMember({"paper", "wrench", "fitted"}))
+      ->check(one_of({"paper", "wrench", "fitted"}))
       ->type_name("MODEL");
   command
       .add_option("--clock", options.clock,
                   "wall: keep deadlines; work: count work, the same bits on any number of threads (default wall)")
-      ->check(CLI::IsMember({"wall", "work"}))
+      ->check(one_of({"wall", "work"}))
       ->type_name("CLOCK");
   add_whole(command, "--budget-work", options.budget_work, 0, kMany,
             "Refinement a frame in node-pair expansions, with --clock work (default: unlimited)");
@@ -82,7 +87,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                    "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
-      ->check(CLI::IsMember({"tbb", "threads", "serial"}))
+      ->check(one_of({"tbb", "threads", "serial"}))
       ->type_name("E");
   add_number(command, "--spin", options.spin_us, 0, false, 1e4,
              "Microseconds that a thread without work looks for it before it sleeps, at most 10000 (default 50)")
@@ -205,6 +210,15 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   settings.realtime_priority = static_cast<int>(options.realtime.value_or(0));
   if (options.spin_us) settings.spin = Nanoseconds(static_cast<std::int64_t>(*options.spin_us * 1e3));
   return settings;
+}
+
+void warn_of_threads(std::string_view command, int threads) {
+  const int processors = parallel::available_threads();
+  if (threads <= processors) return;
+  fmt::print(stderr,
+             "poise {}: warning: {} threads on {} processors: threads that wait for a processor make frames late, and "
+             "each takes memory\n",
+             command, threads, processors);
 }
 
 const char* executor_name(ExecutorKind kind) {

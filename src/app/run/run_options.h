@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/time_options.h"
@@ -45,6 +46,8 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene);
 ExecutorKind executor_kind(const RunOptions& options);
 /// `0,2-3` as 0, 2, 3; empty for no text. Refused: anything else, and more than 256.
 Result<std::vector<int>> processor_list(const std::string& text);
+/// Tells on stderr where there are more threads than processors that this process may use.
+void warn_of_threads(std::string_view command, int threads);
 /// `tbb`, `threads` or `serial`.
 const char* executor_name(ExecutorKind kind);
 

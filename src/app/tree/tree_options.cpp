@@ -7,6 +7,7 @@
 
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "app/suggestions.h"
 
 namespace poise::app {
 namespace {
@@ -91,7 +92,7 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
            "Measure this tree too and set both side by side; the better figure is marked *");
   add_whole(command, "--depth", o.depth, 0, kMaxTreeDepth, "Levels below the root (default 3)");
   command.add_option("--preset", o.preset, "How much time the tree is worth: fast, default or best")
-      ->check(CLI::IsMember({"fast", "default", "best"}))
+      ->check(one_of({"fast", "default", "best"}))
       ->type_name("NAME");
   command.add_flag("--shell", o.shell, "The object is the surface alone, not what it encloses");
   add_path(command, "-o,--output", o.output,
@@ -104,13 +105,13 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
   command
       .add_option("--up", o.up,
                   "The axis that is upward in the picture: x, y, z, -x, -y or -z (default z, but y for glTF)")
-      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->check(one_of({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");
   command
       .add_option("--front", o.front,
                   "Towards where the mesh looks: the picture is from there, turned and from above (default -y, but z "
                   "with --up y)")
-      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->check(one_of({"x", "y", "z", "-x", "-y", "-z"}))
       ->option_text("AXIS");
   add_whole(command, "--samples", o.samples, 1, 100000000, "Samples for each figure (default 20000)");
   add_whole(command, "--seed", o.seed, 0, UINT64_MAX, "Of the search and of the samples (default 1)");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -30,13 +31,13 @@ struct FrontSegment {
 };
 
 /// Arena for the fronts that one worker makes in one frame. Invariant: entries and segments keep their address until
-/// clear(). Only its worker writes; any thread may read published segments. The memory is reserved once and never
-/// grows; pages that were never touched cost nothing.
+/// clear(). Only its worker writes; any thread may read published segments. The address space is reserved once
+/// and never grows; pages that no front has reached cost no memory.
 class FrontPool {
  public:
   explicit FrontPool(std::uint32_t max_entries)
-      : entries_(new FrontEntry[max_entries]),
-        segments_(new FrontSegment[max_entries / kEntriesPerSegment + 1]),
+      : entry_bytes_(new std::byte[sizeof(FrontEntry) * max_entries]),
+        segment_bytes_(new std::byte[sizeof(FrontSegment) * (max_entries / kEntriesPerSegment + 1)]),
         max_entries_(max_entries),
         max_segments_(max_entries / kEntriesPerSegment + 1) {}
 
@@ -44,11 +45,11 @@ class FrontPool {
   /// Free entries, for the next segment; empty when the pool is full.
   [[nodiscard]] std::span<FrontEntry> room() {
     if (segment_count_ == max_segments_) return {};
-    return {entries_.get() + entry_count_, max_entries_ - entry_count_};
+    return {entries() + entry_count_, max_entries_ - entry_count_};
   }
   /// Makes a segment of the first `count` entries of room() and returns its index.
   std::uint32_t keep(std::uint32_t count) {
-    segments_[segment_count_] = {entry_count_, count, {}};
+    segments()[segment_count_] = {entry_count_, count, {}};
     entry_count_ += count;
     return segment_count_++;
   }
@@ -61,16 +62,19 @@ class FrontPool {
     entry_count_ = mark.entries;
     segment_count_ = mark.segments;
   }
-  [[nodiscard]] FrontSegment& segment(std::uint32_t index) { return segments_[index]; }
-  [[nodiscard]] const FrontSegment& segment(std::uint32_t index) const { return segments_[index]; }
+  [[nodiscard]] FrontSegment& segment(std::uint32_t index) { return segments()[index]; }
+  [[nodiscard]] const FrontSegment& segment(std::uint32_t index) const { return segments()[index]; }
   [[nodiscard]] std::span<const FrontEntry> entries(const FrontSegment& segment) const {
-    return {entries_.get() + segment.begin, segment.count};
+    return {entries() + segment.begin, segment.count};
   }
 
  private:
   static constexpr std::uint32_t kEntriesPerSegment = 4;  // jobs of a few entries are the rule
-  std::unique_ptr<FrontEntry[]> entries_;
-  std::unique_ptr<FrontSegment[]> segments_;
+  // Both are aggregates that need no destructor: they begin to live with the bytes (C++20, implicit-lifetime types).
+  [[nodiscard]] FrontEntry* entries() const { return reinterpret_cast<FrontEntry*>(entry_bytes_.get()); }
+  [[nodiscard]] FrontSegment* segments() const { return reinterpret_cast<FrontSegment*>(segment_bytes_.get()); }
+  std::unique_ptr<std::byte[]> entry_bytes_;
+  std::unique_ptr<std::byte[]> segment_bytes_;
   std::uint32_t max_entries_, max_segments_;
   std::uint32_t entry_count_ = 0;
   std::uint32_t segment_count_ = 0;

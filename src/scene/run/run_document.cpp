@@ -117,7 +117,6 @@ Json reference_json(const RunDocument& d) {
 }
 
 Json settings_json(const RunDocument& d) {
-  const scheduler::Policy& p = d.policy_weights;
   Json settings = {{"dt_s", d.dt_s},
                    {"seed", d.seed},
                    {"frames_asked", d.frames_asked},
@@ -138,8 +137,13 @@ Json settings_json(const RunDocument& d) {
                    {"polygons", d.polygons},
                    {"backtracking", d.backtracking},
                    {"sleeping", d.sleeping}};
-  settings["policy_weights"] = {{"frustum", p.frustum}, {"size", p.size},       {"eccentricity", p.eccentricity},
-                                {"closing", p.closing}, {"waiting", p.waiting}, {"importance", p.importance}};
+  const scheduler::Policy& policy = d.policy_weights;
+  for (const scheduler::PolicyField& field : scheduler::policy_weights())
+    settings["policy_weights"][std::string(field.name)] = policy.*field.value;
+  for (const scheduler::PolicyField& field : scheduler::policy_parameters())
+    settings["policy_parameters"][std::string(field.name)] = policy.*field.value;
+  for (const scheduler::PolicyCount& field : scheduler::policy_counts())
+    settings["policy_parameters"][std::string(field.name)] = policy.*field.value;
   return settings;
 }
 

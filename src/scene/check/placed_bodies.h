@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "poise/scene/scene.h"
+#include "scene/generators.h"
+
+namespace poise::io {
+
+/// A shape with what the checks ask of it.
+struct CheckedShape {
+  ShapePtr shape;               ///< of a mesh whose tree is not built yet: with the root alone
+  bool to_build = false;        ///< a tree must be built
+  std::uint64_t triangles = 0;  ///< of a mesh
+  std::vector<Sphere>
+      outline;                 ///< in the body frame: what reaches farthest in each of some directions; none for planes
+  Vec3 size_m = Vec3::Zero();  ///< edges of the box around it, along the axes of the body frame
+};
+
+/// Balls or points of an object, in its body frame, that reach farthest in 256 directions: enough to tell within 2 % of
+/// its size how deep it is in a plane.
+std::vector<Sphere> outline_of(std::span<const Sphere> parts);
+
+/// A body where it starts.
+struct PlacedBody {
+  std::string path;       ///< `bodies[3]` or `generators[0].grid`
+  std::size_t shape = 0;  ///< index into Scene::shapes
+  Vec3 center_m = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+  Vec3 velocity_mps = Vec3::Zero();
+  double radius_m = 0;
+  std::uint32_t group = 1, collides_with = 0xffffffffU;
+  bool is_static = false;
+  bool plane = false;
+  bool streamed = false;  ///< comes later
+};
+
+/// A pair that starts inside one another, with how deep in metres.
+struct DeepPair {
+  std::size_t a = 0, b = 0;  ///< indices of bodies
+  double depth_m = 0;
+};
+
+/// What overlaps deeply at the start, up to the first `most` pairs in the order of `a`. Balls: more than a tenth of the
+/// smaller radius. Other shapes, whose bounding spheres may well overlap: centres of mass nearer than a quarter of the
+/// smaller bounding radius. Planes: a centre of mass below the surface, or a tenth of the bounding radius sunk in.
+std::vector<DeepPair> deep_pairs(std::span<const PlacedBody> bodies, std::span<const CheckedShape> shapes,
+                                 std::size_t most);
+
+/// Whether a camera sees any part of the bounding sphere.
+bool in_view(const View& view, const Vec3& center_m, double radius_m);
+
+}  // namespace poise::io
