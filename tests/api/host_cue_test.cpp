@@ -38,7 +38,7 @@ struct Outcome {
   }
 };
 
-/// Jacks that fall into a tray, every fourth a hero, and time for a few levels a frame.
+/// Jacks that fall into a tray, every fourth a hero, and work for a level or two a frame.
 Outcome run(const scheduler::Policy& policy, int threads, const std::vector<FrameDecisions>* replay = nullptr,
             bool view = false) {
   WorldSettings settings;
@@ -54,7 +54,7 @@ Outcome run(const scheduler::Policy& policy, int threads, const std::vector<Fram
   if (view)
     input.view = {true, Vec3(8, -8, 5), Vec3(-1, 1, -0.5).normalized(), Vec3::UnitZ(),
                   0.87, 1.78,           Vec3(-1, 1, -0.5).normalized()};
-  input.budget = Budget::work(40);
+  input.budget = Budget::work(12);
   input.record = replay == nullptr;
   Outcome outcome;
   double count[2] = {0, 0};
