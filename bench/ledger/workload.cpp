@@ -20,7 +20,7 @@ constexpr std::array kWorkloads{
     Workload{"jacks-sleeping", "jacks.json", "sleeping", 400, 20, 0},
     Workload{"pile-forming", "pile.json", "", 40, 6, 0},
     Workload{"pile-polygons", "pile.json", "polygons", 40, 3, 0},
-    Workload{"pile-within-budget", "pile.json", "", 40, 6, 1500},
+    Workload{"pile-within-budget", "pile.json", "", 40, 6, 200},
     Workload{"gas", "gas.json", "", 40, 20, 0},
 };
 
