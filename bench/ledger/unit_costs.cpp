@@ -19,9 +19,13 @@ struct Stage {
 
 constexpr std::array kStages{
     Stage{"predict", {"poise::simulation::predict"}},
-    Stage{"broad_phase_and_coarse", {"poise::simulation::find_pairs"}},
+    Stage{"broad_phase", {"poise::simulation::CandidateCache::find"}},
+    Stage{"coarse", {"poise::simulation::find_active_pairs"}},
     Stage{"refine", {"poise::simulation::refine"}},
-    Stage{"response", {"poise::simulation::respond"}},
+    Stage{"manifolds", {"poise::simulation::make_manifolds"}},
+    Stage{"solve",
+          {"poise::simulation::begin_solve", "poise::simulation::solve_impacts", "poise::simulation::solve_contacts",
+           "poise::simulation::solve_swept"}},
     Stage{"integrate", {"poise::simulation::integrate"}},
     Stage{"publish", {"poise::simulation::publish"}},
     Stage{
@@ -46,11 +50,14 @@ constexpr Functions kOverlapTests{"poise::collision::N_AVX2::expand", "poise::co
 constexpr std::array kUnits{
     Unit{"expansion", kOverlapTests, {}, &CountedUnits::expansions},
     Unit{"level", {"poise::simulation::refine"}, kOverlapTests, &CountedUnits::levels},
-    Unit{"contact_pair", {"poise::simulation::list_contact_pairs"}, {}, &CountedUnits::contact_pairs},
+    Unit{"contact_pair", {"poise::simulation::make_manifolds"}, {}, &CountedUnits::contact_pairs},
     Unit{"impact", {"poise::solver::solve_impacts"}, {}, &CountedUnits::contact_pairs, false},
     Unit{"point_iteration", {"poise::solver::ContactSolver::solve"}, {}, &CountedUnits::point_iterations},
     Unit{"body", {"poise::simulation::predict", "poise::simulation::integrate"}, {}, &CountedUnits::bodies},
-    Unit{"candidate_pair", {"poise::simulation::find_pairs"}, {}, &CountedUnits::candidate_pairs},
+    Unit{"candidate_pair",
+         {"poise::simulation::CandidateCache::find", "poise::simulation::find_active_pairs"},
+         {},
+         &CountedUnits::candidate_pairs},
 };
 
 /// Fewer say more about what a frame costs at least than about a unit.
