@@ -141,7 +141,7 @@ TEST(SetSettings, ChangesWhatTheNextStepGoesBy) {
   ASSERT_TRUE(stage.world.set_policy(policy));
   EXPECT_EQ(stage.world.settings().policy.kind, scheduler::PolicyKind::Fifo);
   policy.size = -1;
-  EXPECT_EQ(refusal(stage.world.set_policy(policy)), "policy: each weight must be finite and >= 0");
+  EXPECT_EQ(refusal(stage.world.set_policy(policy)), "policy.size = -1, must be in [0, 10]");
 }
 
 TEST(SetSettings, RefusesWhatIsFixedAndWhatIsOutOfRange) {
