@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "parallel/executor.h"
+#include "parallel/shared_counters.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
-#include "parallel/shared_counters.h"
 #include "poise/assets/tree_formats.h"
 #include "scene/json_document.h"
 

@@ -70,7 +70,7 @@ double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const Mo
 }
 
 double EnergyGuard::best_share(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
-                                  std::span<const MotionChange<double>> changes) const {
+                               std::span<const MotionChange<double>> changes) const {
   if (driven_) return 1.0;
   // With a share s of the impulses the energy is that without, plus s times `slope`, plus s^2 / 2 times `bend`.
   double slope = 0;

@@ -62,8 +62,8 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
     collision::set_expected_fit(refiner.scene.facts_of(posed.pair.a).deviation_m[next],
-                           refiner.scene.facts_of(posed.pair.b).deviation_m[next],
-                           level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
+                                refiner.scene.facts_of(posed.pair.b).deviation_m[next],
+                                level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
   }
   collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
   collision::LevelProgress progress = collision::begin_level(level, pool);
