@@ -15,7 +15,7 @@ namespace poise::app {
 void add_studies(CLI::App& command, int& exit_code) {
   auto trees = std::make_shared<StudyTreesOptions>();
   CLI::App* study =
-      command.add_subcommand("trees", "Build and judge the trees of many meshes: cost and fit, a row a mesh");
+      command.add_subcommand("trees", "Build and measure the trees of many meshes: cost and fit, a row a mesh");
   add_study_trees_options(*study, *trees);
   study->callback([trees, &exit_code] { exit_code = study_trees(*trees); });
   auto levels = std::make_shared<StudyLevelsOptions>();

@@ -100,7 +100,7 @@ struct MeshReport {
   std::string text;         ///< one or two sentences for a person, no line end
 };
 
-/// Judges a mesh, as clean_mesh leaves it. Any thread. Refused: as winding_mass_properties.
+/// Assesses a mesh, as clean_mesh leaves it. Any thread. Refused: as winding_mass_properties.
 Result<MeshReport> assess_mesh(const TriangleMesh& mesh, int threads = 0);
 
 }  // namespace poise

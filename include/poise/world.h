@@ -140,7 +140,7 @@ struct Contact {
   std::uint8_t point_count = 0;    ///< 1 to kMostPoints
   std::array<ContactPoint, kMostPoints> point_slots{};  ///< of these the first point_count
   /// The pair's manifold. The impulses of its points add up to impulse_ns; they are in the ratio of what the points
-  /// bore at the end of the step, and equal where an impact alone was answered.
+  /// carried at the end of the step, and equal where an impact alone was answered.
   [[nodiscard]] std::span<const ContactPoint> points() const { return std::span(point_slots).first(point_count); }
 };
 

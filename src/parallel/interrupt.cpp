@@ -60,4 +60,10 @@ Interrupt::~Interrupt() {
   ::close(ends_[1]);
 }
 
+std::stop_token stopped_token() {
+  std::stop_source stop;
+  stop.request_stop();
+  return stop.get_token();
+}
+
 }  // namespace poise::parallel

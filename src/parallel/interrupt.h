@@ -29,4 +29,7 @@ class Interrupt {
   std::jthread watcher_;
 };
 
+/// A token that was stopped before it is asked: work that looks at it ends at its first look. Any thread.
+std::stop_token stopped_token();
+
 }  // namespace poise::parallel

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "parallel/executor.h"
+#include "parallel/interrupt.h"
 #include "parallel/shared_counters.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
@@ -149,9 +150,7 @@ Result<TriangleMesh> scene_mesh(const Scene& scene, const MeshSource& source) {
 
 Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& shape, const LoadSettings& settings) {
   TreeCacheUse unused;
-  std::stop_source stopped;
-  stopped.request_stop();
-  return std::visit(Loader{scene, settings.threads, settings.tree_cache, unused, {}, stopped.get_token()},
+  return std::visit(Loader{scene, settings.threads, settings.tree_cache, unused, {}, parallel::stopped_token()},
                     shape.source);
 }
 

@@ -190,7 +190,7 @@ TEST(SceneCheck, KnowsWhichTreesAreBuiltAlready) {
   EXPECT_EQ(after.trees_ready, 1U);
 }
 
-TEST(SceneCheck, OutlineReachesAsFarAsTheBody) {
+TEST(SceneCheck, TheBoundReachesAsFarAsTheBody) {
   std::vector<Sphere> points;
   for (int i = 0; i < 4000; ++i) {
     const double turn = 0.1 * i, z = i / 2000.0 - 1;
