@@ -40,7 +40,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   world.settle();
   report.reference = simulation::refer(world, input, world.pools, *world.reference);
   report.reference->time += cached;
-  simulation::sleep_after(world, input, report);
+  if (world.settings.sleeping) simulation::sleep_after(world, input, report);
   return report;
 }
 

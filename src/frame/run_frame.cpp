@@ -87,7 +87,7 @@ class Step {
     // What sleeps and has a moving body near it wakes, so that none is met as if it were static.
     do {
       find_pairs();
-    } while (wake_touched(frame_.table, world_.sleep_access()));
+    } while (world_.settings.sleeping && wake_touched(frame_.table, world_.sleep_access()));
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();
@@ -221,7 +221,7 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep)
   begin_frame_time(input, world.bodies.dynamic_count(), world.settings.substeps, start, world.forecasts, report);
   Step step(world, input, report);
   step.run();
-  if (may_sleep) sleep_after(world, input, report);
+  if (may_sleep && world.settings.sleeping) sleep_after(world, input, report);
   step.end_publish();
   report.times.total = SteadyClock::now() - start;
   // After the last stage: the clock of the CPU takes as long as a small stage.

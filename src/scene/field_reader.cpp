@@ -10,22 +10,25 @@
 namespace poise::io {
 namespace {
 
-/// Levenshtein's distance with one row of memory, or `limit` where it is not below that.
+/// Edits from one word to the other, where two neighbouring letters in the wrong order count as one (optimal string
+/// alignment, Damerau 1964), or `limit` where it is not below that.
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> before(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
+  std::size_t least_above = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
+    std::swap(before, above);
+    std::swap(above, row);
     row[0] = i + 1;
     std::size_t least = row[0];
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0U : 1U)});
-      diagonal = above;
+      row[j + 1] = std::min({above[j + 1] + 1, row[j] + 1, above[j] + (a[i] == b[j] ? 0U : 1U)});
+      if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j]) row[j + 1] = std::min(row[j + 1], before[j - 1] + 1);
       least = std::min(least, row[j + 1]);
     }
-    // No later row is smaller than the least of this one.
-    if (least >= limit) return limit;
+    // No later row is smaller than the least of this one, or one more than the least of that above.
+    if (least >= limit && least_above + 1 >= limit) return limit;
+    least_above = least;
   }
   return std::min(row.back(), limit);
 }

@@ -70,7 +70,7 @@ TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
     }
   }
   for (const char* name : {"budget", "reserve", "misses", "contacts by level"}) EXPECT_EQ(counters[name], 30) << name;
-  EXPECT_EQ(events.back().at("args").at("dropped"), 0);
+  EXPECT_EQ(events.back().at("args").at("discarded"), 0);
 }
 
 TEST(Trace, OfTheWorkClockLeavesTheRunAsItWas) {

@@ -72,7 +72,7 @@ TEST(TraceDocument, IsOneArrayWhateverThePiecesAndNamesAreEscaped) {
   EXPECT_EQ(events.at(3).at("args").at("levels"), 2);
   EXPECT_EQ(events.at(6).at("args").at("count"), 7);
   EXPECT_EQ(events.at(8).at("name"), "miss: machine");
-  EXPECT_EQ(events.back().at("args").at("dropped"), 3);
+  EXPECT_EQ(events.back().at("args").at("discarded"), 3);
 }
 
 TEST(Trace, KeepsItsRoomAndCountsTheRest) {
