@@ -8,7 +8,7 @@ function(poise_target_settings target)
     -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual -Wformat=2)
   # GCC 12 warns falsely of overlap and of sizes in `"text" + std::string` when it inlines (GCC bug 105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    target_compile_options(${target} PRIVATE -Wno-restrict -Wno-stringop-overflow)
+    target_compile_options(${target} PRIVATE -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds)
   endif()
   if(POISE_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
