@@ -8,7 +8,7 @@ namespace {
 
 static_assert(Contact::kMostPoints == collision::kMaxManifoldPoints);
 
-// Makes what the points bore in the last substep what they gave in the step.
+// Makes the impulses of the points in the last substep those of the whole step.
 void share_out(const Vec3& whole_ns, std::span<ContactPoint> points) {
   Vec3 borne = Vec3::Zero();
   double load = 0;

@@ -130,7 +130,7 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, const Referenc
   for (const ComparedPair& pair : pairs) {
     if (touches(pair.run_ns, least_ns) || touches(pair.reference_ns, least_ns)) touched[pair.a] = touched[pair.b] = 1;
   }
-  std::vector<ComparedBody> judged;
+  std::vector<ComparedBody> compared;
   for (std::uint32_t slot = 0; slot < touched.size(); ++slot) {
     if (touched[slot] == 0 || bodies.dynamic[slot] == 0) continue;
     ComparedBody body;
@@ -140,18 +140,18 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, const Referenc
     body.reference_dv_mps = full.bodies[slot].velocity_mps - bodies.velocity(slot);
     body.reference_dw_radps = full.bodies[slot].spin_radps - bodies.spin(slot);
     body.inertia_per_mass_m2 = dynamics::inertia_world(bodies, slot) / bodies.mass_kg[slot];
-    judged.push_back(body);
+    compared.push_back(body);
   }
-  if (!view.present) return judged;
+  if (!view.present) return compared;
   const Occlusion occlusion(world, reference, view);
-  parallel::parallel_for(*world.executor, judged.size(), 16, [&](std::size_t begin, std::size_t end, int) {
+  parallel::parallel_for(*world.executor, compared.size(), 16, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t slot = judged[i].slot;
-      judged[i].weight =
+      const std::uint32_t slot = compared[i].slot;
+      compared[i].weight =
           error_weight(view, bodies.position(slot), bodies.shape[slot]->bounding_radius_m, occlusion.hidden(slot));
     }
   });
-  return judged;
+  return compared;
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ TEST(CachedPoint, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
 }
 
 // Pairs that are apart by much are not asked for many frames; whatever they do meanwhile, they meet in time.
-TEST(KeptClearance, IsGivenUpBeforeThePairMeets) {
+TEST(KeptClearance, IsAbandonedBeforeThePairMeets) {
   std::mt19937_64 random(11);
   const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
   std::size_t cached = 0;
@@ -162,7 +162,7 @@ TEST(KeptClearance, IsGivenUpBeforeThePairMeets) {
   EXPECT_GT(met, 100) << "and pairs meet";
 }
 
-// A stirred pile whose pairs keep what they know, beside one that is put where the first is before every step and so
+// A shaken pile whose pairs keep what they know, beside one that is put where the first is before every step and so
 // has to find out everything anew.
 TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
   WorldSettings settings;

@@ -249,7 +249,7 @@ TEST(Decisions, CompletedStepsAreTheLevelsThatTheReportCounts) {
     };
     EXPECT_EQ(kind(RefinementStep::Kind::Completed), report.jobs_done);
     EXPECT_LE(kind(RefinementStep::Kind::Cut) + kind(RefinementStep::Kind::Full), report.jobs_discarded)
-        << "a job that is given up is nobody's to note";
+        << "a job that is abandoned is nobody's to note";
     completed += report.jobs_done;
     for (const RefinementStep& step : decisions.steps) ++of_worker[step.worker];
   }

@@ -24,11 +24,11 @@ View looking_along_x() {
 }
 
 ComparedBody body(double dv, double reference_dv, double weight = 1) {
-  ComparedBody judged;
-  judged.dv_mps = Vec3(dv, 0, 0);
-  judged.reference_dv_mps = Vec3(reference_dv, 0, 0);
-  judged.weight = weight;
-  return judged;
+  ComparedBody compared;
+  compared.dv_mps = Vec3(dv, 0, 0);
+  compared.reference_dv_mps = Vec3(reference_dv, 0, 0);
+  compared.weight = weight;
+  return compared;
 }
 
 ComparedPair pair_of(double run_ns, double reference_ns, double gap_m = 0, double gap_px = 0) {

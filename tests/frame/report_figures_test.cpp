@@ -77,7 +77,7 @@ TEST(LevelFigures, AreOverTheFramesThatWereLookedAt) {
   EXPECT_EQ(levels.longest_wait, 9U);
 }
 
-TEST(WorkFigures, SumWhatWasGivenUpAndWhatWasKept) {
+TEST(WorkFigures, SumWhatWasAbandonedAndWhatWasCached) {
   std::vector<RunFrame> frames(3);
   for (RunFrame& frame : frames) {
     frame.report.jobs_discarded = 5;

@@ -22,7 +22,7 @@ WorldSettings sleepy(bool sleeping = true, int threads = 1) {
   return settings;
 }
 
-/// A stage whose bodies rub.
+/// A stage whose bodies have friction.
 Stage rough(const WorldSettings& settings) {
   Stage stage(settings, 0.0);
   stage.material = stage.world.add_material({0, 0.5, 1000}).value();
