@@ -7,14 +7,18 @@
 
 namespace poise::test {
 
-/// A tree of a mesh as build_sphere_tree makes it, kept between tests in the folder that POISE_TREE_CACHE names, if it
-/// names one.
-inline SphereTree shared_tree(const TriangleMesh& mesh, Level depth) {
+/// The folder that POISE_TREE_CACHE names, where tests keep trees between them; off where it names none.
+inline TreeCacheSettings shared_trees() {
   const char* folder = std::getenv("POISE_TREE_CACHE");
   TreeCacheSettings settings;
   settings.on = folder != nullptr;
   if (settings.on) settings.folder = folder;
-  return cached_sphere_tree(mesh, {.depth = depth, .preset = TreePreset::Fast}, settings).value();
+  return settings;
+}
+
+/// A tree of a mesh as build_sphere_tree makes it, kept there.
+inline SphereTree shared_tree(const TriangleMesh& mesh, Level depth) {
+  return cached_sphere_tree(mesh, {.depth = depth, .preset = TreePreset::Fast}, shared_trees()).value();
 }
 
 }  // namespace poise::test

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/shared_tree.h"
 #include "poise/scene/scene.h"
 
 /// The state of every shipped scene after 200 frames under the work clock, to the bit. A hash that changes says that
@@ -46,7 +47,7 @@ std::uint64_t hash_after(const Golden& golden, int threads) {
   options.world.executor = ExecutorKind::Threads;
   options.world.sleeping = with == "sleeping";
   options.world.policy = scene.value().policy;
-  options.tree_cache = TreeCacheSettings{};
+  options.tree_cache = test::shared_trees();
   if (golden.bodies > 0) options.bodies = golden.bodies;
   Result<SceneRun> run = SceneRun::create(scene.value(), options);
   EXPECT_TRUE(run.ok()) << (run.ok() ? "" : run.error().message);

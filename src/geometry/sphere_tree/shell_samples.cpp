@@ -42,7 +42,11 @@ class Walk {
  private:
   void leaf(const Vec3f& low, float size, std::uint64_t place, std::vector<Sample>& out) const {
     Random random = Random::of(seed_, place);
-    const Vec3 share(random.unit(), random.unit(), random.unit());
+    // One by one: compilers differ in which argument of a call they evaluate first.
+    const double z = random.unit();
+    const double y = random.unit();
+    const double x = random.unit();
+    const Vec3 share(x, y, z);
     const Vec3f at = low + size * share.cast<float>();
     const Vec3 at_m = frame_.from(at);
     const double near_m = static_cast<double>(thickness_) * frame_.diagonal_m;
