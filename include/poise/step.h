@@ -99,7 +99,8 @@ struct StageTimes {
   Nanoseconds broad_phase{0};
   Nanoseconds coarse{0};  ///< every candidate pair at its mandatory level
   Nanoseconds refine{0};
-  Nanoseconds response{0};  ///< contacts in pair order, colouring, impulses
+  Nanoseconds manifolds{0};  ///< contact points of all touching pairs, in pair order
+  Nanoseconds solve{0};      ///< impacts, colouring, resting contact
   Nanoseconds integrate{0};
   Nanoseconds publish{0};  ///< events and report
   Nanoseconds total{0};

@@ -15,13 +15,15 @@ enum class TraceStage : std::uint8_t {
   BroadPhase,
   Coarse,
   Refine,
-  Response,
+  Manifolds,
+  Solve,
   Integrate,
   Publish,
   Worker
 };
 
-/// `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `response`, `integrate`, `publish`, or `jobs` for Worker.
+/// `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `manifolds`, `solve`, `integrate`, `publish`, or `jobs` for
+/// Worker.
 const char* trace_name(TraceStage stage);
 
 /// A time span of one thread.

@@ -92,8 +92,14 @@ class Step {
     report_.refine_started = laps_.at();
     refine_pairs();
     report_.times.refine = laps_.lap();
-    respond();
-    report_.times.response = laps_.lap();
+    scale_impulses(world_.settings.substeps, substeps());
+    const SolveInput solved = solve_input();
+    make_manifolds(
+        {world_.scene(), terms_, frame_.motion, frame_.table, frame_.levels, solver::still_mps(solved.settings())},
+        world_.cache.points, frame_.manifolds, report_, executor_);
+    report_.times.manifolds = laps_.lap();
+    solve(solved);
+    report_.times.solve = laps_.lap();
     integrate(frame_.velocities, terms_.dt_s, world_.bodies, frame_.motions, executor_);
     report_.times.integrate = laps_.lap();
     PublishInput published = publish_input(world_);
@@ -153,14 +159,13 @@ class Step {
     if (from != to) world_.cache.points.scale_impulses(static_cast<double>(from) / to);
   }
 
-  void respond() {
-    scale_impulses(world_.settings.substeps, substeps());
-    const SceneView scene = world_.scene();
+  [[nodiscard]] SolveInput solve_input() const {
+    return {world_.scene(), terms_, frame_.motion, frame_.table, frame_.levels, frame_.manifolds, world_.pools,
+            substeps(),     {}};
+  }
+
+  void solve(const SolveInput& input) {
     PointCache& points = world_.cache.points;
-    const SolveInput input{
-        scene, terms_, frame_.motion, frame_.table, frame_.levels, frame_.manifolds, world_.pools, substeps(), {}};
-    make_manifolds({scene, terms_, frame_.motion, frame_.table, frame_.levels, solver::still_mps(input.settings())},
-                   points, frame_.manifolds, report_, executor_);
     begin_solve(input, frame_.velocities, executor_);
     solve_impacts(input, points, frame_.velocities, report_, executor_);
     const std::uint32_t most = max_iterations();

@@ -14,11 +14,12 @@ struct StageMember {
 };
 
 /// In the order in which they happen.
-inline constexpr std::array<StageMember, 7> kStages{{{"predict", &StageTimes::predict},
+inline constexpr std::array<StageMember, 8> kStages{{{"predict", &StageTimes::predict},
                                                      {"broad_phase", &StageTimes::broad_phase},
                                                      {"coarse", &StageTimes::coarse},
                                                      {"refine", &StageTimes::refine},
-                                                     {"response", &StageTimes::response},
+                                                     {"manifolds", &StageTimes::manifolds},
+                                                     {"solve", &StageTimes::solve},
                                                      {"integrate", &StageTimes::integrate},
                                                      {"publish", &StageTimes::publish}}};
 

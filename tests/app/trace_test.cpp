@@ -45,8 +45,8 @@ TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
   }
   const std::vector<Span>& calling = lanes.at(0);
   EXPECT_EQ(std::count_if(calling.begin(), calling.end(), [](const Span& s) { return s.name == "frame"; }), 30);
-  const std::vector<std::string> stages{"predict",  "broad_phase", "coarse", "refine",
-                                        "response", "integrate",   "publish"};
+  const std::vector<std::string> stages{"predict",   "broad_phase", "coarse",    "refine",
+                                        "manifolds", "solve",       "integrate", "publish"};
   constexpr double kRoundingUs = 0.01;
   for (std::size_t i = 0; i < calling.size(); ++i) {
     if (calling[i].name != "frame") continue;

@@ -182,7 +182,7 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   const StageTimes& times = report.times;
   const int substeps = report.degraded.substeps > 0 ? report.degraded.substeps : counts.substeps;
   report.budget = step.budget.deadline - report.started;
-  report.tail_actual = times.response + times.integrate + times.publish;
+  report.tail_actual = times.manifolds + times.solve + times.integrate + times.publish;
   const Nanoseconds own = std::max(Nanoseconds(0), times.total - cpu_used - report.waited);
   report.off_cpu += own;
   // What the machine took of refinement is no part of the rest.
@@ -193,7 +193,7 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   const std::uint64_t least_iterations =
       std::min<std::uint64_t>(report.point_iterations, manifold_points * static_cast<std::uint64_t>(substeps));
   const Nanoseconds of_iterations =
-      std::min(times.response, iterations_forecast(forecasts, report.point_iterations - least_iterations));
+      std::min(times.solve, iterations_forecast(forecasts, report.point_iterations - least_iterations));
   report.mandatory = times.total - (times.refine - report.planning) - of_rest - of_iterations + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.

@@ -17,8 +17,10 @@ const char* trace_name(TraceStage stage) {
       return "coarse";
     case TraceStage::Refine:
       return "refine";
-    case TraceStage::Response:
-      return "response";
+    case TraceStage::Manifolds:
+      return "manifolds";
+    case TraceStage::Solve:
+      return "solve";
     case TraceStage::Integrate:
       return "integrate";
     case TraceStage::Publish:
@@ -42,7 +44,8 @@ void trace_frame(std::span<const WorkerTally> tallies, const FrameReport& report
   at = add(TraceStage::BroadPhase, at, times.broad_phase);
   at = add(TraceStage::Coarse, at, times.coarse);
   at = add(TraceStage::Refine, at, times.refine);
-  at = add(TraceStage::Response, at, times.response);
+  at = add(TraceStage::Manifolds, at, times.manifolds);
+  at = add(TraceStage::Solve, at, times.solve);
   at = add(TraceStage::Integrate, at, times.integrate);
   add(TraceStage::Publish, at, times.publish);
   for (std::size_t w = 0; w < tallies.size(); ++w) {

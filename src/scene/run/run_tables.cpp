@@ -66,7 +66,8 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("broad_phase_ms", ms(r.times.broad_phase));
   row.column("coarse_ms", ms(r.times.coarse));
   row.column("refine_ms", ms(r.times.refine));
-  row.column("response_ms", ms(r.times.response));
+  row.column("manifolds_ms", ms(r.times.manifolds));
+  row.column("solve_ms", ms(r.times.solve));
   row.column("integrate_ms", ms(r.times.integrate));
   row.column("publish_ms", ms(r.times.publish));
   row.column("budget_ms", ms(r.budget));
