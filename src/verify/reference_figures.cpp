@@ -16,7 +16,7 @@ constexpr double kHalfAcuityRad = 2.5 * kDegree;
 constexpr double kHidden = 0.25;
 constexpr double kOutside = 0.05;
 // As for the cues: nearer than this nothing gets larger.
-constexpr double kNearestM = 0.05;
+constexpr double kNearest_m = 0.05;
 
 double squared_speed(const Vec3& v, const Vec3& w, const Mat3& inertia_per_mass_m2) {
   return v.squaredNorm() + w.dot(inertia_per_mass_m2 * w);
@@ -85,7 +85,7 @@ double error_weight(const View& view, const Vec3& center_m, double radius_m, boo
 }
 
 double length_px(const View& view, const Vec3& point_m, double length_m) {
-  const double distance = std::max(kNearestM, (point_m - view.position_m).norm());
+  const double distance = std::max(kNearest_m, (point_m - view.position_m).norm());
   return length_m * kPictureHeightPx / (2 * distance * std::tan(0.5 * view.vertical_fov_rad));
 }
 
