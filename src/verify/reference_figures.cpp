@@ -15,7 +15,7 @@ constexpr double kFullSizeRad = 1.0 * kDegree;
 constexpr double kHalfAcuityRad = 2.5 * kDegree;
 constexpr double kHidden = 0.25;
 constexpr double kOutside = 0.05;
-// As for the cues: nearer than this nothing gets larger.
+// Minimum viewing distance, as for the cues: nothing appears larger when nearer than this.
 constexpr double kNearestM = 0.05;
 
 double squared_speed(const Vec3& v, const Vec3& w, const Mat3& inertia_per_mass_m2) {
