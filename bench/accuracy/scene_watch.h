@@ -28,8 +28,8 @@ class SceneWatch {
 
   void remember();                       ///< stores the state that drift_m() and fallen() compare with
   [[nodiscard]] double drift_m() const;  ///< of the body that moved farthest since
-  [[nodiscard]] std::size_t fallen()
-      const;  ///< bodies that have sunk by more than a tenth of their size since, or are not finite
+  /// Bodies that have sunk by more than a tenth of their size since, or are not finite.
+  [[nodiscard]] std::size_t fallen() const;
   [[nodiscard]] double kinetic_j() const;
   [[nodiscard]] double energy_j() const;  ///< kinetic and potential, potential 0 at height 0
   [[nodiscard]] double largest_speed_mps() const;

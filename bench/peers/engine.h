@@ -34,8 +34,8 @@ struct Engine {
   std::string version;  ///< with the precision of its numbers
   int threads = 1;
   std::function<void()> step;  ///< steps by PileScene::dt_s
-  std::function<void(std::span<BodyState>)>
-      read_states;  ///< writes as many entries as there are bodies, in the order of PileScene::start
+  /// Writes as many entries as there are bodies, in the order of PileScene::start.
+  std::function<void(std::span<BodyState>)> read_states;
 };
 
 /// Approach speed below which restitution is ignored, in engines that need one: Bullet's default.

@@ -48,10 +48,12 @@ class [[nodiscard]] Result {
   std::variant<T, Error> content_;
 };
 
+/// The empty value of a successful call.
 struct Done {};
 /// The result of a call that returns no value.
 using Status = Result<Done>;
 
+/// An Error of kind BadInput.
 inline Error bad_input(std::string message) { return {ErrorKind::BadInput, std::move(message)}; }
 
 }  // namespace poise

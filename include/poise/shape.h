@@ -13,6 +13,7 @@
 
 namespace poise {
 
+/// How the surface of a shape is modelled.
 enum class ShapeKind : std::uint8_t {
   Tree,   ///< a sphere tree; a ball is a tree of one node
   Plane,  ///< a half-space, static only

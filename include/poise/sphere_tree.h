@@ -15,6 +15,7 @@
 
 namespace poise {
 
+/// The most children of a node.
 inline constexpr std::uint32_t kTreeBranching = 8;
 
 /// Version of the tree's layout and of the definition of its figures; files and caches of another version are not used.
@@ -75,6 +76,7 @@ enum class TreePreset : std::uint8_t {
   Best,  ///< about seven times the time of Default
 };
 
+/// Options of build_sphere_tree.
 struct TreeBuildOptions {
   Level depth = 3;  ///< levels below the root, at most kMaxTreeDepth
   TreePreset preset = TreePreset::Default;
@@ -114,6 +116,7 @@ struct TreeLevelFigures {
                                 ///< shell
 };
 
+/// Options of measure_tree_quality.
 struct TreeQualityOptions {
   std::size_t samples = 20000;  ///< sampled points for each figure, in [1, 1e8]
   std::uint64_t seed = 1;

@@ -53,6 +53,7 @@ struct HostWork {
 /// double.
 inline constexpr double kMaxTimeStepS = 1000.0;
 
+/// Input of World::step.
 struct StepInput {
   double dt_s = 1.0 / 60.0;  ///< length of the step, > 0 and at most kMaxTimeStepS
   Budget budget{};
@@ -85,6 +86,7 @@ struct StepInput {
   FrameExplanation* explain = nullptr;
 };
 
+/// Whether a step was done or refused.
 enum class StepStatus : std::uint8_t {
   Done,
   RefusedTimeStep,  ///< dt_s is not in (0, kMaxTimeStepS]; the World is unchanged

@@ -17,6 +17,7 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// A level of refinement. 0 is the coarsest: the root sphere.
 using Level = std::uint8_t;
+/// The deepest level of a sphere tree.
 inline constexpr Level kMaxTreeDepth = 6;
 /// Index of contacts by polygons in figures by level; it follows the deepest level of trees.
 inline constexpr Level kPolygonBin = kMaxTreeDepth + 1;

@@ -51,8 +51,9 @@ struct PairFilter {
   void* context = nullptr;                                              ///< passed to the function
 };
 
+/// Settings of a World; World::create refuses values out of the ranges given here.
 struct WorldSettings {
-  Vec3 gravity_mps2 = Vec3::Zero();
+  Vec3 gravity_mps2 = Vec3::Zero();  ///< world frame, each component within 1e9
   ContactModel contact = ContactModel::Fitted;
   scheduler::Policy policy;  ///< the order of refinement
   ExecutorKind executor = ExecutorKind::Tbb;
@@ -68,7 +69,7 @@ struct WorldSettings {
   /// Empty: no affinity. Not with ExecutorKind::Tbb or Host, whose threads are not owned by the World.
   std::vector<int> processors;
   int realtime_priority = 0;  ///< of these threads under SCHED_FIFO, 1 to 99; 0: default. Not with Tbb or Host
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;     ///< of policies that draw random numbers
   /// Islands of bodies that have been still for half a second fall asleep. Sleeping bodies do not move and cost almost
   /// nothing. They wake when a moving body comes near, or when the caller changes one of them or a body that they rest
   /// on. Costs nothing if off.
@@ -78,13 +79,14 @@ struct WorldSettings {
   /// a larger reserve.
   double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
   std::uint32_t max_partners = 256;            ///< capacity for the candidate partners of a body, 1 to 65536
-  std::uint32_t max_front_entries = 1U << 22;  ///< capacity for fronts, entries per worker thread, >= 64
+  std::uint32_t max_front_entries = 1U << 22;  ///< capacity for fronts, entries per worker thread, 64 to 2^26
 };
 
+/// The surface and density of a body.
 struct Material {
   double restitution = 0;       ///< in [0, 1]; a pair uses the larger of its two
-  double friction = 0;          ///< Coulomb's coefficient, >= 0; a pair uses the geometric mean of its two
-  double density_kgpm3 = 1000;  ///< > 0
+  double friction = 0;          ///< Coulomb's coefficient, in [0, 1e6]; a pair uses the geometric mean of its two
+  double density_kgpm3 = 1000;  ///< in [1e-9, 1e12]
 };
 
 /// How a body moves.
@@ -97,6 +99,7 @@ enum class MotionType : std::uint8_t {
   Dynamic,  ///< moves by forces and contacts
 };
 
+/// A body to be added. Positions are limited to 1e12 m, speeds to 1e9 m/s and 1e9 rad/s, each component.
 struct BodyDefinition {
   ShapeId shape;
   MaterialId material;
@@ -105,19 +108,20 @@ struct BodyDefinition {
   Quat orientation = Quat::Identity();         ///< body to world; normalised; not 0
   Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass, world frame
   Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
-  double mass_kg = 0;                          ///< 0 = from volume and density
+  double mass_kg = 0;                          ///< in [1e-18, 1e18]; 0: from volume and density
   Vec3 inertia_kgm2 = Vec3::Zero();            ///< principal moments in the shape's principal frame; 0: from the shape
   std::uint32_t group = 1;                     ///< bits: which groups the body is in
   std::uint32_t collides_with = 0xffffffffU;   ///< bits: which groups it collides with; both bodies must agree
-  double importance = 1;                       ///< factor on the priority of its pairs, >= 0, finite
+  double importance = 1;                       ///< factor on the priority of its pairs, in [0, 1e6]
   /// The caller's value. Only the caller's functions read it: PairFilter, and the cue and policy of a Policy.
   std::uint64_t user_data = 0;
 };
 
+/// Position and motion of a body. Limits as in BodyDefinition.
 struct BodyState {
   Vec3 position_m = Vec3::Zero();              ///< centre of mass, world frame
   Quat orientation = Quat::Identity();         ///< axes of the mesh, body to world, unit
-  Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass
+  Vec3 velocity_mps = Vec3::Zero();            ///< of the centre of mass, world frame
   Vec3 angular_velocity_radps = Vec3::Zero();  ///< world frame
 };
 
@@ -132,21 +136,20 @@ struct ContactPoint {
 /// A pair that touched in the last step.
 struct Contact {
   static constexpr std::size_t kMostPoints = 4;
-  BodyId a, b;                     ///< a comes before b in the order of slots
-  Level level = 0;                 ///< level that was completed for the pair; for polygons, the deepest level of its
-                                   ///< trees + 1
-  Vec3 normal = Vec3::UnitZ();     ///< from a to b, unit, mean over the pair
-  Vec3 point_m = Vec3::Zero();     ///< world frame, mean over the pair
-  double gap_m = 0;                ///< separation of the modelled surfaces at the start of the step, metres, negative
-                                   ///< in overlap
-  Vec3 impulse_ns = Vec3::Zero();  ///< received by b in the step, kg m/s; a received the opposite
-  std::uint8_t point_count = 0;    ///< 1 to kMostPoints
+  BodyId a, b;                  ///< a comes before b in the order of slots
+  Level level = 0;              ///< completed for the pair; for polygons, the deepest level of its trees + 1
+  Vec3 normal = Vec3::UnitZ();  ///< from a to b, unit, mean over the pair
+  Vec3 point_m = Vec3::Zero();  ///< world frame, mean over the pair
+  double gap_m = 0;             ///< separation of the modelled surfaces at the start of the step, negative in overlap
+  Vec3 impulse_ns = Vec3::Zero();                       ///< received by b in the step, kg m/s; a received the opposite
+  std::uint8_t point_count = 0;                         ///< 1 to kMostPoints
   std::array<ContactPoint, kMostPoints> point_slots{};  ///< the first point_count entries are valid
   /// The pair's manifold. The impulses of its points add up to impulse_ns. They have the ratio of the points'
   /// accumulated impulses at the end of the step, and are equal if the pair had an impact alone.
   [[nodiscard]] std::span<const ContactPoint> points() const { return std::span(point_slots).first(point_count); }
 };
 
+/// A change of the contact of a pair in the last step.
 struct ContactEvent {
   enum class Kind : std::uint8_t {
     Begin,    ///< touches now and did not in the previous step
@@ -180,6 +183,8 @@ class World {
   World& operator=(World&&) noexcept;
   ~World();
 
+  // Every call with a BodyId, except contains(), refuses a stale handle as ErrorKind::StaleHandle.
+
   /// Adds a shape, which bodies may then use. A null pointer gives a ShapeId that add_body refuses.
   ShapeId add_shape(ShapePtr shape);
   /// Refused: values out of the ranges of Material.
@@ -205,9 +210,10 @@ class World {
   void set_pair_filter(const PairFilter& filter);
 
   /// Adds a body. Refused: unknown shape or material, numbers that are not finite or out of range, an inertia that
-  /// breaks the triangle inequality, a plane that is not static. Mass and inertia of static and kinematic bodies are
-  /// ignored.
+  /// breaks the triangle inequality, a plane that is not static. Mass and inertia of static and kinematic bodies have
+  /// no effect. Wakes sleeping bodies near it.
   Result<BodyId> add_body(const BodyDefinition& definition);
+  /// Removes a body; its handle becomes stale. Wakes its island and, for a static body, sleeping bodies near it.
   Status remove_body(BodyId body);
   [[nodiscard]] bool contains(BodyId body) const;
   [[nodiscard]] std::size_t body_count() const;  ///< static ones and planes included
@@ -219,12 +225,11 @@ class World {
   Status set_user_data(BodyId body, std::uint64_t user_data);
 
   [[nodiscard]] Result<BodyState> state(BodyId body) const;
-  /// Sets position, orientation and velocities. Wakes the body and the island it sleeps in. Refused: numbers out of
-  /// range.
+  /// Sets position, orientation and velocities. Wakes the body, at the next step the rest of its island, and for a
+  /// static body those near its old and new position. Refused: numbers out of range, and a velocity for a static body.
   Status set_state(BodyId body, const BodyState& state);
-  /// Sets the velocity of the centre of mass and the angular velocity about it, world frame. Wakes the body and its
-  /// island. Refused: numbers out of range, and a velocity for a static body. A kinematic body keeps it until it is set
-  /// again.
+  /// Sets the velocity of the centre of mass and the angular velocity about it, world frame. Wakes as set_state.
+  /// Refused: numbers out of range, and a velocity for a static body. A kinematic body keeps it until it is set again.
   Status set_velocity(BodyId body, const Vec3& velocity_mps, const Vec3& angular_velocity_radps);
   /// Whether a body sleeps (WorldSettings::sleeping). A sleeping body has no velocity and no contacts.
   [[nodiscard]] Result<bool> asleep(BodyId body) const;
@@ -233,15 +238,17 @@ class World {
   [[nodiscard]] Result<ShapePtr> shape(BodyId body) const;
 
   /// Adds a force (N, world frame) at a world point for the next step, which clears it. No effect on static and
-  /// kinematic bodies; wakes sleeping ones.
+  /// kinematic bodies; wakes sleeping ones. Refused: point_m beyond 1e12 m, and a sum of forces (N) or torques (N m)
+  /// beyond 1e30, each component.
   Status apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m);
   /// Adds a torque (N m, world frame) for the next step, otherwise as apply_force.
   Status apply_torque(BodyId body, const Vec3& torque_nm);
-  /// Changes velocities immediately by an impulse (kg m/s, world frame) at a world point.
+  /// Changes velocities immediately by an impulse (kg m/s, world frame) at a world point. No effect on static and
+  /// kinematic bodies; wakes sleeping ones. Refused: arguments or resulting velocities out of range.
   Status apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m);
-  /// Sets BodyDefinition::group and collides_with.
+  /// Sets BodyDefinition::group and collides_with. Wakes as set_state.
   Status set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with);
-  /// Sets BodyDefinition::importance. Refused: negative or not finite.
+  /// Sets BodyDefinition::importance. Refused: a value out of [0, 1e6].
   Status set_importance(BodyId body, double importance);
 
   // Queries (poise/queries.h): on the true surfaces, at the current positions of the bodies. Any number of threads at

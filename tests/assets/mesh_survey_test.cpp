@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kModels = "/usr/share/assimp/models";
-constexpr std::size_t kLargestBuilt =
-    20000;  // triangles; three larger meshes are only read, since their trees would take seconds each
+// Triangles. Three larger meshes are only read, since their trees would take seconds each.
+constexpr std::size_t kLargestBuilt = 20000;
 
 /// The refused files, with a part of the message. Each was checked by hand; no other file may be refused.
 const std::map<std::string, std::string> kRefused{

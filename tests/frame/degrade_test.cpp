@@ -258,7 +258,7 @@ TEST(FrameTime, WhatOneWorldLearnedIsWhereAnotherBegins) {
   const scheduler::TimePriors taken = other.world.time_priors();
   EXPECT_EQ(taken.tail_us, learned.tail_us);
   EXPECT_EQ(taken.head_us, learned.head_us);
-  // A margin above the initial one is not adopted.
+  // A learned margin above the initial one is replaced by the initial one.
   const double first = World::create(falling(1)).value().time_priors().log_quantile;
   EXPECT_DOUBLE_EQ(taken.log_quantile, std::min(learned.log_quantile, first));
   EXPECT_DOUBLE_EQ(taken.unit_cost_ns, learned.unit_cost_ns);

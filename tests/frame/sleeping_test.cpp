@@ -58,8 +58,8 @@ ShapeId cradle(Stage& stage) {
   const std::vector<Sphere> spheres = {{Vec3(1, 0, 0), 1.0}, {Vec3(-0.5, side, 0), 1.0}, {Vec3(-0.5, -side, 0), 1.0}};
   return stage.world.add_shape(make_spheres_shape(spheres).value());
 }
-constexpr double kInCradleM =
-    1.1180339887498949;  // sqrt(1.5^2 - 1): a ball of 0.5 m on balls of 1 m at 1 m from the axis
+// sqrt(1.5^2 - 1): the height of a ball of 0.5 m on balls of 1 m at 1 m from the axis.
+constexpr double kInCradleM = 1.1180339887498949;
 
 bool asleep(const Stage& stage, BodyId body) { return stage.world.asleep(body).value(); }
 

@@ -8,6 +8,7 @@
 
 namespace poise {
 
+/// Unit and tolerance of a mesh file.
 struct MeshReadOptions {
   double scale = 1.0;           ///< metres per unit of the file, > 0
   double weld_relative = 1e-6;  ///< vertices closer than this fraction of the diagonal are merged, in [0, 0.1]

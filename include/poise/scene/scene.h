@@ -29,18 +29,22 @@ inline constexpr std::uint64_t kMaxSceneBodies = 10'000'000;
 /// The most frames that a run may have: the report of each stays in memory.
 inline constexpr std::uint64_t kMaxSceneFrames = 1'000'000;
 
+/// A named material of a scene file.
 struct SceneMaterial {
   std::string name;
   Material material;
 };
 
+/// A ball.
 struct SphereSource {
   double radius_m = 0;
 };
+/// A half-space, as make_plane_shape.
 struct PlaneSource {
   Vec3 normal = Vec3::UnitZ();
   double offset_m = 0;
 };
+/// A mesh file with a sphere tree to be built for it.
 struct MeshSource {
   std::filesystem::path file;        ///< as written; a relative one is relative to Scene::base
   double scale = 1;                  ///< metres per unit of the file
@@ -49,9 +53,11 @@ struct MeshSource {
   Quat rotation = Quat::Identity();  ///< turns the file's frame into that of the shape, about the file's origin
   bool turned = false;               ///< the file gives a rotation: `up` or `rotation_wxyz`
 };
+/// A union of spheres, as make_spheres_shape.
 struct SpheresSource {
   std::vector<Sphere> spheres;
 };
+/// A sphere tree from a file, with or without its mesh.
 struct TreeSource {
   std::filesystem::path file;    ///< a `.sph` file, as MeshSource::file
   double scale = 1;              ///< of tree and mesh
@@ -66,6 +72,7 @@ struct SceneShape {
   std::variant<SphereSource, PlaneSource, MeshSource, SpheresSource, TreeSource> source;
 };
 
+/// A body in the list of the file.
 struct SceneBody {
   std::string name;           ///< may be empty
   std::size_t shape = 0;      ///< index into Scene::shapes
@@ -119,6 +126,7 @@ struct SceneTray {
   double side_per_sqrt_body_m = 0;  ///< side = this * sqrt(bodies that the generators make)
 };
 
+/// The viewer's camera, world frame.
 struct SceneCamera {
   Vec3 position_m = Vec3::Zero();
   Vec3 look_at_m = Vec3::UnitX();
@@ -177,6 +185,7 @@ std::uint64_t generated_body_count(const Scene& scene);
 /// The camera and gaze of a scene. View::present is false for a scene without a camera.
 View scene_view(const Scene& scene);
 
+/// Settings of a run that the scene file does not hold.
 struct SceneRunOptions {
   WorldSettings world;  ///< gravity and seed are taken from the scene, which may also turn sleeping on; the rest is
                         ///< used as given

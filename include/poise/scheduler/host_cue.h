@@ -50,6 +50,7 @@ struct HostCue {
 /// The largest factor of a host's cue.
 inline constexpr double kMostHostFactor = 1e6;
 
+/// The checked result of a host's cue.
 struct HostFactor {
   float factor = 1;  ///< finite, in [0, kMostHostFactor]; becomes PairCues::host
   /// The function returned NaN (counts as 1) or a value out of range (counts as the nearest end).

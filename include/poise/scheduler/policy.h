@@ -130,6 +130,7 @@ std::span<const PolicyCount> policy_counts();
 
 /// The first field that is NaN or out of range; empty if the policy is valid. Any thread.
 std::optional<Problem> first_problem(const Policy& policy);
+/// Whether a policy has no problem.
 inline bool valid(const Policy& policy) { return !first_problem(policy).has_value(); }
 
 /// The largest factor of one cue, and the largest score. Chosen so that products of all factors stay finite.

@@ -17,20 +17,20 @@ namespace poise {
 /// once made; any number of threads may read.
 struct ShapeSurface {
   static constexpr std::uint32_t kNone = 0xffffffffU;
-  static constexpr std::uint8_t kVertex0 =
-      1;                                     ///< the triangle stands for its corner 0; shifted left for corners 1 and 2
-  static constexpr std::uint8_t kEdge0 = 8;  ///< for its side from corner 0 to corner 1; shifted left for the next two
+  // Bits of Triangle::features.
+  static constexpr std::uint8_t kVertex0 = 1;  ///< the triangle owns corner 0; shifted left for corners 1 and 2
+  static constexpr std::uint8_t kEdge0 = 8;    ///< it owns the side from corner 0 to 1; shifted left for the next two
 
   /// A triangle and a ball around it.
   struct Triangle {
     std::array<std::uint32_t, 3> vertex{};  ///< counter-clockwise from outside
-    std::array<std::uint32_t, 3>
-        across{};  ///< the triangle beyond side k (corner k to k + 1); kNone at a rim or where more than two meet
+    /// The neighbour across side k (corner k to k + 1); kNone at a rim or where more than two triangles meet.
+    std::array<std::uint32_t, 3> across{};
     Vec3 normal = Vec3::Zero();  ///< unit, outward; 0 for a triangle without area
     Vec3 center_m = Vec3::Zero();
     double radius_m = 0;
-    std::uint8_t features =
-        0;  ///< corners and sides that this triangle answers for, each of them in one triangle of the mesh
+    /// Corners and sides that this triangle owns; each is owned by at most one triangle of the mesh.
+    std::uint8_t features = 0;
   };
 
   explicit ShapeSurface(geometry::TriangleBvh searched) : bvh(std::move(searched)) {}

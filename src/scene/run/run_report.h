@@ -82,8 +82,8 @@ struct DegradedFigures {
 struct LevelFigures {
   std::uint64_t frames = 0;
   std::array<std::uint64_t, kPolygonBin + 1> bodies{};  ///< by the lowest level of their contacts
-  std::array<double, kPolygonBin + 1>
-      weight{};  ///< share of the visual weight, by the level of the contact; sums to 1 unless there is none
+  /// Share of the visual weight, by the level of the contact; sums to 1 unless there is none.
+  std::array<double, kPolygonBin + 1> weight{};
   double left_for_time_mean = 0, left_for_capacity_mean = 0;  ///< pairs
   std::uint32_t longest_wait = 0;  ///< starvation: most frames since a pair that was left coarse was refined beyond
                                    ///< level 0

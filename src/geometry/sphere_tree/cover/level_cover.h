@@ -28,8 +28,8 @@ struct CoverParent {
   float radius = 0;
   bool closed = false;
   std::vector<std::uint32_t> own;  ///< the cells that its children own at first, ascending
-  std::vector<std::uint32_t>
-      allowed;  ///< all that it and every node above it hold: what its children may answer for, ascending
+  /// The cells inside this node and every node above it, which its children may own; ascending.
+  std::vector<std::uint32_t> allowed;
 };
 
 struct LevelScore {
@@ -42,8 +42,8 @@ struct LevelSettings {
   int bids = 12;       ///< rounds of at least 1: cells are assigned to the ball with the lowest bid, then balls move
   int iterations = 6;  ///< most iterations of shrinking
   int redone = 0;      ///< attempts to rebuild the worst families
-  double equal_sizes =
-      0;  ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
+  /// Price of a larger radius than the others', as a share of the stand-off; 0: prices equalise the stand-offs instead.
+  double equal_sizes = 0;
 };
 
 /// Computes the balls of one level, at most kTreeBranching below each parent, so that every cell is inside a ball whose

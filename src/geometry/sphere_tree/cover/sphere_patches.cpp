@@ -269,8 +269,8 @@ class ManifoldPoints {
       area += share;
     }
     const double mean_m = area > 0 ? sum / area : 0;
-    std::vector<std::pair<double, std::size_t>>
-        gaps;  // how much a patch may add to the mean's error, negative so that the largest comes first
+    // The error of the mean that a patch may add, negative so that the largest comes first.
+    std::vector<std::pair<double, std::size_t>> gaps;
     double gap_sum = 0;
     for (std::size_t i = 0; i < patches_.size(); ++i) {
       const SurfacePatch& patch = patches_[i];

@@ -17,8 +17,8 @@ namespace poise::geometry {
 struct ObjectBall {
   Vec3 center_m = Vec3::Zero();
   double radius_m = 0;
-  std::uint32_t piece =
-      TriangleBvh::kNoTriangle;  ///< the convex piece of the object that contains the result, if there is one
+  /// The convex piece of the object that contains the result, if there is one.
+  std::uint32_t piece = TriangleBvh::kNoTriangle;
 };
 
 /// Distance queries on an object, for the protrusion of spheres. Called from any thread.
