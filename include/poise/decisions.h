@@ -30,7 +30,7 @@ struct RefinementStep {
 /// explanations.
 struct FrameDecisions {
   std::uint64_t frame = 0;             ///< number of steps done before this one
-  std::uint32_t active_pairs = 0;      ///< of the step; used to refuse decisions of another scene
+  std::uint32_t active_pairs = 0;      ///< of the step; detects decisions of another scene
   std::uint32_t substeps = 0;          ///< of the contact solver; 0: as in the settings
   std::uint32_t point_iterations = 0;  ///< limit of that solver in a substep; 0: its default limit
   std::vector<std::uint32_t> reused;   ///< pairs that reused an expired cached contact, ascending
@@ -56,7 +56,7 @@ struct PairExplanation {
     Expired,    ///< cached contact points that have expired
   };
   BodyId a, b;               ///< in the order of slots
-  scheduler::PairCues cues;  ///< valid where refinable is true or levels were completed
+  scheduler::PairCues cues;  ///< valid for pairs that could be refined when refinement began
   double weight = 0;         ///< scheduler::cue_weight of the cues
   CacheUse cached = CacheUse::None;
   Level cached_level = 0;        ///< the level of the cached result

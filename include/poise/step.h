@@ -34,8 +34,8 @@ struct Budget {
 
 /// The viewer's camera and gaze. They affect the order of refinement and nothing else.
 struct View {
-  bool present = false;  ///< without a view all pairs have the same visual weight
-  Vec3 position_m = Vec3::Zero();
+  bool present = false;            ///< without a view all pairs have the same visual weight
+  Vec3 position_m = Vec3::Zero();  ///< world frame, as all of these
   Vec3 forward = Vec3::UnitX();    ///< unit
   Vec3 up = Vec3::UnitZ();         ///< unit, not parallel to forward
   double vertical_fov_rad = 0.87;  ///< in (0, pi)
@@ -114,7 +114,7 @@ using scheduler::MissCause;
 /// Levels that a step reached, in addition to FrameReport::level_histogram. Arrays are indexed by level; the last entry
 /// is for polygons.
 struct LevelsReached {
-  /// Moving bodies with a contact, by the lowest level of their contacts.
+  /// Dynamic bodies with a contact, by the lowest level of their contacts.
   std::array<std::uint32_t, kPolygonBin + 1> bodies{};
   /// By level, the sum over its contacts of the visibility of one metre of error, rad/m: visible angle, frustum,
   /// eccentricity and importance (scheduler/policy.h). Without a view all contacts of the same importance have the same
@@ -143,7 +143,7 @@ struct FrameReport {
   SteadyClock::time_point refine_started{};  ///< the start of refinement
   StageTimes times;
 
-  // Budget (wall clock only; 0 otherwise). Times in nanoseconds.
+  // Budget (wall clock only; 0 otherwise)
   Nanoseconds budget{0};            ///< from the start of the step to its deadline
   Nanoseconds reserve_at_cut{0};    ///< reserved for the tail when refinement ended, without tail_left_over
   Nanoseconds tail_forecast{0};     ///< point forecast of the tail, without margin
@@ -195,9 +195,9 @@ struct FrameReport {
 
   // With StepInput::backtracking
   std::size_t swept_pairs = 0;  ///< pairs with a fast body, checked for a time of impact
-  std::size_t swept_hits = 0;   ///< of these, with an impact within the step
-  std::size_t swept_cut = 0;    ///< of these, the search for the time of impact reached its work limit; they continue
-                                ///< in the next step
+  std::size_t swept_hits = 0;   ///< impacts within the step that gave an impulse
+  std::size_t swept_cut = 0;    ///< searches for a time of impact that reached their work limit: the bodies stop there,
+                                ///< and continue in the next step
 
   // With WorldSettings::sleeping
   std::size_t asleep = 0;       ///< bodies asleep after the step

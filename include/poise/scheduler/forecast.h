@@ -29,15 +29,14 @@ class TailForecast {
  public:
   static constexpr std::size_t kFeatures = 7;         ///< a constant and the counts of TailWork, in its order
   static constexpr std::size_t kContacts = 2;         ///< index of TailWork::contacts
-  static constexpr std::size_t kPointIterations = 5;  ///< index of TailWork::point_iterations; its unit is a nanosecond
-                                                      ///< per iteration
+  static constexpr std::size_t kPointIterations = 5;  ///< index of TailWork::point_iterations
   static constexpr std::size_t kCoarseContacts = 6;   ///< index of TailWork::coarse_contacts
   using Features = std::array<double, kFeatures>;
 
   TailForecast();
   /// Begins with the coefficients of an earlier run on the same machine: microseconds for the constant, then
-  /// microseconds per thousand of each count of TailWork, in its order. A coefficient that is negative or not finite is
-  /// unknown: its prior is used.
+  /// microseconds per thousand of each count of TailWork, in its order. If one of them is negative or not
+  /// finite, the priors are used for all.
   explicit TailForecast(const Features& coefficients_us);
   /// The learned coefficients, in the units of the constructor.
   [[nodiscard]] Features coefficients_us() const;

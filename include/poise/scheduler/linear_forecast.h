@@ -25,7 +25,7 @@ struct ForecastFeature {
 /// random walk (Kalman 1960; recursive least squares with forgetting is a special case, which stops learning if the
 /// work never varies). A feature whose value is always 1 is the constant part. Features work best if their usual values
 /// are near one: count in thousands where there are thousands.
-/// values are near one: count in thousands where there are thousands.
+///
 /// Invariant: no coefficient is negative, so more work never takes less time; the covariance stays between the drift of
 /// one frame and its first value. A plain value without a clock; one thread at a time.
 class LinearForecast {

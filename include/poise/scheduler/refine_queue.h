@@ -16,7 +16,6 @@ namespace poise::scheduler {
 ///
 /// Invariant: an item is in the queue once, or held by one thread, or *closed* for this frame. So no job is lost and
 /// none is done twice. Writes of a thread before it gives an item back are visible to the thread that takes it next.
-/// next.
 class RefineQueue {
  public:
   static constexpr std::uint32_t kNone = PriorityBands::kNone;

@@ -9,7 +9,7 @@
 namespace poise::geometry {
 namespace {
 
-/// Most nodes on the stack of a search: three a level of at most kMostLevels levels of four children each.
+/// Most nodes on the stack of a search: three a level of at most 63 levels of four children each.
 constexpr std::size_t kMostWaiting = 256;
 /// Squared distances to boxes are computed in single precision; a bound is widened by more than their error.
 constexpr double kQueryWiden = 1 + 1e-5;

@@ -16,8 +16,8 @@ struct CheckedShape {
   ShapePtr shape;               ///< for a mesh whose tree is not built yet: with the root alone
   bool to_build = false;        ///< a tree must be built
   std::uint64_t triangles = 0;  ///< of a mesh
-  std::vector<Sphere>
-      outline;                 ///< in the body frame: what reaches farthest in each of some directions; none for planes
+  /// The balls or points that reach farthest in each of some directions, in the body frame; empty for planes.
+  std::vector<Sphere> outline;
   Vec3 size_m = Vec3::Zero();  ///< edges of the box around it, along the axes of the body frame
 };
 

@@ -206,7 +206,7 @@ void close_cell(SolidCells& cells) {
 /// Combines the cells' points. A block of cells that are completely inside becomes one cell, since none of it is near
 /// the surface.
 class CellGatherer {
-  // Invariant: atoms_.begin holds the first point of each finished cell, then the number of points.
+  // Invariant: cells_.begin holds the first point of each finished cell, then the number of points.
  public:
   CellGatherer(const Grid& grid, const Pieces& pieces, const std::vector<std::uint8_t>& has_surface,
                const std::vector<std::uint8_t>& inside, bool closed)
