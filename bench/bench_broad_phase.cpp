@@ -15,7 +15,7 @@ namespace {
 
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11U) * 0x1.0p-53; }
 
-// Balls at the density of a pile of five layers; `octaves` powers of two between the smallest and the largest.
+// Balls at the density of a pile of five layers; the smallest and the largest differ by 2^octaves.
 std::vector<MotionBound> pile(std::size_t count, double octaves) {
   std::mt19937_64 random(1);
   const double side_m = std::sqrt(static_cast<double>(count) / 5.0);

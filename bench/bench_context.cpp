@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every figure is stored with, beside the machine that Google Benchmark names itself.
+// The context that is stored with every figure, in addition to the machine that Google Benchmark names itself.
 #include <benchmark/benchmark.h>
 
 #include "scene/made_by.h"

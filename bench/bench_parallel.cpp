@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What it costs to bring workers to a loop: back to back, and after the frame's pause when they sleep.
+// The cost of bringing workers to a loop: back to back, and after the pause of a frame, when they sleep.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -70,7 +70,7 @@ void loop_of_400_items(benchmark::State& state) {
 }
 BENCHMARK(loop_of_400_items)->Apply(name);
 
-/// The frame's way: a pause until the release, a serial stretch (with or without a wake before it), then the loop.
+/// Like a frame: a pause until the release, a serial part (with or without a wake before it), then the loop.
 void loop_after_a_pause(benchmark::State& state, bool wake) {
   const auto executor = executor_of(state);
   const std::vector<std::uint64_t> expected = expected_results();

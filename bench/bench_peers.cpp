@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The scene `jacks` by Poise and by the engines that Debian has, in turns in one run: milliseconds a step while the
-// pile falls and when it rests, and how the piles stand that were so fast. The settings of each: docs/response.md.
+// The scene `jacks` in Poise and in the engines that Debian has, interleaved in one run: milliseconds a step while the
+// pile falls and when it is at rest, and the quality of the resulting piles. For the settings of each see
+// docs/response.md.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -35,7 +36,7 @@ struct Options {
   std::string json;
 };
 
-/// Deepest overlap of a pile that holds: the jack's thinnest part is then still half outside.
+/// Largest accepted overlap of a pile: at it the jack's thinnest part is still half outside.
 constexpr double kMostOverlapM = 0.18;
 
 struct Phase {
@@ -43,7 +44,7 @@ struct Phase {
   std::uint64_t begin, end;  ///< frames
 };
 
-// Of 600 frames: 60 to 180 and 500 to 600.
+// Phases of 600 frames: 60 to 180 and 500 to 600; scaled for other numbers.
 std::array<Phase, 2> phases(std::uint64_t frames) {
   return {{{"falling", frames / 10, 3 * frames / 10}, {"rest", 5 * frames / 6, frames}}};
 }
@@ -73,7 +74,7 @@ Result<std::vector<Engine>> make_engines(const Scene& scene, const PileScene& pi
   return engines;
 }
 
-/// All must begin as Poise does, to the precision of single numbers.
+/// Checks that all engines start in Poise's state, to single precision.
 Status check_start(std::span<const Engine> engines, const PileScene& pile) {
   std::vector<BodyState> states(pile.start.size());
   for (const Engine& engine : engines) {
@@ -124,8 +125,8 @@ Result<std::vector<Row>> measure(const Scene& scene, std::uint64_t bodies, const
   return rows;
 }
 
-/// Median CPU time a thread, peer / Poise on one thread; not present where either pile does not hold or nothing was
-/// timed.
+/// Ratio of the median CPU time a thread, peer to Poise on one thread; empty if either pile does not hold or nothing
+/// was timed.
 std::optional<double> ratio(const Row& row, const Row& poise, std::size_t phase) {
   const TimeFigures& own = poise.times[phase];
   if (!row.holds() || !poise.holds() || row.times[phase].frames == 0 || !(own.cpu.p50_ms > 0)) return std::nullopt;

@@ -14,8 +14,8 @@
 #include "poise/mesh.h"
 #include "query/body_index.h"
 
-// Queries of poise/queries.h among many bodies. Before anything is timed, answers are compared with those of every body
-// asked alone.
+// Queries of poise/queries.h among many bodies. Before anything is timed, results are compared with those of querying
+// every body separately.
 namespace poise::query {
 namespace {
 
@@ -33,7 +33,7 @@ Vec3 vector_within(std::mt19937_64& random, double most) {
 ShapePtr jack() {
   Result<TriangleMesh> mesh = read_mesh(std::filesystem::path(POISE_SOURCE_DIR) / "scenes/meshes/jack.obj", {});
   if (!mesh) return nullptr;
-  // Queries do not look at the tree: one sphere is enough.
+  // Queries do not use the tree: one sphere is enough.
   const Sphere all{Vec3::Zero(), 2 * mesh.value().diagonal_m()};
   Result<SphereTree> tree = tree_of_spheres(std::span(&all, 1));
   Result<ShapePtr> shape = make_mesh_shape_with_tree(mesh.value(), tree.value());
@@ -88,7 +88,7 @@ std::vector<Asked> questions(double side_m) {
   return asked;
 }
 
-/// Empty if the index answers as the bodies one by one.
+/// Empty if the index gives the same results as the bodies queried one by one.
 std::string check(const Bodies& bodies, const BodyIndex& index) {
   const BodyViews views = bodies.views();
   for (std::size_t i = 0; i < views.slot_count(); ++i) {
@@ -153,7 +153,7 @@ void overlaps(benchmark::State& state) {
     benchmark::DoNotOptimize(found.data());
   });
 }
-/// What the first query after a step pays.
+/// Cost of the index update in the first query after a step.
 void updates(benchmark::State& state) {
   Bodies bodies(static_cast<std::size_t>(state.range(0)));
   BodyIndex index;

@@ -39,7 +39,7 @@ struct Posed {
   Pose a, b;
 };
 
-// Random poses whose surfaces are within a centimetre of touching.
+// Random poses whose surfaces are within a centimetre of contact.
 std::vector<Posed> near_touches(const Shape& jack, std::size_t count) {
   std::mt19937_64 random(3);
   std::vector<Posed> poses;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The response of a block of balls on a floor: nanoseconds a contact, colouring apart.
+// The response of a block of balls on a floor: nanoseconds a contact, without colouring.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What deciding costs: a score and its band, rounds of the work clock, the bands that workers share, a look at the
-// budget.
+// The cost of scheduling decisions: a score and its band, rounds of the work clock, the bands that workers share, and a
+// check of the budget.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -98,7 +98,7 @@ void host_cue(benchmark::State& state) {
 }
 BENCHMARK(host_cue);
 
-// The loop alone: jobs that do nothing, time that a counter gives.
+// The loop alone: jobs that do nothing, with a counter as the clock.
 void refine_until_a_job(benchmark::State& state) {
   constexpr std::uint32_t kItems = 20000;
   RefineQueue queue;

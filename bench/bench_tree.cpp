@@ -16,7 +16,7 @@ using poise::SphereTree;
 using poise::TriangleMesh;
 using poise::Vec3;
 
-/// Empty when the tree covers all samples at every level.
+/// Empty if the tree covers all samples at every level.
 const char* wrong_tree(const SphereTree& tree, const TriangleMesh& mesh) {
   const auto levels = poise::measure_tree_quality(tree, mesh, {.samples = 5000, .seed = 7});
   if (!levels) return "the tree cannot be measured";
@@ -70,11 +70,11 @@ std::vector<Vec3> points_around(double half_m) {
   return points;
 }
 
-/// One question about a torus of 1,024 triangles, which the builder and the bounds ask for most.
+/// One query on a torus of 1,024 triangles, of the kind that the builder and the bounds use most.
 template <class Ask>
 void ask_torus(benchmark::State& state, Ask&& ask) {
   const poise::geometry::TriangleBvh bvh(poise::geometry::make_procedural_shape("torus").value());
-  // On the circle of the tube's centres it is the tube's radius, but for the facets.
+  // On the circle of the tube's centres the distance is the tube's radius, up to the facets.
   if (std::abs(bvh.signed_distance_m({0.35, 0, 0}) + 0.15) > 0.01) {
     state.SkipWithError("the distance is wrong");
     return;

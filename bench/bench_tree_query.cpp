@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Walking two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
-// expansion; then the polygons in the leaves that overlap, beside the same question to libfcl. Before anything is
-// timed, random poses near first contact are measured by the triangles themselves (libfcl): a level that finds nothing
-// where surfaces meet is an error, and so are polygons that say otherwise.
+// Traversal of two sphere trees of meshes from the roots to level 3, near first contact: nanoseconds a query and an
+// expansion; then the polygons in the leaves that overlap, compared with the same query in libfcl. Before anything is
+// timed, random poses near first contact are checked against the triangles themselves (libfcl). It is an error if a
+// level finds nothing where surfaces meet, or if the polygons give another result.
 //
 //   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
 #include <benchmark/benchmark.h>
@@ -31,11 +31,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Level kDepth = 3;
-constexpr std::size_t kTimedPoses = 10000;  // so many that no branch predictor learns them by heart (300 do, measured)
+constexpr std::size_t kTimedPoses = 10000;  // too many for a branch predictor to memorise (it memorises 300, measured)
 
 struct Settings {
   std::vector<fs::path> meshes;
-  fs::path trees;            ///< folder where trees are kept between runs, NAME.sph; empty: every tree is built
+  fs::path trees;            ///< folder of cached trees, NAME.sph; empty: every tree is built
   std::size_t poses = 2000;  ///< measured, for each pair of meshes
 };
 
@@ -50,7 +50,7 @@ struct Reports {
   std::size_t false_alarms = 0;  ///< surfaces do not meet and level 3 found something
   std::size_t expansions = 0;
   std::size_t hits = 0;
-  std::size_t mismatches = 0;  ///< polygons say otherwise than the oracle, and not by a hair
+  std::size_t mismatches = 0;  ///< polygons and oracle differ, beyond the tolerance
 };
 
 struct Case {
@@ -68,7 +68,7 @@ PairFrame frame_of(const Case& c, const PosedPair& posed) {
   return make_pair_frame(*c.a, posed.a, *c.b, posed.b, 0, 0);
 }
 
-/// What one query found.
+/// Result of one query.
 struct Walk {
   std::array<std::uint32_t, kDepth + 1> front{1};  ///< entries at each level
   std::uint32_t expansions = 0;
@@ -77,7 +77,7 @@ struct Walk {
 
 using Scratch = std::array<std::vector<FrontEntry>, 2>;
 
-/// The fronts alone, level by level, until one is empty.
+/// Computes the fronts alone, level by level, until one is empty.
 Walk walk(const PairFrame& frame, Scratch& scratch) {
   Walk walk;
   scratch[0][0] = {0, 0};
@@ -91,7 +91,7 @@ Walk walk(const PairFrame& frame, Scratch& scratch) {
   return walk;
 }
 
-/// As the step does it: in quanta, every level published with its contact.
+/// Refines as a step does: in quanta, with the contact of every level published.
 std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, SinglePair& pair) {
   std::uint32_t expansions = 0;
   pair.deepest = deepest_level(*frame.a, *frame.b, kDepth);
@@ -162,7 +162,7 @@ void time_contacts(benchmark::State& state, const Case& c) {
   });
 }
 
-/// The polygons of a pair whose trees are done: what the pair says then.
+/// Refines the polygons of a pair whose trees are done, and returns the result of the pair.
 std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools, SinglePair& pair) {
   PolygonProgress progress;
   begin_polygons(frame, Mat3::Identity(), pair, pair, progress);
@@ -172,7 +172,7 @@ std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools,
   return pair.front_entries;
 }
 
-/// The polygons alone, after the trees; poses that a tree tells apart are left out.
+/// Times the polygons alone, after the trees; poses that a tree separates are skipped.
 void time_polygons(benchmark::State& state, const Case& c) {
   if (c.reports.mismatches > 0) {
     state.SkipWithError(fmt::format("polygons and the oracle disagree about {} poses", c.reports.mismatches).c_str());
@@ -209,7 +209,7 @@ void time_polygons(benchmark::State& state, const Case& c) {
   state.counters["ns_per_unit"] = 1e9 * seconds / units;
 }
 
-/// The same yes or no by the oracle.
+/// Times the same query in the oracle.
 void time_oracle(benchmark::State& state, const NamedShape& a, const NamedShape& b, const Case& c) {
   const std::size_t timed = std::min(c.poses.size(), kTimedPoses);
   bench::Latencies latencies;
@@ -272,7 +272,7 @@ Case oracle(const NamedShape& a, const NamedShape& b, std::size_t poses) {
   return c;
 }
 
-/// Takes our options out of the arguments; empty, or what is wrong with them.
+/// Removes our options from the arguments. Returns what is wrong with them, or empty.
 std::string take_options(int& argc, char** argv, Settings& settings) {
   int kept = 1;
   for (int i = 1; i < argc; ++i) {

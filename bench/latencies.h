@@ -11,10 +11,10 @@
 
 namespace poise::bench {
 
-/// Wall times of single iterations, for the percentiles that a mean hides. One thread.
+/// Wall times of single iterations, for percentiles, which a mean hides. One thread.
 class Latencies {
  public:
-  /// Times one call of work() and gives its time to the state, which must use manual time; the seconds it took.
+  /// Times one call of work() and passes the time to the state, which must use manual time. Returns the seconds.
   template <class Work>
   double time(benchmark::State& state, Work&& work) {
     const auto start = std::chrono::steady_clock::now();

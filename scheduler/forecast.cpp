@@ -7,8 +7,8 @@
 namespace poise::scheduler {
 namespace {
 
-// Prior: 30 us, and per thousand what follows. On the slow side of the machines that we tried; the first tens of frames
-// replace it.
+// Prior: 30 us, and the following microseconds per thousand. Chosen on the slow side of the machines that we tried; the
+// first tens of frames replace it.
 constexpr std::array<ForecastFeature, TailForecast::kFeatures> kTailFeatures{{
     {"constant", 30.0},
     {"bodies", 100.0},
@@ -19,7 +19,7 @@ constexpr std::array<ForecastFeature, TailForecast::kFeatures> kTailFeatures{{
     {"coarse_contacts", 100.0},
 }};
 
-// Beyond this a number of nanoseconds is no longer one.
+// Largest number of nanoseconds that a duration can hold safely.
 constexpr double kMostNs = 9e18;
 
 }  // namespace

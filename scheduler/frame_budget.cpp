@@ -29,8 +29,8 @@ Count difference(Count x, Count y) {
   return x - y;
 }
 
-// For a forecast that is linear in the items, so two values give all; many items, so that rounding to nanoseconds is
-// nothing.
+// The forecast is linear in the number of items, so two values determine it. A large number makes rounding to
+// nanoseconds negligible.
 constexpr std::uint64_t kProbe = 1'000'000;
 
 FrameBudget budget_of(TimePoint deadline, Nanoseconds host_work, Nanoseconds without, Nanoseconds with_probe,

@@ -8,16 +8,16 @@
 namespace poise::scheduler {
 namespace {
 
-// How much a coefficient is thought to wander from frame to frame and one frame to be off, each as a share. Chosen: a
-// machine that changes its speed is followed within about ten frames.
+// Standard deviations as shares: of a coefficient's change from frame to frame, and of one frame's duration. Chosen:
+// the forecast follows a machine that changes its speed within about ten frames.
 constexpr double kDrift = 0.02;
 constexpr double kNoise = 0.1;
-// Standard deviation of a coefficient of which nothing is known, as a share of its prior and of 1 us.
+// Standard deviation of an unknown coefficient, as a share of its prior plus 1 us.
 constexpr double kIgnorance = 3.0;
-// The same of a coefficient that another run has learned. Chosen: scenes differ by about as much.
+// The same for a coefficient that another run has learned. Chosen: scenes differ by about this much.
 constexpr double kDoubt = 0.5;
 constexpr double kMostPriorUs = 1e9;
-// Far beyond any frame, and still a number of nanoseconds.
+// Far beyond any frame, and within the range of Nanoseconds.
 constexpr double kMostUs = 9e15;
 
 }  // namespace
@@ -61,7 +61,7 @@ LinearForecast::LinearForecast(std::span<const ForecastFeature> features, std::s
 
 void LinearForecast::set_ignorance(double share) {
   for (std::size_t i = 0; i < size_; ++i) {
-    // A cost that another run found to be nothing may still be one here.
+    // A coefficient that another run learned as 0 may be positive here.
     const double deviation_us = share * (std::max(coefficient_us_[i], 0.1 * prior_us_[i]) + 1.0);
     widest_[i] = covariance_[i][i] = deviation_us * deviation_us;
   }
@@ -97,13 +97,13 @@ bool LinearForecast::learn(std::span<const double> values, Nanoseconds actual) {
     xpx += values[i] * px[i];
     forecast_us += coefficient_us_[i] * values[i];
   }
-  // A frame ten times off the forecast was disturbed, not informative: its pull is bounded.
+  // A frame ten times off the forecast was disturbed and is not informative, so its influence is bounded.
   const double bound_us = 2.0 * std::max(forecast_us, 10.0);
   const double residual_us = std::clamp(actual_us - forecast_us, -bound_us, bound_us);
   const double noise_us = kNoise * std::max(forecast_us, 10.0);
   const double denominator = noise_us * noise_us + xpx;
   for (std::size_t i = 0; i < size_; ++i) {
-    // No work has a negative cost; a fit that says so would make a reserve of nothing for other counts.
+    // No work has a negative cost. A negative coefficient would cancel the reserve of other counts.
     coefficient_us_[i] = std::max(0.0, coefficient_us_[i] + px[i] / denominator * residual_us);
     for (std::size_t j = 0; j < size_; ++j) covariance_[i][j] -= px[i] * px[j] / denominator;
   }
@@ -111,7 +111,7 @@ bool LinearForecast::learn(std::span<const double> values, Nanoseconds actual) {
   return true;
 }
 
-// Every coefficient may have wandered since; none can be less known than before the first frame.
+// Adds the drift of one frame to every variance, up to its first value.
 void LinearForecast::widen() {
   for (std::size_t i = 0; i < size_; ++i) {
     const double drift_us = kDrift * (std::abs(coefficient_us_[i]) + 1.0);

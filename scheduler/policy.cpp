@@ -18,7 +18,7 @@ constexpr std::array kWeights{
     PolicyField{"importance", &Policy::importance, 0, kMostExponent},
     PolicyField{"host", &Policy::host, 0, kMostExponent},
 };
-// Each range holds whatever makes sense with some orders of magnitude to spare, and nothing that divides by zero.
+// The ranges include all useful values with some orders of magnitude to spare, and exclude division by zero.
 constexpr std::array kParameters{
     PolicyField{"outside_frustum", &Policy::outside_frustum, 1e-6, 1},
     PolicyField{"eccentricity_e2_rad", &Policy::eccentricity_e2_rad, 1e-4, 10},
@@ -33,7 +33,7 @@ constexpr std::array kCounts{
     PolicyCount{"round_pairs", &Policy::round_pairs, 1, 1U << 20U},
 };
 
-// In [0, most]; NaN becomes 0. The order of the arguments decides what NaN becomes.
+// Clamps to [0, most]; NaN becomes 0, which depends on the order of the arguments.
 double bounded(double x, double most) { return std::min(std::max(0.0, x), most); }
 
 // For base >= 0. Common weights are 0 and 1, and pow costs as much as the rest of the score.

@@ -9,7 +9,7 @@ namespace {
 constexpr double kUnknownNs = 60;
 constexpr double kLeastNs = 1e-3;
 constexpr double kMaxLoopNs = 1e12;
-// Of a new frame in the mean. Chosen, as for Poise's own work.
+// Weight of a new frame in the exponential mean. Chosen, as for Poise's own work.
 constexpr double kShare = 0.2;
 
 }  // namespace

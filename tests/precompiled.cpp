@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: MIT
-// Empty: what this target is there for is its precompiled header.
+// Empty: this target exists for its precompiled header.

@@ -11,7 +11,7 @@
 namespace poise::accuracy {
 namespace {
 
-// Balls on a grid in a box of half side half_m; `heavy` of every second one.
+// Fills a box of half side half_m with balls on a grid; every second one has the mass `heavy`.
 void fill(SmallWorld& world, int rows, double half_m, double radius_m, double heavy_kg, double light_kg,
           double light_mps, double heavy_mps) {
   Random random(41);
@@ -26,7 +26,7 @@ void fill(SmallWorld& world, int rows, double half_m, double radius_m, double he
   }
 }
 
-// Mean kinetic energy of the heavy ones and of the light ones.
+// Mean kinetic energy of the heavy balls and of the light ones.
 std::array<double, 2> mean_energies(const SmallWorld& world, double heavy_kg, double light_kg) {
   std::array<double, 2> sums{};
   for (std::size_t i = 0; i < world.bodies().size(); ++i) {
@@ -48,8 +48,8 @@ Status two_gases(Context& context) {
   fill(world, 6, 2, 0.15, kHeavyKg, kLightKg, 4, 0);
   const double start_j = world.energy_j();
   for (int i = 0; i < kWarmFrames; ++i) world.step(kStepS);
-  // Blocks much longer than a ball needs between two impacts (0.3 s) are independent, and their spread gives the error
-  // of the mean.
+  // Blocks much longer than the mean time between two impacts of a ball (0.3 s) are independent; their spread gives the
+  // error of the mean.
   std::vector<double> blocks;
   for (int b = 0; b < kBlocks; ++b) {
     std::array<double, 2> sums{};
@@ -84,7 +84,7 @@ Status spinning_rings(Context& context) {
     world.plane(Vec3::UnitZ(), 0);
     world.add(world.shape(make_spheres_shape(spheres).value()), {0, 0, 0.2}, Vec3::Zero(), Quat::Identity(),
               {0, 0, 10});
-    // About the vertical, which neither weight nor floor can change.
+    // About the vertical: neither weight nor floor can change this component.
     const double start = motions_of(world.world(), world.bodies()).angular_momentum_js.z();
     double worst = 0;
     for (int i = 0; i < 600; ++i) {
@@ -94,7 +94,7 @@ Status spinning_rings(Context& context) {
     context.add("change of angular momentum, one body of 16 balls on a smooth floor, 10 s", "1", worst, 1e-9);
   }
   for (const double friction : {0.0, 0.5}) {
-    // Two rings of 24 single balls turn against each other and fall in on each other.
+    // Two rings of 24 single balls rotate in opposite directions and fall onto each other.
     SmallWorld world(context, Vec3::Zero(), {0.3, friction, 1000});
     const ShapeId ball = world.ball(0.1);
     for (int ring = 0; ring < 2; ++ring) {

@@ -10,7 +10,7 @@
 namespace poise::accuracy {
 namespace {
 
-// How far the velocities are from (0, 0, 0, 0, 1) at the end.
+// Largest deviation of the final velocities from (0, 0, 0, 0, 1).
 double row_of_balls(const Context& context, double gap_m, double dt_s) {
   constexpr double kRadiusM = 0.5;
   SmallWorld world(context, Vec3::Zero(), {1, 0, 1000});

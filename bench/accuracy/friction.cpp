@@ -55,7 +55,7 @@ Slid let_go(const Context& context, Block block, SlopeWorld::Ground ground, doub
 
 void on_slope(Context& context, Block block, SlopeWorld::Ground ground) {
   const double limit_rad = std::atan(kFriction);
-  // A tenth of a degree above the limit the block has 38 mm/s after two seconds; where it holds it has none.
+  // A tenth of a degree above the limit the block reaches 38 mm/s after two seconds; below the limit it stays at rest.
   const double found_rad = begins_at(limit_rad - 6 * kDegree, limit_rad + 6 * kDegree, 10, [&](double angle_rad) {
     return let_go(context, block, ground, angle_rad, 2).speed_mps > 5e-3;
   });

@@ -16,7 +16,7 @@ Status slope_balls(Context& context);
 Status tipping_box(Context& context);
 /// A ball that rolls down a slope, against 5/7 g sin(angle).
 Status rolling_ball(Context& context);
-/// A ball that is thrown without spin along a floor ends with 5/7 of its speed; one on a slope too steep to roll slips.
+/// A ball thrown without spin along a floor ends with 5/7 of its speed; one on a slope too steep for rolling slips.
 Status skidding_ball(Context& context);
 
 }  // namespace poise::accuracy

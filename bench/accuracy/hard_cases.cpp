@@ -12,20 +12,20 @@
 namespace poise::accuracy {
 namespace {
 
-/// What is asked of a hard case.
+/// Requirements on a hard case.
 struct Sanity {
   int frames = 600;
   double dt_s = 1.0 / 60;
   double half_m = 1e3;  ///< a body farther than this from `middle` in any direction is lost
   Vec3 middle = Vec3::Zero();
-  double energy_at_most = 1e-9;  ///< gained over the start, as a share of the scale
-  double calm_mps = HUGE_VAL;    ///< largest speed in the hundred frames after these
+  double energy_at_most = 1e-9;  ///< gain over the start, as a share of the scale
+  double calm_mps = HUGE_VAL;    ///< largest speed in the next hundred frames
   std::string name;              ///< of the variant, may be empty
   std::function<void(SmallWorld&, int)> before_frame;
 };
 
-// What changes of energy are compared with: that of the start, or of a metre a second for each body, or its weight
-// times its radius.
+// The scale of changes of energy: the kinetic energy at the start, plus for each body the larger of its kinetic energy
+// at 1 m/s and its weight times its radius.
 double scale_j(const SmallWorld& world, double gravity_mps2) {
   double sum = 0;
   for (const BodyId body : world.bodies()) {
@@ -90,7 +90,7 @@ void oracle(Context& context, SmallWorld& world, double gravity_mps2, const Sani
 }
 
 const Vec3 kDown(0, 0, -kGravityMps2);
-// A body may be lifted out of another by this share of its weight times its radius, as in the piles.
+// Depenetration may lift a body by this share of its weight times its radius, as in the piles.
 constexpr double kLift = 1e-3;
 
 }  // namespace
@@ -275,7 +275,7 @@ Status overlapping_spawn(Context& context) {
     const ShapeId ball = world.ball(0.3);
     Random random(65);
     for (int i = 0; i < 2000; ++i) world.add(ball, Vec3(0, 0, falling ? 3 : 0) + random.in_box(2));
-    // Balls that are pushed apart under gravity are lifted by that; what they may not do is fly.
+    // Balls that are pushed apart under gravity are lifted by that; they must not fly.
     oracle(context, world, falling ? kGravityMps2 : 0,
            {.frames = 300,
             .half_m = 30,
@@ -329,7 +329,7 @@ Status flipping_levels(Context& context) {
 
 namespace {
 
-// False where a step cannot be asked to look back.
+// False if a step has no backtracking.
 template <class Input>
 bool look_back(Input& input) {
   if constexpr (requires { input.backtracking = true; }) {
@@ -357,7 +357,7 @@ Status bullet(Context& context) {
       body.motion = MotionType::Static;
       world.add(body);
     }
-    // From distances that meet every part of a step (8.33 m at 60 Hz).
+    // From distances that put the impact into every part of a step (8.33 m at 60 Hz).
     std::vector<BodyId> bullets;
     const int count = free_plate ? 1 : 16;
     for (int i = 0; i < count; ++i) {

@@ -5,8 +5,8 @@
 
 namespace poise::accuracy {
 
-// Each must stay finite and sane: no body lost, energy not above the start plus work done, the next hundred frames
-// calm.
+// Each case must stay finite and sane: no body lost, energy not above the start plus the work done, and low speeds in
+// the next hundred frames.
 Status coinciding_centres(Context& context);
 Status equal_positions(Context& context);
 Status mass_ratios(Context& context);
@@ -18,7 +18,7 @@ Status fast_spins(Context& context);
 Status overlapping_spawn(Context& context);
 Status time_steps(Context& context);
 Status flipping_levels(Context& context);
-/// A ball of 0.05 m at 500 m/s against a plate of 0.02 m. Adds nothing where the engine cannot be asked to look back.
+/// A ball of 0.05 m at 500 m/s against a plate of 0.02 m. Adds no row if the engine has no backtracking.
 Status bullet(Context& context);
 
 }  // namespace poise::accuracy

@@ -13,8 +13,8 @@ namespace {
 
 struct TimeOfImpact {
   BodyId a, b;
-  Vec3 va = Vec3::Zero(), vb = Vec3::Zero();  // what the closed form gives
-  double speed_mps = 0;                       // of the faster one before
+  Vec3 va = Vec3::Zero(), vb = Vec3::Zero();  // the result of the closed form
+  double speed_mps = 0;                       // of the faster body before the impact
 };
 
 struct Throw {
@@ -54,7 +54,7 @@ BodyId add_ball(SmallWorld& world, double radius_m, double mass_kg, const Vec3& 
   return world.add(ball);
 }
 
-// All pairs meet around the origin, where places are exact, and each pair in a group of its own.
+// All pairs meet near the origin, where coordinates are exact; each pair is in a group of its own.
 TimeOfImpact place(SmallWorld& world, const Throw& t, double e, double gap_m, std::uint32_t group) {
   TimeOfImpact m;
   m.a = add_ball(world, t.ra_m, t.ma_kg, Vec3::Zero(), t.va, group);
@@ -110,7 +110,7 @@ Status dropped_ball(Context& context) {
   double deepest_m = 0;
   for (int i = 1; i <= 3000; ++i) {
     world.step(kStepS);
-    // At rest is what gravity could stop within a step.
+    // At rest means a speed that gravity could stop within a step.
     if (world.at(ball).velocity_mps.norm() > kGravityMps2 * kStepS) rest_s = i * kStepS;
     deepest_m = std::max(deepest_m, kRadiusM - world.at(ball).position_m.z());
   }

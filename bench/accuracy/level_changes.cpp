@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSettleS = 15, kWatchS = 60;
 
-/// How the levels of a pile go once it has settled.
+/// How the levels of a settled pile change.
 enum class Way { Full, RandomLevels, RandomPairs, Every10, Every60, RootsOnly };
 
 const char* name_of(Way way) {
@@ -41,13 +41,13 @@ struct Pile {
 };
 
 struct Found {
-  double excess = 0;  // of the energy over its running minimum, a body in m g R
+  double excess = 0;  // of the energy over its running minimum, in m g R per body
   double largest_mps = 0;
-  double height_m = 0;  // mean of the centres, at the end
+  double height_m = 0;  // mean height of the centres, at the end
   std::size_t outside = 0;
 };
 
-// What frame i after settling may do.
+// Sets the levels and budget of frame i after settling.
 void set_levels(SceneWatch& watch, Way way, std::uint64_t i, std::uint64_t full_work, Random& random) {
   const auto every = [&](std::uint64_t frames) { return i / frames % 2 == 0 ? Budget::work(0) : Budget::unlimited(); };
   switch (way) {

@@ -5,7 +5,7 @@
 
 namespace poise::accuracy {
 
-// 60 s of a settled pile whose levels change, and of one at level 0 alone, without and with friction.
+// A settled pile for 60 s with changing levels, and one at level 0 only, without and with friction.
 Status jacks_change_levels(Context& context);
 Status jacks_change_levels_with_friction(Context& context);
 Status meshes_change_levels(Context& context);

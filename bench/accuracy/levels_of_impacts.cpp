@@ -19,7 +19,7 @@ constexpr double kStepS = 1.0 / 120;
 
 std::string level_name(Level level) { return level > kDepth ? "polygons" : fmt::format("level {}", level); }
 
-// At kDepth + 1 by polygons.
+// Level kDepth + 1 means polygons.
 void set_level(SmallWorld& world, Level level) {
   world.input.max_level = level;
   world.input.polygons = level > kDepth;
@@ -46,7 +46,7 @@ Result<std::vector<ShapePtr>> load(const Context& context) {
 }
 
 struct Watched {
-  double momentum = 0, angular_momentum = 0, energy = 0;  // largest change as a share of what the sum could be
+  double momentum = 0, angular_momentum = 0, energy = 0;  // largest change as a share of the possible sum
   std::size_t impulses = 0;
 };
 
@@ -68,7 +68,7 @@ Watched watch(SmallWorld& world, int frames) {
   return watched;
 }
 
-// 64 bodies fall in on their common centre.
+// 64 bodies fall toward their common centre.
 void fill_cloud(SmallWorld& world, const std::vector<ShapePtr>& shapes) {
   Random random(21);
   std::vector<ShapeId> ids;
@@ -112,7 +112,7 @@ Status impact_energy(Context& context) {
     std::size_t impulses = 0;
     Random random(31);
     for (int k = 0; k < 24; ++k) {
-      // One pair alone, thrown off its line of centres; it parts again after one impact, or after a few.
+      // A single pair with an eccentric impact; it separates after one or a few impacts.
       SmallWorld world(context, Vec3::Zero(), {1, 0, 1000});
       const ShapeId a = world.shape(shapes.value()[static_cast<std::size_t>(k) % kMeshes.size()]);
       const ShapeId b = world.shape(shapes.value()[static_cast<std::size_t>(k / 4) % kMeshes.size()]);

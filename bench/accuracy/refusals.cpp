@@ -101,7 +101,7 @@ void try_scenes(Tally& tally) {
   tally.expect_refused(taken(R"(, "velocity_mps": [NaN, 0, 0])", "1"));
   tally.expect_refused(taken(R"(, "orientation_wxyz": [0, 0, 0, 0])", "1"));
   tally.expect_refused(taken("", "0"));
-  // The same scene without the fault is taken, so that it is the fault that is refused.
+  // The same scene without the fault must be accepted, so that the refusal is due to the fault.
   tally.expect_refused(!taken("", "1"));
 }
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kRadiusM = 0.25;
 constexpr double kRollingStepS = 1.0 / 240;
 
-// How fast the ball's lowest point moves over the ground.
+// Speed of the ball's lowest point over the ground.
 double slip_mps(const SlopeWorld& slope, const BodyState& ball) {
   return (ball.velocity_mps + ball.angular_velocity_radps.cross(-kRadiusM * slope.up())).norm();
 }
@@ -33,7 +33,7 @@ Status tipping_box(Context& context) {
 }
 
 Status rolling_ball(Context& context) {
-  // The slope is in the box of 12 m, so both grounds are met.
+  // The path lies within the top face of the 12 m box, so the ball stays on either ground.
   for (const SlopeWorld::Ground ground : {SlopeWorld::Ground::Plane, SlopeWorld::Ground::Box}) {
     const std::string on = ground == SlopeWorld::Ground::Plane ? ", on a plane" : ", on a box";
     const double angle_rad = 20 * kDegree;

@@ -15,7 +15,7 @@ constexpr double kBallRadiusM = 0.1;
 
 double cpu_now_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// Kinetic energy and height over the floor, worked out here.
+// Kinetic energy and height over the floor, computed here and not by the engine.
 double energy_of(SceneWatch& watch) {
   double sum = motions_of(watch.world(), watch.bodies()).kinetic_j;
   for (const BodyId body : watch.bodies()) {
@@ -24,7 +24,7 @@ double energy_of(SceneWatch& watch) {
   return sum;
 }
 
-// Of all pairs of balls, and of balls and the floor z = 0: sum of the squares of how deep they are in each other.
+// Sum of the squared penetration depths of all pairs of balls, and of balls and the floor z = 0.
 double squared_penetration_m2(const SceneWatch& watch) {
   std::vector<Vec3> points;
   for (const BodyId body : watch.bodies()) points.push_back(watch.at(body).position_m);

@@ -9,11 +9,11 @@
 
 namespace poise::accuracy {
 
-/// The dynamic bodies of a scene that runs, and what they were like at some moment.
+/// The dynamic bodies of a running scene, and their state at a remembered moment.
 class SceneWatch {
  public:
-  /// Starts the scene of a file under Context::scenes, refused as read_scene and SceneRun::create do. `change` may
-  /// alter what the file says.
+  /// Starts the scene of a file under Context::scenes. `change` may alter the parsed scene. Refused as read_scene and
+  /// SceneRun::create.
   static Result<SceneWatch> start(const Context& context, const std::string& file,
                                   const std::function<void(Scene&)>& change = {},
                                   std::optional<std::uint64_t> bodies = {});
@@ -26,10 +26,10 @@ class SceneWatch {
   [[nodiscard]] const std::vector<BodyId>& bodies() const { return bodies_; }
   [[nodiscard]] BodyState at(BodyId body) const;
 
-  void remember();                       ///< what drift_m() and fallen() compare with
+  void remember();                       ///< stores the state that drift_m() and fallen() compare with
   [[nodiscard]] double drift_m() const;  ///< of the body that moved farthest since
-  [[nodiscard]] std::size_t fallen()
-      const;  ///< bodies that are lower than then by more than a tenth of their size, or not finite
+  /// Bodies that have sunk by more than a tenth of their size since, or are not finite.
+  [[nodiscard]] std::size_t fallen() const;
   [[nodiscard]] double kinetic_j() const;
   [[nodiscard]] double energy_j() const;  ///< kinetic and potential, potential 0 at height 0
   [[nodiscard]] double largest_speed_mps() const;

@@ -9,7 +9,7 @@ namespace poise::accuracy {
 
 inline constexpr double kDegree = std::numbers::pi / 180;
 
-/// A World with one slope through the origin, which falls along a direction that is no axis. Nothing bounces.
+/// A World with one slope through the origin, which descends along a direction that is not an axis. Restitution is 0.
 class SlopeWorld {
  public:
   enum class Ground { Plane, Box };
@@ -31,7 +31,7 @@ class SlopeWorld {
 
   [[nodiscard]] Vec3 up() const { return turn * Vec3::UnitZ(); }  ///< away from the ground
   [[nodiscard]] Vec3 downhill() const { return turn * Vec3::UnitX(); }
-  /// A body whose origin is so high above the ground, with its axes along the slope's.
+  /// Adds a body with its origin at this height above the ground, and its axes along the slope's.
   BodyId put(ShapeId shape, double height_m, const Vec3& velocity_mps = Vec3::Zero(), double downhill_m = 0) {
     return world.add(shape, height_m * up() + downhill_m * downhill(), velocity_mps, turn);
   }
@@ -40,7 +40,7 @@ class SlopeWorld {
   Quat turn;
 };
 
-/// Where `happens`, false at `low` and true at `high`, begins, to (high - low) / 2^rounds.
+/// Bisects for the value at which `happens` (false at `low`, true at `high`) becomes true, to (high - low) / 2^rounds.
 template <class Happens>
 double begins_at(double low, double high, int rounds, const Happens& happens) {
   if (happens(low) || !happens(high)) return happens(low) ? low : high;

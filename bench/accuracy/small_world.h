@@ -13,28 +13,28 @@ namespace poise::accuracy {
 
 inline constexpr double kGravityMps2 = 9.81;
 
-/// Random numbers that every case draws from: SplitMix64 (Steele, Lea and Flood 2014).
+/// Random numbers for all cases: SplitMix64 (Steele, Lea and Flood 2014).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   std::uint64_t bits();
-  double unit();  ///< evenly in [0, 1)
+  double unit();  ///< uniform in [0, 1)
   double between(double low, double high) { return low + (high - low) * unit(); }
-  Vec3 in_box(double half_m);  ///< evenly in the cube of this half side
-  Vec3 direction();            ///< evenly over the sphere, by rejection
-  Quat turn();                 ///< evenly over all rotations, by rejection
+  Vec3 in_box(double half_m);  ///< uniform in the cube of this half side
+  Vec3 direction();            ///< uniform over the sphere, by rejection
+  Quat turn();                 ///< uniform over all rotations, by rejection
 
  private:
   std::uint64_t state_;
 };
 
-/// The largest |p| and |L| that a sum of bodies could have: what errors of momentum are shares of.
+/// The largest possible |p| and |L| of a set of bodies; errors of momentum are given as shares of these.
 struct MomentumScale {
   double momentum_ns = 0, angular_momentum_js = 0;
 };
 
-/// A World of one case with short ways to fill it. A refusal by the World leaves a body out and is counted, so that a
-/// case reports it as a row instead of ending the study.
+/// A World of one case with short functions to fill it. If the World refuses a body, the body is omitted and counted,
+/// so that the case reports it as a row instead of ending the study.
 class SmallWorld {
  public:
   SmallWorld(const Context& context, const Vec3& gravity_mps2, const Material& material);
@@ -44,7 +44,7 @@ class SmallWorld {
   ShapeId box(const Vec3& size_m);                        ///< a mesh of 12 triangles
   ShapeId slab_of_balls(double half_m, double radius_m);  ///< four balls at the corners of a square
   ShapeId jack();                                         ///< three crossed rods of 13 balls, 1.72 m across
-  /// The defaults of the definition hold but for the material.
+  /// Adds a body with the World's material; the other fields are used as given.
   BodyId add(BodyDefinition definition);
   BodyId add(ShapeId shape, const Vec3& position_m, const Vec3& velocity_mps = Vec3::Zero(),
              const Quat& orientation = Quat::Identity(), const Vec3& spin_radps = Vec3::Zero(), double mass_kg = 0);
@@ -74,8 +74,8 @@ class SmallWorld {
 /// A box around the origin as 12 triangles.
 TriangleMesh box_mesh(const Vec3& size_m);
 
-/// Energy and momenta of one body of mass m (kg) and inertia about its centre (kg m^2, world frame), worked out here
-/// and not by the engine.
+/// Energy and momenta of one body of mass m (kg) and inertia about its centre (kg m^2, world frame), computed here and
+/// not by the engine.
 struct BodyMotion {
   double mass_kg = 0;
   Mat3 inertia_kgm2 = Mat3::Zero();
@@ -84,10 +84,10 @@ struct BodyMotion {
   [[nodiscard]] Vec3 momentum_ns() const { return mass_kg * state.velocity_mps; }
   [[nodiscard]] Vec3 angular_momentum_js() const;
 };
-/// Of a dynamic body whose inertia is that of its shape at an even density.
+/// For a dynamic body with the inertia of its shape at uniform density.
 BodyMotion motion_of(const World& world, BodyId body);
 
-/// The same for all of these bodies.
+/// Sums over all of these bodies.
 struct Motions {
   double kinetic_j = 0;
   Vec3 momentum_ns = Vec3::Zero(), angular_momentum_js = Vec3::Zero();

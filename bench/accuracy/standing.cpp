@@ -10,16 +10,16 @@ namespace {
 
 constexpr double kSeconds = 60;
 
-/// What a scene is to do in its 60 s.
+/// Requirements on a scene over its 60 s.
 struct Standing {
   const char* file;
-  double measured_from_s = 0;     ///< drift is measured from here: 0 for what is built, later for what is thrown in
-  double calm_from_s = 2;         ///< energy is to be low from here on
-  std::optional<double> drift_m;  ///< at most
-  bool thrown = false;            ///< bodies may still shift; nothing may leave
+  double measured_from_s = 0;     ///< drift is measured from this time: 0 for built scenes, later for thrown bodies
+  double calm_from_s = 2;         ///< energy must be low from this time on
+  std::optional<double> drift_m;  ///< upper limit
+  bool thrown = false;            ///< bodies may still shift; none may leave
 };
 
-// What stood in a bowl has left it when it is below the rim and outside, or on the floor.
+// Number of bodies that have left a bowl: below the rim and outside it, or on the floor.
 std::size_t out_of_bowl(const SceneWatch& watch, double rim_radius_m) {
   std::size_t count = 0;
   for (const BodyId body : watch.bodies()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The cost ledger: what a frame and a unit of work cost in instructions, compared with bench/ledger.json.
+// The cost ledger: instructions of a frame and of a unit of work, compared with bench/ledger.json.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -38,7 +38,7 @@ struct Options {
   std::vector<std::string> only;
   std::string profiles;  // a folder for callgrind's files
   std::string count;     // the workload to run here
-  std::string into;      // where its units go
+  std::string into;      // where its units are written
 };
 
 int fail(const std::string& message, int exit_code) {
@@ -46,7 +46,7 @@ int fail(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-/// Runs a program and waits for it; its exit status, or nothing where it cannot be started.
+/// Runs a program and waits for it. Returns its exit status, or nothing if it cannot be started.
 std::optional<int> run_program(std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -65,7 +65,7 @@ std::string read_text(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Valgrind's version, or nothing where it cannot be run.
+/// Valgrind's version, or nothing if it cannot be run.
 std::string valgrind_version(const std::filesystem::path& folder) {
   const std::string file = (folder / "version").string();
   if (run_program({"sh", "-c", "valgrind --version >\"$0\" 2>&1", file}) != 0) return {};
@@ -73,7 +73,7 @@ std::string valgrind_version(const std::filesystem::path& folder) {
   return text.substr(0, text.find('\n'));
 }
 
-/// What a child process does: one workload, and its units as JSON.
+/// The work of a child process: runs one workload and writes its units as JSON.
 int count_here(const Options& o) {
   const auto workload = std::ranges::find(workloads(), o.count, &Workload::name);
   if (workload == workloads().end()) return fail(o.count + ": no such entry", kExitBadUsage);
@@ -107,7 +107,7 @@ Result<EntryCosts> count_under_valgrind(const std::string& entry, const std::fil
   return unit_costs(entry, parsed.value(), counted.value());
 }
 
-/// A folder that goes with its contents when it ends.
+/// A temporary folder that the destructor removes with its contents.
 class ScratchFolder {
  public:
   explicit ScratchFolder(const std::string& wanted) : keep_(!wanted.empty()), path_(wanted) {
@@ -131,7 +131,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// The table of all numbers; how many are outside.
+/// Prints the table of all numbers; returns how many are out of range.
 std::size_t print_table(const std::vector<Compared>& rows) {
   fmt::print("{:<20} {:<24} {:>14} {:>14} {:>7}\n", "entry", "instructions per", "ledger", "now", "ratio");
   std::size_t outside = 0;
@@ -144,7 +144,7 @@ std::size_t print_table(const std::vector<Compared>& rows) {
   return outside;
 }
 
-/// Only what was counted again changes; the rest of the ledger stays.
+/// Replaces only the entries that were counted again.
 int write_update(const Options& o, Ledger ledger, const std::vector<EntryCosts>& now) {
   for (const EntryCosts& entry : now) {
     const auto at = std::ranges::find(ledger.entries, entry.entry, &EntryCosts::entry);

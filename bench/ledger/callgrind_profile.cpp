@@ -7,7 +7,7 @@
 namespace poise::ledger {
 namespace {
 
-/// The second number of a line: a position comes first, the cost after it.
+/// The second number of a line: the position is first, then the cost.
 std::optional<std::uint64_t> cost_of(std::string_view line) {
   const std::size_t space = line.find(' ');
   if (space == std::string_view::npos) return std::nullopt;
@@ -21,7 +21,7 @@ bool is_cost_line(std::string_view line) {
   return !line.empty() && (line[0] == '+' || line[0] == '-' || line[0] == '*' || (line[0] >= '0' && line[0] <= '9'));
 }
 
-/// What follows a function's name: its arguments, and not the name of a lambda inside of it.
+/// Whether the text after a function's name is its argument list, and not the name of a lambda inside it.
 bool is_whole_function(std::string_view rest) {
   if (rest.empty()) return true;
   if (rest[0] != '(') return false;
@@ -47,7 +47,7 @@ Result<CallgrindProfile> parse_callgrind_profile(std::string_view text) {
     } else if (line.starts_with("totals: ")) {
       profile.total = cost_of(line).value_or(0);
     } else if (function != nullptr && is_cost_line(line)) {
-      // Its own instructions, or, after `calls=`, those of the function that it called there.
+      // The function's own instructions, or after `calls=` those of the called function.
       *function += cost_of(line).value_or(0);
     }
   }

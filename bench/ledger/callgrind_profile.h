@@ -13,8 +13,8 @@ namespace poise::ledger {
 /// Instructions that a run under valgrind's callgrind executed while it collected.
 struct CallgrindProfile {
   std::uint64_t total = 0;
-  /// By demangled name: instructions of the function and of all that it called. A function that calls itself counts its
-  /// inner calls again.
+  /// By demangled name: instructions of the function and of everything it called. Inner calls of a recursive function
+  /// are counted again.
   std::map<std::string, std::uint64_t, std::less<>> inclusive;
 };
 
@@ -22,8 +22,8 @@ struct CallgrindProfile {
 /// total or without functions.
 Result<CallgrindProfile> parse_callgrind_profile(std::string_view text);
 
-/// Instructions inside all functions whose name is `name`, whatever their arguments, and their compiler-made parts
-/// (`name(...) [clone .part.0]`), which callers reach without it; 0 where there is none.
+/// Instructions inside all functions with this name, for any arguments, and inside their compiler-made parts
+/// (`name(...) [clone .part.0]`), which callers enter directly; 0 if there is none.
 std::uint64_t instructions_inside(const CallgrindProfile& profile, std::string_view name);
 
 }  // namespace poise::ledger

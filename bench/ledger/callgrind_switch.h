@@ -3,13 +3,13 @@
 
 namespace poise::ledger {
 
-/// Was this program compiled with valgrind's headers, so that it can tell callgrind what to count?
+/// Whether this program was compiled with valgrind's headers, so that it can control callgrind.
 bool can_switch_callgrind();
-/// Does it run under valgrind now?
+/// Whether the program is running under valgrind.
 bool under_valgrind();
-/// From here on callgrind translates code so that it can be counted; until then a run costs a fifth of that.
+/// Starts callgrind's instrumentation; before this a run takes a fifth of the time.
 void start_instrumentation();
-/// Begins or ends counting.
+/// Starts or stops counting.
 void toggle_collection();
 
 }  // namespace poise::ledger

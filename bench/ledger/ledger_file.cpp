@@ -18,7 +18,7 @@ constexpr const char* kAbout =
     "Instructions that callgrind counts inside World::step, a frame and a unit of work, for the scenes of "
     "bench/ledger. Made by `bench_ledger --update REASON`; the test `ledger` fails when a number leaves the tolerance.";
 
-/// Tenths where a unit costs little, whole instructions where it costs much.
+/// Tenths for cheap units, whole instructions for expensive ones.
 double rounded(double value) { return value < 1000 ? std::round(10 * value) / 10 : std::round(value); }
 
 Json json_of(const std::vector<Cost>& costs, bool with_count) {

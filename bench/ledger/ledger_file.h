@@ -9,17 +9,17 @@
 
 namespace poise::ledger {
 
-/// A change of the numbers and why.
+/// A change of the numbers and its reason.
 struct LedgerChange {
-  std::string commit;  ///< that the numbers were counted at
+  std::string commit;  ///< at which the numbers were counted
   std::string reason;
 };
 
-/// bench/ledger.json.
+/// The content of bench/ledger.json.
 struct Ledger {
   std::string counted_by;  ///< valgrind's version
   std::string compiler;    ///< name and version: numbers of another compiler are not compared
-  std::string build;       ///< build type and what else decides which code is made
+  std::string build;       ///< build type and other settings that affect the generated code
   double tolerance = 0.03;
   std::vector<LedgerChange> changes;  ///< the oldest first
   std::vector<EntryCosts> entries;
@@ -32,13 +32,13 @@ Status write_ledger(const Ledger& ledger, const std::filesystem::path& file);
 /// One number of two ledgers.
 struct Compared {
   std::string entry, cost;
-  double before = 0;  ///< 0: the ledger does not have it
-  double now = 0;     ///< 0: it was not counted
+  double before = 0;  ///< 0: not in the ledger
+  double now = 0;     ///< 0: not counted
   bool within = false;
 };
 
-/// All numbers of either, in the order of `now`, those that are only in the ledger after them. A count of units that
-/// differs is a line of its own, named `COST count`.
+/// All numbers of both: in the order of `now`, followed by those that only the ledger has. A different count of units
+/// gets a line of its own, named `COST count`.
 std::vector<Compared> compare(const Ledger& ledger, const std::vector<EntryCosts>& now);
 
 }  // namespace poise::ledger

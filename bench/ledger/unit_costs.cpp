@@ -9,9 +9,9 @@
 namespace poise::ledger {
 namespace {
 
-using Functions = std::array<std::string_view, 4>;  // by full name, without arguments; none inside another
+using Functions = std::array<std::string_view, 4>;  // full names without arguments; none is inside another
 
-/// Where each stage of a step begins. A stage that is renamed, split or new changes this table and nothing else.
+/// The functions that begin each stage of a step. If a stage is renamed, split or added, only this table changes.
 struct Stage {
   std::string_view name;
   Functions functions;
@@ -35,13 +35,13 @@ constexpr std::array kStages{
 
 constexpr double kLeastShareOfStages = 0.95;
 
-/// A unit of work: the instructions inside some functions, less those inside others, a count of the report.
+/// A unit of work: the instructions inside some functions, minus those inside others, and a count of the report.
 struct Unit {
   std::string_view name;
   Functions functions;
   Functions less;
   double CountedUnits::*count;
-  bool always = true;  // wherever there are such units, one of the functions is called
+  bool always = true;  // if there are such units, one of the functions is always called
 };
 
 constexpr Functions kOverlapTests{"poise::collision::N_AVX2::expand", "poise::collision::N_AVX2::expand_twice",
@@ -60,7 +60,7 @@ constexpr std::array kUnits{
          &CountedUnits::candidate_pairs},
 };
 
-/// Fewer say more about what a frame costs at least than about a unit.
+/// With fewer units, the fixed cost of a frame dominates.
 constexpr double kFewestUnits = 30;
 
 double inside(const CallgrindProfile& profile, const Functions& functions) {

@@ -12,18 +12,18 @@ namespace poise::ledger {
 /// One number of the ledger.
 struct Cost {
   std::string name;         ///< "step", a stage, or a unit
-  double instructions = 0;  ///< per frame of a stage, per unit of a unit
-  double count = 0;         ///< frames or units that it is the mean over
+  double instructions = 0;  ///< per frame for a stage, per unit for a unit
+  double count = 0;         ///< frames or units in the mean
 };
 
 struct EntryCosts {
   std::string entry;
   std::vector<Cost> per_frame;  ///< the step and its stages
-  std::vector<Cost> per_unit;   ///< without units of which the entry has fewer than 30
+  std::vector<Cost> per_unit;   ///< without units with fewer than 30 in the entry
 };
 
-/// Divides what callgrind counted among the stages and units of work. Refused: the stages of the table make up less
-/// than 95 % of the step, so that a stage was renamed or is new and the table in unit_costs.cpp is to be mended.
+/// Divides callgrind's counts among the stages and units of work. Refused if the stages of the table make up less than
+/// 95 % of the step: then a stage was renamed or added, and the table in unit_costs.cpp must be updated.
 Result<EntryCosts> unit_costs(const std::string& entry, const CallgrindProfile& profile, const CountedUnits& units);
 
 }  // namespace poise::ledger

@@ -68,7 +68,7 @@ Status prepare_trees() {
 }
 
 Result<CountedUnits> run_workload(const Workload& workload) {
-  // The same kernels on every machine: those that valgrind can run.
+  // The same kernels on every machine: those that valgrind supports.
   if ((hwy::SupportedTargets() & HWY_AVX2) == 0) return bad_input("this machine has no AVX2");
   hwy::SetSupportedTargetsForTest(HWY_AVX2);
   StepInput input;
@@ -87,7 +87,7 @@ Result<CountedUnits> run_workload(const Workload& workload) {
     if (report.status != StepStatus::Done) return bad_input(fmt::format("frame {} was refused", frame));
     if (counted) add(units, report);
   }
-  // Polygons are charged at what they cost in expansions, and are none.
+  // Polygons are charged in expansions but are not expansions.
   if (input.polygons) units.expansions = 0;
   return units;
 }

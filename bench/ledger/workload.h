@@ -10,33 +10,33 @@
 
 namespace poise::ledger {
 
-/// A small fixed scene of which some frames are counted: the serial executor, budgets in work units, fixed seeds.
+/// A small fixed scene with some counted frames: serial executor, budgets in work units, fixed seeds.
 struct Workload {
   std::string_view name;
   std::string_view scene;        ///< a file of bench/ledger/scenes
-  std::string_view with = "";    ///< "polygons", "sleeping", "wrench" or nothing beyond the scene
+  std::string_view with = "";    ///< "polygons", "sleeping", "wrench" or nothing in addition to the scene
   std::uint64_t warm_up = 0;     ///< frames before the counted ones
   std::uint64_t frames = 0;      ///< counted
-  std::uint64_t work_units = 0;  ///< of refinement a frame; 0: without limit
+  std::uint64_t work_units = 0;  ///< of refinement a frame; 0: unlimited
 };
 
 std::span<const Workload> workloads();
 
-/// What the counted frames did together; sums of FrameReport over the frames.
+/// Units of work of the counted frames: sums of FrameReport.
 struct CountedUnits {
   double frames = 0;
   double bodies = 0;
   double candidate_pairs = 0;
   double expansions = 0;        ///< of node pairs in refinement; 0 with polygons
   double levels = 0;            ///< completed by refinement
-  double contact_pairs = 0;     ///< pairs that were answered
+  double contact_pairs = 0;     ///< pairs that were solved
   double point_iterations = 0;  ///< of contact points by the contact solver
 };
 
-/// Builds the sphere trees of the scenes where they are not kept yet, so that no run under valgrind has to.
+/// Builds the sphere trees of the scenes that are not cached yet, so that no run under valgrind has to.
 Status prepare_trees();
 
-/// Runs a workload; under callgrind the counted frames, World::step and nothing else, are collected.
+/// Runs a workload. Under callgrind only World::step of the counted frames is counted.
 Result<CountedUnits> run_workload(const Workload& workload);
 
 }  // namespace poise::ledger

@@ -17,7 +17,7 @@ Side side_of(const OracleMesh& body, const Placed& at, const Vec3& point_m) {
   return {body.mass_kg(), turn * body.inertia_kgm2().inverse() * turn.transpose(), point_m - at.position_m};
 }
 
-// How readily the body's point gives way along n: n . (n / m + (I^-1 (r x n)) x r).
+// Inverse effective mass of the body's point along n: n . (n / m + (I^-1 (r x n)) x r).
 double dynamic_of(const Side& side, const Vec3& n) {
   return 1 / side.mass_kg + n.dot((side.inverse_inertia * side.arm_m.cross(n)).cross(side.arm_m));
 }

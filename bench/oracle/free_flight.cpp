@@ -43,7 +43,7 @@ FirstTouch first_touch(const OracleMesh& a, const Flight& flight_a, const Oracle
       return touch;
     }
     if (!(fastest > 0)) return touch;
-    // Half the tolerance is left even when the surfaces close at full speed.
+    // Half the tolerance remains even if the surfaces close at full speed.
     touch.time_s += (distance - 0.5 * tolerance) / fastest;
     if (touch.time_s > horizon_s) return touch;
   }

@@ -7,14 +7,13 @@
 
 namespace poise::oracle {
 
-/// A body that nothing acts on for a while: constant velocity of the centre of mass, constant angular velocity in the
-/// world.
+/// A body without forces: constant velocity of the centre of mass, constant angular velocity in the world.
 struct Flight {
   Placed start;
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 spin_radps = Vec3::Zero();
 
-  /// Where it is `time_s` after the start; before it for a negative time.
+  /// The pose `time_s` after the start; negative times are before it.
   [[nodiscard]] Placed at(double time_s) const;
 };
 
@@ -22,10 +21,10 @@ enum class TimeOfImpact : std::uint8_t {
   Touch,
   Miss,
   StartsTouching,  ///< nearer than the tolerance at the start
-  Undecided,       ///< kept so close, without touching, that the search was abandoned
+  Undecided,       ///< stayed so close, without touching, that the search was abandoned
 };
 
-/// The first touch of two bodies in free flight.
+/// The first contact of two bodies in free flight.
 struct FirstTouch {
   TimeOfImpact meeting = TimeOfImpact::Miss;
   double time_s = 0;
@@ -33,11 +32,11 @@ struct FirstTouch {
   NearestFeatures nearest;  ///< its distance is within (0, touch_tolerance_m]
 };
 
-/// At this distance two surfaces touch: 1e-5 of the smaller size, a tenth of what the study promises.
+/// Distance at which two surfaces count as touching: 1e-5 of the smaller size, a tenth of the study's stated accuracy.
 double touch_tolerance_m(const OracleMesh& a, const OracleMesh& b);
 
-/// Finds when two flights first come within the tolerance, by conservative advancement (Mirtich 1996; no point of a
-/// body moves faster than its centre and spin times radius together): it never steps over a touch. Any thread.
+/// Finds when two flights first come within the tolerance, by conservative advancement (Mirtich 1996). No point of a
+/// body moves faster than the speed of its centre plus spin times radius, so it never misses a contact. Any thread.
 FirstTouch first_touch(const OracleMesh& a, const Flight& flight_a, const OracleMesh& b, const Flight& flight_b,
                        double horizon_s);
 

@@ -10,13 +10,13 @@
 
 namespace poise::oracle {
 
-/// Where a body is: its centre of mass in the world, and the turn from the axes of its mesh to those of the world.
+/// Pose of a body: its centre of mass in the world, and the rotation from the axes of its mesh to the world.
 struct Placed {
   Vec3 position_m = Vec3::Zero();
   Quat orientation = Quat::Identity();
 };
 
-/// A solid body as exact triangles, searched by libfcl, with its mass. Shares no code with the engine's collision and
+/// A solid body as exact triangles, with its mass; distances by libfcl. Shares no code with the engine's collision and
 /// response. Immutable; any thread. Its frame has the centre of mass as origin and the axes of the mesh: the body frame
 /// of a Shape.
 class OracleMesh {
@@ -25,10 +25,10 @@ class OracleMesh {
   /// 0.
   static Result<OracleMesh> make(const TriangleMesh& mesh, double density_kgpm3);
 
-  /// Distance between two surfaces in metres, 0 where they meet. By libfcl.
+  /// Distance between two surfaces in metres, 0 if they meet. By libfcl.
   [[nodiscard]] double distance_m(const Placed& at, const OracleMesh& other, const Placed& other_at) const;
-  /// The nearest features, in the world. libfcl finds the two triangles; points, normal and kind are found again from
-  /// their corners, as libfcl's own are in the frame of the first body and without a kind.
+  /// The nearest features, in the world. libfcl finds the two triangles. Points, normal and kind are computed again
+  /// from their corners, because libfcl's are in the frame of the first body and have no kind.
   [[nodiscard]] NearestFeatures nearest(const Placed& at, const OracleMesh& other, const Placed& other_at) const;
 
   [[nodiscard]] double mass_kg() const { return mass_kg_; }

@@ -10,7 +10,7 @@ namespace {
 constexpr int kMostThrows = 10000;
 constexpr double kGrazing = 0.01;
 
-// Only exactly rounded operations and the standard's own generator, so that a throw is the same everywhere.
+// Uses only exactly rounded operations and the standard's generator, so that a throw is the same on every machine.
 class Dice {
  public:
   Dice(std::uint64_t seed, std::uint64_t number, std::uint64_t draw) {
@@ -19,7 +19,7 @@ class Dice {
   }
   double unit() { return static_cast<double>(bits_() >> 11U) * 0x1p-53; }
   double between(double least, double most) { return least + (most - least) * unit(); }
-  // A point of the unit ball, by trial.
+  // A point of the unit ball, by rejection.
   Vec3 in_ball() {
     for (;;) {
       const double x = between(-1, 1);
@@ -30,7 +30,7 @@ class Dice {
     }
   }
   Vec3 direction() { return in_ball().normalized(); }
-  // A point of the unit ball of four dimensions, made a rotation: evenly distributed.
+  // A point of the unit ball of four dimensions, normalised to a rotation: uniformly distributed.
   Quat rotation() {
     for (;;) {
       const double w = between(-1, 1);
@@ -48,7 +48,7 @@ class Dice {
   std::mt19937_64 bits_;
 };
 
-// A point of the unit disc across `along`, by trial.
+// A point of the unit disc perpendicular to `along`, by rejection.
 Vec3 in_disc(Dice& dice, const Vec3& along) {
   const Vec3 right = along.unitOrthogonal();
   const Vec3 up = along.cross(right);

@@ -20,7 +20,7 @@ std::optional<Plane> plane_of(const TrianglePoints& t) {
   return Plane{across / length, t[0]};
 }
 
-// Is a point of the triangle's plane within its three sides? On a side counts.
+// Whether a point of the triangle's plane is within its three sides, borders included.
 bool within(const TrianglePoints& t, const Vec3& normal, const Vec3& point_m) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3& from = t[i];
@@ -34,8 +34,8 @@ struct Crossing {
   [[nodiscard]] bool inside() const { return share_a > 0 && share_a < 1 && share_b > 0 && share_b < 1; }
 };
 
-// Where two segments come nearest: the lines first, then each end that is passed is held and the other point sought
-// again.
+// Nearest points of two segments: first of the lines; then each point beyond an end is clamped, and the other point is
+// computed again.
 Crossing nearest_on_segments(const Vec3& from_a, const Vec3& along_a, const Vec3& from_b, const Vec3& along_b) {
   const Vec3 between = from_b - from_a;
   const double aa = along_a.squaredNorm();
@@ -53,7 +53,7 @@ Crossing nearest_on_segments(const Vec3& from_a, const Vec3& along_a, const Vec3
   return at;
 }
 
-// A vertex counts where its foot lies within the face; elsewhere the edges are nearer.
+// A vertex counts if its foot lies within the face; otherwise the edges are nearer.
 void look_at_vertex(const Vec3& vertex_m, const TrianglePoints& face, const Plane& plane, bool vertex_of_a,
                     NearestFeatures& best) {
   const double height = plane.normal.dot(vertex_m - plane.origin_m);
@@ -63,7 +63,7 @@ void look_at_vertex(const Vec3& vertex_m, const TrianglePoints& face, const Plan
   best.distance_m = std::abs(height);
   best.on_a_m = vertex_of_a ? vertex_m : foot;
   best.on_b_m = vertex_of_a ? foot : vertex_m;
-  // From a to b: away from the vertex where that is a's, towards it where it is b's.
+  // From a to b: away from the vertex if it is a's, toward it if it is b's.
   best.normal = (vertex_of_a == (height > 0)) ? Vec3(-plane.normal) : plane.normal;
   best.feature = vertex_of_a ? Feature::VertexFace : Feature::FaceVertex;
 }
@@ -86,7 +86,7 @@ void look_at_edges(const Vec3& from_a, const Vec3& to_a, const Vec3& from_b, con
     best.normal = (across.dot(between) < 0 ? -1.0 : 1.0) / length * across;
 }
 
-// Does an edge of one run through the face of the other?
+// Whether an edge of one triangle passes through the face of the other.
 bool pierces(const TrianglePoints& edges_of, const TrianglePoints& face, const Plane& plane, Vec3& point_m) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3& from = edges_of[i];

@@ -13,7 +13,7 @@ enum class Feature : std::uint8_t {
   VertexFace,
   FaceVertex,
   EdgeEdge,
-  Other,  ///< vertex against vertex or edge, or a crossing: no plane of its own
+  Other,  ///< vertex against vertex or edge, or an intersection: no plane is defined
 };
 
 using TrianglePoints = std::array<Vec3, 3>;  ///< metres
@@ -23,13 +23,13 @@ struct NearestFeatures {
   double distance_m = 0;  ///< 0 where the triangles cross
   Vec3 on_a_m = Vec3::Zero();
   Vec3 on_b_m = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  ///< unit, from a to b: the face's normal, the cross product of two edges, else the way
-                               ///< between the points; 0 where these coincide
+  Vec3 normal = Vec3::Zero();  ///< unit, from a to b: the face's normal, the cross product of two edges, else the
+                               ///< direction between the points; 0 if these coincide
   Feature feature = Feature::Other;
 };
 
-/// In double precision, by looking at all six vertices against the other face and all nine pairs of edges. A triangle
-/// without area has edges alone. Any thread.
+/// In double precision, from all six vertices against the other face and all nine pairs of edges. A triangle without
+/// area has only edges. Any thread.
 NearestFeatures nearest_features(const TrianglePoints& a, const TrianglePoints& b);
 
 }  // namespace poise::oracle

@@ -18,7 +18,7 @@ Vec3 from_bullet(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
 }
 
-/// A world and what it points to. Invariant: it points to nothing else, and goes first.
+/// A world and the objects that it refers to. Invariant: it refers to nothing else, and is destroyed first.
 class BulletPile {
  public:
   explicit BulletPile(const PileScene& scene)
@@ -45,7 +45,7 @@ class BulletPile {
     for (const auto& body : bodies_) world_.removeRigidBody(body.get());
   }
 
-  // No substeps of its own: one step of dt.
+  // Without Bullet's own substeps: one step of dt.
   void step() { world_.stepSimulation(dt_s_, 0); }
 
   void read(std::span<BodyState> states) const {
@@ -62,7 +62,7 @@ class BulletPile {
 
  private:
   void add(btRigidBody::btRigidBodyConstructionInfo info, const PileScene& scene) {
-    // A contact has the product of both sides' numbers.
+    // Bullet multiplies the coefficients of both bodies.
     info.m_friction = static_cast<btScalar>(std::sqrt(scene.friction));
     info.m_restitution = static_cast<btScalar>(std::sqrt(scene.restitution));
     bodies_.push_back(std::make_unique<btRigidBody>(info));

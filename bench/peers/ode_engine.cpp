@@ -10,7 +10,8 @@
 namespace poise::bench {
 namespace {
 
-/// The library is started while one of these lives. Invariant: of all that live, the last to go closes it.
+/// The library is initialised while an object of this class exists. Invariant: the destructor of the last one closes
+/// it.
 class OdeLibrary {
  public:
   static std::shared_ptr<OdeLibrary> open() {
@@ -101,7 +102,7 @@ class OdePile {
     const dBodyID body_a = dGeomGetBody(a);
     const dBodyID body_b = dGeomGetBody(b);
     if (body_a == body_b) return;
-    // Two spheres, or a sphere and a plane, meet in one point.
+    // Two spheres, or a sphere and a plane, have one contact point.
     dContact contact{};
     if (dCollide(a, b, 1, &contact.geom, sizeof(dContact)) == 0) return;
     contact.surface.mode = dContactApprox1 | dContactBounce;

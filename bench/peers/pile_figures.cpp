@@ -22,17 +22,17 @@ struct PlacedSphere {
 void count(double overlap_m, PileFigures& figures) {
   if (!(overlap_m > 0)) return;
   ++figures.overlaps;
-  figures.mean_overlap_m += overlap_m;  // the sum, until all are in
+  figures.mean_overlap_m += overlap_m;  // the sum until all overlaps are added
   figures.greatest_overlap_m = std::max(figures.greatest_overlap_m, overlap_m);
 }
 
-// Two spheres that overlap are in the same cell or in neighbours: a cell is as wide as the largest sphere.
+// Two overlapping spheres are in the same cell or in neighbouring ones: a cell is as wide as the largest sphere.
 void count_pairs(std::span<const PlacedSphere> spheres, PileFigures& figures) {
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const PlacedSphere& a = spheres[i];
     for (std::int64_t dx = 0; dx <= 1; ++dx) {
       for (std::int64_t dy = dx == 0 ? 0 : -1; dy <= 1; ++dy) {
-        // Along z the cells of a column lie one after another.
+        // Along z the cells of a column are contiguous.
         const bool same_column = dx == 0 && dy == 0;
         const Cell first{a.cell[0] + dx, a.cell[1] + dy, a.cell[2] - 1};
         const Cell last{first[0], first[1], a.cell[2] + 1};

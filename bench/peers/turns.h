@@ -11,24 +11,25 @@
 
 namespace poise::bench {
 
-/// What one step took.
+/// Duration of one step.
 struct StepTime {
   double wall_ms = 0;
-  double cpu_ms = 0;  ///< of the calling thread; of an engine with more threads, of the whole process over their number
+  double cpu_ms = 0;  ///< of the calling thread; for an engine with more threads, of the whole process divided by their
+                      ///< number
 };
 
-/// What some frames of one engine took, by nearest rank.
+/// Durations of some frames of one engine, by nearest rank.
 struct TimeFigures {
-  std::size_t frames = 0;  ///< 0: the others say nothing
+  std::size_t frames = 0;  ///< 0: the other figures are undefined
   struct Quantiles {
     double p25_ms = 0, p50_ms = 0, p75_ms = 0, p99_ms = 0;
   };
   Quantiles wall, cpu;
 };
 
-/// Steps all engines through the same frames, a block of `block_frames` of one after a block of another, so that what
-/// else the machine does meets all alike; who begins a round changes from round to round. Times by engine and frame.
-/// `progress` is told the frames that all have done. block_frames >= 1.
+/// Steps all engines through the same frames, alternating in blocks of `block_frames` (>= 1), so that other load on the
+/// machine affects all of them equally. The engine that begins a round changes from round to round. Returns the times
+/// by engine and frame. Calls `progress` with the number of frames that all engines have done.
 std::vector<std::vector<StepTime>> take_turns(std::span<const Engine> engines, std::uint64_t frames,
                                               std::uint64_t block_frames,
                                               const std::function<void(std::uint64_t)>& progress);

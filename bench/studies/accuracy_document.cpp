@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Cells = std::vector<std::string>;
 
-// The smallest value that the logarithmic axes show.
+// The smallest value on the logarithmic axes.
 constexpr double kLeast = 1e-12;
 
 std::string bound_text(const AccuracyRow& row) {
@@ -20,7 +20,7 @@ std::string bound_text(const AccuracyRow& row) {
 }
 std::string report(const AccuracyRow& row) { return !row.ok ? "missed" : row.at_most ? "ok" : "-"; }
 
-// Case names stand once, above their rows.
+// A case name is printed once, above its rows.
 std::vector<Cells> cells_of(const AccuracyDocument& document) {
   std::vector<Cells> table{{"case", "figure", "unit", "value", "at most", "published", "ok"}};
   std::string before;

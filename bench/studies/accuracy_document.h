@@ -9,22 +9,22 @@
 
 namespace poise::io {
 
-/// One figure of one case; less is better where there is a bound.
+/// One figure of one case; with a bound, smaller is better.
 struct AccuracyRow {
   std::string case_name, figure, unit;  ///< the unit is "1" for shares and "" for counts
   double value = 0;
-  std::optional<double> at_most;  ///< none: reported, not measured
-  std::string published;          ///< what others reached; may be empty
+  std::optional<double> at_most;  ///< empty: reported only
+  std::string published;          ///< published results of others; may be empty
   bool ok = true;                 ///< finite and within the bound
 };
 
-/// How far the bodies of a case have moved and how much they still do; the three lists are equally long.
+/// Drift and remaining motion of the bodies of a case; the three lists have the same length.
 struct AccuracySeries {
   std::string case_name;
   std::vector<double> time_s, drift_m, kinetic_j;
 };
 
-/// What `poise study accuracy` found.
+/// The results of `poise study accuracy`.
 struct AccuracyDocument {
   std::vector<AccuracyRow> rows;  ///< case after case
   std::vector<AccuracySeries> series;
@@ -34,10 +34,10 @@ struct AccuracyDocument {
   BuildFacts build;
 };
 
-/// Rows that are not ok.
+/// Number of rows that are not ok.
 std::size_t missed(const AccuracyDocument& document);
 
-/// `poise.accuracy/1`, ending in a newline. A value that is not finite is null.
+/// JSON of schema `poise.accuracy/1`, ending in a newline. A value that is not finite is null.
 std::string accuracy_json(const AccuracyDocument& document);
 /// A table for a terminal, and the same for docs.
 std::string accuracy_table(const AccuracyDocument& document);

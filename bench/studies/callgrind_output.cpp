@@ -18,7 +18,7 @@ Result<Counted> read_callgrind(std::string_view text) {
     const std::size_t end = text.find('\n');
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    // Names are given once, as `fn=(7) name` of a caller or `cfn=(7) name` of a callee, and by number after that.
+    // A name is given once, as `fn=(7) name` for a caller or `cfn=(7) name` for a callee, and by number afterwards.
     if (begins(line, "fn=") || begins(line, "cfn=")) {
       const std::size_t name = line.find(") ");
       if (name != std::string_view::npos) counted.functions.emplace_back(line.substr(name + 2));

@@ -24,7 +24,7 @@ namespace {
 
 Error failed(const char* what, int reason) { return bad_input(fmt::format("{}: {}", what, std::strerror(reason))); }
 
-/// Everything until the writer closes. Looks up five times a second whether Ctrl-C must be passed on.
+/// Reads until the writer closes the pipe. Checks five times a second whether Ctrl-C must be passed on.
 std::string read_all(int pipe, pid_t child, const parallel::Interrupt& interrupt) {
   std::string text;
   std::array<char, 1U << 14U> block{};
@@ -63,7 +63,7 @@ Result<ChildResult> run_program(std::vector<std::string> words, const parallel::
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  // A group of its own: the terminal's Ctrl-C comes to us alone, and is passed on once.
+  // In a process group of its own, so that the terminal's Ctrl-C reaches only this process, which passes it on once.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

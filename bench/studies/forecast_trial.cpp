@@ -12,7 +12,7 @@ constexpr std::size_t kWindow = 200;
 
 double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
 
-/// Says what is kept for a frame, then learns what it took.
+/// Returns the reserve of a frame, then learns from its actual duration.
 struct Method {
   std::string name;
   std::function<double(const RecordedTail&)> reserve_ns;
@@ -43,7 +43,7 @@ struct Tracker {
 
 struct Moments {
   double count = 0, mean = 0, squares = 0;
-  // Welford 1962.
+  // Running mean and variance (Welford 1962).
   void add(double value) {
     ++count;
     const double off = value - mean;

@@ -10,30 +10,30 @@
 
 namespace poise::simulation {
 
-/// The tail of one frame of a run: what was counted before it and after it, and how long it took.
+/// The tail of one frame of a run: its counts before and after, and its duration.
 struct RecordedTail {
   scheduler::TailWork forecast_for;    ///< FrameReport::tail_work
-  std::uint64_t contacts = 0;          ///< that were answered in the end
-  std::uint64_t point_iterations = 0;  ///< that were made in the time that was kept
-  Nanoseconds actual{0};               ///< > 0; without what was done in time left over
+  std::uint64_t contacts = 0;          ///< number that was solved in the end
+  std::uint64_t point_iterations = 0;  ///< number made within the reserve
+  Nanoseconds actual{0};               ///< > 0; without work done in time left over
 };
 
-/// How one way to make a reserve did.
+/// Quality of one method of computing a reserve.
 struct ForecastScore {
   std::string method;
-  double exceeded = 0;             ///< share of frames that took longer than their reserve; alpha is what was asked
-  double reserve_over_actual = 0;  ///< sum of the reserves / sum of what was needed
+  double exceeded = 0;             ///< share of frames that took longer than their reserve; alpha was requested
+  double reserve_over_actual = 0;  ///< sum of the reserves / sum of the actual times
   /// Mean pinball loss of the reserve as the 1 - alpha quantile of the time (Koenker and Bassett 1978), as a share of
-  /// the mean time: alpha (reserve - actual) where it held, (1 - alpha) (actual - reserve) where not. Less is better; 0
-  /// is a seer.
+  /// the mean time: alpha (reserve - actual) if the reserve was long enough, else (1 - alpha) (actual - reserve).
+  /// Smaller is better; a perfect forecast has 0.
   double pinball = 0;
-  std::uint64_t beyond_clip = 0;  ///< ours only: ratios that the bound does not speak of
+  std::uint64_t beyond_clip = 0;  ///< only for our tracker: ratios outside the range of its bound
 };
 
-/// Plays recorded tails again, frame by frame, each method knowing only the frames before: the tracker of this program,
-/// the same without the visits that the frame before needed, the point forecast alone, the mean of all frames before,
-/// mean + 3 standard deviations, and the 1 - alpha quantile of the last 200. The first `skip` frames are learned from
-/// and not measured. A pure function; alpha in [1e-5, 0.5].
+/// Replays recorded tails frame by frame. Each method knows only the frames before: our tracker, the tracker without
+/// the solver iterations of the previous frame, the point forecast alone, the mean of all previous frames, mean + 3
+/// standard deviations, and the 1 - alpha quantile of the last 200 frames. The first `skip` frames are for learning and
+/// are not measured. A pure function; alpha in [1e-5, 0.5].
 std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, double alpha, std::size_t skip);
 
 }  // namespace poise::simulation

@@ -12,7 +12,7 @@
 
 namespace poise::app {
 
-// gnuplot reads its script from a file that goes away again.
+// gnuplot reads its script from a temporary file.
 Result<std::string> drawn_by_gnuplot(const std::string& script, const parallel::Interrupt& interrupt) {
   std::error_code failure;
   std::string file = (std::filesystem::temp_directory_path(failure) / "poise-plot-XXXXXX").string();

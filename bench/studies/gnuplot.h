@@ -8,8 +8,8 @@
 
 namespace poise::app {
 
-/// Runs gnuplot on a script that writes a PNG to its standard output, and gives what it wrote. Refused (OutputFailed)
-/// where gnuplot is missing or fails; Ctrl-C ends it.
+/// Runs gnuplot on a script that writes a PNG to its standard output, and returns that output. Refused (OutputFailed)
+/// if gnuplot is missing or fails; Ctrl-C stops it.
 Result<std::string> drawn_by_gnuplot(const std::string& script, const parallel::Interrupt& interrupt);
 
 }  // namespace poise::app

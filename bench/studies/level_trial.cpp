@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kDensityKgpm3 = 1000;
 constexpr double kFrameS = 1.0 / 60;
-// The engine is stepped along the flight in such steps to see when it answers, from so long before the touch on.
-// Chosen: a step is an eighth of the error of time that is promised; no level answers earlier at 2 m/s (measured: 0.36
-// s at level 0).
+// Step in which the engine follows the flight to find the time of its impulse, and how long before the contact it
+// starts. Chosen: a step is an eighth of the promised error of time, and no level gives an impulse earlier at 2 m/s
+// (measured: 0.36 s at level 0).
 constexpr double kStepS = 1e-3;
 constexpr double kLeadS = 0.5;
-// Costs are measured over so many states, the touches and moments before them: fewer, and the branch predictor learns
-// them by heart.
+// Number of states (contacts and moments before them) over which costs are measured. With fewer, the branch predictor
+// would memorise them.
 constexpr std::size_t kCostStates = 500;
 constexpr int kCostRounds = 5;
 
@@ -36,7 +36,7 @@ simulation::PairState state_of(const oracle::RandomTouch& touch, double time_s) 
   return {state_of(touch.a, time_s), state_of(touch.b, time_s)};
 }
 
-// How one model answers one touch at one level.
+// Result of one model for one contact at one level.
 struct Sample {
   double dv_mps = 0, dw_mps = 0;  // errors
   double off_ms = 0, early_ms = 0;
@@ -45,13 +45,13 @@ struct Sample {
 
 struct TouchResult {
   oracle::RandomTouch touch;
-  double changed = 0, changed_three = 0;  // of the exact answer when b is moved
-  std::vector<Sample> samples;            // model after model, level after level
+  double changed = 0, changed_three = 0;  // change of the exact result when b is moved
+  std::vector<Sample> samples;            // in the order of models, then levels
 };
 
-// Everything that a worker needs of its own.
+// Data that each worker has separately.
 struct Worker {
-  std::vector<std::optional<simulation::PairProbe>> probes;  // one a model
+  std::vector<std::optional<simulation::PairProbe>> probes;  // one for each model
 };
 
 struct Trial {
@@ -60,12 +60,12 @@ struct Trial {
   const TrialSettings& settings;
 };
 
-// Mean of rho |dw| over the two bodies: the speed that the change of spin gives at sqrt(I / m).
+// Mean of rho |dw| over the two bodies: the speed at the radius sqrt(I / m) due to the change of spin.
 double spin_speed(const Trial& trial, const Vec3& dw_a, const Vec3& dw_b) {
   return 0.5 * (trial.a.body.angular_response_m() * dw_a.norm() + trial.b.body.angular_response_m() * dw_b.norm());
 }
 
-// When the engine, stepped along the flight, first answers the pair; nothing when it does not.
+// The time at which the engine, stepped along the flight, first gives the pair an impulse; empty if it never does.
 std::optional<double> time_of_answer(const oracle::RandomTouch& touch, simulation::PairProbe& probe,
                                      simulation::ProbeLevel level) {
   const double exact_s = touch.touch.time_s;
@@ -177,7 +177,7 @@ io::LevelsRow row_of(const std::vector<TouchResult>& results, std::size_t place,
   return row;
 }
 
-// The touches, and moments before them.
+// The states of the contacts, and of moments before them.
 std::vector<simulation::PairState> cost_states(const std::vector<TouchResult>& results) {
   std::vector<simulation::PairState> states;
   for (int back = 0; states.size() < kCostStates; ++back) {

@@ -12,51 +12,51 @@
 
 namespace poise::io {
 
-/// A pair of shapes of the study, and how the oracle measured it.
+/// A pair of shapes of the study, and the oracle's figures for it.
 struct LevelsPair {
   std::string shape_a, shape_b;
   std::string group;  ///< round, flat or other
   std::size_t touches = 0;
-  std::size_t missed = 0, grazing = 0, undecided = 0;     ///< throws that gave no touch
-  std::size_t vertex_face = 0, edge_edge = 0, other = 0;  ///< touches by their features
-  double dv_mps = 0;                                      ///< mean |dv| of the exact answer, which errors are shares of
+  std::size_t missed = 0, grazing = 0, undecided = 0;     ///< throws without a contact
+  std::size_t vertex_face = 0, edge_edge = 0, other = 0;  ///< contacts by their features
+  double dv_mps = 0;                                      ///< mean |dv| of the exact result; errors are shares of it
   double dw_mps = 0;                                      ///< mean rho |dw| of the two bodies
   double uncertainty = 0;  ///< mean change of the exact dv when b is moved by 1/1000 of the size, as a share of dv_mps
   double uncertainty_three = 0;  ///< the same for 3/1000
 };
 
-/// Mean, median and 90th percentile of an error as a share of the exact answer's mean.
+/// Mean, median and 90th percentile of an error as a share of the mean exact result.
 struct ErrorSpread {
   double mean = 0, median = 0, p90 = 0;
 };
 
-/// How one contact model did at one level over the touches of a pair of shapes.
+/// Accuracy of one contact model at one level over the contacts of a pair of shapes.
 struct LevelsRow {
-  std::size_t pair = 0;  ///< place in LevelsDocument::pairs
+  std::size_t pair = 0;  ///< index in LevelsDocument::pairs
   std::string model;
   simulation::ProbeLevel level;
   ErrorSpread dv, dw;
-  double toc_ms_mean = 0;        ///< mean |time of the answer - exact time|, at most kLongestWaitMs for each touch
-  double toc_early_ms_mean = 0;  ///< mean of how much too early, 0 for touches that were late
-  double late_share = 0;         ///< answered more than 1/60 s after the touch, or not at all
-  double unseen_share = 0;       ///< touches at which the level found nothing
+  double toc_ms_mean = 0;        ///< mean |time of the impulse - exact time|, at most kLongestWaitMs for each contact
+  double toc_early_ms_mean = 0;  ///< mean time by which the impulse was early; 0 for late ones
+  double late_share = 0;         ///< impulse more than 1/60 s after the contact, or none
+  double unseen_share = 0;       ///< contacts that the level did not find
   simulation::PairCost cost;
 };
 
-/// A touch that is not answered so long after it never is.
+/// A contact without an impulse after this time counts as having none.
 inline constexpr double kLongestWaitMs = 100;
 
-/// What `poise study levels` found.
+/// The results of `poise study levels`.
 struct LevelsDocument {
   std::string half;  ///< tune, report or all
   std::uint64_t seed = 0;
-  std::size_t touches = 0;  ///< asked for, a pair of shapes
+  std::size_t touches = 0;  ///< requested number for each pair of shapes
   int depth = 0;            ///< of the trees
   int fineness = 1;         ///< of the round parts of named shapes
   int threads = 0;
   double speed_mps = 0, spin_radps = 0, restitution = 0, dt_s = 0;
   std::vector<LevelsPair> pairs;
-  std::vector<LevelsRow> rows;  ///< pair after pair, model after model, levels ascending
+  std::vector<LevelsRow> rows;  ///< in the order of pairs, models, then levels ascending
   Machine machine;
   BuildFacts build;
 };
@@ -72,18 +72,18 @@ struct LevelsSummary {
   ErrorSpread dv, dw;
   double toc_ms_mean = 0, late_share = 0, unseen_share = 0;
   simulation::PairCost cost;
-  std::optional<double> target;  ///< mean error of dv that is to be reached
+  std::optional<double> target;  ///< mean error of dv to be reached
 };
 std::vector<LevelsSummary> summaries(const LevelsDocument& document);
 
-/// A level that is worse than the one before by more than 2 % and the oracle's own uncertainty.
+/// A level with a larger error than the previous one, by more than 2 % and more than the oracle's own uncertainty.
 struct LevelsSetback {
-  std::size_t row = 0;  ///< place in LevelsDocument::rows
-  double before = 0;    ///< mean error of dv of the level before
+  std::size_t row = 0;  ///< index in LevelsDocument::rows
+  double before = 0;    ///< mean error of dv of the previous level
 };
 std::vector<LevelsSetback> setbacks(const LevelsDocument& document);
 
-/// `poise.levels/2`, ending in a newline.
+/// JSON of schema `poise.levels/2`, ending in a newline.
 std::string levels_json(const LevelsDocument& document);
 /// One line a row, with a header.
 std::string levels_csv(const LevelsDocument& document);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLeastPlotted = 0.001;
 
-// Places on the axis: the levels of trees, then the polygons.
+// Positions on the axis: the levels of trees, then the polygons.
 int place_of(simulation::ProbeLevel level) { return level.polygons ? kMaxTreeDepth + 1 : level.level; }
 
 struct Panel {
@@ -38,7 +38,7 @@ std::vector<Panel> panels_of(const LevelsDocument& document, const std::vector<L
   return panels;
 }
 
-// Polygons stand right of the deepest level there is.
+// Polygons are drawn to the right of the deepest level.
 int shown(int place, int deepest) { return place > kMaxTreeDepth ? deepest + 1 : place; }
 
 std::string tics(const std::vector<LevelsSummary>& all, int deepest) {

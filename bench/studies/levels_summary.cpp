@@ -6,7 +6,7 @@
 namespace poise::io {
 namespace {
 
-// Mean relative error of dv that this method is to reach, by level 1 to 4 and polygons.
+// Mean relative error of dv that the method must reach, for levels 1 to 4 and polygons.
 constexpr std::array<double, 5> kRoundTargets = {0.45, 0.12, 0.05, 0.03, 0.03};
 constexpr std::array<double, 5> kFlatTargets = {0.45, 0.25, 0.14, 0.11, 0.03};
 constexpr double kSetback = 0.02;

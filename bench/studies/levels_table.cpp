@@ -10,7 +10,7 @@ namespace poise::io {
 namespace {
 
 using Cells = std::vector<std::string>;
-/// The first row is the head.
+/// The first row is the header.
 using Table = std::vector<Cells>;
 
 std::vector<simulation::ProbeLevel> levels_of(const LevelsDocument& document) {
@@ -62,7 +62,7 @@ Table summary_table(const LevelsDocument& document) {
   return table;
 }
 
-// Most of the other figures that are to be reached, over the levels of a group and model.
+// Largest of the other figures with targets, over the levels of a group and model.
 struct Limits {
   std::string group, model;
   std::optional<double> toc_ms, late;  // at level 3
@@ -121,7 +121,7 @@ std::string made_by(const LevelsDocument& d) {
       d.machine.system, d.build.version, d.build.commit, d.build.compiler);
 }
 
-// The first `words` columns are words, the others figures.
+// The first `words` columns are text, the others figures.
 std::string as_columns(const Table& table, std::size_t words) {
   std::vector<std::size_t> widths(table[0].size());
   for (const Cells& row : table) {

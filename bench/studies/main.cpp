@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The studies whose figures stand in the docs, a program of their own that `poise study NAME` starts.
+// The studies whose figures are in the docs: a separate program that `poise study NAME` starts.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -27,7 +27,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& stop) {
-    // Help and the version end here too, with 0; every mistake is bad usage.
+    // --help and --version also end here, with 0; every error is bad usage.
     if (app.exit(stop) != 0) return poise::app::kExitBadUsage;
     return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
   }
@@ -37,7 +37,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A reader that goes away must end in exit code 4, not in a signal.
+  // A reader that closes the pipe must lead to exit code 4, not to a signal.
   std::signal(SIGPIPE, SIG_IGN);
   try {
     return run(argc, argv);

@@ -24,7 +24,7 @@ struct StudyAccuracyOptions {
 /// Declares the options; `options` must outlive the parse.
 void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& options);
 
-/// Runs the cases with a known outcome and compares. Returns the exit code: kExitRequirementFailed where a row is not
+/// Runs the cases with a known result and compares. Returns the exit code: kExitRequirementFailed if a row is not
 /// within its bound.
 int study_accuracy(const StudyAccuracyOptions& options);
 

@@ -16,7 +16,7 @@
 namespace poise::app {
 namespace {
 
-// Every so manieth frame starts anew; the ones between have what the frames before them found out.
+// Every kEvery-th frame starts without cached data; the frames between use that of the previous frames.
 constexpr std::uint64_t kEvery = 4;
 constexpr double kCacheStepS = 1.0 / 60;
 

@@ -19,14 +19,15 @@ constexpr const char* kScene = "pile";
 constexpr std::uint64_t kFrames = 5000;
 constexpr std::uint64_t kWarmUp = 300;
 constexpr std::uint64_t kMostBodies = 200'000;
-// Refinement must use so much of its time whenever it leaves work.
+// Least share of its time that refinement must use if it leaves work.
 constexpr double kUsed = 0.9;
 
 double full_p95_ms(const std::vector<simulation::RunFrame>& frames) {
   return simulation::run_figures(frames, {false}).stages.back().ms.p95;
 }
 
-// The largest population of which 95 of 100 frames are refined to their end within the deadline, to a twentieth.
+// The largest population for which 95 of 100 frames are refined to their end within the deadline, to within a
+// twentieth.
 Result<std::uint64_t> served_population(const StudyScene& scene, std::uint64_t warm_up, Progress& progress) {
   const auto fits = [&](std::uint64_t bodies) -> Result<bool> {
     StudyRun run;

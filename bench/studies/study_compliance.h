@@ -10,13 +10,13 @@ struct StudyComplianceOptions {
   StudyTimesOptions common;
   std::vector<double> alphas;           ///< empty: 0.01 and 0.001
   std::vector<double> populations;      ///< empty: 0.5, 1, 2, 4, 8 times what full refinement serves
-  std::optional<std::uint64_t> bodies;  ///< what full refinement serves, if it is known
+  std::optional<std::uint64_t> bodies;  ///< population that full refinement can serve, if known
   bool competing_load = false;
 };
 void add_study_compliance_options(CLI::App& command, StudyComplianceOptions& options);
 
-/// Are deadlines kept as often as was asked, from half to eight times the population that full refinement can serve?
-/// Exit code kExitRequirementFailed where a row does not comply.
+/// Measures whether deadlines are met as often as requested, from half to eight times the population that full
+/// refinement can serve. Exit code kExitRequirementFailed if a row does not comply.
 int study_compliance(const StudyComplianceOptions& options);
 
 }  // namespace poise::app

@@ -15,7 +15,7 @@ constexpr const char* kConstantTimeScene = "pile";
 constexpr std::uint64_t kConstantTimeFrames = 300;
 constexpr std::uint64_t kConstantTimeWarmUp = 120;
 constexpr std::uint64_t kConstantTimeMaxBodies = 200'000;
-// Without a deadline, populations whose frames take longer than so many deadlines are left out: the run would be of
+// Without a deadline, populations whose frames take longer than this number of deadlines are skipped: a run would take
 // hours.
 constexpr double kTooLong = 12;
 

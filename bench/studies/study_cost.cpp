@@ -21,7 +21,7 @@
 namespace poise::app {
 namespace {
 
-// What every frame must do: all but refinement.
+// The mandatory stages: all except refinement.
 constexpr auto kMandatory = [] {
   std::array<simulation::StageMember, simulation::kStages.size() - 1> stages{};
   std::copy_if(simulation::kStages.begin(), simulation::kStages.end(), stages.begin(),
@@ -29,7 +29,7 @@ constexpr auto kMandatory = [] {
   return stages;
 }();
 
-/// Frames of one population in one state, of all rounds.
+/// Frames of one population in one state, over all rounds.
 struct Timed {
   std::array<std::vector<double>, kMandatory.size() + 1> stage_ms;  ///< the last one is the sum
   std::vector<double> candidate_pairs, contacts;
@@ -154,7 +154,7 @@ int study_scaling(const StudyTimingOptions& o) {
       StepInput input;
       input.dt_s = 1.0 / 60;
       input.view = runs[r].view();
-      // The clock decides the order of refinement alone: there is time for all of it.
+      // The clock affects only the order of refinement: there is time for all of it.
       if (frame >= settle) input.budget = Budget::within(std::chrono::minutes(1));
       const FrameReport report = runs[r].world().step(input);
       if (report.status != StepStatus::Done)

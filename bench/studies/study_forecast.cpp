@@ -17,11 +17,12 @@ namespace {
 constexpr const char* kForecastScene = "pile";
 constexpr std::uint64_t kForecastFrames = 3000;
 constexpr std::uint64_t kForecastWarmUp = 0;
-// Frames that each method learns from before it is measured. Chosen: the start of a run is not what a margin is for.
+// Number of frames for learning before a method is measured. Chosen: the start of a run is not typical of its
+// forecasts.
 constexpr std::size_t kSkip = 200;
 
-// Of a frame that nobody disturbed at most so much of the tail's time may be missing: what reading the clocks makes of
-// it. Chosen.
+// Largest share of the tail's time that may be missing in an undisturbed frame, because of the resolution of the
+// clocks. Chosen.
 constexpr double kDisturbed = 0.03;
 
 std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::RunFrame>& frames, bool undisturbed) {
@@ -31,7 +32,7 @@ std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::Run
     if (undisturbed && static_cast<double>(r.off_cpu.count()) > kDisturbed * static_cast<double>(r.tail_actual.count()))
       continue;
     if (r.tail_actual.count() <= 0) continue;
-    // What was done in time left over needed no reserve: by its share of the forecast.
+    // Subtracts the work done in time left over, which needed no reserve, by its share of the forecast.
     const double kept = 1 - static_cast<double>(r.tail_left_over.count()) /
                                 static_cast<double>(std::max<std::int64_t>(r.tail_forecast.count(), 1));
     const Nanoseconds actual(static_cast<std::int64_t>(kept * static_cast<double>(r.tail_actual.count())));

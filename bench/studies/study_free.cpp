@@ -24,7 +24,7 @@
 namespace poise::app {
 namespace {
 
-/// A folder for profiles and outputs that goes when it ends.
+/// A folder for profiles and outputs that the destructor removes.
 class Scratch {
  public:
   static Result<std::unique_ptr<Scratch>> create() {
@@ -51,12 +51,12 @@ using Words = std::vector<std::string>;
 
 constexpr std::uint64_t kMostText = 1ULL << 28U;
 
-/// A part of a step that a scene may ask for.
+/// An optional part of a step.
 struct Feature {
   std::string name, scene;
   Words off, on;
-  Words functions;  ///< parts of the names of functions that are its alone; none: it is inside of kernels that all
-                    ///< scenes use
+  Words functions;  ///< parts of the names of functions that only this feature has; empty: its code is inside kernels
+                    ///< that all scenes use
 };
 
 std::vector<Feature> features(const Scratch& scratch, const std::string& frictionless) {
@@ -79,7 +79,7 @@ std::vector<Feature> features(const Scratch& scratch, const std::string& frictio
   };
 }
 
-/// Instructions inside World::step of one run of `poise`.
+/// Number of instructions inside World::step in one run of `poise`.
 Result<Counted> count(const Words& options, const Scratch& scratch, const parallel::Interrupt& interrupt) {
   const Result<std::filesystem::path> program = program_beside("poise");
   if (!program) return program.error();
@@ -103,7 +103,7 @@ Result<Counted> count(const Words& options, const Scratch& scratch, const parall
   return read_callgrind(text.value());
 }
 
-/// The jacks as they ship but for their friction.
+/// The shipped jacks scene without friction.
 Result<std::string> write_frictionless(const Scratch& scratch) {
   const Result<std::filesystem::path> file = find_scene("jacks");
   if (!file) return file.error();
@@ -131,7 +131,7 @@ Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::ui
   row.absent = !feature.on.empty() && !known_option(feature.on.front(), interrupt);
   if (row.absent) return row;
   const auto options = [&](const Words& own) {
-    // A scene of one's own stands in for the one that ships.
+    // A scene given by the user replaces the shipped one.
     const bool other_scene = own.size() == 1 && own.front().front() != '-';
     Words words{other_scene ? own.front() : feature.scene,
                 "--frames",
@@ -149,7 +149,7 @@ Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::ui
     if (!other_scene) words.insert(words.end(), own.begin(), own.end());
     return words;
   };
-  // Builds what trees the scene needs and keeps them: under valgrind that would take minutes.
+  // Builds and caches the trees that the scene needs: under valgrind that would take minutes.
   Words plain = options({});
   plain[2] = "1";
   const Result<ChildResult> warm = run_child(

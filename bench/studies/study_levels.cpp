@@ -19,7 +19,7 @@ constexpr const char* kDefaultPairs =
     "torus;l,bowl;"
     "disc,jack";
 constexpr const char* kDefaultLevels = "0,1,2,3,4,polygons";
-// Of libsimbody-dev: two parts of a robot's arm, closed, one rounder and one flatter.
+// From libsimbody-dev: two closed parts of a robot's arm, one more round and one more flat.
 constexpr const char* kOthers[2] = {"/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Base.obj",
                                     "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry/Wrist3.obj"};
 
@@ -56,7 +56,7 @@ Status add_pairs(const std::string& text, LevelsPlan& plan) {
   return Done{};
 }
 
-// Each mesh with itself and with the next one.
+// Pairs each mesh with itself and with the next one.
 void add_meshes(const std::vector<std::string>& files, LevelsPlan& plan) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     plan.pairs.emplace_back(files[i], files[i]);
@@ -94,7 +94,7 @@ Status add_levels(const std::string& text, std::uint64_t depth, LevelsPlan& plan
     }
     const bool digit = word.size() == 1 && word[0] >= '0' && word[0] <= '9';
     if (!digit || static_cast<std::uint64_t>(word[0] - '0') > depth) {
-      if (text.empty()) continue;  // the levels by default are those that the trees have
+      if (text.empty()) continue;  // the default levels are those of the trees
       return bad_input(
           fmt::format("--levels: \"{}\", must be polygons or from 0 to {}, the depth of the trees", word, depth));
     }

@@ -28,7 +28,7 @@ struct StudyLevelsOptions {
 /// Declares the options; `options` must outlive the parse.
 void add_study_levels_options(CLI::App& command, StudyLevelsOptions& options);
 
-/// What the options that are lists say.
+/// The parsed options that are lists.
 struct LevelsPlan {
   std::vector<std::pair<std::string, std::string>> pairs;  ///< names of shapes or files
   std::vector<simulation::NamedContactModel> models;
@@ -38,7 +38,7 @@ struct LevelsPlan {
 /// Refused with option, value and rule: an unknown shape, model or level, a level twice, outputs that are one file.
 Result<LevelsPlan> plan_of(const StudyLevelsOptions& options);
 
-/// Throws shapes at each other and compares the answers of each level with the exact one. Returns the exit code.
+/// Throws shapes at each other and compares the results of each level with the exact ones. Returns the exit code.
 int study_levels(const StudyLevelsOptions& options);
 
 }  // namespace poise::app

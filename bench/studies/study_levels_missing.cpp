@@ -8,7 +8,7 @@
 
 namespace poise::app {
 
-// In place of study_levels_run.cpp where the oracle could not be built.
+// Replaces study_levels_run.cpp if the oracle could not be built.
 int study_levels(const StudyLevelsOptions&) {
   fmt::print(stderr, "poise study levels: this program was built without libfcl-dev, the exact oracle\n");
   return kExitBadUsage;

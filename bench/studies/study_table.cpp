@@ -41,7 +41,7 @@ std::optional<double> number_of(const StudyCell& cell) {
   return std::nullopt;
 }
 
-// Head and rows as they are shown.
+// Header and rows as they are printed.
 std::vector<std::vector<std::string>> shown(const StudyTable& table) {
   std::vector<std::vector<std::string>> lines(1);
   for (const StudyColumn& column : table.columns) {

@@ -12,7 +12,7 @@
 
 namespace poise::io {
 
-/// A value of a study; none is an empty cell, null in JSON.
+/// A value of a study; monostate is an empty cell, and null in JSON.
 using StudyCell = std::variant<std::monostate, bool, std::uint64_t, double, std::string>;
 
 struct StudyColumn {
@@ -21,25 +21,25 @@ struct StudyColumn {
   int digits = 3;     ///< of numbers in tables, after the point
 };
 
-/// What a study of times found: one table, and what it was made with. Invariant to hold: a cell a column in each row.
+/// Result of a study of times: one table, and its settings. Invariant: each row has one cell for each column.
 struct StudyTable {
   std::string schema;   ///< `poise.NAME/1`
-  std::string command;  ///< that makes it
+  std::string command;  ///< command that produces it
   std::vector<StudyColumn> columns;
   std::vector<std::vector<StudyCell>> rows;
-  std::vector<std::pair<std::string, StudyCell>> facts;  ///< settings, and figures of the whole
+  std::vector<std::pair<std::string, StudyCell>> facts;  ///< settings and overall figures
   Machine machine;
   BuildFacts build;
 };
 
 /// JSON of the table: facts, then `rows`, an object a row. Full precision; ends in a newline.
 std::string study_json(const StudyTable& table);
-/// For a terminal, columns set in line; and for docs.
+/// The table for a terminal, with aligned columns; and for docs.
 std::string study_text(const StudyTable& table);
 std::string study_markdown(const StudyTable& table);
 
-/// A data block for gnuplot with two columns of the rows where both are numbers, in order, `only` those whose
-/// first-named column has this text.
+/// A data block for gnuplot with two columns of the rows in which both are numbers, in order. `only` selects the rows
+/// whose named column has this text.
 struct StudyFilter {
   std::string column, text;
 };

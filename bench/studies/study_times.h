@@ -17,7 +17,7 @@
 
 namespace poise::app {
 
-/// What the studies of times (compliance, forecast, constant-time) have in common on the command line.
+/// Command-line options shared by the studies of times (compliance, forecast, constant-time).
 struct StudyTimesOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, warmup, threads;
@@ -28,24 +28,24 @@ struct StudyTimesOptions {
 };
 void add_study_times_options(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene,
                              std::uint64_t default_frames, std::uint64_t default_warm_up);
-/// Refused: outputs into one file, a picture that is no PNG, a cache that contradicts itself.
+/// Refused: two outputs into one file, a picture that is not a PNG, contradictory cache options.
 Status check_study_times(const StudyTimesOptions& options);
 
 /// One run of a study.
 struct StudyRun {
-  std::uint64_t bodies = 0;  ///< that the generators make
+  std::uint64_t bodies = 0;  ///< number made by the generators
   double alpha = 0.01;
   bool deadline = true;  ///< false: every pair refined to its end
   bool paced = false;
   std::uint64_t frames = 1, warm_up = 0;
 };
 
-/// Runs a scene again and again, each time from its start. Invariant: the scene was read, and has generators.
+/// Runs a scene repeatedly, each time from its start. Invariant: the scene was read, and has generators.
 class StudyScene {
  public:
-  /// Refused as by poise run; a scene without generators, whose population cannot be chosen.
+  /// Refused as by poise run, and: a scene without generators, since its population cannot be chosen.
   static Result<StudyScene> make(const StudyTimesOptions& options, const std::string& default_scene);
-  /// The frames of one run, warm-up included. Refused: what the scene refuses, and a stop by Ctrl-C.
+  /// The frames of one run, warm-up included. Refused: as the scene's run, and after Ctrl-C.
   Result<std::vector<simulation::RunFrame>> run(const StudyRun& run, const std::string& doing,
                                                 Progress& progress) const;
   [[nodiscard]] const std::string& name() const { return scene_.name; }
@@ -58,9 +58,9 @@ class StudyScene {
   StudyTimesOptions options_;
 };
 
-/// A table with machine and build filled in.
+/// A table with machine and build set.
 io::StudyTable begin_study(const std::string& name, const std::string& command);
-/// Writes what was asked for; `plot` is a script for gnuplot.
+/// Writes the requested outputs; `plot` is a script for gnuplot.
 Status write_study(const StudyTimesOptions& options, const io::StudyTable& table, const std::string& plot);
 
 }  // namespace poise::app

@@ -31,26 +31,26 @@ void add_study_cache_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_scaling_options(CLI::App& command, StudyTimingOptions& options);
 void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 
-/// Nanoseconds a candidate pair and a body of each mandatory stage, falling and settled. Returns the exit code, as the
-/// next three.
+/// Measures nanoseconds a candidate pair and a body for each mandatory stage, while falling and settled. This function
+/// and the next three return the exit code.
 int study_cost(const StudyTimingOptions& options);
-/// Frames of a settled scene with what earlier ones found out, and without.
+/// Compares frames of a settled scene with and without cached data of earlier frames.
 int study_cache(const StudyTimingOptions& options);
-/// Refinement on several numbers of threads.
+/// Measures refinement on several numbers of threads.
 int study_scaling(const StudyTimingOptions& options);
-/// Instructions of a step with each feature off and on; kExitRequirementFailed where one that is off executes something
-/// of its own.
+/// Counts the instructions of a step with each feature off and on; kExitRequirementFailed if a feature that is off
+/// executes code of its own.
 int study_free(const StudyTimingOptions& options);
 
-/// What these share: options that contradict each other, a scene to run, who measured.
+/// Shared by these studies: checking contradictory options, the scene to run, and the machine and build.
 Status check_timing_options(const StudyTimingOptions& options);
 Result<SceneRun> timed_scene(const StudyTimingOptions& options, std::uint64_t bodies, int threads);
-/// Makes the next frame start anew, with the same state: every body is moved away and back, so nothing is known of its
-/// pairs but their accumulated impulses.
+/// Makes the next frame start without cached data, from the same state: every body is moved away and back, which clears
+/// the cache of its pairs except their accumulated impulses.
 Status forget_pairs(SceneRun& run);
 io::MeasuredBy measured_by(const StudyTimingOptions& options, int threads);
 ExecutorKind timed_executor(const StudyTimingOptions& options, int threads);
-/// JSON and markdown where they are asked for, else the markdown on the standard output. The exit code.
+/// Writes JSON and markdown if requested, else the markdown to the standard output. Returns the exit code.
 int write_timing(const StudyTimingOptions& options, const char* study, const std::string& json,
                  const std::string& markdown);
 

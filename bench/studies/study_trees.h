@@ -21,7 +21,8 @@ struct StudyTreesOptions {
 /// Declares the options; `options` must outlive the parse.
 void add_study_trees_options(CLI::App& command, StudyTreesOptions& options);
 
-/// Builds each tree in a process of its own, so that its CPU time and memory are its own. Returns the exit code.
+/// Builds each tree in a process of its own, so that its CPU time and memory are measured separately. Returns the exit
+/// code.
 int study_trees(const StudyTreesOptions& options);
 
 }  // namespace poise::app

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A row as the cells of a table, beginning with the name; a refused mesh has two.
+/// A row as the cells of a table, beginning with the name; the row of a refused mesh has two cells.
 using Cells = std::vector<std::string>;
 
 std::size_t most_levels(const TreesDocument& document) {
@@ -154,7 +154,7 @@ std::string trees_table(const TreesDocument& document) {
   const std::vector<Cells> rows = all_cells(document);
   std::vector<std::size_t> widths;
   for (const Cells& row : rows) {
-    if (row.size() == 2 && rows[0].size() > 2) {  // a refusal runs over the columns
+    if (row.size() == 2 && rows[0].size() > 2) {  // a refusal spans the columns
       widths[0] = std::max(widths[0], row[0].size());
       continue;
     }

@@ -8,18 +8,18 @@
 
 namespace poise::io {
 
-/// One mesh and the tree that was built for it; or why there is none.
+/// One mesh and the tree built for it, or the refusal.
 struct TreesRow {
   std::string mesh;     ///< short name, for tables
-  std::string file;     ///< empty for a mesh that was made for the study
-  std::string refusal;  ///< empty where there is a tree
+  std::string file;     ///< empty for a mesh that was generated for the study
+  std::string refusal;  ///< empty if there is a tree
   std::size_t triangles = 0;
   double diagonal_m = 0;
   Solidity solidity = Solidity::Solid;
   MeasuredTree tree;
 };
 
-/// What `poise study trees` found.
+/// The results of `poise study trees`.
 struct TreesDocument {
   std::string study;  ///< meshes or scaling
   std::size_t samples = 0;
@@ -30,12 +30,13 @@ struct TreesDocument {
   BuildFacts build;
 };
 
-/// A row from what `poise tree --json` wrote. Refused: text that is not such a document.
+/// Makes a row from the output of `poise tree --json`. Refused: text that is not such a document.
 Result<TreesRow> row_of_tree_json(const std::string& text);
 
 /// `poise.trees/1`, ending in a newline.
 std::string trees_json(const TreesDocument& document);
-/// A table of fixed-width columns for a terminal: lengths in % of the diagonal, largest / mean / volume ratio a level.
+/// A table of fixed-width columns for a terminal: lengths in % of the diagonal, largest / mean / volume ratio for each
+/// level.
 std::string trees_table(const TreesDocument& document);
 /// The same as a Markdown table with the machine below it.
 std::string trees_markdown(const TreesDocument& document);

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <vector>
 
-// A game knows what matters in it: here the contacts of its heroes. It says so by a cue of its own, a plain function
-// from what a viewer sees of a pair to a factor of the pair's score. The same heap is stepped with and without it, with
-// work for a few levels a frame, counted and not timed, so that every run prints the same.
+// A game sets its own priorities with a custom cue: a plain function from a viewer's view of a pair to a factor of the
+// pair's score. Here the cue favours the contacts of heroes. The same pile is stepped with and without it. The budget
+// is counted work for a few levels a frame, not time, so every run prints the same figures.
 namespace {
 
 constexpr std::uint64_t kHero = 1;
@@ -29,7 +29,7 @@ poise::ShapePtr make_jack() {
   return poise::make_spheres_shape(spheres).value();
 }
 
-/// Jacks above a tray of five planes, every fifth a hero. Did the World take them all?
+/// Adds jacks above a tray of five planes; every fifth is a hero. Returns whether the World accepted all of them.
 bool fill(poise::World& world) {
   const poise::MaterialId material = world.add_material({.restitution = 0.2, .friction = 0.5}).value();
   bool taken = true;

@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-// How a game steps Poise: frames on a fixed grid, physics that must leave time for the game's logic and for drawing, a
-// camera with a gaze that says where precision matters, and a report of the frames that were late. Prints what it found
-// and ends within three seconds. Late frames are no failure here; a World that refuses or loses a body is.
+// A game loop with Poise: frames on a fixed grid, physics that leaves time for game logic and rendering, a camera with
+// a gaze that directs precision, and a report of late frames. Prints its figures and ends within three seconds. Late
+// frames are no failure of this program; a World that refuses or loses a body is.
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -25,7 +25,7 @@ constexpr microseconds kLogic{500};
 constexpr microseconds kDrawing{4000};
 constexpr int kBodies = 300;
 
-/// What drawing a frame would cost the processor.
+/// Simulates the processor time of rendering a frame.
 void burn(std::chrono::nanoseconds time) {
   for (const Clock::time_point end = Clock::now() + time; Clock::now() < end;) {
   }
@@ -42,7 +42,7 @@ poise::ShapePtr make_jack() {
   return poise::make_spheres_shape(spheres).value();
 }
 
-/// Jacks on a loose grid above a tray of five planes. Its message if the World refuses one.
+/// Adds jacks on a loose grid above a tray of five planes. Returns the message if the World refuses one.
 std::optional<std::string> fill(poise::World& world) {
   const poise::Result<poise::MaterialId> material = world.add_material({.restitution = 0.2, .friction = 0.5});
   if (!material) return material.error().message;
@@ -75,7 +75,7 @@ std::optional<std::string> fill(poise::World& world) {
   return std::nullopt;
 }
 
-/// A camera that goes around the pile; the player looks at its foot.
+/// A camera that circles the pile; the player looks at the foot of the pile.
 poise::View camera(double time_s) {
   poise::View view;
   view.present = true;
@@ -89,7 +89,7 @@ poise::View camera(double time_s) {
 struct Report {
   std::array<int, 5> misses{};  // by cause
   std::chrono::nanoseconds slowest{0};
-  std::size_t left = 0;  // pairs that the budget left coarse
+  std::size_t left = 0;  // pairs that the budget left at a coarse level
   int picked = 0;        // frames in which a body was under the gaze
 };
 
@@ -115,7 +115,7 @@ bool run(poise::World& world, Report& report) {
     std::this_thread::sleep_until(release);
     burn(kLogic);  // input, scripts
 
-    // Drawing must still happen before the frame ends: what it is likely to take is reserved.
+    // Rendering must still happen before the frame ends, so its expected duration is reserved.
     poise::StepInput input;
     input.view = camera(frame / 60.0);
     input.host_work.learn = true;
@@ -123,7 +123,7 @@ bool run(poise::World& world, Report& report) {
     const poise::FrameReport stepped = world.step(input);
     if (stepped.status != poise::StepStatus::Done) return false;
 
-    // What is under the gaze, for the game's own use.
+    // Finds the body under the gaze, for the game's own use.
     const auto hit = world.cast_ray({input.view.position_m, input.view.gaze});
     if (!hit) return false;
     report.picked += hit.value() ? 1 : 0;
@@ -133,14 +133,14 @@ bool run(poise::World& world, Report& report) {
     world.report_host_work(Clock::now() - drawing);
 
     const bool late = Clock::now() > release + kPeriod;
-    // A step can be in time and the drawing late: then the reserve for it was too small.
+    // If the step was in time and the rendering late, the reserve for rendering was too small.
     const poise::MissCause cause = !late                                     ? poise::MissCause::None
                                    : stepped.cause == poise::MissCause::None ? poise::MissCause::Forecast
                                                                              : stepped.cause;
     ++report.misses[static_cast<std::size_t>(cause)];
     report.slowest = std::max(report.slowest, stepped.times.total);
     report.left += stepped.pairs_left;
-    // After a late frame the grid stays: releases that have passed are skipped.
+    // The grid does not move after a late frame: missed release times are skipped.
     while (release + kPeriod < Clock::now()) release += kPeriod;
   }
   return true;

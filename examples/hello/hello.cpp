@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-// A ball falls on a floor. Every call that can be refused returns a poise::Result; here a refusal would throw.
+// A ball falls on a floor. Every call that can be refused returns a poise::Result; value() would throw on a refusal.
 int main() {
   poise::WorldSettings settings;
   settings.gravity_mps2 = {0, 0, -9.81};

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Poise's scheduler over somebody else's geometry: this program links poise::scheduler and FCL, and nothing else of
-// Poise. Some knots of rings drift through each other; every frame asks how far apart each pair of neighbours is, and
-// has a deadline. Each pair can be answered three times over, each time better and at more cost:
+// Poise's scheduler with another library's geometry: this program links poise::scheduler and FCL, and nothing else of
+// Poise. Knots of rings drift through each other. Every frame has a deadline and computes the distance of each pair of
+// neighbours. Each pair can be computed at three levels, each more precise and more expensive:
 //
 //   level 0   bounding spheres          every pair, every frame: the mandatory part
 //   level 1   boxes around the rings    1 unit of work
 //   level 2   the triangle meshes       exact, some tens of units
 //
-// The scheduler decides which pairs get further, and stops in time to do what follows (the tail): here, pushing apart
-// what touches. At the end a table says what each deadline bought.
+// The scheduler decides which pairs are refined further, and stops in time for the work that follows (the tail): here,
+// pushing apart the knots that touch. At the end a table shows the result of each deadline.
 #include <fcl/fcl.h>
 #include <time.h>
 
@@ -32,14 +32,14 @@ using Kind = sched::JobOutcome::Kind;
 namespace {
 
 constexpr int kBodies = 70;
-constexpr int kFrames = 60;      // a deadline
-constexpr int kCheckEvery = 10;  // frames whose answers are compared with the exact ones
+constexpr int kFrames = 60;      // frames for each deadline
+constexpr int kCheckEvery = 10;  // interval of frames whose results are compared with the exact ones
 constexpr double kRingM = 0.5;   // radius of a ring
-constexpr double kTubeM = 0.12;  // and of its tube
+constexpr double kTubeM = 0.12;  // radius of its tube
 constexpr double kReachM = 0.3;  // pairs of spheres nearer than this are neighbours
 constexpr double kRadiusM = kRingM + kTubeM;
 constexpr std::uint64_t kBoxUnits = 1;
-constexpr std::uint64_t kMeshUnits = 40;  // about so many box tests; what a unit costs is learned
+constexpr std::uint64_t kMeshUnits = 40;  // approximate number of box tests; the cost of a unit is learned
 
 // A ring of triangles.
 std::shared_ptr<Mesh> ring_mesh() {
@@ -63,11 +63,11 @@ std::shared_ptr<Mesh> ring_mesh() {
   return mesh;
 }
 
-// Two neighbours, and what is known of their gap: an item of the scheduler. Only the thread that has it in hand writes.
+// Two neighbours and a bound of their gap: an item of the scheduler. Only the thread that holds the item writes.
 struct Pair {
   int a = 0, b = 0;
   int level = 0;
-  double gap_m = 0;  // never more than the true one; 0: they touch, as far as is known
+  double gap_m = 0;  // a lower bound of the true gap; 0: they touch, at the completed level
 };
 
 struct Scene {
@@ -77,7 +77,7 @@ struct Scene {
   std::vector<Pair> pairs;
 };
 
-// Poses of a frame; every ring drifts and turns on a path of its own.
+// Sets the poses of a frame; every ring drifts and turns on its own path.
 void move(Scene& scene, int frame) {
   for (int k = 0; k < kBodies; ++k) {
     const double t = 0.02 * frame + k;
@@ -110,14 +110,14 @@ double gap_of(const Scene& scene, const fcl::CollisionGeometryd& geometry, const
 
 double exact_gap(const Scene& scene, const Pair& pair) { return gap_of(scene, *scene.mesh, pair); }
 
-// What is refined first is this program's own business: pairs that may touch, and what costs little. Any unit will do;
-// the scheduler tells scores apart by quarters of an octave.
+// The order of refinement is this program's choice: pairs that may touch and cost little come first. The unit of the
+// score is free; the scheduler distinguishes scores by quarters of an octave.
 std::uint32_t band_of(const Pair& pair) {
   const double units = static_cast<double>(pair.level == 0 ? kBoxUnits : kMeshUnits);
   return sched::octave_band(1.0 / ((pair.gap_m + 0.05) * units));
 }
 
-// One level of one pair: the job that the scheduler calls, on whichever thread.
+// Refines one pair by one level: the job that the scheduler calls, on any thread.
 sched::JobOutcome refine(const Scene& scene, Pair& pair) {
   const bool touched = pair.gap_m == 0;
   const bool boxes = pair.level == 0;
@@ -128,12 +128,12 @@ sched::JobOutcome refine(const Scene& scene, Pair& pair) {
   outcome.units = boxes ? kBoxUnits : kMeshUnits;
   outcome.next_units = kMeshUnits;
   outcome.next_band = band_of(pair);
-  // Found apart: the tail has one pair less to push, and its time goes back to refinement at once.
+  // The pair is separated: the tail has one pair less to push, and its time is available to refinement immediately.
   if (touched && pair.gap_m > 0) outcome.tail_items = -1;
   return outcome;
 }
 
-// What follows refinement in a frame: pushes what touches. Gives the sum, so that no compiler leaves it out.
+// The tail of a frame: pushes touching pairs apart. Returns the sum, so that no compiler removes the work.
 double push_apart(const Scene& scene) {
   double pushed = 0;
   for (const Pair& pair : scene.pairs) {
@@ -143,16 +143,16 @@ double push_apart(const Scene& scene) {
   return pushed;
 }
 
-// Time on the processor of the calling thread: what is missing to the clock's time, the machine took away.
+// CPU time of the calling thread. Wall time beyond it was taken by the system.
 sched::Nanoseconds cpu_time() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return std::chrono::seconds(time.tv_sec) + sched::Nanoseconds(time.tv_nsec);
 }
 
-// What a deadline bought.
+// The result of one deadline.
 struct Row {
-  std::array<int, 5> late{};  // frames by their MissCause
+  std::array<int, 5> late{};  // frames by MissCause
   int checked = 0;
   std::array<std::uint64_t, 3> at_level{};
   double error_m = 0, pushed = 0;
@@ -160,8 +160,8 @@ struct Row {
   sched::RefineCounts counts;
 };
 
-// What the host keeps from frame to frame: the forecast of its tail over features that it named, the margin on that,
-// and what a unit of its work costs.
+// State that the host keeps across frames: the forecast of its tail over its own features, the margin of that forecast,
+// and the cost of a unit of its work.
 struct Learned {
   static constexpr std::array<sched::ForecastFeature, 2> kTail{{{"constant", 30}, {"touching_pairs_k", 500}}};
   sched::LinearForecast tail{kTail};
@@ -184,7 +184,7 @@ void run_frame(Scene& scene, Learned& learned, int frame, double deadline_ms, Ro
   sched::FrameBudget budget = sched::make_frame_budget(deadline, sched::Nanoseconds(0), learned.tail, learned.margin,
                                                        std::array{1.0, 0.0}, 1, 1e-3, learned.unit.ns());
   budget.limited = deadline_ms > 0;
-  // An engine would use the threads that it has; two of our own will do here.
+  // An engine would use its own threads; two are enough here.
   const auto refining = Clock::now();
   std::array<sched::RefineCounts, 2> counts;
   std::array<sched::Nanoseconds, 2> off_cpu{};
@@ -205,14 +205,15 @@ void run_frame(Scene& scene, Learned& learned, int frame, double deadline_ms, Ro
   row.pushed += push_apart(scene);
   const auto end = Clock::now();
 
-  // The tail is all that came after the last job, waiting for the other thread included.
+  // The tail is everything after the last job, including the wait for the other thread.
   const sched::Nanoseconds tail = end - all.ended;
   const std::uint64_t touch = learned.queue.tail_items();
   learned.margin.observe(tail, budget.tail_forecast(touch));
   learned.tail.learn(std::array{1.0, 1e-3 * static_cast<double>(touch)}, tail);
   learned.unit.learn(all, budget.job_overhead_ns);
 
-  // Why it was late, if it was: our own waiting is no fault of the machine, unless it held up who we waited for.
+  // Finds the cause of a late frame. Own waiting is not time taken by the system, unless the system held up the thread
+  // that is waited for.
   sched::LatenessFacts facts;
   facts.lateness = budget.limited ? end - deadline : sched::Nanoseconds(0);
   facts.budget = deadline - start;
@@ -240,7 +241,7 @@ int main() {
   std::uint64_t exact = 0;
   std::printf("                  late by                       answered at level            error\n");
   std::printf("deadline  frames  infeasible machine overrun forecast  spheres  boxes  exact  mean\n");
-  Row warm_up;  // the forecasts learn what this machine takes
+  Row warm_up;  // lets the forecasts learn the costs on this machine
   for (int frame = 0; frame < kFrames; ++frame) run_frame(scene, learned, frame, 2.0, warm_up);
   for (const double deadline_ms : {0.5, 1.0, 2.0, 4.0, 8.0, 0.0}) {  // 0: none
     Row row;
@@ -254,7 +255,8 @@ int main() {
                 row.late[1], row.late[2], row.late[3], row.late[4], percent(spheres), percent(boxes), percent(meshes),
                 1000 * row.error_m / row.checked);
     exact += meshes;
-    // Levels that completed are those that the scheduler counted; an exact answer is exact; without a deadline all are.
+    // Checks: the completed levels are those that the scheduler counted, an exact result is exact, and without a
+    // deadline all pairs are refined.
     if (row.counts.jobs != boxes + 2 * meshes || row.wrong || !(row.pushed > 0)) good = false;
     if (deadline_ms == 0 && (meshes != pairs || row.error_m != 0)) good = false;
   }

@@ -6,24 +6,25 @@
 
 #include "poise/types.h"
 
-/// Queries of a World: World::cast_ray, cast_sphere, overlap_sphere, overlap_box and closest_point. They use true
-/// surfaces, not sphere trees: the triangles of a mesh, the spheres that a body is made of, planes. All vectors are
-/// in the world frame, in metres.
+/// Queries of a World: World::cast_ray, cast_sphere, overlap_sphere, overlap_box and closest_point. They use the true
+/// surfaces, not the sphere trees: triangles of meshes, balls of sphere unions, planes. All vectors are in the world
+/// frame, in metres.
 ///
-/// A *solid* holds its inside: balls, half-spaces and closed meshes are solids. An open mesh, or one that was made as a
-/// shell, is its surface alone.
+/// A *solid* includes its inside: balls, half-spaces and closed meshes are solids. An open mesh, and one that was made
+/// as a shell, consists of its surface alone.
 ///
-/// Threads: between steps any number of threads may ask one World at once, as long as no thread steps or changes it.
-/// The first query after a step or a change brings the index of bodies up to date (linear in the bodies) while others
-/// wait; each further one takes time logarithmic in bodies and triangles. A World that is never asked has no index.
+/// Threads: between steps any number of threads may query one World at once, as long as no thread steps or changes it.
+/// The first query after a step or a change updates the index of bodies (linear in the bodies) while other queries
+/// wait. Each further query takes time logarithmic in bodies and triangles. A World that is never queried builds no
+/// index.
 namespace poise {
 
-/// Which bodies a query sees, by the rule for pairs: (group & body.collides_with) and (collides_with & body.group)
-/// must both have a bit.
+/// Which bodies a query finds, by the rule for pairs: both (group & body.collides_with) and (collides_with &
+/// body.group) must have a bit set.
 struct QueryFilter {
   std::uint32_t group = 0xffffffffU;          ///< bits: the groups that the query is in
-  std::uint32_t collides_with = 0xffffffffU;  ///< bits: the groups that it sees
-  BodyId ignore{};                            ///< this body is not seen, such as the one that asks; by default none
+  std::uint32_t collides_with = 0xffffffffU;  ///< bits: the groups that it finds
+  BodyId ignore{};                            ///< this body is never found, e.g. the one that asks; by default none
 };
 
 /// A ray from `origin_m` along `direction`.
@@ -31,8 +32,8 @@ struct Ray {
   Vec3 origin_m = Vec3::Zero();                                     ///< each component within 1e12 m of 0
   Vec3 direction = Vec3::UnitX();                                   ///< of any length but 0, finite
   double max_distance_m = std::numeric_limits<double>::infinity();  ///< >= 0
-  /// The result for a solid in which the ray starts. False: a hit at distance 0, with the normal against the direction.
-  /// True: the point where the ray first leaves it.
+  /// Selects the result for a solid that contains the origin. False: a hit at distance 0 with the normal against the
+  /// direction. True: the point where the ray first leaves the solid.
   bool leaves_solids = false;
 };
 
@@ -40,7 +41,7 @@ struct Ray {
 struct RayHit {
   BodyId body;
   Vec3 point_m = Vec3::Zero();
-  /// Unit, away from the inside of a solid; of a surface without inside, toward the origin of the ray.
+  /// Unit. Points away from the inside of a solid; for a surface without inside, toward the origin of the ray.
   Vec3 normal = Vec3::UnitZ();
   double distance_m = 0;  ///< along the ray, in [0, max_distance_m]
 };
@@ -58,9 +59,9 @@ struct SphereCastHit {
   BodyId body;
   Vec3 point_m = Vec3::Zero();  ///< on the surface of the body
   Vec3 normal = Vec3::UnitZ();  ///< unit, from the body to the sphere
-  double distance_m = 0;        ///< that the sphere has moved, in [0, max_distance_m]
+  double distance_m = 0;        ///< travelled by the sphere, in [0, max_distance_m]
   double fraction = 0;          ///< distance_m / max_distance_m; 0 where that is infinite or 0
-  /// The sphere overlaps the body before it moves: distance 0; point and normal are those of the nearest point.
+  /// The sphere overlaps the body at its start: distance_m is 0, point_m and normal are those of the nearest point.
   bool overlaps_at_start = false;
 };
 
@@ -75,11 +76,12 @@ struct OrientedBox {
 struct ClosestPoint {
   BodyId body;
   Vec3 point_m = Vec3::Zero();
-  /// Unit, the direction in which distance_m grows: away from the inside of a solid, of a surface without inside toward
-  /// the point that asked.
+  /// Unit, the direction in which distance_m grows: away from the inside of a solid; for a surface without inside,
+  /// toward the query point.
   Vec3 normal = Vec3::UnitZ();
-  /// From the surface to the point that asked, negative inside a solid. Inside a body of several balls the nearest
-  /// point is that of the ball in which it lies deepest, even where another ball covers it: the way out is then longer.
+  /// From the surface to the query point, negative inside a solid. Inside a union of balls the result is on the ball in
+  /// which the query point lies deepest, even if another ball covers that surface point; the distance out of the union
+  /// is then longer.
   double distance_m = 0;
 };
 

@@ -8,28 +8,28 @@
 
 namespace poise {
 
-/// One frame against its reference: the same frame done again from the same state with every candidate pair at its
-/// finest level, solved with the contact model `fitted` and iterated until no impulse changes by more than 1e-10 of the
-/// largest. What cannot be said of a frame is empty.
+/// One frame compared with its reference. The reference is the same frame computed again from the same state, with
+/// every candidate pair at its finest level, the contact model `fitted`, and solver iterations until no impulse changes
+/// by more than 1e-10 of the largest. A figure that is undefined for a frame is empty.
 ///
-/// Touched are the moving bodies to which a contact of the run or of the reference gave an impulse. With du = (dv, dw)
-/// the change of a body's velocity in the step, in the run and (with *) in the reference, m its mass and I its inertia
-/// in the world frame:
-///     eps^2 = |dv - dv*|^2 + (dw - dw*) . I (dw - dw*) / m                                           ours
-/// A contact counts where its impulse is above 1e-9 of the largest of the frame: below, the reference itself is not
-/// settled.
+/// A body is *touched* if it is dynamic and a contact of the run or of the reference gave it an impulse. Let du = (dv,
+/// dw) be the change of a body's velocity in the step, in the run and (with *) in the reference, m its mass and I its
+/// inertia in the world frame. The error of a body, our definition, is
+///     eps^2 = |dv - dv*|^2 + (dw - dw*) . I (dw - dw*) / m
+/// A contact counts if its impulse is above 1e-9 of the largest of the frame. The reference has not converged below
+/// that.
 struct ReferenceFigures {
-  bool converged = false;  ///< false: iterations were cut off; the figures are then as good as the rest of the response
+  bool converged = false;            ///< false: the iterations reached their limit; the figures are then less accurate
   std::uint32_t iterations = 0;      ///< of the reference's response, over the velocities of all pairs
   std::size_t pairs_not_finest = 0;  ///< a front was full: those pairs use the deepest level that fitted
-  std::chrono::nanoseconds time{0};  ///< that the reference took; in no other figure of the frame
+  std::chrono::nanoseconds time{0};  ///< taken by the reference; included in no other time of the frame
 
   std::size_t bodies_touched = 0;
   std::optional<double> e_mps;       ///< E = sqrt(mean eps^2) over touched bodies, m/s; empty where none was touched
-  std::optional<double> change_mps;  ///< C = sqrt(mean (|dv*|^2 + dw* . I dw* / m)) over the same, m/s
+  std::optional<double> change_mps;  ///< C = sqrt(mean (|dv*|^2 + dw* . I dw* / m)) over the same bodies, m/s
   std::optional<double> e_rel;       ///< E / C; empty where C is 0
-  std::optional<double>
-      e_seen_mps;  ///< sqrt(sum s eps^2 / sum s), m/s, with the weights s of error_weight; E without a view
+  /// sqrt(sum s eps^2 / sum s), m/s, with the weights s of error_weight; E without a view
+  std::optional<double> e_seen_mps;
 
   std::size_t run_contacts = 0;        ///< pairs with an impulse in the run
   std::size_t reference_contacts = 0;  ///< pairs with an impulse in the reference
@@ -38,13 +38,13 @@ struct ReferenceFigures {
   std::optional<double> false_rate;    ///< false_contacts / run_contacts
   std::optional<double> missed_rate;   ///< missed_contacts / reference_contacts
 
-  /// Pairs with an impulse in the run whose true surfaces were apart at the start of the step ("repulsed at a
+  /// Pairs with an impulse in the run whose true surfaces were separated at the start of the step ("repulsed at a
   /// distance").
   std::size_t contacts_apart = 0;
-  std::optional<double> gap_mean_m;  ///< over these; empty where there is none
+  std::optional<double> gap_mean_m;  ///< over contacts_apart; empty where there is none
   std::optional<double> gap_max_m;
-  std::optional<double>
-      gap_mean_px;  ///< of a picture 1080 pixels high, seen from where the viewer is; empty without a view
+  /// In pixels of a picture 1080 pixels high, seen from the viewer's position; empty without a view.
+  std::optional<double> gap_mean_px;
   std::optional<double> gap_max_px;
 };
 

@@ -11,13 +11,13 @@ namespace poise {
 enum class ErrorKind {
   BadInput,      ///< a file, field or argument breaks a rule that the message names
   StaleHandle,   ///< the handle names something that was removed
-  OutputFailed,  ///< a file could not be written; nothing half-written is left behind
+  OutputFailed,  ///< a file could not be written; no partial file is left
   CapacityFull,  ///< a stated capacity is full; nothing was changed
-  Cancelled,     ///< the caller asked the work to end before it was done
+  Cancelled,     ///< the caller stopped the work before it was complete
 };
 
-/// A refusal: what was wrong, where, and the rule it breaks, as one line for a person,
-/// for example `pile.json: bodies[3].mass_kg = -1, must be > 0`.
+/// A refusal as one line of text: what was wrong, where, and the rule that it breaks, for example `pile.json:
+/// bodies[3].mass_kg = -1, must be > 0`.
 struct Error {
   ErrorKind kind = ErrorKind::BadInput;
   std::string message;
@@ -25,9 +25,9 @@ struct Error {
 
 /// A value or an Error, returned by value. Invariant: holds exactly one of the two.
 ///
-/// Nothing in the library throws across its API. Only a caller's mistake does: value() on an error, and error() on a
-/// value, throw std::bad_variant_access in every build (as std::expected::value() throws std::bad_expected_access; a
-/// program without exceptions ends there). Whoever has not asked ok() uses value_or().
+/// Nothing in the library throws across its API. Only a caller's mistake throws: value() on an error and error() on a
+/// value throw std::bad_variant_access in every build (as std::expected::value() throws std::bad_expected_access; a
+/// program without exceptions terminates). Use value_or() where ok() was not checked.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -39,7 +39,7 @@ class [[nodiscard]] Result {
   [[nodiscard]] T& value() & { return std::get<0>(content_); }
   [[nodiscard]] const T& value() const& { return std::get<0>(content_); }
   [[nodiscard]] T&& value() && { return std::get<0>(std::move(content_)); }
-  /// The value, or `otherwise` in place of an error.
+  /// The value, or `otherwise` if this is an error.
   [[nodiscard]] T value_or(T otherwise) const& { return ok() ? value() : std::move(otherwise); }
   [[nodiscard]] T value_or(T otherwise) && { return ok() ? std::move(*this).value() : std::move(otherwise); }
   [[nodiscard]] const Error& error() const { return std::get<1>(content_); }
@@ -48,10 +48,12 @@ class [[nodiscard]] Result {
   std::variant<T, Error> content_;
 };
 
+/// The empty value of a successful call.
 struct Done {};
-/// The result of a call that has nothing to return but whether it was done.
+/// The result of a call that returns no value.
 using Status = Result<Done>;
 
+/// An Error of kind BadInput.
 inline Error bad_input(std::string message) { return {ErrorKind::BadInput, std::move(message)}; }
 
 }  // namespace poise

@@ -21,10 +21,10 @@ namespace poise {
 struct Budget {
   enum class Kind : std::uint8_t { Unlimited, Deadline, Work };
   Kind kind = Kind::Unlimited;
-  /// Deadline: when the step must have returned. One that is more than kFarthestTime away, either way, counts as
-  /// kFarthestTime away.
+  /// Deadline: the time by which the step must have returned. A deadline more than kFarthestTime before or after now is
+  /// clamped to that distance.
   SteadyClock::time_point deadline{};
-  std::uint64_t work_units = 0;  ///< Work: node-pair expansions (8 x 8 blocks) that refinement may charge
+  std::uint64_t work_units = 0;  ///< Work: most node-pair expansions (8 x 8 blocks) of refinement
 
   static Budget unlimited() { return {}; }
   static Budget until(SteadyClock::time_point deadline) { return {Kind::Deadline, deadline, 0}; }
@@ -32,26 +32,28 @@ struct Budget {
   static Budget work(std::uint64_t units) { return {Kind::Work, {}, units}; }
 };
 
-/// The viewer's camera and gaze. They set the order of refinement and nothing else.
+/// The viewer's camera and gaze. They affect the order of refinement and nothing else.
 struct View {
-  bool present = false;  ///< without a view all pairs weigh the same
-  Vec3 position_m = Vec3::Zero();
+  bool present = false;            ///< without a view all pairs have the same visual weight
+  Vec3 position_m = Vec3::Zero();  ///< world frame, as all of these
   Vec3 forward = Vec3::UnitX();    ///< unit
   Vec3 up = Vec3::UnitZ();         ///< unit, not parallel to forward
   double vertical_fov_rad = 0.87;  ///< in (0, pi)
   double aspect = 16.0 / 9.0;      ///< width / height, > 0
-  Vec3 gaze = Vec3::UnitX();       ///< unit direction that the viewer looks along
+  Vec3 gaze = Vec3::UnitX();       ///< unit direction of the viewer's gaze
 };
 
-/// Work of the host (rendering, game logic) that must still happen before the deadline, reserved like the response.
+/// Work of the host (rendering, game logic) that must still run before the deadline; time is reserved for it.
 struct HostWork {
-  bool learn = false;       ///< reserve what World::report_host_work lets expect, instead of `expected`
+  bool learn = false;       ///< reserve the duration learned from World::report_host_work instead of `expected`
   Nanoseconds expected{0};  ///< >= 0; more than kFarthestTime counts as kFarthestTime
 };
 
-/// Longest step: beyond it, what the limits of speeds and accelerations allow would leave the range of double.
+/// Longest step. With a longer one, the limits of speeds and accelerations would allow results beyond the range of
+/// double.
 inline constexpr double kMaxTimeStepS = 1000.0;
 
+/// Input of World::step.
 struct StepInput {
   double dt_s = 1.0 / 60.0;  ///< length of the step, > 0 and at most kMaxTimeStepS
   Budget budget{};
@@ -59,38 +61,40 @@ struct StepInput {
   HostWork host_work{};
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;  ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
-  /// Continuous collision: a body that moves farther in the step than half its least extent (the smallest side of its
+  /// Continuous collision. A body that moves farther in the step than half its least extent (the smallest side of its
   /// box in principal axes) is stopped at its time of impact. It stays there until the end of the step, with its new
-  /// velocity. Off, this costs nothing.
+  /// velocity. Costs nothing if off.
   bool backtracking = false;
-  /// Fill FrameReport::levels; not part of the frame's times. Lists the contacts of the step and allocates.
+  /// Fill FrameReport::levels. Excluded from the frame's times. Lists the contacts of the step and allocates.
   bool measure_levels = false;
-  /// World::contact_events tells also of pairs that go on touching. Pairs of bodies that sleep are not told of.
+  /// World::contact_events also lists pairs that continue to touch, except pairs of sleeping bodies.
   bool persist_events = false;
-  bool measure_energy = false;  ///< fill FrameReport::kinetic_j and potential_j; not part of the frame's times
+  bool measure_energy = false;  ///< fill FrameReport::kinetic_j and potential_j; excluded from the frame's times
   /// Compute the frame a second time as a reference and fill FrameReport::reference. The state after the step is the
-  /// same to the bit as without. Its cost is in none of the frame's times: the deadline moves by the copy of the
-  /// bodies' state before the frame, and the rest is done after it, before step returns.
+  /// same to the bit as without. The cost is excluded from all times of the frame: the deadline is postponed by the
+  /// time to copy the bodies' state before the frame, and the remaining work is done after the frame, before step
+  /// returns.
   bool reference = false;
-  /// Receives time spans of all threads; null: no trace. Filled after the frame, in none of its times.
+  /// Receives time spans of all threads; null: no trace. Filled after the frame, excluded from its times.
   Trace* trace = nullptr;
-  /// Record the decisions of the budget for World::decisions; not with `replay`. Off, this costs nothing.
+  /// Record the decisions of the budget for World::decisions. Ignored with `replay`. Costs nothing if off.
   bool record = false;
-  /// Refine exactly these levels, whatever `budget` says. Valid until step returns. With it the state after the step is
-  /// that of the step which made these decisions, to the bit, on any number of threads, if the state before it was.
+  /// Refine exactly these levels, whatever `budget` says. Must be valid until step returns. If the state before the
+  /// step is the one before the recorded step, the state after it is the same to the bit, on any number of threads.
   const FrameDecisions* replay = nullptr;
-  /// With `replay`: filled with the cues and scores of each pair. Takes extra memory and time.
+  /// With `replay`: receives the cues and scores of each pair. Takes extra memory and time.
   FrameExplanation* explain = nullptr;
 };
 
+/// Whether a step was done or refused.
 enum class StepStatus : std::uint8_t {
   Done,
   RefusedTimeStep,  ///< dt_s is not in (0, kMaxTimeStepS]; the World is unchanged
-  RefusedView,      ///< the view has a part that is not finite or out of range; the World is unchanged
+  RefusedView,      ///< a component of the view is not finite or out of range; the World is unchanged
   RefusedHostWork,  ///< negative host work; the World is unchanged
-  RefusedReplay,    ///< the decisions are those of a step with another number; the World is unchanged
-  ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step has not, or fronts was full:
-                    ///< another state
+  RefusedReplay,    ///< the decisions belong to a step with another number; the World is unchanged
+  ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step does not have, or a front was full:
+                    ///< the state before the step was another one
 };
 
 /// Wall time of the stages of one step.
@@ -108,103 +112,109 @@ struct StageTimes {
 
 using scheduler::MissCause;
 
-/// Levels that a step reached, beside FrameReport::level_histogram. Array indices are levels; the last one is polygons.
+/// Levels that a step reached, in addition to FrameReport::level_histogram. Arrays are indexed by level; the last entry
+/// is for polygons.
 struct LevelsReached {
-  std::array<std::uint32_t, kPolygonBin + 1>
-      bodies{};  ///< moving bodies with a contact, by the least level of their contacts
-  /// Of contacts, by level: sums of what a viewer can notice of a metre of error there, rad/m: visible angle, frustum,
-  /// eccentricity, importance (scheduler/policy.h); without a view all contacts of alike importance weigh the same.
+  /// Dynamic bodies with a contact, by the lowest level of their contacts.
+  std::array<std::uint32_t, kPolygonBin + 1> bodies{};
+  /// By level, the sum over its contacts of the visibility of one metre of error, rad/m: visible angle, frustum,
+  /// eccentricity and importance (scheduler/policy.h). Without a view all contacts of the same importance have the same
+  /// weight.
   std::array<double, kPolygonBin + 1> weight{};
-  std::size_t left_for_time = 0;      ///< pairs that could be refined further and were not because the budget ended
-  std::size_t left_for_capacity = 0;  ///< likewise because their front was full
-  std::uint32_t longest_wait = 0;     ///< most frames since one of these was refined beyond level 0
+  std::size_t left_for_time = 0;      ///< pairs that were not refined further because the budget ended
+  std::size_t left_for_capacity = 0;  ///< pairs that were not refined further because their front was full
+  std::uint32_t longest_wait = 0;     ///< most frames since one of these pairs was refined beyond level 0
 };
 
-/// Work that a frame left out because its mandatory work was forecast not to fit before the deadline;
-/// docs/scheduling.md.
+/// Work that a frame left out because its mandatory work was forecast to end after the deadline; docs/scheduling.md.
 struct Degraded {
-  int substeps = 0;              ///< of resting contact, fewer than WorldSettings::substeps; 0: as many
-  std::size_t pairs_reused = 0;  ///< pairs that reused their last contact although its certainty had expired
-  /// The resting-contact solver stopped after this many point iterations in a substep, before it converged; 0: it was
-  /// not stopped.
+  int substeps = 0;              ///< of the contact solver, if fewer than WorldSettings::substeps; else 0
+  std::size_t pairs_reused = 0;  ///< pairs that reused an expired cached contact
+  /// The contact solver stopped after this number of point iterations in a substep, before it converged; 0: it did not
+  /// stop early.
   std::uint32_t point_iterations = 0;
   [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0 || point_iterations > 0; }
 };
 
-/// What one step did. Plain numbers; no part points into the World.
+/// Report of one step. Plain values; nothing in it refers to the World.
 struct FrameReport {
   StepStatus status = StepStatus::Done;
   std::uint64_t frame = 0;                   ///< number of steps done before this one
-  SteadyClock::time_point started{};         ///< when the frame's times begin
-  SteadyClock::time_point refine_started{};  ///< likewise those of refinement
+  SteadyClock::time_point started{};         ///< the start of the frame's times
+  SteadyClock::time_point refine_started{};  ///< the start of refinement
   StageTimes times;
 
   // Budget (wall clock only; 0 otherwise)
   Nanoseconds budget{0};            ///< from the start of the step to its deadline
-  Nanoseconds reserve_at_cut{0};    ///< reserved for the tail when refinement ended, tail_left_over excluded
+  Nanoseconds reserve_at_cut{0};    ///< reserved for the tail when refinement ended, without tail_left_over
   Nanoseconds tail_forecast{0};     ///< point forecast of the tail, without margin
-  Nanoseconds tail_left_over{0};    ///< of tail_forecast: for iterations of resting contact made in time left over
+  Nanoseconds tail_left_over{0};    ///< part of tail_forecast: solver iterations that use time left over by refinement
   Nanoseconds tail_actual{0};       ///< from the end of refinement to the end of the step
-  bool tail_beyond_clip = false;    ///< tail_actual / tail_forecast is outside the range of the bound on misses
-  scheduler::TailWork tail_work;    ///< that tail_forecast was made for
-  Nanoseconds planning{0};          ///< of StageTimes::refine: computing the reserve and choosing what is left out
-  Nanoseconds refine_available{0};  ///< from the start of refinement to t_cut, 0 if there was none
-  Nanoseconds host_reserved{0};
-  Nanoseconds host_actual{0};  ///< what the host's work took, where the driver of the frame measures it; World does not
-  /// All but refinement, host work included, without time that the system took away and without iterations of resting
-  /// contact beyond one a substep (these by forecast).
+  bool tail_beyond_clip = false;    ///< tail_actual / tail_forecast is outside the range in which the bound on missed
+                                    ///< deadlines holds
+  scheduler::TailWork tail_work;    ///< the work for which tail_forecast was made
+  Nanoseconds planning{0};          ///< part of StageTimes::refine: computing the reserve and choosing the work to
+                                    ///< leave out
+  Nanoseconds refine_available{0};  ///< from the start of refinement to t_cut; 0 if t_cut was earlier
+  Nanoseconds host_reserved{0};     ///< reserved for the host's work
+  Nanoseconds host_actual{0};  ///< measured duration of the host's work, set by the caller of the frame; World does not
+                               ///< set it
+  /// Everything but refinement, host work included, without the time in which the system did not run the thread, and
+  /// without solver iterations beyond one a substep (these by forecast).
   Nanoseconds mandatory{0};
-  Nanoseconds mandatory_forecast{0};  ///< point forecast of that, made when the frame began
+  Nanoseconds mandatory_forecast{0};  ///< point forecast of `mandatory` at the start of the frame
   bool infeasible_forecast = false;   ///< the forecast mandatory work, without the tail's margin, does not fit
-  Degraded degraded;                  ///< what was left out so that it fits
+  Degraded degraded;                  ///< the work left out so that it fits
   Nanoseconds lateness{0};            ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
-  Nanoseconds off_cpu{0};          ///< wall time less thread CPU time less own waits, of the calling thread
-  Nanoseconds waited{0};           ///< by the calling thread, for refinement begun by other workers
-  Nanoseconds longest_job{0};      ///< of a bounded piece of refinement
-  Nanoseconds longest_overrun{0};  ///< of a piece beyond its forecast, or of refinement beyond its cut
-  double cut_margin = 1;           ///< reserve / point forecast
+  Nanoseconds off_cpu{0};          ///< wall time minus thread CPU time minus own waits, of the calling thread
+  Nanoseconds waited{0};           ///< time in which the calling thread waited for refinement on other workers
+  Nanoseconds longest_job{0};      ///< longest bounded piece of refinement
+  Nanoseconds longest_overrun{0};  ///< largest excess of a piece over its forecast, or of refinement over its cut
+  double cut_margin = 1;           ///< factor from point forecast to reserve
 
   // Counted work
-  std::size_t bodies = 0;           ///< dynamic bodies, those asleep included
+  std::size_t bodies = 0;           ///< dynamic bodies, sleeping ones included
   std::size_t candidate_pairs = 0;  ///< from the broad phase
-  std::size_t coarse_pairs = 0;     ///< those that overlap at their mandatory level
+  std::size_t coarse_pairs = 0;     ///< candidate pairs that overlap at their mandatory level
   std::size_t contact_pairs = 0;    ///< with a contact
-  std::uint64_t point_iterations =
-      0;  ///< of resting contact, over all iterations and substeps; one with extrapolation counts seven times
+  /// Point iterations of the contact solver, over all iterations and substeps; one with extrapolation counts seven
+  /// times.
+  std::uint64_t point_iterations = 0;
   std::uint64_t work_mandatory = 0;  ///< node-pair expansions of the mandatory part
-  std::uint64_t work_refine =
-      0;  ///< node-pair expansions charged by completed refinement, polygons at what they cost in these
+  /// Node-pair expansions charged by completed refinement; polygons are charged at their equivalent cost.
+  std::uint64_t work_refine = 0;
   std::size_t jobs_done = 0;           ///< levels completed
-  std::size_t jobs_discarded = 0;      ///< started and not completed, or completed too late
-  std::size_t jobs_abandoned = 0;      ///< of these, held by threads that the system had suspended: not waited for
-  std::size_t pairs_separated = 0;     ///< found apart by refinement
-  std::size_t cached_separations = 0;  ///< known from the contact cache to be separated: no refinement
+  std::size_t jobs_discarded = 0;      ///< levels that were begun and not completed, or completed too late
+  std::size_t jobs_abandoned = 0;      ///< of these, levels on threads that the system had suspended: not waited for
+  std::size_t pairs_separated = 0;     ///< separated by refinement
+  std::size_t cached_separations = 0;  ///< known from the contact cache to be separated: not refined
   std::size_t cached_contacts = 0;     ///< taken from the contact cache
   std::size_t pairs_left = 0;          ///< still refinable when refinement ended
-  std::array<std::uint32_t, kPolygonBin + 1>
-      level_histogram{};  ///< contact pairs by completed level; at kPolygonBin those by polygons
+  /// Contact pairs by completed level; pairs solved by polygons at kPolygonBin.
+  std::array<std::uint32_t, kPolygonBin + 1> level_histogram{};
 
   // With StepInput::backtracking
-  std::size_t swept_pairs = 0;  ///< pairs with a fast body, sent to backtracking
-  std::size_t swept_hits = 0;   ///< of these, with an impact within the step
-  std::size_t swept_cut = 0;    ///< of them stopped short because their work ran out; they go on in the next step
+  std::size_t swept_pairs = 0;  ///< pairs with a fast body, checked for a time of impact
+  std::size_t swept_hits = 0;   ///< impacts within the step that gave an impulse
+  std::size_t swept_cut = 0;    ///< searches for a time of impact that reached their work limit: the bodies stop there,
+                                ///< and continue in the next step
 
   // With WorldSettings::sleeping
   std::size_t asleep = 0;       ///< bodies asleep after the step
   std::size_t fell_asleep = 0;  ///< at the end of the step
-  std::size_t woken = 0;        ///< in the step, or by calls since the one before
+  std::size_t woken = 0;        ///< in the step, or by calls since the previous step
 
-  // Capacities that were full (0 in a healthy frame)
-  std::size_t pairs_discarded = 0;  ///< candidate partners of a body beyond its limit
+  // Full capacities (all 0 in a healthy frame)
+  std::size_t pairs_discarded = 0;  ///< candidate pairs beyond a body's limit of partners
   std::size_t fronts_full = 0;      ///< refinements refused because a front was full
-  std::size_t colors_full = 0;      ///< contacts beyond the last colour, solved one after another
-  /// Answers of the host's cue (Policy::cue) that were NaN, which counts as 1, or out of range, which counts as the
-  /// nearest end. 0 with a sound cue.
+  std::size_t colors_full = 0;      ///< contacts beyond the last colour, which are solved one after another
+  /// Results of the host's cue (Policy::cue) that were NaN (counts as 1) or out of range (counts as the nearest end). 0
+  /// with a valid cue.
   std::size_t cues_refused = 0;
-  std::size_t degenerate = 0;  ///< contacts without a positive finite effective mass, answered by none
+  std::size_t degenerate = 0;  ///< contacts without a positive finite effective mass, which are not solved
 
-  // After the step, if StepInput::measure_energy; the potential is 0 at the world origin
+  // After the step, with StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;
   double potential_j = 0;
 

@@ -5,29 +5,29 @@
 #include <chrono>
 #include <limits>
 
-/// Sums and differences of times that stop at the ends of their range, where chrono's own overflow. Any thread.
+/// Saturating sums and differences of times, where those of std::chrono overflow. Any thread.
 namespace poise {
 
 using SteadyClock = std::chrono::steady_clock;
 using Nanoseconds = std::chrono::nanoseconds;
 
-/// A step takes a deadline as at most so far from now, either way, and work of the host as at most so long: a year.
-/// Sums of a few such times stay within 64 bits, so no code behind the World's interface has to check.
+/// One year: the farthest deadline from now, before or after, and the longest work of the host that a step uses. Sums
+/// of a few such times fit into 64 bits, so code behind the World's interface need not check for overflow.
 inline constexpr Nanoseconds kFarthestTime = std::chrono::hours(24 * 365);
 
-/// a + b; the largest or smallest duration where that is out of range.
+/// a + b; the smallest or largest duration if that is out of range.
 [[nodiscard]] constexpr Nanoseconds saturating_add(Nanoseconds a, Nanoseconds b) {
   if (b.count() > 0 && a > Nanoseconds::max() - b) return Nanoseconds::max();
   if (b.count() < 0 && a < Nanoseconds::min() - b) return Nanoseconds::min();
   return a + b;
 }
 
-/// A time of the clock moved by a duration; the clock's last or first time where that is out of range.
+/// time + by; the clock's first or last time if that is out of range.
 [[nodiscard]] constexpr SteadyClock::time_point saturating_add(SteadyClock::time_point time, Nanoseconds by) {
   return SteadyClock::time_point(saturating_add(time.time_since_epoch(), by));
 }
 
-/// later - earlier; the largest or smallest duration where that is out of range.
+/// later - earlier; the smallest or largest duration if that is out of range.
 [[nodiscard]] constexpr Nanoseconds saturating_subtract(SteadyClock::time_point later,
                                                         SteadyClock::time_point earlier) {
   const Nanoseconds a = later.time_since_epoch();

@@ -8,7 +8,7 @@
 
 namespace poise {
 
-/// What a span of a trace shows. The stages of a step follow each other without gaps; Worker spans lie in Refine.
+/// Stage of a trace span. The stages of a step follow each other without gaps; Worker spans lie within Refine.
 enum class TraceStage : std::uint8_t {
   Frame,
   Predict,
@@ -22,22 +22,21 @@ enum class TraceStage : std::uint8_t {
   Worker
 };
 
-/// `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `manifolds`, `solve`, `integrate`, `publish`, or `jobs` for
-/// Worker.
+/// The name in trace files: `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `response`, `integrate`, `publish`,
+/// or `jobs` for Worker. Static storage. Any thread.
 const char* trace_name(TraceStage stage);
 
 /// A time span of one thread.
 struct TraceSpan {
   std::chrono::steady_clock::time_point begin{}, end{};
   std::uint64_t frame = 0;  ///< FrameReport::frame
-  std::uint32_t jobs = 0;   ///< Worker: levels that it completed, else 0
+  std::uint32_t jobs = 0;   ///< Worker: levels that it completed; else 0
   std::int16_t lane = 0;    ///< number of the worker; 0 is the thread that calls World::step
   TraceStage stage = TraceStage::Frame;
 };
 
 /// Time spans of the threads of World::step (StepInput::trace). Invariant: never more spans than the capacity, so that
-/// step does not allocate; spans beyond it are discarded and counted. Used by one World at a time; read it between
-/// steps.
+/// step does not allocate; further spans are discarded and counted. Used by one World at a time; read it between steps.
 class Trace {
  public:
   explicit Trace(std::size_t capacity) : capacity_(capacity) { spans_.reserve(capacity); }
@@ -50,7 +49,7 @@ class Trace {
   }
   [[nodiscard]] const std::vector<TraceSpan>& spans() const { return spans_; }
   [[nodiscard]] std::uint64_t discarded() const { return discarded_; }
-  /// Removes the spans; keeps the capacity and the count of discarded ones.
+  /// Removes the spans. Capacity and count of discarded spans stay.
   void clear() { spans_.clear(); }
 
  private:

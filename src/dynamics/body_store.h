@@ -10,11 +10,11 @@
 
 namespace poise::dynamics {
 
-/// The bodies of a World as structure of arrays, one entry a slot, double precision, SI units, world frame.
-/// Invariant: all arrays have slot_count() entries; a dead slot has zero velocity and zero inverse mass; numbers are
-/// finite. A slot that is used again gets the next generation.
+/// The bodies of a World as structure of arrays, one entry a slot, double precision, SI units, world frame. Invariant:
+/// all arrays have slot_count() entries; a dead slot has zero velocity and zero inverse mass; all numbers are finite. A
+/// reused slot gets the next generation.
 ///
-/// Positions are those of the centre of mass; orientations turn the body frame (axes of the mesh) into the world.
+/// Positions are those of the centre of mass; orientations rotate the body frame (axes of the mesh) into the world.
 struct BodyStore {
   std::vector<double> x_m, y_m, z_m;
   std::vector<double> qw, qx, qy, qz;
@@ -22,31 +22,33 @@ struct BodyStore {
   std::vector<double> wx_radps, wy_radps, wz_radps;
   std::vector<double> fx_n, fy_n, fz_n;       ///< applied for the next step
   std::vector<double> tx_nm, ty_nm, tz_nm;    ///< applied for the next step, about the centre of mass
-  std::vector<double> mass_kg, inverse_mass;  ///< 0 for static and kinematic bodies; the inverse alone for those asleep
+  std::vector<double> mass_kg, inverse_mass;  ///< 0 for static and kinematic bodies; of sleeping bodies only the
+                                              ///< inverse is 0
   std::vector<Vec3> principal_kgm2;           ///< moments in the principal frame; 0 for static bodies
   std::vector<ShapePtr> shape;
   std::vector<std::uint32_t> material;
   std::vector<std::uint32_t> group, collides_with;
   std::vector<double> importance;
-  std::vector<std::uint64_t> user_data;  ///< the caller's own; no part of the state
+  std::vector<std::uint64_t> user_data;  ///< the caller's value; not part of the state
   std::vector<std::uint32_t> generation;
   std::vector<std::uint8_t> alive;
   std::vector<std::uint8_t> dynamic;    ///< alive, neither static nor kinematic, and awake: forces and impulses move it
-  std::vector<std::uint8_t> asleep;     ///< alive, neither static nor kinematic, and counted as static for now
-  std::vector<std::uint8_t> kinematic;  ///< alive, and moved by its own velocities alone
-  std::vector<std::uint8_t> pushed;     ///< a force or torque waits
+  std::vector<std::uint8_t> asleep;     ///< alive, neither static nor kinematic, and treated as static while it sleeps
+  std::vector<std::uint8_t> kinematic;  ///< alive, and moved by its velocity alone
+  std::vector<std::uint8_t> pushed;     ///< a force or torque is applied in the next step
 
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }
   [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }  ///< awake ones
   [[nodiscard]] std::size_t asleep_count() const { return asleep_count_; }
   [[nodiscard]] std::size_t kinematic_count() const { return kinematic_count_; }
-  /// Static, kinematic or asleep bodies have no mass for contacts; of these a kinematic one with a velocity moves.
+  /// Kinematic with a velocity: such a body moves, although contacts treat its mass as infinite, as they do for static
+  /// and sleeping bodies.
   [[nodiscard]] bool moves_by_itself(std::size_t i) const {
     return kinematic[i] != 0 && !(velocity(i).isZero(0) && spin(i).isZero(0));
   }
 
-  /// A slot with all numbers zero and identity orientation: the lowest free one.
+  /// Takes the lowest free slot, with all numbers zero and identity orientation.
   BodyId add();
   /// Frees the slot; its handle becomes stale.
   void remove(std::uint32_t slot);
@@ -56,9 +58,9 @@ struct BodyStore {
   [[nodiscard]] BodyId id_of(std::uint32_t slot) const { return {slot, generation[slot]}; }
   void make_dynamic(std::uint32_t slot);
   void make_kinematic(std::uint32_t slot);
-  /// A dynamic body stops where it is and counts as static from now on, its mass kept aside.
+  /// A dynamic body stops and is treated as static until it wakes; its inverse mass is saved.
   void put_to_sleep(std::uint32_t slot);
-  /// A body that sleeps is dynamic again, at rest.
+  /// A sleeping body becomes dynamic again, at rest.
   void wake(std::uint32_t slot);
 
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x_m[i], y_m[i], z_m[i]}; }
@@ -82,7 +84,7 @@ struct BodyStore {
   std::size_t kinematic_count_ = 0;
 };
 
-/// Turns the principal frame of a body into the world.
+/// Rotation from the principal frame of a body to the world.
 Quat principal_to_world(const BodyStore& bodies, std::size_t i);
 
 /// Inverse inertia in the world frame, 1/(kg m^2), symmetric; zero for static bodies.

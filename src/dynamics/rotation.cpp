@@ -9,9 +9,9 @@ namespace {
 
 // Angle per part of the midpoint rule. At 0.05 rad the asymmetric top of the tests flips within 0.1 % of its time.
 constexpr double kAnglePerPartRad = 0.05;
-// Bounds the cost of a body that spins absurdly fast: from 3 rad a step on the angle of a part grows, to one radian
-// where Newton's method still converges. Beyond 500 rad a step momentum still holds and energy stays within what the
-// moments allow.
+// Bounds the cost of a body that spins extremely fast: above 3 rad a step the angle of a part grows, up to one radian,
+// where Newton's method still converges. Beyond 500 rad a step momentum is still conserved, and energy stays within
+// what the moments allow.
 constexpr double kMaxFineParts = 64;
 constexpr double kMaxParts = 512;
 
@@ -31,7 +31,7 @@ Vec3 midpoint_momentum(const Vec3& before, const Vec3& inverse_moments, double h
     after -= change;
     if (change.squaredNorm() <= 1e-32 * before.squaredNorm()) break;
   }
-  // The midpoint rule keeps the norm; what Newton left undone is put right here.
+  // The midpoint rule conserves the norm; this removes the residual of Newton's method.
   const double norm = after.norm();
   return norm > 0 ? Vec3(after * (before.norm() / norm)) : before;
 }
@@ -51,7 +51,7 @@ Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& 
   const Vec3 spin = start.orientation.conjugate() * start.spin_radps;
   const Vec3 momentum = after.conjugate() * (start.orientation * moments_kgm2.cwiseProduct(spin));
   const Vec3 kept = momentum.cwiseQuotient(moments_kgm2);
-  // A needle that is tilted against its momentum would spin up about its thin axis.
+  // Without this, a needle that is tilted against its momentum would spin up about its thin axis.
   const double before = spin.dot(moments_kgm2.cwiseProduct(spin));
   const double energy = kept.dot(momentum);
   return {after, (energy > before ? std::sqrt(before / energy) : 1.0) * (after * kept)};
@@ -77,7 +77,7 @@ Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double t
     turn = (turn * Quat(1, half.x(), half.y(), half.z())).normalized();
     momentum = after;
   }
-  // The momentum in the world is that of the start, whatever rounding did to the orientation.
+  // Restores the momentum of the start in the world frame, whatever the rounding of the orientation.
   return {turn, turn * inverse.cwiseProduct(turn.conjugate() * momentum_world)};
 }
 

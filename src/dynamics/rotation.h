@@ -11,16 +11,17 @@ struct Rotation {
   Vec3 spin_radps = Vec3::Zero();
 };
 
-/// Turns a body freely for `time_s`: no torque, principal moments `moments_kgm2` (all > 0).
+/// Rotates a body freely for `time_s`: no torque, principal moments `moments_kgm2` (all > 0).
 ///
-/// Implicit midpoint in the body frame with the Cayley map for the orientation, in as many parts as the spin asks for.
-/// It keeps energy and the angular momentum vector to rounding (quadratic invariants of the midpoint rule; the Cayley
-/// map of the same midpoint spin carries the momentum along: e.g. Hairer, Lubich and Wanner, Geometric Numerical
-/// Integration, VII.5), for any step. Equal moments turn by the exact exponential. Any thread.
+/// Implicit midpoint in the body frame with the Cayley map for the orientation, in parts whose number depends on the
+/// spin. Conserves energy and the angular momentum vector to rounding for any step (quadratic invariants of the
+/// midpoint rule; the Cayley map of the same midpoint spin transports the momentum: e.g. Hairer, Lubich and Wanner,
+/// Geometric Numerical Integration, VII.5). A body with equal moments is rotated by the exact exponential. Any thread.
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s);
 
-/// Turns a body by `turn` (world) without a torque or time: the angular momentum vector stays, so the spin follows;
-/// where that would take energy, the energy stays and the momentum only its direction.
+/// Rotates a body by `turn` (world) without torque and time. The angular momentum vector is conserved, and the angular
+/// velocity follows. Where that would need energy, the energy is conserved and only the direction of the momentum. Any
+/// thread.
 Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn);
 
 /// The rotation by a vector (axis times angle, rad) as a unit quaternion.

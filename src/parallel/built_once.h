@@ -8,19 +8,19 @@
 
 namespace poise::parallel {
 
-/// A value that is made when it is first asked for, and again when it is asked for after a change. Any number of
-/// threads may ask at once: the first one makes it and the others wait. Invariant: the value is written only under the
+/// A value that is built on first request, and rebuilt on the first request after a change. Any number of threads may
+/// request it at once: the first one builds it and the others wait. Invariant: the value is written only under the
 /// lock, by a thread that found it outdated.
 ///
-/// Versions are numbers that the owner changes with whatever the value is made from; 0 is none. The owner must not
-/// change it while anyone asks or still reads.
+/// The owner passes a version that changes whenever the sources of the value change; 0 is no version. The owner must
+/// not change the sources while a thread requests or reads the value.
 template <class T>
 class BuiltOnce {
  public:
   BuiltOnce() : lock_(std::make_unique<Lock>()) {}
 
-  /// The value for `version` (> 0): as it is, or after build(value), which may use what is left of the one before. A
-  /// build that throws leaves it outdated.
+  /// The value for `version` (> 0), after build(value) if it is outdated; build may reuse the previous value. If build
+  /// throws, the value stays outdated.
   template <class Build>
   const T& get(std::uint64_t version, Build&& build) {
     if (lock_->built.load(std::memory_order_acquire) == version) return value_;

@@ -9,7 +9,7 @@ namespace poise::parallel {
 /// A thread that keeps one processor busy for the lifetime of this object; for studies and tests.
 class BusyThread {
  public:
-  /// On this processor where the system permits it, otherwise anywhere; -1: anywhere.
+  /// Runs on this processor if the system permits it, otherwise on any; -1: on any.
   explicit BusyThread(int processor);
   ~BusyThread() = default;
   BusyThread(const BusyThread&) = delete;
@@ -19,17 +19,17 @@ class BusyThread {
   std::jthread thread_;
 };
 
-/// The processors that this process may use, ascending; empty where the system does not tell.
+/// The processors that this process may use, ascending; empty if the system does not report them.
 std::vector<int> allowed_processors();
 
-/// Keeps the calling thread on one processor while this lives, and then lets it go where it could before.
+/// Binds the calling thread to one processor for the lifetime of this object, and then restores its affinity.
 class OnProcessor {
  public:
   explicit OnProcessor(int processor);
   ~OnProcessor();
   OnProcessor(const OnProcessor&) = delete;
   OnProcessor& operator=(const OnProcessor&) = delete;
-  /// Did the system permit it?
+  /// Whether the system permitted it.
   [[nodiscard]] bool settled() const { return settled_; }
 
  private:

@@ -11,18 +11,18 @@
 namespace poise::parallel {
 namespace {
 
-/// What the calls of a host's threads share with the adapter that asked for them; it lives until the last of them has
-/// ended. Invariant: a worker's number belongs to one call at a time.
+/// State shared by the calls of a host's threads and the adapter; it lives until the last call has ended. Invariant: a
+/// worker's number belongs to one call at a time.
 struct HostCalls {
   struct alignas(64) Worker {
     std::atomic<bool> taken{false};
-    std::uint64_t last_run = 0;  ///< of whoever has taken it
+    std::uint64_t last_run = 0;  ///< the last run of the call that holds this worker
   };
 
   HostCalls(int threads, std::chrono::nanoseconds spin_time)
       : gate(threads, spin_time), spin(spin_time), workers(static_cast<std::size_t>(threads)) {}
 
-  /// A free worker's number, or 0: there are more calls than workers.
+  /// A free worker's number, or 0 if there are more calls than workers.
   int take_worker() {
     for (std::size_t worker = 1; worker < workers.size(); ++worker) {
       if (!workers[worker].taken.load(std::memory_order_relaxed) &&
@@ -47,14 +47,14 @@ struct HostCalls {
       spin_until(spin, [&] { return (worked = gate.take_part(number, worker.last_run)) || over(); });
     }
     pending.fetch_sub(1, std::memory_order_seq_cst);
-    // A run that opened before this call was known to leave counted on it.
+    // A run that opened before this call was marked as ended relies on it.
     if (!over()) gate.take_part(number, worker.last_run);
     worker.taken.store(false, std::memory_order_release);
   }
 
   WorkerGate gate;
   std::chrono::nanoseconds spin;
-  std::vector<Worker> workers;              ///< 0, the calling thread's, is never taken
+  std::vector<Worker> workers;              ///< worker 0 is the calling thread's and is never taken
   alignas(64) std::atomic<int> pending{0};  ///< calls that the host will make or that have not ended
   std::atomic<bool> stopping{false};
 };
@@ -70,7 +70,7 @@ class HostAdapter final : public Executor {
   HostAdapter& operator=(const HostAdapter&) = delete;
   ~HostAdapter() override {
     calls_->stopping.store(true, std::memory_order_release);
-    // No call has an item in hand after this, and none begins one: the gate is closed.
+    // The gate is closed: after this, no call holds an item, and none begins one.
     calls_->gate.settle();
   }
 
@@ -109,7 +109,7 @@ class HostAdapter final : public Executor {
   void wake() override {
     const int wanted = threads_ - 1 - calls_->pending.load(std::memory_order_seq_cst);
     if (wanted <= 0) return;
-    // Counted before they can begin, and what the host does not take on is taken back.
+    // Counted before they can begin; the calls that the host refuses are subtracted again.
     calls_->pending.fetch_add(wanted, std::memory_order_seq_cst);
     const int started = std::clamp(host_->start(wanted, task_), 0, wanted);
     if (started < wanted) calls_->pending.fetch_sub(wanted - started, std::memory_order_seq_cst);

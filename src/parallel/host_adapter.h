@@ -9,8 +9,8 @@
 
 namespace poise::parallel {
 
-/// Work on a host's threads (poise/executor.h), handed out at a WorkerGate; `threads` in [2, 256], the calling thread
-/// included.
+/// An executor on a host's threads (poise/executor.h), which take items at a WorkerGate; `threads` in [2, 256], the
+/// calling thread included.
 std::unique_ptr<Executor> make_host_adapter(std::shared_ptr<HostExecutor> host, int threads,
                                             std::chrono::nanoseconds spin);
 

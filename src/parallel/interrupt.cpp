@@ -12,7 +12,7 @@ namespace {
 constexpr char kAsked = 'a';
 constexpr char kOver = 'o';
 
-/// Where the handler writes. It has no argument to carry this in.
+/// The pipe that the signal handler writes to. A handler has no argument, so this is a global.
 volatile std::sig_atomic_t handler_pipe = -1;
 
 void send(int pipe, char what) {

@@ -7,9 +7,9 @@
 
 namespace poise::parallel {
 
-/// Turns Ctrl-C (SIGINT) into a stop token while it lives, and puts back what was there before. A second Ctrl-C ends
-/// the process at once. One may live at a time; it is made and destroyed on the same thread. Where the system gives it
-/// no pipe, Ctrl-C keeps its meaning and the token is never stopped.
+/// Turns Ctrl-C (SIGINT) into a stop token during its lifetime, and then restores the previous handler. A second Ctrl-C
+/// ends the process at once. At most one may live at a time; it must be made and destroyed on the same thread. If the
+/// system provides no pipe, Ctrl-C keeps its meaning and the token is never stopped.
 class Interrupt {
  public:
   Interrupt();
@@ -17,19 +17,20 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  /// Stopped a moment after Ctrl-C. Any thread.
+  /// Stopped shortly after Ctrl-C. Any thread.
   [[nodiscard]] std::stop_token token() const { return stop_.get_token(); }
   [[nodiscard]] bool asked() const { return stop_.stop_requested(); }
 
  private:
-  // A handler may not ask a stop source itself, so it writes a byte to a pipe, and a thread that reads the pipe asks.
+  // A signal handler must not use a stop source, so it writes a byte to a pipe; a thread reads the pipe and requests
+  // the stop.
   std::stop_source stop_;
   int ends_[2] = {-1, -1};
   struct sigaction before_ {};
   std::jthread watcher_;
 };
 
-/// A token that was stopped before it is asked: work that looks at it ends at its first look. Any thread.
+/// A token that is already stopped: work ends at its first check of the token. Any thread.
 std::stop_token stopped_token();
 
 }  // namespace poise::parallel

@@ -8,13 +8,13 @@
 
 namespace poise::parallel {
 
-/// Asks the system to hold this memory in large pages, so that going through much of it in no order does not wait for
-/// page tables. A wish: where there are none (Linux has them, transparent, on request) the pages stay small. Any
-/// thread.
+/// Asks the system to use large pages for this memory, so that random access to large arrays causes fewer misses of
+/// page tables. A hint: on systems without large pages (Linux has transparent ones on request) the pages stay small.
+/// Any thread.
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
 
-/// Allocator for arrays that a step goes through. Those of kFromBytes and more begin at a large page: the first touch
-/// of one takes some milliseconds, so that arrays of scenes which are stepped in that time have small ones.
+/// Allocator for large arrays of a step. Arrays of kFromBytes and more begin at a large page. The first touch of a
+/// large page takes some milliseconds, so arrays of small scenes, which are stepped in that time, use small pages.
 template <class T>
 struct LargePages {
   using value_type = T;

@@ -9,33 +9,34 @@
 
 namespace poise::parallel {
 
-/// Hands out the numbers 0, 1, 2, ... to any number of workers, each number once. Whoever holds a number from the end
-/// of the work or beyond stops. Orders nothing else: what workers write is ordered by Executor::run.
+/// Hands out the numbers 0, 1, 2, ... to any number of workers, each number once. A worker stops when its number is
+/// beyond the end of the work. Gives no memory ordering: Executor::run orders the writes of workers.
 class Tickets {
  public:
-  /// The first of `count` numbers that are now the caller's. Any thread.
+  /// Takes `count` consecutive numbers and returns the first. Any thread.
   std::size_t take(std::size_t count = 1) { return next_.fetch_add(count, std::memory_order_relaxed); }
-  /// Starts again at 0. Only while no worker takes.
+  /// Restarts at 0. Only while no worker takes numbers.
   void reset() { next_.store(0, std::memory_order_relaxed); }
 
  private:
   alignas(64) std::atomic<std::size_t> next_{0};
 };
 
-/// Hands out the numbers 0 to count - 1 to any number of workers, each number once: to each worker those of its own
-/// share first, lowest first, and then what others have left of theirs. The shares depend on the count and the workers
-/// alone, so that what a worker wrote in one loop is in its own cache in the next. Orders nothing else, like Tickets.
+/// Hands out the numbers 0 to count - 1 to any number of workers, each number once. Each worker first takes the numbers
+/// of its own share, in ascending order, and then numbers left in the shares of others. The shares depend on the count
+/// and the number of workers alone, so a worker's data of one loop is in its cache in the next. Gives no memory
+/// ordering, like Tickets.
 class Shares {
  public:
   static constexpr std::size_t kNone = ~std::size_t{0};
-  /// `workers` >= 1; beyond kMost of them, some begin with the same share.
+  /// `workers` >= 1; if there are more than kMost, some begin with the same share.
   Shares(std::size_t count, int workers) : shares_(std::min<std::size_t>(static_cast<std::size_t>(workers), kMost)) {
     for (std::size_t k = 0; k < shares_; ++k) {
       share_[k].next.store(count * k / shares_, std::memory_order_relaxed);
       share_[k].end = count * (k + 1) / shares_;
     }
   }
-  /// A number that is now the caller's, or kNone when all have been handed out. Any thread.
+  /// Takes a number, or returns kNone when all are taken. Any thread.
   std::size_t take(int worker) {
     for (std::size_t k = 0; k < shares_; ++k) {
       Share& share = share_[(static_cast<std::size_t>(worker) + k) % shares_];
@@ -56,15 +57,16 @@ class Shares {
   std::array<Share, kMost> share_;
 };
 
-/// A number that workers of a run share: a sum, a flag, the time of the cut. Any thread may call anything. A get() that
-/// sees a value also sees all that its writer wrote before.
+/// A number that the workers of a run share: a sum, a flag, the time of the cut. Any thread may call anything. A get()
+/// that sees a value also sees everything that its writer wrote before.
 template <class T>
 class Shared {
  public:
   explicit Shared(T value = T{}) : value_(value) {}
   [[nodiscard]] T get() const { return value_.load(std::memory_order_acquire); }
   void set(T value) { value_.store(value, std::memory_order_release); }
-  /// Adds and gives the value before. Only whole numbers: the order of additions must not show in a result.
+  /// Adds and returns the previous value. Only for integers: with floating point, a result would depend on the order of
+  /// additions.
   T add(T value) requires std::is_integral_v<T> { return value_.fetch_add(value, std::memory_order_acq_rel); }
 
  private:

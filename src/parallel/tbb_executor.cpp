@@ -27,7 +27,7 @@ struct ArenaTasks {
   ArenaTasks(int threads, std::chrono::nanoseconds spin_time)
       : gate(threads, spin_time), spin(spin_time), slots(static_cast<std::size_t>(threads)) {}
 
-  // One thread of the arena works at the gate until it has found nothing for a while.
+  // One thread of the arena takes items at the gate until it has found none for some time.
   void visit() {
     const int worker = tbb::this_task_arena::current_thread_index();
     if (worker < 1 || worker >= static_cast<int>(slots.size())) {
@@ -42,14 +42,14 @@ struct ArenaTasks {
       spin_until(spin, [&] { return (worked = gate.take_part(worker, last_run)) || over(); });
     }
     asked.fetch_sub(1, std::memory_order_seq_cst);
-    // A run that opened before this one was known to leave counted on it.
+    // A run that opened before this task was marked as ended relies on it.
     if (!over()) gate.take_part(worker, last_run);
   }
 
   WorkerGate gate;
   std::chrono::nanoseconds spin;
-  std::vector<Slot> slots;                ///< one a slot of the arena, used by the thread that is in it
-  alignas(64) std::atomic<int> asked{0};  ///< tasks enqueued and not ended
+  std::vector<Slot> slots;                ///< one a slot of the arena, used by the thread in that slot
+  alignas(64) std::atomic<int> asked{0};  ///< tasks enqueued and not yet ended
   std::atomic<bool> stopping{false};
 };
 
@@ -57,8 +57,8 @@ class TbbExecutor final : public Executor {
  public:
   TbbExecutor(int threads, std::chrono::nanoseconds spin)
       : threads_(threads), tasks_(std::make_shared<ArenaTasks>(threads, spin)), arena_(threads, 1) {
-    // oneTBB starts as many threads as there are processors; more are only had by asking. Nobody is ever given fewer by
-    // us: the limit is the whole process's, and oneTBB takes the smallest that is asked for.
+    // oneTBB starts as many threads as there are processors; more must be requested. This never reduces the number for
+    // other users: the limit is that of the whole process, and oneTBB takes the smallest one requested.
     if (threads > tbb::info::default_concurrency()) {
       limit_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     }
@@ -69,8 +69,8 @@ class TbbExecutor final : public Executor {
   ~TbbExecutor() override {
     tasks_->stopping.store(true, std::memory_order_release);
     tasks_->gate.settle();
-    // Tasks that have not begun keep the shared state alive. They end as soon as they begin; the wait is bounded in
-    // case no thread ever takes them.
+    // Tasks that have not begun keep the shared state alive and end as soon as they begin. The wait is bounded in case
+    // no thread ever takes them.
     constexpr std::chrono::seconds kPatience{2};
     const auto until = std::chrono::steady_clock::now() + kPatience;
     while (tasks_->asked.load(std::memory_order_seq_cst) > 0 && std::chrono::steady_clock::now() < until)
@@ -116,7 +116,7 @@ class TbbExecutor final : public Executor {
         arena_.enqueue([visits = tasks_] { visits->visit(); });
       }
     } catch (const std::exception&) {
-      // oneTBB has no memory for a task: one worker fewer, and the caller does the work.
+      // oneTBB has no memory for a task: there is one worker fewer, and the caller does its work.
       tasks_->asked.fetch_sub(1, std::memory_order_seq_cst);
     }
   }

@@ -8,8 +8,8 @@
 
 namespace poise::parallel {
 
-/// Work on oneTBB's threads, in an arena of our own with `threads` slots, `threads` in [2, 256]; they spin for `spin`
-/// without work. Null if oneTBB cannot be started. Exists only where POISE_HAVE_TBB is defined.
+/// An executor on oneTBB's threads, in its own arena with `threads` slots, in [2, 256]; threads without work spin for
+/// `spin`. Null if oneTBB cannot be started. Exists only if POISE_HAVE_TBB is defined.
 std::unique_ptr<Executor> make_tbb_executor(int threads, std::chrono::nanoseconds spin);
 
 }  // namespace poise::parallel

@@ -31,13 +31,13 @@ Status refused_priority(int priority, int failure) {
       priority, std::strerror(failure), priority));
 }
 
-// On a thread that ends with it, so that nothing else changes.
+// Tries the priority on a temporary thread, so that nothing else changes.
 Status try_priority(int priority) {
   Status tried = Done{};
   try {
     std::jthread probe([&] { tried = place_thread(pthread_self(), -1, priority); });
   } catch (const std::system_error&) {
-    return Done{};  // no thread to be had: there will be no worker either
+    return Done{};  // no thread can be started, so there will be no worker
   }
   return tried;
 }

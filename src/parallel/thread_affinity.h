@@ -7,7 +7,7 @@
 
 namespace poise::parallel {
 
-/// Binds a thread to a processor (>= 0) and gives it a priority under SCHED_FIFO (> 0); -1 and 0 leave it as it is.
+/// Binds a thread to a processor (>= 0) and gives it a priority under SCHED_FIFO (> 0); -1 and 0 change nothing.
 /// Refused: what the system does not permit, with field, value and rule.
 Status place_thread(pthread_t thread, int processor, int realtime_priority);
 

@@ -10,8 +10,8 @@
 namespace poise::parallel {
 namespace {
 
-/// Lets this thread run on all of `allowed` but `processor`. Where that leaves nothing the kernel refuses, and all
-/// stays.
+/// Lets this thread run on all processors of `allowed` except `processor`. If none remains, the kernel refuses and
+/// nothing changes.
 void stay_away_from(const cpu_set_t& allowed, int processor) {
   cpu_set_t others = allowed;
   if (processor >= 0 && processor < CPU_SETSIZE) CPU_CLR(static_cast<std::size_t>(processor), &others);
@@ -32,7 +32,7 @@ ThreadPool::ThreadPool(const ExecutorSettings& settings)
       if (!placed) placed_ = placed;
     }
   } catch (const std::system_error&) {
-    // The system gives no more threads; those that started do the work.
+    // The system starts no more threads; those that started do the work.
   }
 }
 
@@ -45,7 +45,7 @@ ThreadPool::~ThreadPool() {
 void ThreadPool::call_workers() {
   if (follow_caller_) caller_processor_.store(sched_getcpu(), std::memory_order_relaxed);
   calls_.fetch_add(1, std::memory_order_seq_cst);
-  // Whoever counts as a sleeper after this look finds calls_ changed and does not sleep.
+  // A thread that is counted as a sleeper after this load finds calls_ changed and does not sleep.
   if (sleepers_.load(std::memory_order_seq_cst) > 0) calls_.notify_all();
 }
 
@@ -88,7 +88,7 @@ void ThreadPool::work(int worker) {
   int avoided_processor = -1;
   std::uint64_t last_run = 0;
   for (;;) {
-    // Read before the gate is looked at: a run that opens after the look has changed it, and wait() returns at once.
+    // Read before the gate is checked: a run that opens after the check has changed it, and wait() returns at once.
     const std::uint32_t calls = calls_.load(std::memory_order_seq_cst);
     bool worked = false;
     const bool up = spin_until(spin_, [&] {
@@ -97,7 +97,8 @@ void ThreadPool::work(int worker) {
     });
     if (up && !worked) return;
     if (worked) continue;
-    // The caller may have moved. To follow it costs the caller nothing here, and a frame at most comes in between.
+    // The caller may have moved to another processor. Following it here costs the caller nothing and is late by at most
+    // a frame.
     const int processor = caller_processor_.load(std::memory_order_relaxed);
     if (knows_processors && processor != avoided_processor) {
       avoided_processor = processor;

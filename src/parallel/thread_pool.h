@@ -11,12 +11,12 @@
 
 namespace poise::parallel {
 
-/// Work on threads of our own, handed out at a WorkerGate. run() neither locks nor allocates, and makes no system call
-/// while all workers are up.
+/// An executor on its own threads, which take items at a WorkerGate. run() neither locks nor allocates, and makes no
+/// system call while all workers are awake.
 ///
-/// A worker without work spins for a bounded time and then sleeps, having left the caller's processor to the caller:
-/// some kernels wake a thread on the processor of its waker although others idle, and there it would come too late. One
-/// thread at a time may call run(); a call while another one runs is worked off by its own thread alone.
+/// A worker without work spins for a bounded time and then sleeps; a sleeping worker does not use the caller's
+/// processor. Some kernels wake a thread on the processor of its waker although others are idle, and it would start too
+/// late there. One thread at a time may call run(); the work of a concurrent call is done by its calling thread alone.
 class ThreadPool final : public Executor {
  public:
   /// `settings.threads` in [1, 256], the calling thread included. Fewer are used if the system refuses to start them.
@@ -32,7 +32,7 @@ class ThreadPool final : public Executor {
   void settle() override { gate_.settle(); }
   void wake() override;
 
-  /// What placing the threads as the settings ask came to.
+  /// The result of setting affinity and priority of the threads.
   [[nodiscard]] const Status& placed() const { return placed_; }
 
  private:
@@ -43,12 +43,12 @@ class ThreadPool final : public Executor {
   std::chrono::nanoseconds spin_;
   bool follow_caller_;  ///< stay away from the caller's processor
   Status placed_ = Done{};
-  alignas(64) std::atomic<std::uint32_t> calls_{0};  ///< sleepers wait for it to change
-  std::atomic<std::uint32_t> sleepers_{0};           ///< who sleep, or are about to
+  alignas(64) std::atomic<std::uint32_t> calls_{0};  ///< sleeping threads wait for it to change
+  std::atomic<std::uint32_t> sleepers_{0};           ///< threads that sleep or are about to
   std::atomic<int> caller_processor_{-1};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> busy_{false};
-  std::vector<std::jthread> threads_;  ///< last: its threads end before the words that they read
+  std::vector<std::jthread> threads_;  ///< last member: its threads end before the members that they read are destroyed
 };
 
 }  // namespace poise::parallel

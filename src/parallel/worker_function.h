@@ -7,8 +7,8 @@
 namespace poise::parallel {
 
 /// A reference to a callable that takes a worker's number, without ownership or allocation; valid while the callable
-/// lives. The callable does one item of work and says whether there may be more for this worker; one that returns
-/// nothing is done after one call.
+/// lives. The callable does one item of work and returns whether there may be more for this worker. One that returns
+/// void is called once.
 class WorkerFunction {
  public:
   WorkerFunction() = default;

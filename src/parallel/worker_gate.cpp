@@ -48,7 +48,7 @@ std::size_t WorkerGate::close(const Patience& patience) {
     const auto left =
         std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(end - std::chrono::steady_clock::now()));
     if (spin_until(std::min(left, spin_), empty)) continue;
-    // The processor goes to whoever needs it, perhaps to that worker itself.
+    // Yields the processor to threads that need it, possibly to the awaited worker itself.
     while (!empty() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
     if (empty()) continue;
     std::uint32_t hand = kWorking;
@@ -79,7 +79,8 @@ void WorkerGate::leave(Worker& worker) {
 
 WorkerGate::ViewQuery WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
   gate = gate_.load(std::memory_order_seq_cst);
-  // A worker held up here may have been abandoned in the last run and see the next one, which does not wait for it.
+  // A worker that was suspended here may have been abandoned in the previous run, and now sees the next run, which does
+  // not wait for it.
   if (worker.hand.load(std::memory_order_seq_cst) == kAbandoned) return ViewQuery::Abandoned;
   return has_work(gate, last_run) ? ViewQuery::Open : ViewQuery::Nothing;
 }

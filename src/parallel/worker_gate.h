@@ -10,7 +10,7 @@
 
 namespace poise::parallel {
 
-/// Calls done() until it is true or `most` has passed; says whether it became true.
+/// Calls done() until it returns true or `most` has passed; returns whether it became true.
 template <class Done>
 bool spin_until(std::chrono::nanoseconds most, Done&& done) {
   if (done()) return true;
@@ -28,43 +28,43 @@ bool spin_until(std::chrono::nanoseconds most, Done&& done) {
   return false;
 }
 
-/// Hands the items of a run to workers and tells its caller which workers have an item. No locks, no allocation, and no
-/// system call but where somebody sleeps. Invariant: a run's step is called only by workers who said so before they saw
-/// the run open.
+/// Hands the items of a run to workers and tracks which workers hold an item. No locks, no allocation, and no system
+/// call unless a thread sleeps. Invariant: a run's step is called only by workers that set their own word before they
+/// saw the run open.
 ///
-/// Every worker has a word of its own that says whether it has an item in hand. It says so *before* it looks whether
-/// the run is open, and the caller looks at the words *after* it has closed the run (Dekker's handshake, both sides
-/// sequentially consistent), so either the worker sees the run closed or the caller sees the item. Between two items a
-/// worker is idle, and nobody waits for it. An abandoned worker begins no item before it has been idle again, because
+/// Each worker has a word that says whether it holds an item. It sets the word *before* it checks whether the run is
+/// open, and the caller reads the words *after* it has closed the run (Dekker's algorithm, both sides sequentially
+/// consistent). So either the worker sees the run closed or the caller sees the item. Between two items a worker is
+/// idle, and the caller does not wait for it. An abandoned worker begins no item before it has been idle again, because
 /// no later run would wait for it.
 class WorkerGate {
  public:
-  /// Numbers 1 to workers - 1 are served; `workers` in [1, 256].
+  /// Serves the workers 1 to workers - 1; `workers` in [1, 256].
   WorkerGate(int workers, std::chrono::nanoseconds spin);
 
-  /// The calling side; one thread at a time.
+  /// The caller's side; one thread at a time.
   void open(WorkerFunction step, bool may_abandon);
-  /// No item begins from now on; waits for items in progress.
+  /// Prevents further items and waits for items in progress.
   void close();
-  /// No item begins from now on; waits for items in progress while patience lasts, abandons the others and returns
-  /// their number.
+  /// Prevents further items, waits for items in progress while patience lasts, abandons the others and returns their
+  /// number.
   std::size_t close(const Patience& patience);
-  /// Waits until no worker has an item, abandoned ones included.
+  /// Waits until no worker holds an item, abandoned workers included.
   void settle();
 
-  /// Worker's side: does items of the open run, if there is one that it has not found exhausted. False if there was
-  /// nothing to do. `last_run` is the worker's own and 0 at first.
+  /// Worker's side: does items of the open run, unless there is none or this worker has found it exhausted. Returns
+  /// false if it did nothing. `last_run` belongs to the worker and starts at 0.
   bool take_part(int worker, std::uint64_t& last_run);
   [[nodiscard]] bool commit(int worker);
 
  private:
-  friend struct WorkerGateAccess;  // of tests, which stop a worker where only the system does
+  friend struct WorkerGateAccess;  // for tests, which stop a worker at points where otherwise only the system does
   enum Hand : std::uint32_t { kEmpty, kWorking, kCommitted, kAbandoned };
   struct alignas(64) Worker {
     std::atomic<std::uint32_t> hand{kEmpty};
   };
-  /// What a worker that says it has something in hand then sees: an item of the open run, none, or that it was
-  /// abandoned meanwhile.
+  /// The state that a worker finds after it has set its word: a run is open, none is, or the worker was abandoned
+  /// meanwhile.
   enum class ViewQuery : std::uint8_t { Open, Nothing, Abandoned };
   static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
   [[nodiscard]] ViewQuery look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
@@ -75,8 +75,8 @@ class WorkerGate {
   void wait_while(Worker& worker, bool abandoned_too);
 
   static constexpr std::uint64_t kOpen = 1, kMayGiveUp = 2, kOneRun = 4;
-  alignas(64) std::atomic<std::uint64_t> gate_{0};  ///< kOpen, kMayGiveUp, the rest the run's number
-  WorkerFunction step_;                             ///< of a run that waits for its items
+  alignas(64) std::atomic<std::uint64_t> gate_{0};  ///< kOpen, kMayGiveUp, and the run's number in the other bits
+  WorkerFunction step_;                             ///< of a run that waits for all of its items
   WorkerFunction lasting_step_;  ///< of a run that may abandon items: not changed until all workers have settled
   std::atomic<bool> caller_sleeps_{false};
   int workers_;

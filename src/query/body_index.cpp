@@ -14,7 +14,7 @@ using geometry::Bounds;
 
 constexpr std::uint32_t kNoSurface = 0xffffffffU;
 
-/// The box around a box of the body frame, where the body stands. Widened by more than rounding.
+/// The world-frame box around a box of the body frame, widened by more than rounding.
 Bounds placed_box(const Bounds& box, const Mat3& rotation, const Vec3& position_m) {
   const Vec3 middle = rotation * box.center() + position_m;
   const Vec3 reach = rotation.cwiseAbs() * (0.5 * (box.high - box.low));
@@ -28,7 +28,7 @@ bool sees(const QueryFilter& filter, const BodyViews& bodies, std::uint32_t slot
          !(filter.ignore.slot == slot && filter.ignore.generation == bodies.generation[slot]);
 }
 
-/// A question in the frame of a body, and its answer back in the world.
+/// Transforms a query into the frame of a body, and its result back into the world.
 struct Frame {
   Mat3 rotation;
   Vec3 position_m;
@@ -37,16 +37,16 @@ struct Frame {
       : rotation(bodies.rotation(slot)), position_m(bodies.position(slot)) {}
   [[nodiscard]] Vec3 into(const Vec3& world) const { return rotation.transpose() * (world - position_m); }
   [[nodiscard]] Vec3 out(const Vec3& body) const { return rotation * body + position_m; }
-  // A rotation leaves a unit vector unit but for rounding, which would show in a distance.
+  // A rotation preserves unit length except for rounding, which would show in a distance.
   [[nodiscard]] Vec3 direction_into(const Vec3& world) const { return (rotation.transpose() * world).normalized(); }
   [[nodiscard]] Vec3 direction_out(const Vec3& body) const { return (rotation * body).normalized(); }
 };
 
 }  // namespace
 
-/// The best answer so far.
+/// The best result so far.
 struct BodyIndex::Nearest {
-  double limit_m;  ///< |distance| of the best, or the limit of the question
+  double limit_m;  ///< |distance| of the best result, or the limit of the query
   std::optional<std::uint32_t> slot;
   SurfacePoint found;  ///< in the body frame
 
@@ -214,7 +214,7 @@ std::optional<ClosestPoint> BodyIndex::closest_point(const BodyViews& bodies, co
 ClosestPoint BodyIndex::closest_point(const BodyViews& bodies, BodyId body, const Vec3& point_m) const {
   const Frame frame(bodies, body.slot);
   const std::optional<SurfacePoint> found = surface_of(body.slot).closest(frame.into(point_m), kMiss);
-  // A surface has a nearest point: no mesh is without triangles, no tree without leaves.
+  // A surface has a nearest point: every mesh has triangles, every tree has leaves.
   if (!found) return {body, point_m, Vec3::UnitZ(), 0};
   return {body, frame.out(found->point_m), frame.direction_out(found->normal), found->distance_m};
 }

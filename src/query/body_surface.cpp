@@ -14,7 +14,7 @@ namespace {
 using geometry::BallTree;
 using geometry::Bounds;
 
-/// A ray moves its origin up to a ball that it may hit: what is far away costs no digits then.
+/// Distance by which the origin of a ray is moved toward a ball, so that no digits are lost for a far origin.
 double approach_m(const Vec3& origin_m, const Vec3& direction, const Bounds& box, double grown_m) {
   const Vec3 from = origin_m - box.center();
   const double reach_m = 0.5 * (box.high - box.low).norm() + grown_m;
@@ -29,7 +29,7 @@ void walk_balls(const BallTree& tree, Bound&& bound, Limit&& limit, Visit&& visi
     double least;
     std::uint32_t node;
   };
-  // Halved each time: at most 32 levels, one node put off at each.
+  // Ranges are halved each time: at most 32 levels, with one node a level on the stack.
   std::array<Waiting, 64> waiting;
   std::size_t count = 0;
   waiting[count++] = {bound(tree.nodes()[0]), 0};
@@ -112,7 +112,7 @@ std::optional<SurfacePoint> BodySurface::ray_to_triangles(const Vec3& origin_m, 
       [&](std::uint32_t place) {
         const double distance_m = ray.distance_m(triangles().corners_at(place));
         const std::uint32_t triangle = triangles().triangle_at(place);
-        // Of triangles that are hit at one distance, as at an edge, the lowest one answers.
+        // Of triangles that are hit at the same distance, as at an edge, the one with the lowest index is returned.
         const bool nearer = distance_m < least_m || (distance_m == least_m && triangle < hit);
         if (distance_m < kMiss && nearer) {
           least_m = distance_m;
@@ -143,7 +143,7 @@ std::optional<SurfacePoint> BodySurface::ray_to_balls(const Vec3& origin_m, cons
         const BallCrossing crossing =
             crossing_of_ball(origin_m, direction, balls_m_[i].center_m, balls_m_[i].radius_m + grown_m);
         if (crossing.enters_m == kMiss || crossing.leaves_m < 0) return;
-        // What rounding has put a hair inside is met at once if it comes nearer.
+        // A sphere that rounding has put slightly inside touches immediately if it moves closer.
         if (crossing.enters_m < 0 && crossing.enters_m + crossing.leaves_m <= 0) return;
         const double distance_m = std::max(0.0, crossing.enters_m);
         if (distance_m < least_m || (distance_m == least_m && (!hit || i < *hit))) {
@@ -256,7 +256,7 @@ bool BodySurface::overlaps_box(const Mat3& rotation, const Vec3& offset_m, const
   }
   if (shape_->surface) {
     bool met = false;
-    // The box around the box, in the body frame, for a first look.
+    // The box around the query box, in the body frame, for a first test.
     const Vec3 reach = rotation.transpose().cwiseAbs() * half_extents_m * (1 + 1e-12);
     const Bounds around{center_of_box - reach, center_of_box + reach};
     walk(

@@ -8,7 +8,7 @@ namespace poise::query {
 namespace {
 
 constexpr std::uint32_t kBoxesOfLeaf = 4;
-/// A refitted tree is built anew when the sides of its nodes have grown by this factor in sum. Chosen.
+/// A refitted tree is rebuilt when the sum of its nodes' sides has grown by this factor. Chosen.
 constexpr double kOutgrown = 1.5;
 
 }  // namespace
@@ -54,7 +54,7 @@ void BodyTree::build(std::span<const geometry::Bounds> boxes) {
                        const double y = boxes[j].low[axis] + boxes[j].high[axis];
                        return x < y || (x == y && i < j);
                      });
-    // The first half comes out on top, so that its node follows this one.
+    // The first half is on top of the stack, so that its node follows this one.
     waiting.push_back({middle, part.end, at + 1});
     waiting.push_back({part.begin, middle, 0});
   }

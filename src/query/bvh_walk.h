@@ -12,7 +12,7 @@
 
 namespace poise::query {
 
-/// Where a ray enters boxes, each grown by a radius.
+/// Distances at which a ray enters boxes, each enlarged by a radius.
 class BoxRay {
  public:
   BoxRay(const Vec3& origin_m, const Vec3& direction, double grown_m) : origin_m_(origin_m), grown_m_(grown_m) {
@@ -21,7 +21,7 @@ class BoxRay {
       inverse_[axis] = direction[axis] != 0 ? 1.0 / direction[axis] : 0.0;
     }
   }
-  /// Distance along the ray, 0 from inside; kMiss where it passes by. Never later than the true one.
+  /// Distance along the ray, 0 if the origin is inside; kMiss if the ray misses the box. Never above the true distance.
   [[nodiscard]] double enters_m(const Vec3& low, const Vec3& high) const {
     double enters = 0;
     double leaves = kMiss;
@@ -48,9 +48,9 @@ class BoxRay {
   std::array<bool, 3> moves_{};
 };
 
-/// Goes through the triangles of a mesh, nearer boxes first. `bound(low, high)` gives a number below which nothing in
-/// the box can be, or kMiss; what is not below limit() is left out. `visit(place)` looks at a triangle and says whether
-/// that is enough. At most 63 levels of four children, so the list of what waits has room
+/// Visits the triangles of a mesh, nearer boxes first. `bound(low, high)` returns a lower bound for everything in the
+/// box, or kMiss; nodes with a bound not below limit() are skipped. `visit(index)` tests a triangle (by its index in
+/// leaf order) and returns whether the search may end. At most 63 levels of four children, which the stack holds
 /// (geometry/bvh/triangle_bvh.cpp).
 template <class Bound, class Limit, class Visit>
 void walk(const geometry::TriangleBvh& bvh, Bound&& bound, Limit&& limit, Visit&& visit) {

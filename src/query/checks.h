@@ -6,7 +6,7 @@
 #include "poise/queries.h"
 #include "poise/result.h"
 
-/// Checks of questions from outside: the refusal with field, value and rule, or nothing.
+/// Checks of query arguments: the refusal with field, value and rule, or nothing.
 namespace poise::query {
 
 inline constexpr double kMaxLengthM = 1e12;

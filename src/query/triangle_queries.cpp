@@ -10,8 +10,8 @@ namespace {
 
 using geometry::TriangleCorners;
 
-/// How far a point moves along a unit direction until it enters something that it enters and leaves at these distances.
-/// What rounding has put a hair inside is entered at once, if the point comes nearer to its middle.
+/// Distance that a point moves along a unit direction until it enters a convex body that it enters and leaves at these
+/// distances. A point that rounding has put slightly inside enters at once if it moves toward the middle.
 double entry_m(double enters_m, double leaves_m) {
   if (enters_m >= 0) return enters_m;
   return enters_m + leaves_m > 0 ? 0.0 : kMiss;
@@ -22,7 +22,7 @@ double to_ball_m(const Vec3& point, const Vec3& direction, const Vec3& center, d
   return crossing.enters_m == kMiss ? kMiss : entry_m(crossing.enters_m, crossing.leaves_m);
 }
 
-/// To the mantle of the cylinder about the segment from a to b.
+/// Distance to the lateral surface of the cylinder about the segment from a to b.
 double to_mantle_m(const Vec3& point, const Vec3& direction, const Vec3& a, const Vec3& b, double radius_m) {
   const Vec3 side = b - a;
   const double length_m = side.norm();
@@ -123,7 +123,7 @@ BallCrossing crossing_of_ball(const Vec3& origin_m, const Vec3& direction, const
 
 double sphere_to_triangle_m(const Vec3& center_m, double radius_m, const Vec3& direction, const TriangleCorners& t) {
   double least = to_face_m(center_m, radius_m, direction, t);
-  // The grown face is met no later than anything else that its foot lies in.
+  // The offset face is met no later than any other part that contains its foot point.
   if (least < kMiss) return least;
   for (std::size_t i = 0; i < 3; ++i) {
     least = std::min(least, to_mantle_m(center_m, direction, t[i], t[(i + 1) % 3], radius_m));

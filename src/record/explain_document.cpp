@@ -20,7 +20,7 @@ using Kind = RefinementStep::Kind;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// What became of a pair, one of these each.
+/// The outcome of a pair; each pair has exactly one.
 enum class Fate : std::uint8_t {
   KnownApart,
   Reused,
@@ -84,7 +84,7 @@ std::vector<Fate> fates_of(const ExplainedFrame& e) {
   return fates;
 }
 
-/// A completed level in the order of time.
+/// A completed level, with its position in time.
 struct Turn {
   std::size_t order = 0;  ///< from 1
   std::uint8_t worker = 0;
@@ -93,7 +93,7 @@ struct Turn {
 
 std::vector<Turn> turns_of(const ExplainedFrame& e) {
   const std::vector<LevelExplanation>& levels = e.explanation.levels;
-  // Where the levels of each pair begin.
+  // Index of the first level of each pair.
   std::vector<std::size_t> next(e.explanation.pairs.size(), levels.size());
   for (std::size_t k = levels.size(); k-- > 0;) next[levels[k].pair] = k;
   std::vector<Turn> turns;

@@ -11,16 +11,16 @@
 
 namespace poise::io {
 
-/// A body as people know it.
+/// A body with its name.
 struct NamedBody {
-  std::size_t index = 0;  ///< place in scene order, as in the table of states
-  std::string name;       ///< in the scene, else its shape's
+  std::size_t index = 0;  ///< index in scene order, as in the table of states
+  std::string name;       ///< name in the scene, or else of its shape
 };
 
-/// The bodies of a run by slot; slots without one have an empty name. For one moment: streams add bodies.
+/// The bodies of a run by slot; slots without a body have an empty name. Valid until the next stream body is added.
 std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run);
 
-/// Everything that is known of a frame that was done again.
+/// All data of a frame that was replayed.
 struct ExplainedFrame {
   RecordedFrame frame;
   FrameExplanation explanation;
@@ -28,11 +28,11 @@ struct ExplainedFrame {
   bool wall_clock = true;
 };
 
-/// For a person: what was refined, in which order and for which cues, and what was left. At most `limit` rows a list, 0
-/// = all.
+/// A text table: which pairs were refined, in which order and with which cues, and which were left. At most `limit`
+/// rows a list; 0 = all.
 std::string explain_table(const ExplainedFrame& frame, std::size_t limit);
 
-/// The same as JSON, whole (docs/record.md).
+/// The same as JSON, without a limit (docs/record.md).
 nlohmann::ordered_json explain_json(const ExplainedFrame& frame);
 
 }  // namespace poise::io

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMostWorkers = 256;
 constexpr unsigned kKindBits = 2;
 
-// Seven bits a byte, the lowest first; the top bit says that more follow (as LEB128 of the DWARF standard has it).
+// Seven bits a byte, the lowest first; the top bit means that more bytes follow (LEB128 of the DWARF standard).
 void put(std::uint64_t value, std::string& out) {
   while (value >= 0x80U) {
     out.push_back(static_cast<char>(value | 0x80U));
@@ -28,7 +28,7 @@ void put_fixed(std::uint64_t value, std::string& out) {
   for (int byte = 0; byte < 8; ++byte) out.push_back(static_cast<char>(value >> (8 * byte)));
 }
 
-// Small differences of either sign as small numbers.
+// Maps small differences of either sign to small numbers.
 std::uint64_t folded(std::uint32_t value, std::uint32_t before) {
   const std::int64_t change = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(before);
   return change < 0 ? (static_cast<std::uint64_t>(-(change + 1)) << 1U) | 1U : static_cast<std::uint64_t>(change) << 1U;
@@ -75,7 +75,7 @@ class Reader {
     if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) sound_ = false;
     return Nanoseconds(static_cast<std::int64_t>(value));
   }
-  // Of things that take at least a byte each.
+  // Reads a count of items that take at least a byte each.
   std::size_t count() {
     const std::uint64_t value = number();
     if (value > left()) sound_ = false;
@@ -95,8 +95,8 @@ class Reader {
   bool sound_ = true;
 };
 
-// Each step against the one before it of the same worker, which goes up through the pairs within a band; who did it
-// stands apart, since that compresses to next to nothing.
+// Each step is stored relative to the previous one of the same worker, whose pairs ascend within a band. The workers
+// are stored separately, since they compress to almost nothing.
 void put_steps(const std::vector<RefinementStep>& steps, std::string& out) {
   put(steps.size(), out);
   std::array<std::uint32_t, kMostWorkers> before{};
@@ -113,7 +113,7 @@ void put_steps(const std::vector<RefinementStep>& steps, std::string& out) {
 
 void take_steps(std::uint32_t pairs, Reader& reader, std::vector<RefinementStep>& steps) {
   steps.assign(reader.count(), {});
-  // Read first, because the places follow from the workers, which stand behind them.
+  // Read first, because decoding them needs the workers, which are stored after them.
   std::vector<std::uint64_t> words(steps.size());
   for (std::uint64_t& word : words) word = reader.number();
   const std::uint8_t several = reader.byte();

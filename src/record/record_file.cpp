@@ -14,15 +14,15 @@
 namespace poise::io {
 namespace {
 
-// A file is kMagic and then blocks: kind, size before squeezing, size as stored, stored bytes, CRC-32 of all of that.
+// A file is kMagic followed by blocks: kind, uncompressed size, stored size, stored bytes, CRC-32 of all of these.
 // Sizes and CRC have four bytes, the lowest first.
 constexpr std::string_view kMagic = "poise.record/2\n";
 constexpr std::string_view kMagicOfAny = "poise.record/";
 constexpr std::size_t kHeadBytes = 9;
 constexpr std::size_t kTailBytes = 4;
-// Chosen: a frame of ten million pairs is smaller, and a length that is not so is no reason to take memory.
+// Chosen: a frame of ten million pairs is smaller. A larger size is damaged data, for which no memory is allocated.
 constexpr std::uint32_t kMostBlockBytes = 1U << 28U;
-// The fastest: a frame of the run waits for it.
+// The fastest level, since the frame of the run waits for it.
 constexpr int kLevel = 1;
 
 constexpr char kHeader = 'H';
@@ -41,7 +41,7 @@ std::uint32_t get32(const char* bytes) {
   return value;
 }
 
-// zlib reads through pointers to what is not const.
+// zlib reads through pointers to non-const.
 Bytef* bytes_of(const char* text) { return const_cast<Bytef*>(reinterpret_cast<const Bytef*>(text)); }
 
 std::uint32_t crc_of(std::string_view text) {
@@ -71,7 +71,7 @@ class Squeeze {
   Squeeze(const Squeeze&) = delete;
   Squeeze& operator=(const Squeeze&) = delete;
 
-  /// Appends what `raw` becomes.
+  /// Compresses `raw` and appends the result.
   bool pack(std::string_view raw, std::string& stored) {
     std::array<char, 1U << 14U> room;
     stream_.next_in = bytes_of(raw.data());
@@ -85,7 +85,7 @@ class Squeeze {
     } while (stream_.avail_out == 0);
     return true;
   }
-  /// Makes `raw` what was packed, which had `size` bytes; false if it had not.
+  /// Decompresses into `raw`, which must have `size` bytes; returns false otherwise.
   bool unpack(std::string_view stored, std::size_t size, std::string& raw) {
     std::array<char, 1U << 14U> room;
     raw.clear();

@@ -15,11 +15,11 @@
 
 namespace poise::io {
 
-/// Squeezes or restores blocks that follow each other as one stream of zlib, each to its last byte.
+/// Compresses or decompresses successive blocks as one zlib stream, each block complete to its last byte.
 class Squeeze;
 
-/// Writes a record as its run goes. The file appears when it is whole; a program that is killed leaves a part beside
-/// its place whose name ends in `.part` and that replays. One thread at a time.
+/// Writes a record during its run. The file appears when it is complete. If the program is killed, a file remains in
+/// the same folder whose name ends in `.part`; it can be replayed. One thread at a time.
 class RecordWriter {
  public:
   /// Refused as AtomicFile refuses.
@@ -28,11 +28,11 @@ class RecordWriter {
   RecordWriter& operator=(RecordWriter&&) noexcept;
   ~RecordWriter();
 
-  /// Once, before the first frame.
+  /// Call once, before the first frame.
   Status begin(const RecordHeader& header);
-  /// Frames in order.
+  /// Appends a frame; call in order.
   Status frame(const RecordedFrame& frame);
-  /// Closes the record and gives the file its name.
+  /// Closes the record and renames the file.
   Status finish(bool stopped);
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
@@ -47,10 +47,10 @@ class RecordWriter {
   std::uint64_t bytes_ = 0;
 };
 
-/// Reads a record up to its end or to the first damage. One thread at a time.
+/// Reads a record up to its end or to the first damaged block. One thread at a time.
 class RecordReader {
  public:
-  /// Refused with the file: none, no record, one of another version, or one whose beginning is damaged.
+  /// Refused with the file: a file that is missing, not a record, of another version, or damaged at its beginning.
   static Result<RecordReader> open(const std::filesystem::path& path);
   RecordReader(RecordReader&&) noexcept;
   RecordReader& operator=(RecordReader&&) noexcept;
@@ -59,11 +59,11 @@ class RecordReader {
   [[nodiscard]] const RecordHeader& header() const { return header_; }
 
   enum class Next : std::uint8_t { Frame, End, Damaged };
-  /// The next frame into `frame`, whose room is used again. After End or Damaged it stays at that.
+  /// Reads the next frame into `frame`, whose capacity is reused. After End or Damaged it returns the same again.
   Next next(RecordedFrame& frame);
   /// After End: how the run ended.
   [[nodiscard]] const RecordEnd& end() const { return end_; }
-  /// After Damaged: the byte of the file where the block begins that cannot be read, and what is wrong with it.
+  /// After Damaged: the byte offset of the block that cannot be read, and what is wrong with it.
   struct Damage {
     std::uint64_t byte = 0;
     std::string what;
@@ -85,8 +85,8 @@ class RecordReader {
   std::unique_ptr<Squeeze> squeeze_;
   std::string raw_, stored_;
   std::uint64_t size_ = 0;    ///< of the file
-  std::uint64_t at_ = 0;      ///< the next block
-  std::uint64_t frames_ = 0;  ///< read
+  std::uint64_t at_ = 0;      ///< offset of the next block
+  std::uint64_t frames_ = 0;  ///< number read so far
   RecordHeader header_;
   RecordEnd end_;
   bool ended_ = false;

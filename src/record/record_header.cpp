@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// 16 hexadecimal digits: not every reader of JSON keeps 64 bits of a number.
+// 16 hexadecimal digits: not every JSON reader preserves 64-bit numbers.
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
 struct PolicyName {
@@ -70,7 +70,7 @@ Json world_json(const WorldSettings& world) {
   return json;
 }
 
-// The entry of a list of names that a member is.
+// The entry of a list of named values that a member selects.
 template <class Named>
 const Named* named_in(const ObjectReader& reader, std::string_view key, std::span<const Named> names) {
   const JsonValue* value = reader.require(key);
@@ -128,8 +128,8 @@ void read_shape(const JsonValue& value, const std::string& path, Problems& probl
   }
 }
 
-/// Records of before the parameters have only the first six weights; what is missing has its default, with which they
-/// ran.
+/// Records from before the parameters were added have only the first six weights. The others get their defaults, with
+/// which those runs were made.
 void read_policy(const ObjectReader& world, scheduler::Policy& policy) {
   std::vector<std::string_view> weights, parameters;
   for (const scheduler::PolicyField& field : scheduler::policy_weights()) weights.push_back(field.name);

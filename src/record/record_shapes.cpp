@@ -13,7 +13,8 @@
 namespace poise::io {
 namespace {
 
-// Of what decides motion. Each array begins with its length, so that no two shapes read alike.
+// Hash of the data that determines motion. Each array begins with its length, so that no two shapes give the same
+// input.
 class Sum {
  public:
   template <class T>

@@ -10,8 +10,8 @@
 namespace poise::io {
 namespace {
 
-/// Edits from one word to the other, where two neighbouring letters in the wrong order count as one (optimal string
-/// alignment, Damerau 1964), or `limit` where it is not below that.
+/// Number of edits from one word to the other, or `limit` if it is not below that. Two neighbouring letters in the
+/// wrong order count as one edit (optimal string alignment, Damerau 1964).
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   std::vector<std::size_t> before(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -26,7 +26,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t li
       if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j]) row[j + 1] = std::min(row[j + 1], before[j - 1] + 1);
       least = std::min(least, row[j + 1]);
     }
-    // No later row is smaller than the least of this one, or one more than the least of that above.
+    // No later row has a minimum below that of this row, or below one more than that of the row above.
     if (least >= limit && least_above + 1 >= limit) return limit;
     least_above = least;
   }
@@ -45,7 +45,7 @@ std::string_view nearest_name(std::string_view name, const std::vector<std::stri
     const std::uint64_t work = 1 + name.size() * candidate.size();
     if (letters != nullptr && *letters < work) return {};
     if (letters != nullptr) *letters -= work;
-    // The unit left away is the commonest slip: mass for mass_kg.
+    // A missing unit is the most common mistake: mass for mass_kg.
     const bool without_unit =
         candidate.size() > name.size() && candidate.substr(0, name.size()) == name && candidate[name.size()] == '_';
     const std::size_t distance = without_unit ? 1 : edit_distance(name, candidate, limit);

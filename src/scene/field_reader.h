@@ -15,26 +15,26 @@
 
 namespace poise::io {
 
-/// Problems of one file that are kept as text; the others are counted. Chosen.
+/// Most problems of one file that are stored as text; the others are counted. Chosen.
 inline constexpr std::size_t kMostProblems = 10'000;
 
-/// Collects what is wrong with a file, so that reading can go on without a check after every field. Invariant: all()
+/// Collects the problems of a file, so that reading can continue without a check after every field. Invariant: all()
 /// holds the first kMostProblems of them in the order in which they were found.
 class Problems {
  public:
   explicit Problems(std::string file) : file_(std::move(file)) {}
-  /// `PATH = VALUE, RULE`.
+  /// Adds the problem `PATH = VALUE, RULE`.
   void refuse(const std::string& path, const JsonValue& value, const std::string& rule);
-  /// `PATH: WHAT`, or `WHAT` alone for an empty path.
+  /// Adds the problem `PATH: WHAT`, or `WHAT` for an empty path.
   void refuse(const std::string& path, const std::string& what);
   [[nodiscard]] std::optional<Error> first() const;
   [[nodiscard]] const std::vector<std::string>& all() const { return all_; }
-  /// Of all problems, also those that are not kept.
+  /// Number of all problems, also those without stored text.
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// `; did you mean "x"?` or nothing. All suggestions of a file together compare at most some 30 million letters, so
-  /// that thousands of wrong names are told in a second; later ones get no suggestion.
+  /// `; did you mean "x"?` or nothing. All suggestions for one file together compare at most about 30 million letters,
+  /// so that thousands of wrong names take at most a second; after that there are no suggestions.
   std::string suggest(std::string_view name, const std::vector<std::string_view>& names);
-  /// Whether there is work left for suggestions: enough for one pair of the longest names that are compared.
+  /// Whether another suggestion is possible: enough comparisons are left for two names of the maximum length.
   [[nodiscard]] bool suggests() const { return letters_left_ > 100 * 100; }
 
  private:
@@ -46,8 +46,8 @@ class Problems {
   std::uint64_t letters_left_ = 30'000'000;
 };
 
-/// Whether nothing was refused since it was made: rules that join several values are looked at only where each of them
-/// is sound, so that one mistake is told once.
+/// Whether nothing was refused since construction. A rule on several values is checked only if each of them is valid,
+/// so that one mistake is reported once.
 class SoundSoFar {
  public:
   explicit SoundSoFar(const Problems& problems) : problems_(problems), before_(problems.count()) {}
@@ -58,7 +58,7 @@ class SoundSoFar {
   std::size_t before_;
 };
 
-/// Range of a number; bounds belong to it unless `open_min`.
+/// Range of a number; both bounds are included unless `open_min` is set.
 struct Range {
   double min = 0;
   double max = 0;
@@ -70,13 +70,13 @@ inline constexpr Range kNotNegative{0, kMaxQuantity, false};
 inline constexpr Range kPositive{0, kMaxQuantity, true};
 inline constexpr Range kFactor{0, 1, false};
 
-/// Checks one value; on refusal the problem is noted and the target keeps what it had.
+/// Checks one value; on refusal the problem is added and the target is unchanged.
 void read_number(const JsonValue& value, const std::string& path, Range range, Problems& problems, double& target);
 void read_whole(const JsonValue& value, const std::string& path, std::uint64_t min, std::uint64_t max,
                 Problems& problems, std::uint64_t& target);
 void read_vec3(const JsonValue& value, const std::string& path, Range range, Problems& problems, Vec3& target);
 
-/// Reads the members of one object. Members that are not in `known` are refused when it is made.
+/// Reads the members of one object. The constructor refuses members that are not in `known`.
 class ObjectReader {
  public:
   ObjectReader(const JsonValue& value, std::string path, Problems& problems,
@@ -89,10 +89,10 @@ class ObjectReader {
   [[nodiscard]] std::string path(std::string_view key) const { return member_path(path_, key); }
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] Problems& problems() const { return problems_; }
-  /// Notes a problem if the member of an object is missing.
+  /// Adds a problem if the member of an object is missing.
   const JsonValue* require(std::string_view key) const;
 
-  // Each leaves the target alone where the member is missing, or refused.
+  // These leave the target unchanged if the member is missing or refused.
   void number(std::string_view key, Range range, double& target) const;
   void whole(std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t& target) const;
   void bits(std::string_view key, std::uint32_t& target) const;
@@ -100,7 +100,7 @@ class ObjectReader {
   void text(std::string_view key, std::string& target) const;
   void vec3(std::string_view key, Range range, Vec3& target) const;
   void pair(std::string_view key, Range range, std::array<double, 2>& target) const;
-  /// One of these texts; the index of it.
+  /// Reads one of these texts and sets the index of it.
   void one_of(std::string_view key, const std::vector<std::string_view>& names, std::size_t& target) const;
 
  private:
@@ -109,9 +109,9 @@ class ObjectReader {
   Problems& problems_;
 };
 
-/// The entry of `names` that a slip of the hand would turn into `name`, or an empty view. Ties: the first one.
-/// `letters`, if given, is how many comparisons of letters it may take; what was taken is subtracted. With none left
-/// the view is empty.
+/// The entry of `names` that is nearest to `name` by typing errors, or an empty view. Ties: the first one. `letters`,
+/// if given, is the number of comparisons of letters that may be used; the used ones are subtracted. With none left the
+/// result is empty.
 std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& names,
                               std::uint64_t* letters = nullptr);
 /// `; did you mean "x"?` or nothing.

@@ -22,13 +22,13 @@ std::uint64_t own_count(const SceneGenerator& generator) {
   if (grid.in_tray) return grid.bodies;
   std::uint64_t product = 1;
   for (const std::uint64_t n : grid.count) {
-    // Three counts of up to 10^7 would overflow; anything beyond the limit is refused all the same.
+    // Saturates: three counts of up to 10^7 would overflow, and anything above the limit is refused anyway.
     product = std::min(product * n, kMaxSceneBodies + 1);
   }
   return product;
 }
 
-/// Everything but the place. Drawn in a fixed order from a generator of the body's own.
+/// Draws everything except the position, in a fixed order from a generator of the body's own.
 GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& random) {
   GeneratedBody body;
   body.kind = &kind;
@@ -41,7 +41,7 @@ GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& 
   return body;
 }
 
-/// From the point of a grid to the farthest that its body can reach: the largest bounding radius and the jitter.
+/// Largest distance from a grid point to any point of its body: the largest bounding radius plus the jitter.
 double reach_m(const GridGenerator& grid, std::span<const double> radius_m) {
   double largest_m = 0;
   for (const std::size_t shape : grid.kind.shapes) largest_m = std::max(largest_m, radius_m[shape]);

@@ -14,8 +14,8 @@ namespace {
 
 using ParsedJson = nlohmann::json;
 
-/// Builds a JsonValue from the events of the parser and knows the path of each. Invariant: `open_` holds the
-/// containers that have begun and not ended, outermost first.
+/// Builds a JsonValue from the events of the parser and tracks the path of each value. Invariant: `open_` holds the
+/// open containers, outermost first.
 class Builder final : public nlohmann::json_sax<ParsedJson> {
  public:
   Builder(std::string_view text, const std::string& name) : text_(text), name_(name) {}
@@ -49,7 +49,7 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
     JsonValue made;
     made.kind = JsonValue::Kind::Number;
     made.number = value;
-    // 1e3 and 600.0 are whole numbers too; beyond 2^53 a double no longer says which one was meant.
+    // 1e3 and 600.0 are integers too; beyond 2^53 a double does not identify the written integer.
     if (value >= 0 && value <= 9007199254740992.0 && value == static_cast<double>(static_cast<std::uint64_t>(value))) {
       made.is_unsigned = true;
       made.magnitude = static_cast<std::uint64_t>(value);
@@ -88,7 +88,7 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
       return false;
     }
     std::string what = exception.what();
-    // "[...] parse error at line 3, column 5: reason": only the reason, since the place is given in our own way.
+    // "[...] parse error at line 3, column 5: reason": extracts the reason; the position is printed in our own format.
     const std::size_t column_at = what.find("column ");
     const std::size_t reason = column_at == std::string::npos ? what.find("] ") : what.find(": ", column_at);
     if (reason != std::string::npos) what = what.substr(reason + 2);
@@ -137,7 +137,7 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
     for (std::size_t i = 0; i < depth; ++i) path = step_into(path, open_[i].value);
     return path;
   }
-  /// Path of the value that is about to be added.
+  /// Path of the next value.
   [[nodiscard]] std::string here() const {
     std::string path = path_of(open_.size());
     return path.empty() ? "the file" : path;

@@ -4,29 +4,29 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-/// Which machine and which build made a figure: every result file and every record names both.
+/// The machine and the build that produced a figure: every result file and every record names both.
 namespace poise::io {
 
-/// What a run was measured on.
+/// The machine of a run.
 struct Machine {
   std::string system;  ///< kernel name, release and architecture
   std::string processor;
   int cores = 0;  ///< that this process may use
 };
-/// Asks the system; unknown parts are "unknown".
+/// Queries the system; unknown parts are "unknown".
 Machine this_machine();
 
-/// What a program was built from and with.
+/// Sources and tools of a program.
 struct BuildFacts {
   std::string version;   ///< of the project, as `1.2.3`
-  std::string commit;    ///< twelve digits, with `+changes` where files differed from it; `unknown` outside of Git
+  std::string commit;    ///< twelve digits, with `+changes` if files differed from it; `unknown` outside of Git
   std::string compiler;  ///< name and version
   std::string flags;     ///< build type, sanitizers, assertions
 };
 /// Of this build. Any thread.
 BuildFacts this_build();
 
-/// Found by the JSON library: `json["machine"] = machine`, `json["build"] = build`.
+/// Hook of the JSON library: `json["machine"] = machine`, `json["build"] = build`.
 void to_json(nlohmann::ordered_json& json, const Machine& machine);
 void to_json(nlohmann::ordered_json& json, const BuildFacts& build);
 

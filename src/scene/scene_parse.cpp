@@ -18,7 +18,7 @@ constexpr Range kDeadline{0, 1e6, true};
 constexpr Range kHostWork{0, 1e6, false};
 constexpr Range kAlpha{1e-5, 0.5, false};
 
-/// The place in `list` of what `value` names. A list of all names is made only for a suggestion that is worked out.
+/// Index in `list` of the name in `value`. The list of all names is built only if a suggestion is needed.
 template <class Named>
 void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
                const std::vector<Named>& list, std::size_t& target) {
@@ -26,7 +26,7 @@ void read_name(const JsonValue& value, const std::string& path, Problems& proble
     problems.refuse(path, value, fmt::format("must be the name of a {}", what));
     return;
   }
-  // Without any names their list was refused already.
+  // An empty list of names was refused already.
   if (list.empty()) return;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].name == value.text) {
@@ -195,7 +195,7 @@ Result<std::string> io::read_scene_text(const std::filesystem::path& file) {
   const std::filesystem::file_status status = std::filesystem::status(file, failure);
   if (!std::filesystem::exists(status)) return bad_input(name + ": no such file");
   if (std::filesystem::is_directory(status)) return bad_input(name + ": is a directory, must be a scene file");
-  // Opening a pipe waits until somebody writes, and some devices never end.
+  // Opening a pipe blocks until a writer opens it, and some devices never end.
   if (!std::filesystem::is_regular_file(status))
     return bad_input(name + ": is a pipe or a device, must be a file; SCENE - reads the standard input");
   std::ifstream stream(file, std::ios::binary);

@@ -54,7 +54,7 @@ void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& k
   reader.number("importance", kNotNegative, kind.importance);
 }
 
-/// Members that belong to the other way of using a generator.
+/// Refuses members that belong to another mode of a generator.
 void refuse_members(const ObjectReader& reader, std::initializer_list<std::string_view> keys, const char* why) {
   for (const std::string_view key : keys) {
     if (reader.has(key)) reader.problems().refuse(reader.path(key), why);

@@ -52,7 +52,7 @@ void read_file(const ObjectReader& reader, std::filesystem::path& target) {
   read_file_name(reader, "file", target);
 }
 
-/// Four numbers w x y z, not all 0, normalised. A value that is refused leaves the target alone.
+/// Reads four numbers w x y z, not all 0, and normalises them. On refusal the target is unchanged.
 void read_rotation(const ObjectReader& reader, std::string_view key, Quat& target) {
   const JsonValue* value = reader.find(key);
   if (value == nullptr) return;
@@ -75,14 +75,14 @@ void read_rotation(const ObjectReader& reader, std::string_view key, Quat& targe
   target = given.normalized();
 }
 
-/// How a mesh is turned before anything else is done with it.
+/// Reads the rotation of a mesh, which is applied before anything else.
 void parse_turn(const ObjectReader& reader, MeshSource& source) {
   source.turned = reader.has("up") || reader.has("rotation_wxyz");
   if (reader.has("up") && reader.has("rotation_wxyz")) {
     reader.problems().refuse(reader.path("rotation_wxyz"), "not with up, which is a rotation too");
     return;
   }
-  // A quarter turn about x or y, so that the other axes stay where a person expects them.
+  // A quarter turn about x or y, so that the other axes point in the expected directions.
   constexpr double kHalf = std::numbers::sqrt2 / 2;
   const std::array<Quat, 6> turns{Quat(kHalf, 0, -kHalf, 0), Quat(kHalf, 0, kHalf, 0), Quat(kHalf, kHalf, 0, 0),
                                   Quat(kHalf, -kHalf, 0, 0), Quat::Identity(),         Quat(0, 1, 0, 0)};
@@ -158,7 +158,7 @@ void parse_inertia(const ObjectReader& reader, BodyDefinition& body) {
   }
 }
 
-// "static": true says the same as "motion": "static"; what says both must agree.
+// "static": true means the same as "motion": "static"; if both are given, they must agree.
 void parse_motion(const ObjectReader& reader, BodyDefinition& definition) {
   bool is_static = false;
   reader.flag("static", is_static);
@@ -180,7 +180,7 @@ void parse_motion(const ObjectReader& reader, BodyDefinition& definition) {
   }
 }
 
-/// `plane`: the shape is known to be one.
+/// `plane`: the shape is known to be a plane.
 void check_static(const ObjectReader& reader, bool plane, const SceneBody& body) {
   Problems& problems = reader.problems();
   if (plane && body.definition.motion != MotionType::Static) {

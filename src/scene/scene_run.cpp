@@ -20,7 +20,7 @@ struct SceneRun::Impl {
   std::vector<ShapeId> shape_ids;
   std::vector<MaterialId> material_ids;
   std::vector<RunBody> bodies;
-  std::vector<io::GeneratedBody> generated;  ///< points into scene
+  std::vector<io::GeneratedBody> generated;  ///< refers to scene
   std::size_t next_streamed = 0;             ///< index into generated
   double tray_side_m = 0;
   TreeCacheUse tree_cache_use = {};
@@ -45,7 +45,7 @@ Status SceneRun::Impl::add(const BodyDefinition& definition, std::size_t shape, 
 
 Status SceneRun::Impl::add_generated(const io::GeneratedBody& body) {
   BodyDefinition definition;
-  // The World wants the place of the shape's own origin, generators place the centre of mass.
+  // The World takes the position of the shape's origin; generators give the centre of mass.
   definition.position_m = body.center_m - body.orientation * shapes[body.shape]->origin_offset_m;
   definition.orientation = body.orientation;
   definition.velocity_mps = body.velocity_mps;

@@ -21,7 +21,7 @@
 namespace poise::io {
 namespace {
 
-/// A rotation by quarter turns moves coordinates without rounding.
+/// Rotates a mesh; a rotation by quarter turns does not round coordinates.
 void turn(TriangleMesh& mesh, const Quat& rotation) {
   Mat3 matrix = rotation.toRotationMatrix();
   const Mat3 rounded = matrix.array().round();
@@ -29,7 +29,7 @@ void turn(TriangleMesh& mesh, const Quat& rotation) {
   for (Vec3& vertex : mesh.vertices_m) vertex = matrix * vertex;
 }
 
-/// Makes the shape of each kind of source, and says what the cache did.
+/// Makes the shape of each kind of source, and counts the outcomes of the cache.
 struct Loader {
   const Scene& scene;
   int threads;
@@ -84,7 +84,7 @@ struct Loader {
     return adopted(source, scaled_tree(std::move(tree).value(), source.scale, false), mesh.value());
   }
 
-  /// A shape from a foreign tree, whose coverage of its mesh is measured before it is used.
+  /// A shape from a tree of another program, whose coverage of its mesh is measured before it is used.
   [[nodiscard]] Result<ShapePtr> adopted(const TreeSource& source, SphereTree tree, const TriangleMesh& mesh) const {
     TreeQualityOptions adopt;
     adopt.threads = threads;
@@ -166,8 +166,8 @@ SphereTree scaled_tree(SphereTree tree, double scale, bool leaves_are_surface) {
   if (scale == 1) return tree;
   const auto scaled = [scale](float value) { return static_cast<float>(static_cast<double>(value) * scale); };
   for (std::size_t i = 0; i < tree.node_count(); ++i) {
-    // Rounding moves a centre by up to half a unit in the last place of each coordinate, of the node and of what it
-    // covers.
+    // Rounding moves a centre by up to half a unit in the last place of each coordinate; this holds for the node and
+    // for the spheres that it covers.
     const float reach = std::abs(tree.x_m[i]) + std::abs(tree.y_m[i]) + std::abs(tree.z_m[i]) + tree.radius_m[i];
     for (std::vector<float>* values :
          {&tree.x_m, &tree.y_m, &tree.z_m, &tree.radius_m, &tree.protrusion_max_m, &tree.protrusion_mean_m}) {
@@ -180,8 +180,7 @@ SphereTree scaled_tree(SphereTree tree, double scale, bool leaves_are_surface) {
 }
 
 Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& settings) {
-  // Side by side, each on one thread, where there is more than one to build: the roots of trees are split by one
-  // thread.
+  // Several meshes are built in parallel, each on one thread, since the root of a tree is split by one thread.
   const auto meshes = std::count_if(scene.shapes.begin(), scene.shapes.end(), [](const SceneShape& shape) {
     return std::holds_alternative<MeshSource>(shape.source);
   });
@@ -192,7 +191,7 @@ Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& setting
   const auto executor = parallel::make_executor(ExecutorKind::Threads, meshes > 1 ? settings.threads : 1);
   parallel::parallel_for(*executor, made.size(), 1, [&](std::size_t i, std::size_t, int worker) {
     std::function<void(double)> progress;
-    // Worker 0 is the calling thread, which alone tells; where one mesh is built, it builds it.
+    // Worker 0 is the calling thread, the only one that reports progress; a single mesh is built by it.
     if (worker == 0 && settings.progress)
       progress = [&](double share) {
         settings.progress((static_cast<double>(done.get()) + share) / static_cast<double>(made.size()));

@@ -12,9 +12,10 @@
 namespace poise::io {
 
 struct LoadSettings {
-  int threads = 0;                                  ///< sphere trees are built on up to so many, 0 = all
-  std::optional<TreeCacheSettings> tree_cache;      ///< none: every tree is built
-  std::function<void(double share)> progress = {};  ///< on the calling thread, with the share of the shapes, 0 to 1
+  int threads = 0;                                  ///< most threads for building sphere trees, 0 = all
+  std::optional<TreeCacheSettings> tree_cache;      ///< empty: every tree is built
+  std::function<void(double share)> progress = {};  ///< called on the calling thread, with the completed share of the
+                                                    ///< shapes, 0 to 1
 };
 
 struct LoadedShapes {
@@ -25,20 +26,21 @@ struct LoadedShapes {
 /// Loads or makes the shapes of a scene. Refused with scene file and field.
 Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& settings);
 
-/// One shape as load_shapes makes it, but a tree of a mesh that is in no cache is not built: ErrorKind::Cancelled.
+/// One shape as load_shapes makes it, except that a mesh's tree that is not in a cache is not built:
+/// ErrorKind::Cancelled.
 Result<ShapePtr> load_without_building(const Scene& scene, const SceneShape& shape, const LoadSettings& settings);
 
-/// The mesh of a shape, scaled and turned as the scene says.
+/// The mesh of a shape, scaled and rotated as in the scene.
 Result<TriangleMesh> scene_mesh(const Scene& scene, const MeshSource& source);
 
 /// File and field of a shape, for messages: `pile.json: shapes.jack.mesh`.
 std::string place_of(const Scene& scene, const SceneShape& shape);
 
-/// The notes of shapes that load_shapes made, with scene file and field.
+/// The notes of the shapes from load_shapes, with scene file and field.
 std::vector<std::string> shape_warnings(const Scene& scene, std::span<const ShapePtr> shapes);
 
-/// A tree `scale` times as large. Spheres are rounded outward, so that they still cover; leaves only where they are not
-/// the surface.
+/// A tree `scale` times as large. Spheres are rounded outward, so that they still cover the object. Leaves that are the
+/// surface are not rounded outward.
 SphereTree scaled_tree(SphereTree tree, double scale, bool leaves_are_surface);
 
 }  // namespace poise::io

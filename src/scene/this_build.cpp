@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Alone, since it is compiled again at every commit.
+// A file of its own, since it is recompiled at every commit.
 #include "build_info.h"
 #include "scene/made_by.h"
 

@@ -13,11 +13,12 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::uint32_t kEntries = 1U << 22U;
-// Pairs whose impulses are timed: the paper's model reads their fronts, which must fit beside each other.
+// Number of pairs whose impulses are timed together: the paper's model reads their fronts, so all of them must fit into
+// the capacity.
 constexpr std::size_t kSolved = 50;
 constexpr int kAnswers = 10;
 
-// The overlap tests alone: fronts in two buffers that are used again for every pair.
+// The overlap tests alone: fronts in two buffers that are reused for every pair.
 class OverlapTests {
  public:
   OverlapTests() {
@@ -44,7 +45,7 @@ class OverlapTests {
   std::array<std::vector<collision::FrontEntry>, 2> fronts_;
 };
 
-// Rows and impulses of all pairs; every wrench meets, whatever its gap.
+// Computes rows and impulses of all pairs; every wrench acts, whatever its separation.
 void answer_all(PairStages& stages) {
   stages.make_rows();
   stages.close_gaps();
@@ -85,7 +86,8 @@ Result<std::vector<PairCost>> PairProbe::costs(const PairSettings& settings, std
   std::vector<Readings> readings(levels.size());
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < levels.size(); ++i) {
-      // Polygons take a thousand times what a level takes, and no branch predictor learns them by heart.
+      // Polygons take a thousand times as long as a level, so a branch predictor cannot memorise them. They are timed
+      // on the smaller set.
       PairStages& timed = levels[i].polygons ? solved : refined;
       timed.find(levels[i], dt_s);
       bool fits = true;
@@ -94,7 +96,7 @@ Result<std::vector<PairCost>> PairProbe::costs(const PairSettings& settings, std
       solved.find(levels[i], dt_s);
       fits = solved.refine_all(true) && fits;
       if (!fits) return Error{ErrorKind::CapacityFull, "states: their fronts have no room"};
-      // Once to fetch what refinement has driven out of the cache.
+      // A first run loads the data that refinement evicted from the cache.
       answer_all(solved);
       const double answers_ns = nanoseconds([&] {
         for (int again = 0; again < kAnswers; ++again) answer_all(solved);

@@ -10,7 +10,7 @@
 namespace poise::simulation {
 namespace {
 
-// Capacity of the fronts of one pair.
+// Capacity of the front of one pair.
 constexpr std::uint32_t kEntriesOfPair = 1U << 20U;
 
 }  // namespace
@@ -23,7 +23,7 @@ StepInput step_to(ProbeLevel level, double dt_s) {
   return input;
 }
 
-// All pairs of bodies in one World, far from each other.
+// Adds all pairs of bodies to one World, far from each other.
 Result<World> PairProbe::world_of(const PairSettings& settings, std::span<const PairState> states,
                                   std::uint32_t capacity) {
   if (!settings.a || !settings.b) return bad_input("a, b: must be shapes");
@@ -66,7 +66,7 @@ PairProbe::PairProbe(PairProbe&&) noexcept = default;
 PairProbe& PairProbe::operator=(PairProbe&&) noexcept = default;
 PairProbe::~PairProbe() = default;
 
-// The stages of a step up to the rows.
+// Runs the stages of a step up to the rows.
 bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach) {
   if (!world_.set_state({0, 0}, state.a) || !world_.set_state({1, 0}, state.b)) return false;
   stages_->find(level, dt_s);

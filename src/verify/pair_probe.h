@@ -10,7 +10,7 @@
 
 namespace poise::simulation {
 
-/// Two bodies, and how their collisions are solved.
+/// Two bodies, and the parameters of their collision.
 struct PairSettings {
   ShapePtr a, b;
   ContactModel contact = ContactModel::Wrench;
@@ -18,31 +18,31 @@ struct PairSettings {
   double density_kgpm3 = 1000;  ///< of both
 };
 
-/// Where both bodies of a pair are, and how they move.
+/// Positions and velocities of both bodies of a pair.
 struct PairState {
   BodyState a, b;
 };
 
-/// A level of both trees, or the polygons below the deepest one.
+/// A level of both trees, or the polygons after the deepest level.
 struct ProbeLevel {
-  Level level = 0;  ///< kMaxTreeDepth with polygons: these come after the deepest level there is
+  Level level = 0;  ///< kMaxTreeDepth with polygons, which follow the deepest level
   bool polygons = false;
   friend bool operator==(const ProbeLevel&, const ProbeLevel&) = default;
 };
 
-/// A step without a budget that refines as far as this level.
+/// The input of a step without a budget that refines up to this level.
 StepInput step_to(ProbeLevel level, double dt_s);
 
-/// What a step would make of one pair.
+/// The result of a step for one pair.
 struct PairAnswer {
-  bool met = false;  ///< the level finds them near; otherwise nothing else is set
-  Level level = 0;   ///< that was reached
-  double gap_m = 0;  ///< that the pair would wait for, negative in overlap
+  bool met = false;  ///< the level finds the pair near; if false, nothing else is set
+  Level level = 0;   ///< the completed level
+  double gap_m = 0;  ///< separation that the pair would wait for, negative in overlap
   Vec3 dv_a_mps = Vec3::Zero(), dw_a_radps = Vec3::Zero();
   Vec3 dv_b_mps = Vec3::Zero(), dw_b_radps = Vec3::Zero();
 };
 
-/// What one pair costs on one core, in nanoseconds.
+/// Cost of one pair on one core, in nanoseconds.
 struct PairCost {
   double refine_ns = 0;    ///< from the two roots to the contact of the level
   double overlap_ns = 0;   ///< the overlap tests of that alone
@@ -51,28 +51,28 @@ struct PairCost {
 
 class PairStages;
 
-/// Asks the stages of World::step about a pair, for studies and tests: the same broad phase, refinement, rows and
-/// impulses, on one thread, with data of its own. Each call takes the length of a step, whose motion says what is near:
-/// in (0, kMaxTimeStepS]. Invariant: its World holds exactly the two bodies, without gravity.
+/// Runs the stages of World::step on a single pair, for studies and tests: the same broad phase, refinement, rows and
+/// impulses, on one thread, with its own data. Each call takes the length of a step, in (0, kMaxTimeStepS]; the motion
+/// in the step determines which pairs are near. Invariant: its World holds exactly the two bodies, without gravity.
 class PairProbe {
  public:
   PairProbe(PairProbe&&) noexcept;
   PairProbe& operator=(PairProbe&&) noexcept;
   ~PairProbe();
 
-  /// Refused as World::add_material and World::add_body, and a shape that is none.
+  /// Refused as World::add_material and World::add_body, and if a shape is null.
   static Result<PairProbe> make(const PairSettings& settings);
 
-  /// The impulse at this level as if the surfaces met here and now, whatever gap the level believes in; the contacts of
-  /// the paper's model are those that meet in this step. States as World::set_state takes them; one that it refuses is
-  /// not met.
+  /// The impulse at this level as if the surfaces met now, whatever separation the level estimates. With the paper's
+  /// model only the contacts that close in this step act. States as for World::set_state; for a refused state `met` is
+  /// false.
   PairAnswer answer(const PairState& state, ProbeLevel level, double dt_s);
-  /// Does a step from here give the pair an impulse, at its own time?
+  /// Whether a step from this state gives the pair an impulse, at its own time of impact.
   bool acts(const PairState& state, ProbeLevel level, double dt_s);
 
-  /// Refines and solves all `states` of a pair at each level, `rounds` times in turn, and takes the medians of what
-  /// one pair costs, a figure a level. CPU time of the calling thread. Refused as make; no state or round; more fronts
-  /// than their capacity.
+  /// Refines and solves all `states` of a pair at each level, `rounds` times in turn, and returns the medians of the
+  /// cost of one pair, one entry a level. CPU time of the calling thread. Refused: as make; no states or rounds; fronts
+  /// beyond the capacity.
   static Result<std::vector<PairCost>> costs(const PairSettings& settings, std::span<const PairState> states,
                                              std::span<const ProbeLevel> levels, double dt_s, int rounds);
 
@@ -80,7 +80,7 @@ class PairProbe {
   explicit PairProbe(World world);
   static Result<World> world_of(const PairSettings& settings, std::span<const PairState> states,
                                 std::uint32_t capacity);
-  /// What counts as near: all that the level finds, or as in a step what may meet within it.
+  /// Which pairs count as near: all that the level finds, or as in a step those that may meet within it.
   enum class Reach : std::uint8_t { Found, Step };
   bool pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach);
   PairAnswer solve(const PairState& state);

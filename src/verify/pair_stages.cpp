@@ -51,7 +51,7 @@ SolveInput PairStages::solve_input() const {
 
 void PairStages::make_rows() {
   FrameReport report;
-  // No pair is cached from one question to the next.
+  // Pairs are not cached between queries.
   points_.free.clear();
   for (std::size_t slot = points_.points.size() / kPointsOfPair; slot-- > 0;)
     points_.free.push_back(static_cast<std::uint32_t>(slot));

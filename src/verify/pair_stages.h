@@ -6,24 +6,24 @@
 
 namespace poise::simulation {
 
-/// The stages of a step over the bodies of a World, with data of its own: the World is only read. For the pair probe,
-/// which stops between stages and looks at their outputs. On the calling thread of the World's executor.
+/// The stages of a step on the bodies of a World, with separate data: the World is only read. For the pair probe, which
+/// stops between stages and reads their outputs. Runs on the calling thread with the World's executor.
 class PairStages {
  public:
   explicit PairStages(const WorldState& world);
 
-  /// *predict* to *coarse*, and all pairs at level 0.
+  /// Runs *predict* to *coarse*, and refines all pairs to level 0.
   void find(ProbeLevel level, double dt_s);
-  /// All pairs to their deepest level, one after another. False if a front had no room. Fronts that are not kept leave
-  /// theirs to the next pair.
+  /// Refines all pairs to their deepest level, one after another. Returns false if the capacity of a front was too
+  /// small. Without `keep_fronts` the next pair reuses the capacity.
   bool refine_all(bool keep_fronts);
-  /// Every pair has a contact, whatever its separation: for make_rows.
+  /// Gives every pair a contact, whatever its separation: for make_rows.
   void meet_all();
-  /// *manifolds*, and all rows of *solve*.
+  /// Runs *manifolds*, and makes all rows of *solve*.
   void make_rows();
-  /// Every row meets at once, whatever its gap.
+  /// Makes every row act immediately, whatever its separation.
   void close_gaps();
-  /// The impulses of impacts.
+  /// Computes the impulses of impacts.
   void solve();
 
   [[nodiscard]] const Frame& frame() const { return frame_; }

@@ -13,8 +13,8 @@
 namespace poise::simulation {
 namespace {
 
-// Settled is what changes by less than 1e-10 of the largest impulse. The bound on iterations is chosen: a pile of 2,000
-// meshes needs 400 to 1,200.
+// Converged means that the change is below 1e-10 of the largest impulse. The limit of iterations is chosen: a pile of
+// 2,000 meshes needs 400 to 1,200.
 constexpr solver::Stopping kConverged{1e-10, 50000};
 
 using Column = std::vector<double> dynamics::BodyStore::*;
@@ -35,7 +35,7 @@ const collision::TrueSurface& surface_of(const WorldState& world, const Referenc
   return *reference.surfaces[world.shape_of[slot]];
 }
 
-// Made one after another: most scenes have few shapes.
+// Built one after another, since most scenes have few shapes.
 void prepare_surfaces(const WorldState& world, Reference& reference) {
   std::vector<std::unique_ptr<collision::TrueSurface>>& surfaces = reference.surfaces;
   surfaces.resize(world.shapes.size());
@@ -47,7 +47,8 @@ void prepare_surfaces(const WorldState& world, Reference& reference) {
   }
 }
 
-// Impulses of both, then the gaps of what the run solved. Both frames list the same pairs in the same order.
+// Impulses of run and reference, then the separations of the pairs that the run solved. Both frames list the same pairs
+// in the same order.
 std::vector<ComparedPair> compared_pairs(const WorldState& world, const Reference& full, const View& view) {
   const Frame& run = world.outputs;
   POISE_ASSERT(run.table.size() == full.table.size());
@@ -81,7 +82,7 @@ std::vector<ComparedPair> compared_pairs(const WorldState& world, const Referenc
   return pairs;
 }
 
-// Who stands between the viewer and a body.
+// Whether another body is between the viewer and a body.
 class Occlusion {
  public:
   Occlusion(const WorldState& world, const Reference& reference, const View& view)
@@ -164,15 +165,15 @@ void remember(const WorldState& world, Reference& reference) {
 
 namespace {
 
-// The bodies as the frame found them: what the caller and waking have made of them, where they were.
+// Restores the bodies at the start of the frame, after the caller's changes and waking.
 void restore_bodies(const WorldState& world, Reference& reference) {
   reference.bodies = world.bodies;
   for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.bodies.*kColumnsOfState[i] = reference.columns[i];
   reference.bodies.pushed = reference.pushed;
 }
 
-// The frame again from *coarse* on: what the first two stages made depends on the start of the frame alone. How many
-// pairs are not at their finest level, and how the solvers ended.
+// Computes the frame again from *coarse* on; the first two stages depend only on the start of the frame. Returns how
+// many pairs are not at their finest level, and how the solvers ended.
 struct FullFrame {
   std::size_t not_finest = 0;
   solver::Convergence response;
@@ -185,13 +186,14 @@ FullFrame run_full(const WorldState& world, const StepInput& input, std::span<co
   StepTerms terms = terms_of(world.settings, input);
   terms.max_level = kMaxTreeDepth;
   terms.polygons = true;
-  // Polygons are solved alike in every model; where balls are the surface, this one finds the balls that meet.
+  // Polygons are solved in the same way by every model. If balls are the surface, this model finds the balls that
+  // touch.
   terms.contact = ContactModel::Fitted;
   FrameReport report;
   find_active_pairs({scene, terms, motion, world.outputs.candidates, world.cache.previous_pairs, world.pair_filter,
                      input.view, world.settings.policy},
                     reference.table, pools, executor);
-  // What is cached of a pair is part of the run, not of the reference.
+  // The contact cache belongs to the run, not to the reference.
   for (PairProgress& pair : reference.table.start) pair.cached = CacheUse::None;
   FullFrame full;
   begin_levels(reference.table, reference.levels, executor);

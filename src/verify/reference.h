@@ -4,16 +4,16 @@
 #include "frame/world_state.h"
 #include "poise/reference.h"
 
-/// The reference of a frame (docs/method.md). It belongs to World::step, which calls remember before a frame and refer
-/// after it, both outside of the frame's time, and nothing of it in a step that does not ask for one.
+/// The reference of a frame (docs/method.md), used by World::step. It calls remember before a frame and refer after it,
+/// both outside the frame's time, and neither in a step without StepInput::reference.
 namespace poise::simulation {
 
-/// Copies the state that the frame is about to start from.
+/// Copies the state at the start of the frame.
 void remember(const WorldState& world, Reference& reference);
 
-/// Does the frame that has just ended again from the remembered state, with data of its own and the predicted motion of
-/// the run, and says how far apart the two are. Uses the World's threads and `pools`, one a worker, which it clears;
-/// the result does not depend on the threads.
+/// Computes the frame that has just ended again from the remembered state, with separate data and the predicted motion
+/// of the run, and compares the two. Uses the World's threads and `pools`, one a worker, which it clears. The result
+/// does not depend on the threads.
 ReferenceFigures refer(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
                        Reference& reference);
 

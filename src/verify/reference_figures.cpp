@@ -15,8 +15,8 @@ constexpr double kFullSizeRad = 1.0 * kDegree;
 constexpr double kHalfAcuityRad = 2.5 * kDegree;
 constexpr double kHidden = 0.25;
 constexpr double kOutside = 0.05;
-// As for the cues: nearer than this nothing gets larger.
-constexpr double kNearest_m = 0.05;
+// Minimum viewing distance, as for the cues: nothing appears larger when nearer than this.
+constexpr double kNearestM = 0.05;
 
 double squared_speed(const Vec3& v, const Vec3& w, const Mat3& inertia_per_mass_m2) {
   return v.squaredNorm() + w.dot(inertia_per_mass_m2 * w);

@@ -23,31 +23,32 @@ struct ComparedPair {
   std::uint32_t a = 0, b = 0;  ///< slots
   double run_ns = 0;           ///< size of the impulse in the run, N s
   double reference_ns = 0;     ///< in the reference
-  double gap_m = 0;            ///< distance of the true surfaces at the start; read for contacts of the run only
+  double gap_m = 0;            ///< separation of the true surfaces at the start; set only for contacts of the run
   double gap_px = 0;
 };
 
-/// Impulses below this share of the largest one of a frame are none: ten times what the reference converges to.
+/// Impulses below this share of the largest one of a frame count as 0: ten times the tolerance of the reference.
 inline constexpr double kNoImpulse = 1e-9;
 
-/// Size of the impulse from which on a pair of this frame counts as a contact, N s; > 0 unless all are 0.
+/// Least size of the impulse with which a pair of this frame counts as a contact, N s; > 0 unless all are 0.
 double least_impulse_ns(std::span<const ComparedPair> pairs);
 inline bool touches(double impulse_ns, double least_ns) { return impulse_ns > 0 && impulse_ns >= least_ns; }
 
-/// What the viewer could notice of an error of a body, docs/method.md; not a cue of any policy:
-///     s = visible min(1, (size / 1 degree)^2) / (1 + eccentricity / 2.5 degrees)^2                    ours
-/// size = 2 asin(R / d), the angle that its bounding ball fills; eccentricity = angle between gaze and its centre;
-/// visible = 1, 0.25 where `hidden`, 0.05 where the bounding ball is outside the frustum. 1 without a view. `hidden` is
-/// not asked outside the frustum.
+/// Weight of a body's error by its visibility, docs/method.md; it is not a cue of a policy. Our definition:
+///     s = visible min(1, (size / 1 degree)^2) / (1 + eccentricity / 2.5 degrees)^2
+/// size = 2 asin(R / d), the angular size of its bounding ball; eccentricity = angle between gaze and its centre;
+/// visible = 1, or 0.25 if `hidden`, or 0.05 if the bounding ball is outside the frustum, where `hidden` is ignored. 1
+/// without a view.
 double error_weight(const View& view, const Vec3& center_m, double radius_m, bool hidden);
 
-/// Height of a picture that gaps are measured in, pixels.
+/// Height in pixels of the picture in which separations are measured.
 inline constexpr double kPictureHeightPx = 1080;
-/// How many pixels a length across the view fills at a point: length 1080 / (2 d tan(fov / 2)), d >= 0.05 m the
-/// distance of the viewer.
+/// Size in pixels of a length across the view at a point: length 1080 / (2 d tan(fov / 2)), with d >= 0.05 m the
+/// distance from the viewer.
 double length_px(const View& view, const Vec3& point_m, double length_m);
 
-/// E, E_rel, E_seen over `bodies` (all of them touched), contacts and gaps over `pairs`. Sums in the given order.
+/// E, E_rel and E_seen over `bodies` (all of them touched), contacts and separations over `pairs`. Sums in the given
+/// order.
 ReferenceFigures compare_frames(std::span<const ComparedBody> bodies, std::span<const ComparedPair> pairs, bool view);
 
 }  // namespace poise::simulation

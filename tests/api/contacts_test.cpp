@@ -25,7 +25,7 @@ std::set<Pair> pairs_of(std::span<const Contact> contacts) {
   return pairs;
 }
 
-/// What touches by the events so far.
+/// Updates the set of touching pairs by the events.
 void follow(std::set<Pair>& touching, std::span<const ContactEvent> events) {
   for (const ContactEvent& event : events) {
     const Pair pair(event.a, event.b);
@@ -52,7 +52,7 @@ TEST(Contacts, AreThePairsThatEventsSayTouch) {
       EXPECT_TRUE(std::ranges::is_sorted(stage.world.contacts(), {},
                                          [](const Contact& c) { return std::pair(c.a.slot, c.b.slot); }));
       for (const Contact& contact : stage.world.contacts()) {
-        // Only an impulse makes a contact of what is apart.
+        // For separated surfaces only an impulse makes a contact.
         if (contact.gap_m > 0.01) {
           EXPECT_GT(contact.impulse_ns.norm(), 0) << contact.gap_m;
         }
@@ -67,7 +67,7 @@ TEST(Contacts, AreThePairsThatEventsSayTouch) {
 TEST(Contacts, OfWhatIsApartAndGivesNoImpulseAreNone) {
   Stage stage(heavy());
   stage.plane(Vec3::UnitZ(), 0);
-  // Fast enough sideways to be a candidate, and 0.17 m above the floor.
+  // Fast enough sideways to be a candidate, 0.17 m above the floor.
   stage.add(stage.ball(0.5), Vec3(0, 0, 0.67), Vec3(12, 0, 0));
   const FrameReport report = stage.world.step({});
   EXPECT_GT(report.candidate_pairs, 0U);
@@ -86,7 +86,7 @@ TEST(Contacts, OfARemovedBodyEndWithTheNextStep) {
   ASSERT_TRUE(stage.world.remove_body(left));
   ASSERT_EQ(stage.world.contacts().size(), 1U);
   EXPECT_EQ(stage.world.contacts()[0].b, right);
-  // The slot is used again, and the new body removed as well, before the step.
+  // Before the step the slot is reused, and the new body is removed as well.
   const BodyId brief = stage.add(ball, Vec3(0, 0, 0.5));
   EXPECT_EQ(brief.slot, left.slot);
   ASSERT_TRUE(stage.world.remove_body(brief));

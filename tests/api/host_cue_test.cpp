@@ -38,7 +38,7 @@ struct Outcome {
   }
 };
 
-/// Jacks that fall into a tray, every fourth a hero, and work for a level or two a frame.
+/// Jacks that fall into a tray, every fourth one a hero, with work for one or two levels a frame.
 Outcome run(const scheduler::Policy& policy, int threads, const std::vector<FrameDecisions>* replay = nullptr,
             bool view = false) {
   WorldSettings settings;
@@ -92,7 +92,7 @@ TEST(HostCue, PrefersWhatTheHostPrefersWhereWorkIsShort) {
   EXPECT_GT(calls, 0);
   EXPECT_EQ(told.refused, 0U);
   EXPECT_GT(told.heroes - told.others, plain.heroes - plain.others + 0.2);
-  policy.host = 0;  // its weight switches it off
+  policy.host = 0;  // a weight of 0 turns the cue off
   EXPECT_EQ(run(policy, 1), plain);
 }
 
@@ -121,7 +121,7 @@ TEST(HostCue, OfARecordedRunIsNotNeededToReplayIt) {
   EXPECT_EQ(run(policy, 2, &plain.decisions).hashes, plain.hashes);
 }
 
-/// Are the numbers that a cue is shown those that its documentation says?
+/// Checks that the values passed to a cue are those of its documentation.
 double check_view(const scheduler::PairView& view, void* context) noexcept {
   const auto norm = [](double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); };
   const auto& [x, y, z] = view.point_m;

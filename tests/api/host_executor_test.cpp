@@ -68,7 +68,7 @@ class Pool final : public HostExecutor {
   std::vector<std::jthread> threads_;
 };
 
-/// Takes on what it is asked for and does it when somebody says so, on the thread of whoever says so, or refuses it.
+/// Accepts calls and makes them later, on the thread that asks for it, or refuses them.
 class Lazy final : public HostExecutor {
  public:
   explicit Lazy(bool accepts) : accepts_(accepts) {}
@@ -97,7 +97,7 @@ class Lazy final : public HostExecutor {
   std::vector<HostTask> tasks_;
 };
 
-/// Calls the task at once on the thread that asks.
+/// Makes the calls at once on the thread that asks.
 class AtOnce final : public HostExecutor {
  public:
   [[nodiscard]] int concurrency() const override { return 3; }
@@ -131,7 +131,7 @@ TEST(HostExecutor, GivesTheStateOfTheSerialOne) {
   const auto pool = std::make_shared<Pool>(4);
   EXPECT_EQ(hash_after(settings_with(pool), 40), hash_after(settings_with(nullptr), 40));
   EXPECT_GT(pool->called.load(), 0);
-  // Calls that wait or work already are not asked for again.
+  // Calls that are pending or running are not asked for again.
   EXPECT_LE(pool->most_pending, 3U);
 }
 
@@ -142,8 +142,8 @@ TEST(HostExecutor, MayStartNobody) {
   EXPECT_EQ(hash_after(settings_with(nobody), 20), expected);
   EXPECT_GT(nobody->asked.load(), 3);
   EXPECT_EQ(hash_after(settings_with(never), 20), expected);
-  EXPECT_EQ(never->asked.load(), 3);  // all that there is room for, and they are still to come
-  EXPECT_EQ(never->do_all(), 3U);     // when the World is gone
+  EXPECT_EQ(never->asked.load(), 3);  // as many as there are other threads; they are still pending
+  EXPECT_EQ(never->do_all(), 3U);     // when the World is destroyed
 }
 
 TEST(HostExecutor, MayStartThemLate) {

@@ -32,7 +32,7 @@ BodyId add_driven(Stage& stage, ShapeId shape, const Vec3& position, const Vec3&
   return stage.world.add_body(body).value();
 }
 
-/// Three balls of 1 m side by side, in whose dimple a smaller one lies stably.
+/// Three balls of 1 m side by side; a smaller ball rests stably in the hollow between them.
 ShapeId cradle(Stage& stage) {
   const double side = std::sqrt(0.75);
   const std::vector<Sphere> spheres = {{Vec3(1, 0, 0), 1.0}, {Vec3(-0.5, side, 0), 1.0}, {Vec3(-0.5, -side, 0), 1.0}};
@@ -146,7 +146,7 @@ TEST(Kinematic, PassesThroughStaticAndKinematicBodies) {
   }
 }
 
-/// The way of a ball in a cradle that is driven about, with what pairs know kept or forgotten each frame.
+/// The path of a ball in a moving cradle, with the cache of pairs retained or cleared each frame.
 std::vector<Vec3> drive_about(bool forgetful, std::size_t& cached) {
   Stage stage(with_gravity(), 0);
   stage.material = stage.world.add_material({0, 0.4, 1000}).value();
@@ -209,7 +209,7 @@ TEST(Kinematic, WhatASlowOneCarriesStaysAwakeAndOnAStandingOneItSleepsUntilThatM
   WorldSettings settings = with_gravity();
   settings.sleeping = true;
   Stage stage(settings, 0);
-  constexpr double kSlow = 0.005;  // far below what counts as still
+  constexpr double kSlow = 0.005;  // far below the speed that counts as still
   const BodyId driven = add_driven(stage, cradle(stage), Vec3::Zero(), Vec3(0, 0, kSlow));
   const BodyId ball = stage.add(stage.ball(0.5), Vec3(0, 0, kInCradle));
   for (int frame = 0; frame < 120; ++frame) {

@@ -37,7 +37,7 @@ TEST(UserData, IsKeptWithABodyAndChangesNothing) {
   EXPECT_FALSE(one.world.user_data(told));
   EXPECT_FALSE(one.world.set_user_data(told, 1));
   body.user_data = 0;
-  EXPECT_EQ(one.world.user_data(one.world.add_body(body).value()).value(), 0U);  // the slot is used again
+  EXPECT_EQ(one.world.user_data(one.world.add_body(body).value()).value(), 0U);  // the slot is reused
 }
 
 TEST(Bodies, AreListedInOrderOfSlots) {
@@ -94,7 +94,7 @@ TEST(RemoveShape, IsRefusedWhileBodiesUseIt) {
   body.shape = shape;
   body.material = stage.material;
   EXPECT_FALSE(stage.world.add_body(body));
-  EXPECT_NE(stage.ball(0.25), shape);  // an id is never given again
+  EXPECT_NE(stage.ball(0.25), shape);  // ids are never reused
   stage.bodies.clear();
   stage.add(ShapeId{1}, Vec3(0, 0, 0));
   StepInput input;
@@ -240,7 +240,7 @@ TEST(PairFilter, LetsPairsPassThroughEachOther) {
   for (int frame = 0; frame < 60; ++frame) stage.world.step({});
   EXPECT_LT(stage.world.state(balls[1]).value().position_m.z(), -1);
   EXPECT_NEAR(stage.world.state(balls[2]).value().position_m.z(), 0.5, 0.05);
-  // What it kept apart meets again, and what touched ends.
+  // Pairs that the filter excluded collide again, and contacts that it now excludes end.
   context.ghost = 2;
   stage.world.set_pair_filter(filter);
   stage.world.step({});

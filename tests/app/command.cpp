@@ -21,10 +21,10 @@ extern char** environ;
 namespace poise::testing {
 namespace {
 
-/// -1 if the program cannot be started.
+/// Starts the program; returns -1 if it cannot be started.
 pid_t start(const std::string& out_file, const std::string& error_file, const std::vector<std::string>& arguments,
             const std::string& in_file = "/dev/null") {
-  // Unless a test says otherwise, the trees and times that the user keeps are neither read nor written.
+  // Unless a test sets the variable, the user's cached trees and times are neither read nor written.
   ::setenv("POISE_TREE_CACHE", "off", 0);
   ::setenv("POISE_TIME_PRIORS", "off", 0);
   std::vector<std::string> words{POISE_COMMAND};
@@ -89,7 +89,7 @@ CommandResult interrupted_command(const std::vector<std::string>& arguments, con
   const pid_t child = start(folder.file("out"), folder.file("error"), arguments);
   if (child < 0) return result;
   std::array<char, 1U << 16U> block{};
-  // The limit only ends a test that has failed; a sound program writes at once and closes the pipe when it ends.
+  // The limit only ends a failed test; a correct program writes at once and closes the pipe when it ends.
   constexpr int kLimitMs = 300'000;
   for (pollfd waiting{reader, POLLIN, 0}; ::poll(&waiting, 1, kLimitMs) > 0;) {
     const ssize_t got = ::read(reader, block.data(), block.size());
@@ -110,14 +110,14 @@ CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments)
   if (screen < 0 || ::grantpt(screen) != 0 || ::unlockpt(screen) != 0) return result;
   std::array<char, 128> name{};
   if (::ptsname_r(screen, name.data(), name.size()) != 0) return result;
-  // Kept open until the child has it, so that the terminal does not look closed before.
+  // Kept open until the child has opened it, so that the terminal does not appear closed before.
   const int keyboard = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   const TemporaryFolder folder;
   const pid_t child = start(folder.file("out"), name.data(), arguments);
   ::close(keyboard);
   if (child < 0) return result;
   std::array<char, 1024> block{};
-  // The limit only ends a test that has failed.
+  // The limit only ends a failed test.
   constexpr int kLimitMs = 300'000;
   for (pollfd waiting{screen, POLLIN, 0}; ::poll(&waiting, 1, kLimitMs) > 0;) {
     const ssize_t got = ::read(screen, block.data(), block.size());

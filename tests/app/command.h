@@ -7,7 +7,7 @@
 namespace poise::testing {
 
 struct CommandResult {
-  int exit_code = -1;  ///< 128 + signal where a signal ended it
+  int exit_code = -1;  ///< 128 + signal if a signal ended it
   std::string out;
   std::string error;
 };
@@ -18,13 +18,13 @@ CommandResult poise_command(const std::vector<std::string>& arguments);
 /// The same with the standard input from `in_file`.
 CommandResult poise_command_reading(const std::string& in_file, const std::vector<std::string>& arguments);
 
-/// The same, with a pipe at `fifo` that the program writes to: at its first bytes it gets Ctrl-C. What came through the
-/// pipe until its end is added to `received`.
+/// The same, with a pipe at `fifo` that the program writes to. The program gets Ctrl-C at its first bytes. `received`
+/// gets all bytes of the pipe.
 CommandResult interrupted_command(const std::vector<std::string>& arguments, const std::string& fifo,
                                   std::string& received);
 
-/// The same with a terminal as its standard error: at the first thing it shows there it gets Ctrl-C. What it showed
-/// comes back as the error text.
+/// The same with a terminal as its standard error. The program gets Ctrl-C at its first output there. Returns that
+/// output as the error text.
 CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments);
 
 /// The same with the standard output going to `out_file`.

@@ -135,7 +135,7 @@ TEST(Command, WritesStaticBodiesAndPlanesWithFiniteNumbersAndWarmUpFramesToo) {
 
 TEST(Command, WritesOneRowAFrameAndCausesThatSumToTheMisses) {
   const TemporaryFolder folder;
-  // No frame can be done in a nanosecond or two: every frame is a miss, whatever the machine.
+  // No frame ends within a nanosecond or two: every frame is a miss on any machine.
   const CommandResult result = poise_command({"run", "gas", "--frames", "5", "--deadline", "0.000001", "--frames-csv",
                                               folder.file("f.csv"), "--json", folder.file("r.json"), "--quiet"});
   ASSERT_EQ(result.exit_code, 0) << result.error;

@@ -18,7 +18,7 @@ Pixel pixel_at(const io::Image& image, std::uint32_t x, std::uint32_t y) {
   return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// A ball of one metre straight ahead at 10 m, and perhaps another one.
+// A picture of a ball of one metre straight ahead at 10 m, and of optional other bodies.
 io::Image picture_of(const std::string& more_bodies, int steps = 0) {
   const Result<Scene> scene =
       parse(scene_text(R"("camera": {"position_m": [-10, 0, 0], "look_at_m": [0, 0, 0], "vertical_fov_deg": 30}, )",
@@ -40,7 +40,7 @@ TEST(Picture, ShowsABallWhereItIsAndSkyBesideIt) {
   const Pixel corner = pixel_at(image, 2, 2);
   EXPECT_LT(middle[2], 200) << "a grey ball";
   EXPECT_GT(corner[2], 230) << "a bright sky";
-  // Its outline, at tan(15 degrees) for half the height.
+  // The radius of its outline; half the height is tan(15 degrees).
   const double radius_px = 0.5 * kHeight / std::tan(15 * 3.14159265358979 / 180) * 0.5 / std::sqrt(10 * 10 - 0.25);
   const auto row = [&](double offset_px) {
     return pixel_at(image, kWidth / 2, static_cast<std::uint32_t>(0.5 * kHeight + offset_px));

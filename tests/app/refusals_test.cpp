@@ -13,7 +13,7 @@ namespace {
 
 struct Case {
   std::vector<std::string> arguments;
-  std::string message;  ///< somewhere in what it says
+  std::string message;  ///< a part of the error message
 };
 
 void expect_refusals(int exit_code, const std::vector<Case>& cases) {

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A recorded run of the wall clock and what its report says.
+/// A recorded run with the wall clock; returns its report.
 json recorded_run(const std::string& file, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "run");
   arguments.insert(arguments.end(), {"--record", file, "--json", "-", "--quiet"});
@@ -101,7 +101,7 @@ TEST(Replay, ExplainsAFrameAsTheReportCountsIt) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
   std::vector<std::string> arguments = kJacks;
-  // Counted work leaves pairs coarse on any machine.
+  // A budget of counted work leaves pairs coarse on any machine.
   arguments.erase(arguments.end() - 2, arguments.end());
   arguments.insert(arguments.end(),
                    {"--clock", "work", "--budget-work", "8", "--frames-csv", folder.file("frames.csv")});
@@ -133,7 +133,8 @@ TEST(Replay, ExplainsAFrameAsTheReportCountsIt) {
     EXPECT_LT(row.at("a"), row.at("b"));
   }
   EXPECT_EQ(units, cell("work_refine"));
-  // Rounds go by score, so the first level that was done is worth no less than any that was left before it.
+  // Rounds are in order of score, so the score of the first completed level is not below that of any level left before
+  // it.
   for (const json& row : explain.at("left_coarse"))
     EXPECT_LE(row.at("next_score"), explain.at("left_coarse").at(0).at("next_score"));
   const CommandResult shown = poise_command({"replay", file, "--explain", "70", "--limit", "3"});

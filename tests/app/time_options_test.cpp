@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-// A few balls that fall: frames of microseconds.
+// A few falling balls, whose frames take microseconds.
 std::string small_scene(const TemporaryFolder& folder, const std::string& more = "") {
   const std::string file = folder.file("small.json");
   std::ofstream(file) << R"({"name": "small", "dt_s": 0.004, "gravity_mps2": [0, 0, -9.81], "frames": 130,)" << more
@@ -35,7 +35,7 @@ json run_json(const std::vector<std::string>& more) {
 TEST(TimeOptions, ARenderLoadIsPartOfTheFrame) {
   const TemporaryFolder folder;
   const std::string frames = folder.file("frames.csv");
-  // The load alone is longer than the deadline, so that every frame is late, however fast the machine.
+  // The load alone is longer than the deadline, so every frame is late on any machine.
   const json report = run_json(
       {small_scene(folder), "--frames", "5", "--deadline", "2", "--render-load", "3,0.5", "--frames-csv", frames});
   EXPECT_EQ(report.at("misses").at("count"), 5);
@@ -68,7 +68,7 @@ TEST(TimeOptions, WhatWasLearnedIsWhereTheNextRunBeginsUnlessItIsTurnedOff) {
   EXPECT_EQ(run_json({scene, "--time-priors", kept}).at("settings").at("time_priors_frames"), 0);
   EXPECT_EQ(run_json({scene, "--time-priors", kept, "--frames", "3"}).at("settings").at("time_priors_frames"), 130);
   EXPECT_EQ(run_json({scene, "--no-time-priors", "--frames", "3"}).at("settings").at("time_priors_frames"), 0);
-  // Too few frames to learn from, and counted work, keep nothing.
+  // Nothing is stored after too few frames to learn from, or with counted work.
   EXPECT_EQ(run_json({scene, "--time-priors", kept, "--frames", "3"}).at("settings").at("time_priors_frames"), 130);
   const std::string none = folder.file("none");
   run_json({scene, "--time-priors", none, "--clock", "work"});

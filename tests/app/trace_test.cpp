@@ -119,7 +119,7 @@ TEST(Affinity, IsToldInTheReport) {
   EXPECT_EQ(settings.at("realtime_priority"), 0);
 }
 
-// Either the system permits it, or it says what would.
+// Either the system permits it, or the refusal says what is needed.
 TEST(Realtime, IsRunOrRefusedWithWhatItNeeds) {
   const CommandResult result = poise_command({"run", "two-body", "--frames", "3", "--realtime", "5", "--threads", "2"});
   if (result.exit_code == 0) {

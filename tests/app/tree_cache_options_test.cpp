@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A scene of one box whose tree is built in no time. Sets POISE_TREE_CACHE for the commands and puts it back.
+/// A scene of one box whose tree is built quickly. Sets POISE_TREE_CACHE for the commands and restores it.
 class TreeCacheOptions : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -27,7 +27,7 @@ class TreeCacheOptions : public ::testing::Test {
   }
   void TearDown() override { ::setenv("POISE_TREE_CACHE", "off", 1); }
 
-  /// The figures of a run, and what it said on the standard error.
+  /// The figures of a run, and its standard error.
   std::pair<json, std::string> run(const std::vector<std::string>& options) const {
     std::vector<std::string> all{
         "run", folder_.file("box.json"), "--frames", "2", "--clock", "work", "--quiet", "--json", "-"};

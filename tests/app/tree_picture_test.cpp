@@ -37,7 +37,7 @@ io::Image drawn(const TriangleMesh& mesh, const std::vector<io::DrawnTree>& tree
   return image ? image.value() : io::Image{};
 }
 
-/// Pixels from the left to the right of what is not paper in one row of a panel.
+/// Width in pixels of everything that is not background in one row of a panel.
 std::uint32_t width_in_row(const io::Image& image, std::uint32_t row, std::uint32_t from, std::uint32_t until) {
   std::uint32_t count = 0;
   for (std::uint32_t x = from; x < until; ++x) {
@@ -47,26 +47,25 @@ std::uint32_t width_in_row(const io::Image& image, std::uint32_t row, std::uint3
 }
 
 TEST(TreePicture, ShowsTheMeshGreyAndTheBallToScaleBesideIt) {
-  // The ball about the cube touches its eight corners.
+  // The bounding ball of the cube touches its eight corners.
   const double radius_m = 0.35 * std::sqrt(3.0);
   const SphereTree ball = tree_of({{Vec3::Zero(), radius_m}});
   const io::Image image = drawn(cube(), {{&ball, ""}}, small());
   ASSERT_EQ(image.width_px, 400U);
   ASSERT_EQ(image.rgb.size(), std::size_t{3} * image.width_px * image.height_px);
-  // The panels are 190 pixels wide and as high, since the ball fills its own; they begin 10 pixels below the upper
-  // edge.
+  // The panels are 190 pixels wide and high, since the ball fills its panel; they begin 10 pixels below the upper edge.
   const std::uint32_t middle = 10 + 95;
   const Pixel mesh = pixel_at(image, 100, middle);
   EXPECT_LT(std::abs(mesh[0] - mesh[2]), 12) << "grey";
   EXPECT_NEAR(width_in_row(image, middle, 200, 400), 190, 2) << "the ball is as wide as its panel";
-  // Seen from a corner the cube is narrower than the ball about it, and wider than its edge.
+  // Seen from a corner the cube is narrower than its bounding ball, and wider than its edge.
   const double px_per_m = 190 / (2 * radius_m);
   EXPECT_LT(width_in_row(image, middle, 0, 200), 2 * radius_m * px_per_m);
   EXPECT_GT(width_in_row(image, middle, 0, 200), 0.7 * px_per_m);
 }
 
 TEST(TreePicture, GivesAPointTheColourOfItsDistanceToTheMesh) {
-  // A ball inside the cube, and a large one: what is in front stands out by 0 and by more than a tenth of the diagonal.
+  // A ball inside the cube, and a large one: in front they protrude by 0 and by more than a tenth of the diagonal.
   const SphereTree inside = tree_of({{Vec3::Zero(), 0.3}});
   const SphereTree outside = tree_of({{Vec3::Zero(), 1.0}});
   const Pixel calm = pixel_at(drawn(cube(), {{&inside, ""}}, small()), 300, 105);
@@ -120,13 +119,13 @@ TEST(TreePicture, TurnsTheAxisThatIsAskedForUpward) {
 }
 
 TEST(TreePicture, ShowsTheSideThatIsTheFront) {
-  // A ball that pokes out of one side of the cube is seen from there and hidden by the cube from behind.
+  // A ball that protrudes from one side of the cube is visible from there, and hidden by the cube from behind.
   const SphereTree bump = tree_of({{Vec3(0, 0.3, 0), 0.2}, {Vec3::Zero(), 0.34}});
   const auto warm = [&](const Vec3& front) {
     io::TreePictureSettings settings = small();
     settings.front = front;
     const io::Image image = drawn(cube(), {{&bump, ""}}, settings);
-    std::size_t count = 0;  // in the panel of level 1
+    std::size_t count = 0;  // number in the panel of level 1
     for (std::uint32_t y = 10; y < 90; ++y) {
       for (std::uint32_t x = 270; x < 390; ++x) {
         const Pixel pixel = pixel_at(image, x, y);
@@ -174,7 +173,7 @@ TEST(TreePicture, RefusesWhatCannotBeDrawn) {
 TEST(PixelText, WritesDotsWhereItSaysAndNothingOutsideTheImage) {
   io::Image image{20, 12, std::vector<std::uint8_t>(std::size_t{3} * 20 * 12, 255)};
   io::draw_text(image, "1", 2, 1, 1, {0, 0, 0});
-  // The stem of a 1 is in its third column, all seven rows of it.
+  // The stem of a 1 is the third column, in all seven rows.
   for (std::uint32_t y = 1; y < 8; ++y) EXPECT_EQ(pixel_at(image, 4, y), (Pixel{0, 0, 0})) << y;
   EXPECT_EQ(pixel_at(image, 2, 1), (Pixel{255, 255, 255}));
   EXPECT_EQ(io::text_width_px("ab", 2), 22U);

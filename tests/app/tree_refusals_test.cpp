@@ -16,7 +16,7 @@ const std::string kSlab = POISE_SOURCE_DIR "/scenes/meshes/slab.obj";
 
 struct Case {
   std::vector<std::string> arguments;
-  std::string message;  ///< somewhere in what it says
+  std::string message;  ///< a part of the error message
 };
 
 void expect_refusals(int exit_code, const std::vector<Case>& cases) {

@@ -17,7 +17,7 @@ using nlohmann::json;
 const std::string kSlab = POISE_SOURCE_DIR "/scenes/meshes/slab.obj";
 const std::string kTorus = POISE_SOURCE_DIR "/scenes/meshes/torus.obj";
 
-/// `poise tree` with these arguments, and few samples, so that it is quick.
+/// Runs `poise tree` with these arguments, and few samples to be fast.
 CommandResult tree(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "tree");
   arguments.insert(arguments.end(), {"--samples", "500"});
@@ -31,7 +31,7 @@ json figures(std::vector<std::string> arguments) {
   return json::parse(result.out, nullptr, false);
 }
 
-/// A tree of one ball that is far too small for anything.
+/// A tree of one ball that is much too small to cover anything.
 std::string leaking_tree(const TemporaryFolder& folder) {
   std::ofstream(folder.file("leaking.sph")) << "1 8\n0 0 0 0.3 1\n";
   return folder.file("leaking.sph");
@@ -126,7 +126,7 @@ TEST(TreeCommand, ConvertsWithoutAMesh) {
   const CommandResult result = poise_command({"tree", "--tree", first, "-o", folder.file("second.sph")});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_EQ(result.out, "");
-  // What stands below the rows are figures that a file's tree does not have.
+  // Below the rows are figures that a tree from a file does not have.
   const auto rows = [](const std::string& text) { return text.substr(0, text.find("\n\n")); };
   EXPECT_EQ(lines(rows(contents(first))).size(), 10U);
   EXPECT_EQ(rows(contents(folder.file("second.sph"))), rows(contents(first)));
@@ -197,7 +197,7 @@ TEST(TreeCommand, ShowsProgressOnATerminalAndEndsAtCtrlCWithNothingWritten) {
 
 TEST(TreeCommand, TakesOpenMeshesAndSheetsAndSaysSo) {
   const TemporaryFolder folder;
-  // A cube without its lid, and a square.
+  // A cube without its top, and a square.
   std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                                            "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   std::ofstream(folder.file("square.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";

@@ -170,7 +170,7 @@ TEST(OldWords, MayStandInTheChangelogAndInNoPicture) {
   EXPECT_FALSE(old_words("docs/a.md", "RestPlace is ContactPoint").empty());
 }
 
-// Whatever a checkout holds beside the sources: builds, results, what version control and editors keep.
+// Folders of a checkout other than sources: builds, results, files of version control and editors.
 bool is_skipped(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 6> kSkipped{"build", "out", ".git", ".cache", "node_modules", "shared"};
   const std::string name = path.filename().string();
@@ -182,7 +182,7 @@ TEST(Architecture, HoldsInEveryFileOfTheRepository) {
   std::size_t files = 0;
   std::string broken;
   for (auto it = std::filesystem::recursive_directory_iterator(root); it != std::filesystem::end(it); ++it) {
-    if (is_skipped(it->path())) {  // .git is a file where the checkout is one of several
+    if (is_skipped(it->path())) {  // .git is a file in a checkout that is one of several
       if (it->is_directory()) it.disable_recursion_pending();
       continue;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// draw_rooms CHECKOUT FILE.svg: the include graph of the rooms as a picture; ends with 1 where it breaks their order.
+// draw_rooms CHECKOUT FILE.svg: draws the include graph of the rooms; exits with 1 if an include breaks their order.
 #include <cstdio>
 #include <exception>
 #include <fstream>

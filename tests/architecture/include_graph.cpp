@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> kCode{"include", "scheduler", "src", "bench", "examples"};
 
-/// A box of the picture: what is linked as one.
+/// A box of the picture: rooms that are linked into one library.
 struct Library {
   std::string_view name, color, edge;
   std::vector<std::string_view> rooms;
 };
 
-// The latest first; a room that is in none stands alone.
+// The latest first; a room that is in no library is drawn alone.
 const std::vector<Library>& libraries() {
   static const std::vector<Library> all{
       {"bench and examples", "#f3f1ee", "#a39c92", {"bench", "examples"}},
@@ -49,7 +49,7 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The file that an include in quotes names, as a path of the checkout.
+/// The path in the checkout of an include in quotes.
 std::optional<std::string> led_to(const fs::path& root, const fs::path& from, const std::string& name) {
   for (const fs::path& base : {fs::path("include"), fs::path("src"), fs::path("bench"), from.parent_path()}) {
     if (fs::exists(root / base / name)) return (base / name).lexically_normal().generic_string();
@@ -87,7 +87,7 @@ std::string grouped(std::size_t number) {
   return text;
 }
 
-/// What a folder of public headers is called in the picture.
+/// Name of a folder of public headers in the picture.
 std::string title_of(const std::string& room) {
   if (room == "interface") return "include/poise";
   if (room == "values") return "include/poise: values";
@@ -96,11 +96,11 @@ std::string title_of(const std::string& room) {
 
 constexpr double kRow = 54, kBox = 42, kLeft = 60, kBoxWidth = 380, kTitle = 22, kGap = 10;
 
-/// Where a room stands in the picture, and the arrows at its right edge.
+/// Position of a room in the picture, and of the arrows at its right edge.
 struct Row {
   const Library* library = nullptr;
   double top = 0;
-  std::size_t place = 0;  // from the top of the picture
+  std::size_t place = 0;  // number of rows from the top
   std::size_t in = 0, out = 0;
 };
 
@@ -146,8 +146,8 @@ std::vector<Arrow> arrows_of(const IncludeGraph& graph, std::map<std::string, Ro
     ++rows[ends.first].out;
     ++rows[ends.second].in;
   }
-  // Shorter arrows lie inside of longer ones: at the room that they enter they end above those, at the room that they
-  // leave they begin below.
+  // Shorter arrows are drawn inside longer ones: at the room that they enter they end above those, at the room that
+  // they leave they begin below.
   std::ranges::stable_sort(arrows, {}, &Arrow::span);
   std::map<std::string, std::size_t> begun, ended;
   for (Arrow& arrow : arrows) {

@@ -9,11 +9,11 @@
 namespace poise::tests {
 namespace {
 
-/// How much of a word must be the old one.
+/// How a word is compared with an old word.
 enum class Match : unsigned char {
-  Word,   ///< all of it
-  Begin,  ///< it begins like this
-  Any,    ///< it contains this
+  Word,   ///< equal
+  Begin,  ///< begins with it
+  Any,    ///< contains it
 };
 
 struct OldWord {
@@ -22,7 +22,7 @@ struct OldWord {
   std::string_view instead;
 };
 
-/// Only what has no other meaning here: "place", "patch" and "visit" are words of other things too.
+/// Only words without another meaning in this project: "place", "patch" and "visit" have others.
 constexpr std::array kOldWords{
     OldWord{"RestPlace", Match::Any, "ContactPoint"},
     OldWord{"RestLoad", Match::Any, "AccumulatedImpulse"},
@@ -86,7 +86,7 @@ constexpr std::array kOldWords{
 /// The table old -> new and this test itself.
 constexpr std::array<std::string_view, 2> kExempt{"CHANGELOG.md", "tests/architecture/"};
 
-/// Scene data and pictures hold no words of ours.
+/// Scene data and pictures are not searched.
 constexpr std::array<std::string_view, 10> kEndings{".h",     ".cpp", ".md", ".json", ".txt",
                                                     ".cmake", ".sh",  ".py", ".js",   ".html"};
 

@@ -16,11 +16,11 @@ constexpr std::size_t kMaxFunctionLines = 80;
 
 struct Room {
   std::string_view place;  // a file, or a folder with its last slash
-  int rank;                // a file may include what has its own rank in its own room, and lower ranks
+  int rank;                // a file may include its own room, and lower ranks
   std::string_view name;
 };
 
-// The first place that matches counts.
+// The first match counts.
 constexpr std::array kRooms{
     Room{"scheduler/", 1, "scheduler"},
     Room{"include/poise/scheduler/", 1, "scheduler"},
@@ -55,8 +55,8 @@ constexpr std::array kRooms{
     Room{"examples/", 16, "examples"},
 };
 
-// <stop_token> is not among them: a std::stop_token is a handle to ask with, which public options hold and long work
-// polls. Who makes one stop is a matter of threads again, so its sources and callbacks belong to src/parallel.
+// <stop_token> is not in the list: a std::stop_token is a handle that public options hold and long work polls.
+// Requesting a stop concerns threads, so stop sources and callbacks belong to src/parallel.
 constexpr std::array<std::string_view, 15> kThreadHeaders{
     "atomic", "barrier",   "condition_variable", "execution",   "future",
     "latch",  "mutex",     "semaphore",          "semaphore.h", "shared_mutex",
@@ -67,7 +67,7 @@ const Room* room_of(std::string_view path) {
   return room == kRooms.end() ? nullptr : room;
 }
 
-/// Where an include in quotes leads, as a path of the repository; includes are written from src/, include/ and bench/.
+/// The path in the repository of an include in quotes; includes are relative to src/, include/ and bench/.
 std::string included_path(std::string_view include) {
   constexpr std::array<std::string_view, 4> kBenchFolders{"studies/", "oracle/", "accuracy/", "peers/"};
   const bool is_bench =
@@ -95,14 +95,14 @@ bool is_thread_header(std::string_view name) {
          std::ranges::find(kThreadHeaders, name) != kThreadHeaders.end();
 }
 
-/// Benchmarks and examples are programs of their own.
+/// Benchmarks and examples are separate programs.
 bool may_use_threads(const Room& room) {
   return room.name == "parallel" || room.name == "bench" || room.name == "examples";
 }
 
 std::optional<std::string> wrong_include(const Room& room, bool is_public, char quote, std::string_view name) {
   const bool stops = name == "stop_token" && room.name == "scheduler";
-  // The scheduler's queue is shared by the host's threads, so that room may use <atomic>, and nothing that waits.
+  // The host's threads share the scheduler's queue, so this room may use <atomic>, but nothing that waits.
   const bool atomics = name == "atomic" && room.name == "scheduler";
   if ((is_thread_header(name) && !may_use_threads(room) && !atomics) || stops)
     return "threads, locks and atomics belong to src/parallel";
@@ -118,7 +118,7 @@ std::optional<std::string> wrong_include(const Room& room, bool is_public, char 
   const std::string path = included_path(name);
   if (is_public && !name.starts_with("poise/")) return "a public header may include public ones alone";
   const Room* other = room_of(path);
-  if (other == nullptr) return std::nullopt;  // generated, or beside the file
+  if (other == nullptr) return std::nullopt;  // generated, or in the same folder as the file
   const bool sibling = other->rank == room.rank && other->name != room.name && room.rank == 1;
   if (other->rank > room.rank || sibling) {
     return "room " + std::string(room.name) + " may not include " + std::string(other->name);
@@ -126,7 +126,7 @@ std::optional<std::string> wrong_include(const Room& room, bool is_public, char 
   return std::nullopt;
 }
 
-/// Rules on what the code of a room says, includes aside.
+/// Rules on the code of a room, except includes.
 std::optional<std::string> wrong_code(const Room& room, std::string_view path, std::string_view code) {
   static const std::regex threads(
       R"(\bstd::(atomic|jthread|thread|mutex|shared_mutex|condition_variable|async|stop_source|stop_callback)\b)");
@@ -148,9 +148,9 @@ std::optional<std::string> wrong_code(const Room& room, std::string_view path, s
   return std::nullopt;
 }
 
-/// Rules on any text: nothing names the machine that it was written on, or where its packages were fetched from.
+/// Rules on any text: it must not name paths of the machine it was written on, or mirrors of package registries.
 std::optional<std::string> wrong_text(std::string_view raw) {
-  // Put together from parts, so that this file keeps its own rule.
+  // Composed of parts, so that this file obeys its own rule.
   static const std::regex machine_path(
       "(^|[^A-Za-z0-9_.}/*-])/(home|wo"
       "rk|root|Us"
@@ -228,7 +228,7 @@ std::vector<LongFunction> long_functions(std::string_view code) {
   };
   std::vector<Open> open;
   std::vector<LongFunction> found_long;
-  std::string head;  // what stands between the last `;`, `{` or `}` and here
+  std::string head;  // the text between the last `;`, `{` or `}` and here
   std::size_t line = 1;
   for (const char c : code) {
     if (c == '\n') ++line;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 const fs::path kModels = "/usr/share/assimp/models";
 const fs::path kSimbody = "/usr/share/doc/simbody/examples/src";
 
-/// A folder of its own for each test, removed with everything in it.
+/// A separate folder for each test, removed with its content.
 class MeshFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -141,8 +141,8 @@ TEST_F(MeshFile, ObjWithAByteOrderMarkIsRead) {
   }
 }
 
-/// A triangle and its three indices as the bytes of a buffer, 44 of them: three points of floats, three shorts, two to
-/// fill up.
+/// The bytes of a buffer with a triangle and its three indices, 44 in all: three points of floats, three shorts, two
+/// bytes of padding.
 std::string triangle_bytes() {
   const std::array<float, 9> points{0, 0, 0, 1, 0, 0, 0, 1, 0};
   const std::array<std::uint16_t, 4> indices{0, 1, 2, 0};
@@ -152,7 +152,7 @@ std::string triangle_bytes() {
   return bytes;
 }
 
-/// A glTF file of that triangle; the places marked in the text are filled in.
+/// A glTF file of that triangle, with the marked positions of the text filled in.
 std::string triangle_gltf(const std::string& buffer, const std::string& top = "", const std::string& primitive = "") {
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": [5, 0, 0]}],
     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1)" +
@@ -241,7 +241,7 @@ TEST_F(MeshFile, TransformsOfNodesAreAppliedAndMeshesMerged) {
   const auto mesh = read_mesh(file, {});
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   EXPECT_EQ(mesh.value().triangles.size(), 24U);
-  // A unit cube, and one of half the edge.
+  // A unit cube, and one with half the edge.
   EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 1.125, 1e-9);
 }
 

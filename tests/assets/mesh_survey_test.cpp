@@ -11,17 +11,17 @@
 #include "meshes.h"
 #include "poise/assets/mesh_file.h"
 
-// Every file of Debian's assimp-testmodels in the formats that we read (docs/sphere-trees.md has the list).
+// Every file of Debian's assimp-testmodels in the supported formats (docs/sphere-trees.md has the list).
 namespace poise {
 namespace {
 
 namespace fs = std::filesystem;
 
 const fs::path kModels = "/usr/share/assimp/models";
-constexpr std::size_t kLargestBuilt =
-    20000;  // triangles; three larger ones are read only, they would take seconds each
+// Triangles. Three larger meshes are only read, since their trees would take seconds each.
+constexpr std::size_t kLargestBuilt = 20000;
 
-/// The files that are refused, and what the refusal must say. Each was looked at; nothing else may be refused.
+/// The refused files, with a part of the message. Each was checked by hand; no other file may be refused.
 const std::map<std::string, std::string> kRefused{
     {"OBJ/number_formats.obj", "line 11: z of a vertex is '3.1+e2', must be a finite number"},
     {"OBJ/point_cloud.obj", "3 vertices, but no face with three corners"},
@@ -62,7 +62,7 @@ const std::map<std::string, std::string> kRefused{
     {"invalid/malformed.obj", "zero value for face index. line 28"},
 };
 
-/// Our files below a folder of the package, in the order of their names, as paths relative to the package.
+/// Files in the supported formats below a folder of the package, sorted by name, as paths relative to the package.
 std::vector<std::string> files_below(const std::string& folder) {
   std::vector<std::string> files;
   if (!fs::exists(kModels / folder)) return files;

@@ -27,7 +27,7 @@ using geometry::tree_key;
 using testing::contents;
 using testing::TemporaryFolder;
 
-/// A small tree that takes no building: nine spheres, three levels with a leaf above the deepest.
+/// A small tree that needs no building: nine spheres, three levels with a leaf above the deepest.
 SphereTree small_tree() {
   std::vector<Sphere> spheres;
   for (int i = 0; i < 9; ++i) spheres.push_back({Vec3(i, 0.25 * i, 0), 0.25});
@@ -83,7 +83,7 @@ TEST(TreeCacheEntry, IsRefusedUnderAnotherKey) {
   EXPECT_FALSE(entry_tree(entry_bytes(small_tree(), kKey), tree_key(test::box_mesh(Vec3(1, 2, 3)), other)));
 }
 
-// Each with a checksum that is right: the checksum is no proof.
+// Each has a matching checksum, which does not prove that the content is valid.
 TEST(TreeCacheEntry, IsRefusedWhenAnIndexOrCountIsWrongThoughItsChecksumIsRight) {
   const SphereTree sound = small_tree();
   for (std::size_t i = 0; i < sound.node_count(); ++i) {
@@ -99,7 +99,7 @@ TEST(TreeCacheEntry, IsRefusedWhenAnIndexOrCountIsWrongThoughItsChecksumIsRight)
       EXPECT_FALSE(entry_tree(entry_bytes(tree, kKey), kKey)) << "child_count " << i << " = " << int{count};
     }
   }
-  // The last bound is the number of nodes, which the head says too: the others alone are free to lie.
+  // The last entry is the number of nodes, which the head contains too, so only the others can be wrong unnoticed.
   for (std::size_t i = 0; i + 1 < sound.level_begin.size(); ++i) {
     for (const std::uint32_t change : {1U, 0xffffffffU}) {
       SphereTree tree = sound;
@@ -155,7 +155,7 @@ TEST(TreeCacheKey, IsAnotherForEachThingThatDecidesTheTreeAndTheSameForTheRest) 
   EXPECT_NE(tree_key(turned, {}), kKey);
 }
 
-/// Mesh and options that are built in no time, and their tree.
+/// Mesh and options of a tree that is built quickly, and the tree.
 class TreeCache : public ::testing::Test {
  protected:
   Result<SphereTree> ask() { return cached_sphere_tree(mesh_, options_, settings_, &outcome_, &evicted_); }
@@ -263,7 +263,7 @@ TEST_F(TreeCache, IsSharedByThreadsThatComeAtOnce) {
 
 class TreeCacheLimit : public TreeCache {
  protected:
-  /// An entry of 1000 bytes that was last used so many minutes ago.
+  /// An entry of 1000 bytes that was last used this many minutes ago.
   fs::path old_entry(const std::string& name, int minutes) {
     fs::create_directories(settings_.folder);
     const fs::path file = settings_.folder / name;

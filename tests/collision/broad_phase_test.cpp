@@ -67,7 +67,7 @@ RC_GTEST_PROP(BroadPhase, FindsExactlyThePairsOfOverlappingBounds, ()) {
   const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
   BroadPhase broad;
   RC_ASSERT(found(broad, bounds, planes, *executor) == brute_force(bounds, planes));
-  // Again with what the first call left behind.
+  // Once more, with the buffers of the first call.
   RC_ASSERT(found(broad, bounds, planes, *executor) == brute_force(bounds, planes));
 }
 

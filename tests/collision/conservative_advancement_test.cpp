@@ -43,7 +43,7 @@ TEST(FirstImpact, OfTwoBallsIsTheRootOfTheQuadratic) {
     const double b = from.dot(velocity);
     const double root2 = b * b - a * (from.squaredNorm() - 0.04);
     const double time = b < 0 && root2 > 0 ? (-b - std::sqrt(root2)) / a : 1.0;
-    if (root2 > 0 && std::sqrt(root2) / a < 1e-4) continue;  // a graze: the tolerance decides
+    if (root2 > 0 && std::sqrt(root2) / a < 1e-4) continue;  // a grazing contact: the result depends on the tolerance
     ASSERT_EQ(met.kind == TimeOfImpact::Kind::Hit, time < 0.1) << i;
     if (time >= 0.1) continue;
     EXPECT_NEAR((from + met.time_s * velocity).norm() - 0.2, 0.75 * kTolerance, 0.25 * kTolerance + 1e-12);
@@ -90,7 +90,7 @@ TEST(FirstImpact, NothingIsMetThatIsSlidAlongOrFlownPast) {
 }
 
 TEST(FirstImpact, WhatTurnsIsNeverMetTooLate) {
-  // Up to the meeting, no pose on the way may come nearer than the tolerance; at it, the surfaces are that near.
+  // Before the time of impact no pose may come nearer than the tolerance; at it, the surfaces are that near.
   const ShapePtr rod = box(Vec3(0.4, 0.05, 0.08));
   const ShapePtr plate = box(Vec3(1, 1, 0.02));
   std::mt19937_64 random(11);
@@ -147,7 +147,7 @@ TEST(LeastExtent, IsTheSmallestSide) {
   EXPECT_TRUE(std::isinf(least_extent_m(*make_plane_shape(Vec3::UnitX(), 0).value())));
 }
 
-// Ways through a cloud of balls of several sizes, against comparing everything with everything.
+// Trajectories through a cloud of balls of several sizes, compared with testing all pairs.
 TEST(SweptBounds, FindWhatAComparisonOfAllFinds) {
   std::mt19937_64 random(5);
   for (const double size : {0.02, 0.3}) {

@@ -40,7 +40,7 @@ void expect_same_bits(const PairFrame& frame, std::span<const FrontEntry> front)
   }
 }
 
-// Sums by their definition, one entry at a time and in order.
+// The sums by their definition, one entry at a time and in order.
 ContactSums plain_sums(const PairFrame& frame, std::span<const FrontEntry> front) {
   ContactSums sums;
   for (const FrontEntry entry : front) {

@@ -38,7 +38,7 @@ TEST(SphereContact, WithAPlaneTheNormalPointsIntoIt) {
 }
 
 TEST(ContactSums, AreTheWrenchOfAllOverlapsWeightedByDepth) {
-  // Against the definition, entry by entry, in the world frame.
+  // Compared with the definition, entry by entry, in the world frame.
   std::mt19937_64 random(3);
   const ShapePtr jack = make_jack();
   int checked = 0;

@@ -13,7 +13,7 @@
 namespace poise::collision {
 namespace {
 
-// Fits that have nothing to do with the tree they are given to, so that no figure can stand in for another.
+// Random fits that are independent of the tree, so that an error cannot be hidden by equal numbers.
 ShapePtr with_random_fits(const ShapePtr& shape, std::mt19937_64& random) {
   Shape changed = *shape;
   for (NodeFit& fit : changed.tree.fit) {
@@ -53,7 +53,7 @@ Vec3 center(const NodeFit& fit) {
   return {static_cast<double>(fit.x_m), static_cast<double>(fit.y_m), static_cast<double>(fit.z_m)};
 }
 
-// By the definition, in double precision and with the exponential of the library.
+// The sums by their definition, in double precision and with the standard exponential.
 FittedSums defined_sums(const PairFrame& frame, std::span<const FrontEntry> front) {
   FittedSums sums;
   for (const FrontEntry entry : front) {
@@ -82,7 +82,7 @@ FittedSums defined_sums(const PairFrame& frame, std::span<const FrontEntry> fron
 }
 
 void expect_near(const FittedSums& sums, const FittedSums& wanted) {
-  // A weight is right to a thousandth, its eighth power to eight of them.
+  // A weight is accurate to a thousandth, its eighth power to eight thousandths.
   EXPECT_LT((sums.direction - wanted.direction).norm(), 2e-3 * wanted.direction.norm() + 1e-6);
   EXPECT_NEAR(sums.weight, wanted.weight, 1e-2 * wanted.weight);
   EXPECT_LT((sums.point_m / sums.weight - wanted.point_m / wanted.weight).norm(), 5e-3);

@@ -7,8 +7,8 @@
 
 namespace poise::collision {
 
-/// Calls work() once for each instruction set that this machine has and the kernels were compiled for. No other thread
-/// may run kernels meanwhile. Returns how many there were.
+/// Calls work() once for each instruction set of this machine that the kernels were compiled for. No other thread may
+/// run kernels meanwhile. Returns the number of calls.
 template <class Work>
 int on_every_instruction_set(Work&& work) {
   int sets = 0;

@@ -13,14 +13,14 @@
 
 namespace poise::collision {
 
-/// A mesh about the middle of its bounding box, its oracle, and a shape that holds a tree of it.
+/// A mesh about the middle of its bounding box, its oracle, and a shape with a tree of it.
 struct OracleShape {
   PolygonOracle oracle;
   Shape shape;
   double diagonal_m = 0;
 };
 
-/// Moves the middle of the bounding box to the origin, so that a turned body stays where it is.
+/// Moves the middle of the bounding box to the origin, so that rotations do not move the body.
 inline void center_mesh(TriangleMesh& mesh) {
   Vec3 low = mesh.vertices_m.front();
   Vec3 high = low;
@@ -32,7 +32,7 @@ inline void center_mesh(TriangleMesh& mesh) {
   for (Vec3& v : mesh.vertices_m) v -= middle;
 }
 
-/// A shape without mass properties, which queries do not ask for, with its triangles.
+/// A shape with triangles but without mass properties, which queries do not use.
 inline OracleShape make_oracle_shape(const TriangleMesh& mesh, SphereTree tree) {
   OracleShape made{PolygonOracle(mesh), {}, mesh.diagonal_m()};
   const Sphere root = tree.sphere(0);
@@ -47,9 +47,9 @@ struct PosedPair {
   Pose a, b;
 };
 
-/// Two bodies, turned at random, near where they first meet on a random line: b comes along the line until the surfaces
-/// are within 0.2 % of the smaller diagonal, and is then put farther or nearer by up to `band` of it. About 10 m from
-/// the origin of the world, so that nothing is round.
+/// Two bodies with random rotations near their first contact on a random line. b moves along the line until the
+/// surfaces are within 0.2 % of the smaller diagonal, and is then moved farther or nearer by up to `band` of it. Both
+/// are about 10 m from the origin of the world, so that coordinates are not round.
 inline PosedPair pose_near_first_touch(const OracleShape& a, const OracleShape& b, double band,
                                        std::mt19937_64& random) {
   const double size = std::min(a.diagonal_m, b.diagonal_m);
@@ -59,7 +59,8 @@ inline PosedPair pose_near_first_touch(const OracleShape& a, const OracleShape& 
     const Vec3 direction = random_pose(random, 0).rotation.col(0);
     const Vec3 aside = 0.3 * far * direction.cross(random_pose(random, 0).rotation.col(0));
     double along = far;
-    // A body that moves by the distance cannot pass the other one. A graze that takes too many steps is left out.
+    // A body that moves by the distance cannot pass the other one. A grazing contact that takes too many steps is
+    // skipped.
     for (int step = 0; step < 60 && along > -far; ++step) {
       posed.b.position_m = posed.a.position_m + aside + along * direction;
       const double distance = a.oracle.distance_m(posed.a, b.oracle, posed.b);

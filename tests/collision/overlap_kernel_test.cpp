@@ -13,7 +13,7 @@ namespace {
 
 using Pairs = std::set<std::pair<NodeIndex, NodeIndex>>;
 
-// All overlapping nodes of two trees at a level, in double precision and without a tree walk.
+// All overlapping nodes of two trees at a level, in double precision and without traversing a tree.
 Pairs brute_force(const PairFrame& frame, Level level, double inflation_m) {
   Pairs pairs;
   for (const NodeIndex a : frame.a->tree.nodes_at(level)) {
@@ -51,7 +51,8 @@ TEST(OverlapKernel, FindsEveryOverlapOfTheChildrenAndLittleElse) {
 }
 
 TEST(OverlapKernel, RoundingFarFromTheOriginLosesNoOverlap) {
-  // Two balls that touch exactly, ten thousand kilometres away: single precision in the world would be off by a metre.
+  // Two balls that touch exactly, ten thousand kilometres away, where single precision in the world would be wrong by a
+  // metre.
   const ShapePtr ball = make_sphere_shape(0.5).value();
   std::mt19937_64 random(5);
   for (int round = 0; round < 1000; ++round) {
@@ -77,7 +78,7 @@ TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) 
       for (Level level = 1; level <= worm->tree.depth(); ++level) {
         std::vector<FrontEntry> next(64 * front.size());
         next.resize(expand(frame, front, next).hits);
-        // Entry by entry the same lists come out, one behind the other.
+        // Entry by entry the same lists must result, one after the other.
         std::vector<FrontEntry> one_by_one;
         for (const FrontEntry& entry : front) {
           FrontEntry out[64];
@@ -98,7 +99,7 @@ TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) 
 }
 
 TEST(OverlapKernel, APlaceBeyondTheRoomIsNeverWritten) {
-  // All 64 children of two equal bodies in one contact point overlap, and lists are written in pieces.
+  // All 64 pairs of children of two equal bodies at one point overlap, and lists are written in parts.
   const ShapePtr worm = make_worm(300);
   const Pose pose;
   const PairFrame frame = make_pair_frame(*worm, pose, *worm, pose, 10, 0);
@@ -138,7 +139,7 @@ TEST(OverlapKernel, PlaneFrontsHoldExactlyTheNodesThatReachBelow) {
       for (const NodeIndex node : worm->tree.nodes_at(level)) {
         const Sphere sphere = worm->tree.sphere(node);
         const double gap = frame.plane_normal.dot(sphere.center_m) - frame.plane_height_m - sphere.radius_m;
-        // A node whose parent is above the plane may be left out only if what it covers is above as well.
+        // A node whose parent is above the plane may be skipped only if its content is above the plane too.
         if (gap < frame.margin_m && level == worm->tree.depth()) {
           EXPECT_TRUE(found.contains(node));
         }
@@ -151,7 +152,7 @@ TEST(OverlapKernel, PlaneFrontsHoldExactlyTheNodesThatReachBelow) {
   }
 }
 
-// What was passed over and would be near with a little more is told, for trees and planes.
+// Nearly overlapping pairs that were skipped are reported, for trees and planes.
 TEST(OverlapKernel, SaysWhetherItPassedOverWhatIsNearlyNear) {
   std::mt19937_64 random(3);
   const ShapePtr jack = make_jack();

@@ -63,7 +63,7 @@ TEST(Polygons, TwoCrossedEdgesAnswerSquareToBoth) {
     expect_near(roof * contact.direction, Vec3::UnitZ(), 1e-5);
     EXPECT_NEAR(contact.estimated_separation_m, gap, 1e-8);
     const Vec3 place = roof * contact.arm_m;
-    // The edges meet where the upper one passes over the ridge y = 0.
+    // The edges touch where the upper one crosses the ridge y = 0.
     EXPECT_NEAR(place.y(), 0, 1e-6 + std::max(0.0, -gap));
     EXPECT_NEAR(place.z(), half + 0.5 * gap, 1e-6 + std::max(0.0, -gap));
   }

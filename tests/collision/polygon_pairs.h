@@ -14,7 +14,7 @@ inline ShapePtr mesh_shape(const TriangleMesh& mesh, Level depth = 2) {
   return make_mesh_shape_with_tree(mesh, test::shared_tree(mesh, depth)).value();
 }
 
-/// What the polygons of one pair found.
+/// The polygon result of one pair.
 struct PolygonAnswer {
   SinglePair level;
   PolygonSums sums;
@@ -22,8 +22,8 @@ struct PolygonAnswer {
   PairContact contact;
 };
 
-/// Refines a pair to its leaves and through its polygons, `units` at a time; nothing but what is apart where a tree
-/// says so.
+/// Refines a pair to its leaves and through its polygons, `units` at a time. If a tree separates the pair, only `apart`
+/// is set.
 inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPool> pools,
                                        std::uint32_t units = 1U << 30U, bool rests = true) {
   PolygonAnswer answer;
@@ -50,7 +50,7 @@ inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPo
   return answer;
 }
 
-/// The same with a pool of its own, a at rest at the origin, b turned and moved; the contact is in a's frame.
+/// The same with a separate pool, a at rest at the origin, b rotated and moved; the contact is in a's frame.
 inline PolygonAnswer solve_by_polygons(const Shape& a, const Shape& b, const Mat3& turn, const Vec3& offset_m,
                                        double margin_m, std::uint32_t units = 1U << 30U) {
   std::vector<FrontPool> pools;
@@ -61,7 +61,7 @@ inline PolygonAnswer solve_by_polygons(const Shape& a, const Shape& b, const Mat
 inline Mat3 turned(double angle_rad, const Vec3& axis) {
   return Eigen::AngleAxisd(angle_rad, axis.normalized()).toRotationMatrix();
 }
-/// Turns the corner (-,-,-) of a box straight down.
+/// Rotates the corner (-,-,-) of a box straight down.
 inline Mat3 on_its_corner() {
   return Quat::FromTwoVectors(Vec3(-1, -1, -1).normalized(), -Vec3::UnitZ()).toRotationMatrix();
 }

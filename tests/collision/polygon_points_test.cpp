@@ -33,7 +33,7 @@ const Shape& brick() {
   return *shape;
 }
 
-/// A slab whose faces above and below are `n` x `n` squares of two triangles each, the sides fans.
+/// A slab whose top and bottom faces are `n` x `n` squares of two triangles each; the sides are fans.
 TriangleMesh gridded_slab(int n) {
   TriangleMesh mesh;
   const auto at = [n](int level, int i, int k) {
@@ -62,7 +62,7 @@ TriangleMesh gridded_slab(int n) {
   return mesh;
 }
 
-/// A block of 2 x 4 x 1 with a groove of right angle along y in its top, as wide as the block.
+/// A block of 2 x 4 x 1 with a right-angled groove along y in its top, as wide as the block.
 TriangleMesh groove_mesh() {
   TriangleMesh mesh;
   const std::vector<std::array<double, 2>> outline = {{-1.2, -1.5}, {1.2, -1.5}, {1.2, 1}, {1, 1},
@@ -71,7 +71,7 @@ TriangleMesh groove_mesh() {
   for (const double y : {-2.0, 2.0}) {
     for (const auto& [x, z] : outline) mesh.vertices_m.emplace_back(x, y, z);
   }
-  // The bottom of the groove sees every corner.
+  // All corners are visible from the bottom of the groove, so a fan around it is valid.
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t next = (i + 1) % n;
     if (i != 4 && next != 4) {
@@ -95,7 +95,7 @@ ManifoldPoints manifold_points(const Shape& a, const Shape& b, const Mat3& turn,
   return manifold_points(a, Pose{}, b, Pose{offset, turn}, margin);
 }
 
-/// Is there a contact point at each of these contact points, and none beside?
+/// Expects a contact point at each of these points, and no others.
 void expect_points(const ManifoldPoints& set, std::initializer_list<Vec3> wanted, const Vec3& normal, double gap,
                    double tolerance = 1e-6) {
   EXPECT_EQ(set.count, wanted.size());
@@ -127,7 +127,7 @@ TEST(PolygonPoints, ATurnedBoxStandsOnTheRimOfWhatBothCover) {
     ASSERT_EQ(set.count, 4U);
     Vec3 middle = Vec3::Zero();
     for (const ManifoldPoint& p : set.all()) {
-      // Sides of the cube below are crossed by those of the one above, 0.2887 from their middles.
+      // Sides of the lower cube are crossed by those of the upper one, 0.2887 from their middles.
       EXPECT_NEAR(p.point_m.cwiseAbs().maxCoeff(), 0.5 + 0.5 * std::max(gap, 0.0), 1e-6);
       EXPECT_NEAR(std::min(std::abs(p.point_m.x()), std::abs(p.point_m.y())), 0.5 / std::sqrt(3), 1e-6);
       EXPECT_NEAR(p.gap_m, gap, 1e-8);
@@ -153,7 +153,7 @@ TEST(PolygonPoints, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
     axis.z() = 0;
     const double tilt = uniform(random, -3e-3, 3e-3);
     const Mat3 turn = turned(tilt, axis) * turned(0.3, Vec3::UnitZ());
-    // The lowest corner is 0.1 mm beneath the face; the bottom of the upper cube is a plane.
+    // The lowest corner is 0.1 mm below the face; the bottom of the upper cube is a plane.
     double lowest = 0;
     for (const Vec3& corner : cube().surface->vertices_m) lowest = std::min(lowest, (turn * corner).z());
     const Vec3 offset(0.7, 0.1, 0.5 - lowest - 1e-4);
@@ -172,8 +172,8 @@ TEST(PolygonPoints, ASlightTiltLeavesTheSamePlacesWithGapsOfTheirOwn) {
 }
 
 TEST(PolygonPoints, TheDepthAlongALeaningMeanIsNoPlaceBesideCornersThatAreKnown) {
-  // Nearly flush on three sides; the gradient of the overlap leans, and along it the bodies seem to overlap twice as
-  // deep.
+  // Nearly flush on three sides. The gradient of the overlap is tilted, and along it the bodies seem to overlap twice
+  // as deeply.
   static const ShapePtr block = mesh_shape(box_mesh(Vec3(1, 0.6, 0.3)), 0);
   const Quat turn(0.99999993879426841, 0.00030812565810401982, 2.6843832770291165e-05, 0.00016355258168767556);
   const Vec3 offset(-3.1650089332274594e-07, -0.29207078704036116, 0.29963948030765702);
@@ -205,7 +205,7 @@ TEST(PolygonPoints, TrianglesWithinAFaceAreNoFeatures) {
       EXPECT_TRUE(std::ranges::any_of(set.all(),
                                       [&](const ManifoldPoint& q) { return (p.point_m - q.point_m).norm() < 1e-8; }));
     }
-    // Two of them shifted against each other.
+    // Two of them, shifted relative to each other.
     expect_points(manifold_points(*fine, *fine, Mat3::Identity(), Vec3(0.5, 0.25, 0.5 + gap)),
                   {Vec3(-1, -1.25, z), Vec3(1.5, -1.25, z), Vec3(-1, 1.5, z), Vec3(1.5, 1.5, z)}, Vec3::UnitZ(), gap);
   }
@@ -242,11 +242,11 @@ TEST(PolygonPoints, ACornerOnAFaceAndAnEdgeAcrossAnEdgeAreOnePlace) {
 TEST(PolygonPoints, AGrooveHoldsFromBothSides) {
   static const ShapePtr groove = mesh_shape(groove_mesh(), 1);
   static const ShapePtr plinth = mesh_shape(box_mesh(Vec3(1, 1, 1)), 1);
-  // Where the bottom of the groove came to lie when the centre of mass went to the origin.
+  // Position of the bottom of the groove after the centre of mass was moved to the origin.
   const Vec3 bottom = groove->surface->vertices_m[4] + Vec3(0, 2, 0);
   const double edge_m = std::sqrt(0.5);
   for (const double gap : kGaps) {
-    // The gap along the slanted faces.
+    // The gap is measured along the slanted faces.
     const Vec3 offset = bottom + Vec3(0, 0.2, edge_m + gap * std::sqrt(2));
     const ManifoldPoints set = manifold_points(*groove, *plinth, turned(kPi / 4, Vec3::UnitY()), offset);
     ASSERT_EQ(set.count, 4U) << gap;
@@ -354,7 +354,7 @@ TEST(PolygonPoints, TheNearestPlaceIsAsFarAsASlowSearchSays) {
     const std::size_t k = random() % 4;
     const Mat3 turn = random_pose(random, 0).rotation;
     const Vec3 direction = random_pose(random, 0).rotation.col(0);
-    // Brought together along a line until 2 mm are left.
+    // Moved together along a line until 2 mm are left.
     double at = shapes[i]->bounding_radius_m + shapes[k]->bounding_radius_m + 0.01;
     double distance = 1;
     for (int step = 0; step < 60 && distance > 2e-3; ++step) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Level kDepth = 2;  // deeper trees take longer to build than a test may; bench_tree_query has the third level
+constexpr Level kDepth = 2;  // deeper trees take too long to build for a test; bench_tree_query covers the third level
 
 const fs::path kMeshes = "/usr/share/doc/simbody/examples/src/TaskSpaceControl-UR10/geometry";
 
@@ -24,7 +24,7 @@ OracleShape oracle_shape(const char* file) {
   return make_oracle_shape(mesh, test::shared_tree(mesh, kDepth));
 }
 
-// Levels that have a front, from 1: kDepth when the pair is never found apart.
+// Number of levels with a front, from 1: kDepth if the pair is never separated.
 int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
   pools[0].clear();
   SinglePair pair;
@@ -45,8 +45,8 @@ const OracleShape* shapes() {
   return both;
 }
 
-// By how much the oracle's distance grows when b moves, over the length of the move: the normal, where the surfaces are
-// apart and one pair of features is the nearest.
+// Growth of the oracle's distance when b moves, divided by the length of the move. It is the normal where the surfaces
+// are separated and one pair of features is the nearest.
 Vec3 gradient(const OracleShape& a, const OracleShape& b, const PosedPair& posed, double step_m) {
   Vec3 slope;
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,7 +65,7 @@ struct Agreement {
   int gaps = 0, normals = 0, normals_off = 0, lifted = 0, lifted_off = 0;
 };
 
-// One pose against the oracle.
+// Compares one pose with the oracle.
 void compare(const OracleShape& a, const OracleShape& b, const PosedPair& posed, std::span<FrontPool> pools,
              bool with_normals, Agreement& sum) {
   const double size = std::min(a.diagonal_m, b.diagonal_m);
@@ -88,7 +88,7 @@ void compare(const OracleShape& a, const OracleShape& b, const PosedPair& posed,
     ASSERT_NEAR(contact.estimated_separation_m, distance, 1e-6 * size);
   }
   if (!with_normals) return;
-  // A softness away from every other pair of features, or the answer is rightly a mean of both.
+  // One softness length away from every other pair of features; otherwise the result is correctly a mean of both.
   const double step = 2e-4 * size;
   const auto one_normal = [&](const PosedPair& at, const PairContact& said, int& asked, int& off) {
     const Vec3 slope = gradient(a, b, at, step);
@@ -99,7 +99,8 @@ void compare(const OracleShape& a, const OracleShape& b, const PosedPair& posed,
   if (!touches && distance > 2 * step && distance < margin - 2 * step)
     one_normal(posed, contact, sum.normals, sum.normals_off);
   if (touches && contact.present && -contact.estimated_separation_m < 2e-3 * size) {
-    // Lifted out along the answer's own normal, the surfaces must be just apart, and stand square to it.
+    // Moved out along the result's own normal, the surfaces must be just separated, with the normal perpendicular to
+    // them.
     PosedPair lifted = posed;
     lifted.b.position_m += posed.a.rotation * contact.direction * (3 * step - contact.estimated_separation_m);
     one_normal(lifted, contact, sum.lifted, sum.lifted_off);
@@ -116,7 +117,7 @@ TEST(PolygonsOfMeshes, AgreeWithTheJudgeAboutTouchGapAndNormal) {
   for (int round = 0; round < 1000; ++round) {
     const OracleShape& a = shapes()[round / 5 % 2];
     const OracleShape& b = shapes()[round / 10 % 2];
-    // The search for a first touch is the oracle's, and slow: each serves for five poses around it.
+    // Finding a first contact with the oracle is slow, so each one is used for five poses around it.
     if (round % 5 == 0) found = pose_near_first_touch(a, b, 4e-3, random);
     PosedPair posed = found;
     if (round % 5 != 0) {

@@ -21,7 +21,7 @@ inline ShapePtr make_jack() {
   return make_spheres_shape(spheres).value();
 }
 
-/// A worm of many balls, so that its tree is deep.
+/// A chain of many balls, so that its tree is deep.
 inline ShapePtr make_worm(int balls) {
   std::vector<Sphere> spheres;
   for (int i = 0; i < balls; ++i) {

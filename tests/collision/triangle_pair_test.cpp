@@ -13,7 +13,7 @@ namespace {
 
 using geometry::TriangleCorners;
 
-// One triangle, as a surface of its own: both of its sides are outside, and it stands for all of its corners and sides.
+// One triangle as a surface: both of its sides are outside, and it owns all of its corners and sides.
 ShapeSurface sheet(const TriangleCorners& corners) {
   TriangleMesh mesh;
   mesh.vertices_m.assign(corners.begin(), corners.end());
@@ -42,8 +42,8 @@ struct TwoSheets {
   }
 };
 
-// The least distance of two triangles by going to and fro between them, each time to the closest point, from several
-// starts: both are convex, so this converges, and it never says too little.
+// The distance of two triangles by alternating projections between them, from several starts. Both are convex, so this
+// converges, and the result is never below the distance.
 double slow_distance(const TriangleCorners& a, const TriangleCorners& b) {
   double least = 1e300;
   for (std::size_t start = 0; start < 3; ++start) {
@@ -61,7 +61,7 @@ double slow_distance(const TriangleCorners& a, const TriangleCorners& b) {
 TriangleCorners random_triangle(std::mt19937_64& random, const Vec3& near) {
   TriangleCorners t;
   for (Vec3& corner : t) corner = near + random_vector(random, 1);
-  // Some are needles.
+  // Some triangles are needles.
   if (random() % 4 == 0) t[2] = t[0] + 0.5 * (t[1] - t[0]) + 0.01 * (t[2] - t[0]);
   return t;
 }

@@ -30,7 +30,7 @@ TEST(SurfaceDistance, OfTwoBallsIsTheGapAndZeroInOverlap) {
 TEST(SurfaceDistance, OfBoxesIsThatOfTheirFacesEdgesAndCorners) {
   const TrueSurface cube = box(Vec3::Constant(2));
   EXPECT_NEAR(surface_distance_m(cube, at({0, 0, 0}), cube, at({2.25, 0.3, 0.1})), 0.25, 1e-14);
-  // Edge on edge, crossed, and a corner on a face.
+  // Edge against edge, crossed, and a corner against a face.
   const Mat3 on_edge = turn(std::numbers::pi / 4, Vec3::UnitY());
   const Mat3 across = turn(std::numbers::pi / 4, Vec3::UnitX());
   const double far = 2 * std::numbers::sqrt2;
@@ -114,7 +114,7 @@ TEST(TrueSurface, OfAUnionOfSpheresIsItsSpheres) {
   const Sphere two[2] = {{Vec3(-1, 0, 0), 0.5}, {Vec3(1, 0, 0), 0.5}};
   const ShapePtr shape = make_spheres_shape(two).value();
   const TrueSurface surface = true_surface_of(*shape);
-  // Between the two there is nothing, though the root sphere of the tree is there.
+  // There is no surface between the two, although the root sphere of the tree is there.
   EXPECT_NEAR(surface_distance_m(surface, at({0, 0, 0}), ball(0.25), at({0, 0, 0})), 0.25, 1e-6);
   EXPECT_FALSE(surface.blocks(Vec3(0, -3, 0), Vec3(0, 3, 0)));
   EXPECT_TRUE(surface.blocks(Vec3(1, -3, 0), Vec3(1, 3, 0)));

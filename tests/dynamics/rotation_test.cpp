@@ -25,7 +25,7 @@ TEST(Rotation, ABallTurnsByTheExactAngle) {
 }
 
 TEST(Rotation, ASymmetricTopPrecessesAtTheClosedFormRate) {
-  // In the body frame the spin turns about the symmetry axis at (I1 - I3) / I1 * w3.
+  // In the body frame the angular velocity rotates about the symmetry axis at (I1 - I3) / I1 * w3.
   const Vec3 moments(2, 2, 1);
   Rotation rotation{Quat::Identity(), Vec3(1, 0, 2)};
   const double time_s = 3;
@@ -58,7 +58,7 @@ TEST(Rotation, AnAsymmetricTopFlipsOnTime) {
 
 RC_GTEST_PROP(Rotation, KeepsEnergyAndAngularMomentum, ()) {
   const auto unit = [] { return 1e-3 * *rc::gen::inRange(1, 1000); };
-  // Any principal moments of a real body: sums of squares of extents.
+  // Principal moments of an arbitrary real body: sums of squares of extents.
   const Vec3 extents(unit(), unit(), unit());
   const Vec3 moments(extents.y() + extents.z(), extents.x() + extents.z(), extents.x() + extents.y());
   const double speed = *rc::gen::element(0.1, 1.0, 30.0);
@@ -100,7 +100,7 @@ TEST(TurnedBy, KeepsAngularMomentumAndNeverAddsEnergy) {
         << "the direction stays in any case";
   }
   EXPECT_GE(kept, 2);
-  // A needle that turns end over end: tilted, its momentum would otherwise spin it up 75 times.
+  // A needle that rotates end over end: tilted, its momentum would otherwise spin it up 75 times.
   const Vec3 needle(1e-4, 1, 1);
   Rotation tumbling;
   tumbling.spin_radps = Vec3(0, 0, 5);

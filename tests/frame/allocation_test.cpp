@@ -32,8 +32,8 @@ void* or_throw(void* memory) {
 
 }  // namespace
 
-// Every form is replaced: a sanitizer's own forms would otherwise meet the free of ours (std::stable_sort takes its
-// buffer by the nothrow form and gives it back by the plain one), and what they gave would not be counted.
+// Every form is replaced. Otherwise a sanitizer's own forms would be paired with our free (std::stable_sort allocates
+// its buffer by the nothrow form and frees it by the plain one), and their allocations would not be counted.
 void* operator new(std::size_t size) { return or_throw(counted(size)); }
 void* operator new[](std::size_t size) { return or_throw(counted(size)); }
 void* operator new(std::size_t size, std::align_val_t align) { return or_throw(counted(size, align)); }
@@ -81,7 +81,7 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
     for (int i = 0; i < 100; ++i) stage.world.step(input);
   };
   fall();
-  // The same fall again, to the bit but for the number of the frame: nothing needs more room than it has.
+  // Repeats the same fall, equal to the bit except for the frame number: no capacity has to grow.
   for (std::size_t i = 0; i < start.size(); ++i) {
     EXPECT_TRUE(stage.world.set_state(stage.bodies[i], start[i]).ok());
   }
@@ -184,7 +184,7 @@ TEST(Allocation, SleepingAndWakingAllocateNothingOnceWarm) {
 TEST(Allocation, EveryFormOfNewIsCountedOnceAndPairsWithDelete) {
   constexpr std::align_val_t kLine{64};
   const std::size_t before = allocations.load();
-  // Called by name: a new expression may be optimised away.
+  // Called by name, since a new expression may be optimised away.
   ::operator delete(::operator new(24), 24);
   EXPECT_EQ(allocations.load() - before, 1U);
   ::operator delete[](::operator new[](24));

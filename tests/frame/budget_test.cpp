@@ -98,7 +98,7 @@ TEST(Budget, HostWorkIsReservedWhetherGivenOrLearned) {
   EXPECT_EQ(report.jobs_done, 0U);
 }
 
-// Putting pairs in order takes time too. Where there is too little of it, a part of them is, and others in the next
+// Ranking pairs takes time too. If there is too little time, some of the pairs are ranked, and others in the next
 // frame.
 TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   Stage stage(falling(), 0.2);
@@ -106,7 +106,7 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
   const simulation::PairTable& table = world.outputs.table;
   StepInput input = step_of(1.0 / 60);
-  // Everything starts anew in every frame, so that every chunk has something to put in order.
+  // Nothing is cached, so that every chunk has pairs to rank.
   const auto step_with = [&](double rank_cost_ns) {
     for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
     world.forecasts.rank_cost_ns = rank_cost_ns;
@@ -118,7 +118,7 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   constexpr std::size_t kStride = 3;
   std::size_t left_alone = 0;
   for (std::size_t i = 0; i < 2 * kStride; ++i) {
-    // A quarter of an hour for all of them, were it three quarters.
+    // Ranking may take a quarter of an hour; all pairs would take 2.5 times that, so every third chunk is ranked.
     const std::uint64_t frame = world.frame;
     const double hour_ns = 3.6e12;
     const FrameReport report =
@@ -154,7 +154,7 @@ TEST(Budget, MaxLevelBoundsEveryPair) {
 }
 
 TEST(Budget, WhatIsSeenIsRefinedFirst) {
-  // Two heaps far apart, a viewer at one of them, and work for a part: the seen heap gets it.
+  // Two piles far apart, a viewer at one of them, and work for a part: the visible pile gets it.
   WorldSettings settings = falling();
   settings.policy.waiting = 0;
   Stage stage(settings, 0.2);
@@ -231,7 +231,7 @@ TEST(Capacity, ContactsBeyondTheLastColourAreStillAnswered) {
   Stage stage(settings, 0);
   const ShapeId small = stage.ball(0.1);
   stage.add(stage.ball(5), Vec3::Zero());
-  // A hundred balls all around, closing in on the one in the middle.
+  // A hundred balls around the one in the middle, moving toward it.
   for (int i = 0; i < 100; ++i) {
     const double z = -1 + (2.0 * i + 1) / 100;
     const double angle = 2.39996322972865332 * i;

@@ -39,7 +39,7 @@ TEST(CandidateCache, HoldEveryPairOfLaterFramesWhileBoundsMoveLittleAndAfterThey
   std::size_t reused = 0;
   std::vector<CandidatePair> before;
   for (int frame = 0; frame < 60; ++frame) {
-    // Still at first, then a jolt, then still again.
+    // At rest at first, then a jolt, then at rest again.
     const double step = frame == 30 ? 0.5 : 2e-4;
     for (MotionBound& bound : bounds)
       bound.center_m += step * Vec3(random.symmetric(), random.symmetric(), random.symmetric());

@@ -34,7 +34,7 @@ TEST(TwoBalls, HeadOnAndObliqueFollowTheClosedFormForAnyRestitution) {
 }
 
 TEST(OffCentreBody, OnAPlaneTurnsByTheClosedForm) {
-  // Two balls of unequal size as one body, coming down on the smaller one.
+  // Two balls of unequal size as one body, which lands on the smaller one.
   for (const double e : {0.0, 0.5, 1.0}) {
     for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
       WorldSettings settings;
@@ -62,7 +62,7 @@ TEST(OffCentreBody, OnAPlaneTurnsByTheClosedForm) {
   }
 }
 
-// Jacks flying at each other without gravity, at a fixed level.
+// Jacks flying toward each other without gravity, at a fixed level.
 Stage colliding_jacks(ContactModel model, double restitution) {
   WorldSettings settings;
   settings.contact = model;
@@ -79,7 +79,7 @@ Stage colliding_jacks(ContactModel model, double restitution) {
 }
 
 struct Sums {
-  double momentum = 0, angular = 0;  // of absolute values, to compare with
+  double momentum = 0, angular = 0;  // sums of absolute values, as the scale of errors
 };
 
 Sums sizes(const Stage& stage) {

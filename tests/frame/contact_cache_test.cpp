@@ -25,7 +25,7 @@ TEST(CachedPoint, FollowsBothBodies) {
   EXPECT_NEAR(here.gap_m, 0.01, 1e-14);
   EXPECT_NEAR(here.certain_separation_m, 0.03, 1e-14);
   EXPECT_LT((here.arm_m - a.rotation * manifold_point.point_m).norm(), 1e-14);
-  // Both moved and turned alike: nothing changes. One moved along the normal: the gap does.
+  // If both move and rotate equally, nothing changes. If one moves along the normal, the separation changes.
   const Mat3 turn = dynamics::rotation_by(Vec3(0.7, 0.1, -0.4)).toRotationMatrix();
   const Pose turned_a{turn * a.position_m, turn * a.rotation};
   const Pose turned_b{turn * b.position_m, turn * b.rotation};
@@ -35,7 +35,7 @@ TEST(CachedPoint, FollowsBothBodies) {
   EXPECT_NEAR(solver::placed_point(a, lifted, cached).gap_m, 0.06, 1e-14);
 }
 
-// What a pile knows lasts through frames that may find out nothing, or little.
+// The contact cache of a pile persists through frames that may refine little or nothing.
 TEST(CachedPoint, APileStaysAsItIsWhateverLevelsAndBudgetsItGets) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
@@ -65,7 +65,7 @@ TEST(CachedPoint, APileStaysAsItIsWhateverLevelsAndBudgetsItGets) {
   EXPECT_NEAR(height_m(), settled_m, 0.01 * settled_m);
 }
 
-// How far two of Stage's jacks overlap, sphere by sphere.
+// Largest overlap of two of Stage's jacks, sphere by sphere.
 double overlap_m(const BodyState& a, const BodyState& b) {
   std::vector<Sphere> spheres = {{Vec3::Zero(), 0.28}};
   for (int axis = 0; axis < 3; ++axis) {
@@ -85,8 +85,8 @@ double overlap_m(const BodyState& a, const BodyState& b) {
   return most;
 }
 
-// What is known by its root sphere alone stands about a third of the way from where the sphere ends to where its
-// surface likely is.
+// A body known by its root sphere alone rests about a third of the way from the end of the sphere to the estimated
+// surface.
 TEST(CachedPoint, AtLevelZeroABodyRestsBetweenItsSphereAndItsLikelySurface) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
@@ -100,7 +100,7 @@ TEST(CachedPoint, AtLevelZeroABodyRestsBetweenItsSphereAndItsLikelySurface) {
   StepInput input = step_of(1.0 / 60);
   input.max_level = 0;
   for (int i = 0; i < 240; ++i) stage.world.step(input);
-  // Not a third to the bit: a place stays as it was found, a little above.
+  // Not exactly a third: a contact point stays as it was found, slightly higher.
   const double sunk_m = 0.3 + static_cast<double>(shape.tree.radius_m[0]) - stage.at(body).position_m.z();
   EXPECT_GT(sunk_m, 0.2 * lift_m);
   EXPECT_LT(sunk_m, 0.5 * lift_m);
@@ -117,7 +117,7 @@ TEST(CachedPoint, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
   input.max_level = 0;
   std::size_t cached = 0;
   for (int i = 0; i < 240; ++i) {
-    // While it falls, and late in every third frame, when there is no time for anything.
+    // While it falls, and too late in every third frame, when there is no time at all.
     input.budget = i % 3 == 0 ? Budget::until(SteadyClock::time_point{}) : Budget::unlimited();
     const FrameReport report = stage.world.step(input);
     EXPECT_EQ(report.degraded.pairs_reused, 0U);
@@ -134,7 +134,8 @@ TEST(CachedPoint, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
   EXPECT_GT(cached, 1000U) << "a pile at rest finds its places anew";
 }
 
-// Pairs that are apart by much are not asked for many frames; whatever they do meanwhile, they meet in time.
+// Pairs with a large separation are not refined for many frames. However they move meanwhile, they are refined again
+// before they touch.
 TEST(KeptClearance, IsAbandonedBeforeThePairMeets) {
   std::mt19937_64 random(11);
   const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
@@ -154,7 +155,7 @@ TEST(KeptClearance, IsAbandonedBeforeThePairMeets) {
       const FrameReport report = stage.world.step(step_of(1.0 / 60));
       cached += report.cached_separations;
       met += report.contact_pairs > 0 ? 1 : 0;
-      // What a step closes at 0.3 m/s and half a radian a second is 1 cm.
+      // A step at 0.3 m/s and half a radian a second closes at most 1 cm.
       ASSERT_LT(overlap_m(stage.at(a), stage.at(b)), 5e-3) << round << " after " << i;
     }
   }
@@ -162,8 +163,8 @@ TEST(KeptClearance, IsAbandonedBeforeThePairMeets) {
   EXPECT_GT(met, 100) << "and pairs meet";
 }
 
-// A shaken pile whose pairs keep what they know, beside one that is put where the first is before every step and so
-// has to find out everything anew.
+// A shaken pile with cached pairs, beside one that is set to the state of the first before every step and so has no
+// cached pairs.
 TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
@@ -198,7 +199,7 @@ TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
     from_memory += report.cached_separations + report.cached_contacts;
     const FrameReport fresh = anew.world.step(step_of(1.0 / 60));
     ASSERT_EQ(fresh.cached_separations + fresh.cached_contacts, 0U);
-    // All that was solved, whether it touches or may touch.
+    // All solved pairs, whether they touch or may touch.
     const auto solved = [](Stage& stage) {
       const simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
       return simulation::list_contacts(simulation::publish_input(world), world.cache.points, {},
@@ -232,7 +233,7 @@ TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
   EXPECT_GT(from_memory, compared / 2);
 }
 
-// A frame that grows what is kept of pairs copies all of it, just when a heap forms.
+// A frame that grows the pair cache copies all of it, at the moment when a pile forms.
 TEST(RoomForPairs, IsThereBeforeAHeapForms) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);

@@ -12,7 +12,7 @@
 namespace poise {
 namespace {
 
-/// A run whose budget is wall-clock time, so that no two are alike, with something of everything that a step may have.
+/// A run with a wall-clock budget, so that no two runs are alike, and with all features of a step.
 struct Case {
   const char* name = "";
   ContactModel contact = ContactModel::Fitted;
@@ -39,7 +39,7 @@ WorldSettings settings_of(const Case& c, ExecutorKind executor, int threads) {
   return settings;
 }
 
-// Balls that fall asleep before jacks come down on them.
+// Balls that fall asleep before jacks fall onto them.
 void fill_for_sleep(Stage& stage) {
   stage.plane(Vec3::UnitZ(), 0);
   const ShapeId ball = stage.ball(0.5);
@@ -72,8 +72,8 @@ StepInput input_of(const Case& c) {
   return input;
 }
 
-// Budgets go up and down: some frames refine nothing and some all on any machine, and the others what there is time
-// for.
+// The budget varies: on any machine some frames refine nothing and some refine everything; the others refine what time
+// permits.
 Budget budget_of(int frame) {
   if (frame % 10 == 9) return Budget::within(std::chrono::hours(1));
   if (frame % 6 == 0) return Budget::until(SteadyClock::time_point{});
@@ -102,7 +102,7 @@ Recorded record(const Case& c, int threads) {
   return recorded;
 }
 
-/// The first frame whose state is another, or the number of frames.
+/// The first frame with a different state, or the number of frames.
 std::size_t frames_alike(const Case& c, const Recorded& recorded, ExecutorKind executor, int threads) {
   Stage stage(settings_of(c, executor, threads), 0.2);
   fill(c, stage);
@@ -154,7 +154,7 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
   std::size_t reused = 0;
   for (int i = 0; i < 90; ++i) {
     input.budget = i < 50 ? Budget::within(std::chrono::hours(1)) : Budget::until(SteadyClock::time_point{});
-    // What a reference does afterwards is no part of it.
+    // A reference after the frame does not affect the decisions.
     input.reference = i % 7 == 0;
     const FrameReport report = stage.world.step(input);
     recorded.decisions.emplace_back();
@@ -363,7 +363,7 @@ TEST(Decisions, AnExplanationTellsEachLevelItsScoreAndWhatWasLeft) {
     left += refinable;
     levels += explanation.levels.size();
   }
-  // How many of each is up to the clock.
+  // The clock decides how many of each there are.
   EXPECT_GT(left + levels, 100U);
 }
 

@@ -34,7 +34,7 @@ StepInput easy() {
   return input;
 }
 
-// What the stages of a World would be given.
+// The counts that the stages of a World would get.
 simulation::FrameCounts counts_of(const WorldState& world) {
   return {world.settings.contact, world.bodies.dynamic_count(), world.settings.substeps, world.outputs.table,
           world.outputs.levels};
@@ -104,7 +104,8 @@ TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
   };
   EXPECT_EQ(visits(std::chrono::hours(-1)), 1U);
   EXPECT_EQ(visits(std::chrono::hours(1)), solver::kMaxPointIterations);
-  // What a visit costs is learned and positive, so there is a time at which it turns; far apart, since a clock is read.
+  // The cost of a point iteration is learned and positive, so there is a time at which the decision changes. The tested
+  // times are far apart, since a real clock is read.
   const double us = world.forecasts.tail.coefficients_us()[scheduler::TailForecast::kPointIterations] * 1e-3 *
                     world.forecasts.margin.factor();
   ASSERT_GT(us, 0);
@@ -202,7 +203,7 @@ TEST(Degrade, TheLeastSeenAreReusedFirst) {
   StepInput input = easy();
   const Vec3 forward = Vec3::UnitX();
   input.view = {true, Vec3(-6, 0, 1), forward, Vec3::UnitZ(), 0.87, 1.78, forward};
-  // Until places are too old to be sure of: work for nothing for a while.
+  // Until contact points have expired: no work for some frames.
   for (int i = 0; i < 70; ++i) stage.world.step(input);
   input.budget = Budget::work(0);
   std::size_t tried = 0;
@@ -257,7 +258,7 @@ TEST(FrameTime, WhatOneWorldLearnedIsWhereAnotherBegins) {
   const scheduler::TimePriors taken = other.world.time_priors();
   EXPECT_EQ(taken.tail_us, learned.tail_us);
   EXPECT_EQ(taken.head_us, learned.head_us);
-  // A margin that is wider than one begins with is not taken over.
+  // A learned margin above the initial one is replaced by the initial one.
   const double first = World::create(falling(1)).value().time_priors().log_quantile;
   EXPECT_DOUBLE_EQ(taken.log_quantile, std::min(learned.log_quantile, first));
   EXPECT_DOUBLE_EQ(taken.unit_cost_ns, learned.unit_cost_ns);

@@ -96,7 +96,7 @@ TEST(Determinism, EveryPartOfTheStateIsInTheHash) {
   for (std::size_t i = 1; i < hashes.size(); ++i) EXPECT_NE(hashes[i], hashes[i - 1]);
 }
 
-// Without a limit each pair goes to its end by itself; a budget that suffices comes to the same by rounds.
+// Without a limit each pair is refined to its end on its own; a sufficient budget gives the same result in rounds.
 TEST(Determinism, NoLimitIsWhatAnyBudgetThatSufficesComesTo) {
   for (const ContactModel model : {ContactModel::Wrench, ContactModel::Fitted}) {
     std::array<std::uint64_t, 2> hashes{};

@@ -51,7 +51,7 @@ struct Shot {
   PlateKind plate = PlateKind::Mesh;
   bool mesh_bullet = false;
   double plate_kg = 0;        // 0: static
-  Vec3 aim_m = Vec3::Zero();  // where the line of flight crosses the plate's middle
+  Vec3 aim_m = Vec3::Zero();  // where the trajectory crosses the plate's middle plane
   Vec3 direction = -Vec3::UnitZ();
   Vec3 spin = Vec3::Zero();
   double restitution = 0.5;
@@ -62,13 +62,13 @@ struct Shot {
 struct Outcome {
   BodyState bullet, plate;
   double energy_before = 0, energy_most = 0;
-  Vec3 momentum_change = Vec3::Zero(), angular_change = Vec3::Zero();  // up to the first hit
+  Vec3 momentum_change = Vec3::Zero(), angular_change = Vec3::Zero();  // up to the first impact
   std::size_t hits = 0, cut = 0;
-  bool passed = false;  // the bullet's centre was ever behind the plate's
-  double plate_m = 0;   // how far the plate came
+  bool passed = false;  // the bullet's centre was behind the plate's at some time
+  double plate_m = 0;   // displacement of the plate
 };
 
-// Flies until well past the plate.
+// Steps until the bullet is well past the plate.
 Outcome fire(const Shot& shot) {
   WorldSettings settings;
   settings.executor = ExecutorKind::Serial;
@@ -100,7 +100,7 @@ Outcome fire(const Shot& shot) {
     outcome.energy_most = std::max(outcome.energy_most, stage.world.conserved().kinetic_j);
     const BodyState seen = stage.at(plate_id);
     const Vec3 local = seen.orientation.conjugate() * (stage.at(bullet).position_m - seen.position_m);
-    // A free plate may turn over once it is far away.
+    // A free plate may rotate once it is far away.
     if (local.z() < 0 && (shot.plate_kg == 0 || local.z() > -0.1) &&
         local.head<2>().cwiseAbs().maxCoeff() < (shot.plate == PlateKind::Balls ? 0.15 : 0.5))
       outcome.passed = true;
@@ -268,7 +268,7 @@ TEST(FastBodies, BulletsThatFlyAtEachOtherMeetHalfWay) {
 }
 
 TEST(FastBodies, ABodyThatWasHitIsInTheWayOfTheNextBullet) {
-  // The second bullet reaches the place where the first and the ball stand by then.
+  // The second bullet reaches the point where the first one and the ball are at that time.
   Stage stage(WorldSettings{}, 0.0);
   const ShapeId ball = stage.ball(kBulletM);
   const BodyId target = stage.add(ball, Vec3(0, 0, 0));
@@ -280,7 +280,7 @@ TEST(FastBodies, ABodyThatWasHitIsInTheWayOfTheNextBullet) {
   EXPECT_LT(stage.at(target).position_m.norm(), 1e-6);
 }
 
-// A tray with a small pile, and bullets from a side.
+// A tray with a small pile, and bullets from one side.
 struct Volley {
   Stage stage;
   explicit Volley(int threads, int bullets, ExecutorKind executor = ExecutorKind::Threads)

@@ -48,12 +48,12 @@ TEST(Pile, ComesDownAndStaysInItsTrayAtAnyLevelAndBudget) {
   for (const ContactModel model : {ContactModel::Wrench, ContactModel::Paper, ContactModel::Fitted}) {
     for (const Budget& budget : {Budget::unlimited(), Budget::work(300), Budget::work(0)}) {
       for (const Level level : {Level{0}, Level{1}, kMaxTreeDepth}) {
-        if (budget.kind == Budget::Kind::Work && budget.work_units == 0 && level > 0) continue;  // the same as level 0
+        if (budget.kind == Budget::Kind::Work && budget.work_units == 0 && level > 0) continue;  // equal to level 0
         const Fall fall = dropped_jacks(model, budget, level);
         EXPECT_EQ(fall.lost, 0U) << "model " << static_cast<int>(model) << ", budget " << budget.work_units
                                  << ", level " << int{level} << ", at " << fall.lost_at.transpose();
         EXPECT_LE(fall.greatest_j, fall.start_j * (1 + 1e-9)) << "energy was gained";
-        // The paper's model keeps whole bounding spheres apart: its coarse pile stands several times as high.
+        // The paper's model keeps whole bounding spheres separated, so its coarse pile is several times as high.
         EXPECT_LT(fall.end_j, (model == ContactModel::Paper ? 0.6 : 0.2) * fall.start_j) << "it did not come down";
       }
     }
@@ -104,7 +104,7 @@ TEST(Frame, PairsAreCountedFromCandidatesToContacts) {
   for (int i = 0; i < 200; ++i) {
     const FrameReport report = stage.world.step(step_of(1.0 / 60));
     EXPECT_LE(report.coarse_pairs, report.candidate_pairs);
-    // The others are nearer than what is looked for, and cannot touch in the step.
+    // The other pairs are within the search distance, but cannot touch in the step.
     EXPECT_LE(report.contact_pairs + report.pairs_separated + report.cached_separations, report.coarse_pairs);
     EXPECT_LE(report.cached_contacts, report.contact_pairs);
     cached = cached || (report.cached_separations > 10 && report.cached_contacts > 50);

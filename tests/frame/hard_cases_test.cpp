@@ -69,7 +69,7 @@ TEST(HardCases, MassRatiosOfAMillionStayFinite) {
   expect_sane(stage);
 }
 
-// Towers of boxes, balls and slabs whose masses are anything from a gram to a tonne.
+// Towers of boxes, balls and slabs with masses between a gram and a tonne.
 class TowersOfAnyMasses : public testing::TestWithParam<double> {};
 
 TEST_P(TowersOfAnyMasses, GainNoEnergy) {
@@ -111,7 +111,7 @@ TEST_P(TowersOfAnyMasses, GainNoEnergy) {
       most = std::max(most, total_j(stage));
     }
     expect_sane(stage);
-    // A body may be lifted out of another.
+    // Depenetration may lift a body.
     EXPECT_LT(most, (1 + 1e-3) * start) << "tower " << tower << " of " << count;
   }
 }

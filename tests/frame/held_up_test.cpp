@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A core that is taken away costs accuracy, not deadlines: a worker is held up in the middle of a job until long after
-// the frame.
+// A suspended worker costs accuracy, not deadlines: a worker is stopped in the middle of a job until long after the
+// frame.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -21,7 +21,7 @@ struct WorldAccess {
 
 namespace {
 
-/// Two threads, of which worker 1 is stopped at the end of its first job of a refinement, before it may publish it.
+/// Two threads; worker 1 is stopped at the end of its first refinement job, before it may publish it.
 class HoldsUpWorkerOne final : public parallel::Executor {
  public:
   explicit HoldsUpWorkerOne(ExecutorKind kind) : inner_(parallel::make_executor(kind, 2)) {}
@@ -50,7 +50,7 @@ class HoldsUpWorkerOne final : public parallel::Executor {
 
  private:
   bool step(int worker) {
-    // The calling thread begins when the other one is held, so that it has a job in hand for certain.
+    // The calling thread begins when the other one is stopped, so that that one certainly has a job.
     while (worker == 0 && !held_) std::this_thread::yield();
     return step_(worker);
   }
@@ -62,7 +62,8 @@ class HoldsUpWorkerOne final : public parallel::Executor {
   std::atomic<bool> held_{false}, let_go_{false}, refining_{false};
   parallel::WorkerFunction step_;
   Waiting waiting_{this};
-  std::unique_ptr<parallel::Executor> inner_;  // last: its threads end before what they read
+  std::unique_ptr<parallel::Executor> inner_;  // last member: its threads end before the members that they read are
+                                               // destroyed
 };
 
 class HeldUp : public testing::TestWithParam<ExecutorKind> {};
@@ -79,14 +80,14 @@ TEST_P(HeldUp, WorkerCostsItsJobAndTheFrameEndsWithoutIt) {
   Stage stage(settings, 0.2);
   stage.jacks(60, 6);
   StepInput input = step_of(1.0 / 60);
-  for (int i = 0; i < 30; ++i) stage.world.step(input);  // unlimited: they have come to lie on each other
+  for (int i = 0; i < 30; ++i) stage.world.step(input);  // unlimited: the bodies have come to rest on each other
   WorldState& state = WorldAccess::of(stage.world);
   auto holding = std::make_unique<HoldsUpWorkerOne>(GetParam());
   HoldsUpWorkerOne& executor = *holding;
   state.executor = std::move(holding);
   std::size_t done = 0;
   for (int i = 0; i < 5; ++i) {
-    // Shaken, so that nothing that is kept holds and there is work to refine.
+    // Shaken, so that no cached pair is valid and there is work to refine.
     for (const BodyId body : stage.bodies) {
       BodyState moved = stage.at(body);
       moved.velocity_mps.z() += 0.1;
@@ -98,7 +99,7 @@ TEST_P(HeldUp, WorkerCostsItsJobAndTheFrameEndsWithoutIt) {
     EXPECT_GE(report.jobs_discarded, 1U);
     done += report.jobs_done;
     EXPECT_GT(report.contact_pairs, 0U) << "what was not held up is answered";
-    // The step is over and the worker is still in its job. What it comes to now leaves nothing behind.
+    // The step is over and the worker is still in its job. Its result must have no effect.
     const std::uint64_t hash = stage.world.state_hash();
     const std::size_t contacts = stage.world.contacts().size();
     EXPECT_LE(contacts, report.contact_pairs);
@@ -133,7 +134,7 @@ TEST_P(HeldUp, WorkerIsWaitedForBeforeItsWorldIsChangedOrEnds) {
   };
   {
     const std::jthread later = held_step();
-    stage.ball(0.3);  // a shape more moves those that the worker reads
+    stage.ball(0.3);  // an additional shape moves the array of shapes that the worker reads
   }
   {
     const std::jthread later = held_step();

@@ -56,7 +56,7 @@ TEST(LevelsReached, WithoutAViewWeighContactsAlikeAndCountEachBodyOnce) {
 
 TEST(LevelsReached, CountPairsLeftForWantOfTimeAndForHowLong) {
   Pile pile;
-  // Nothing that is kept counts any more, and nothing can be refined.
+  // No cached pair is valid, and nothing can be refined.
   std::uint32_t waited = 0;
   for (int i = 1; i <= 3; ++i) {
     for (const BodyId body : pile.bodies) {

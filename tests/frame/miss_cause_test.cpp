@@ -11,8 +11,9 @@
 #include "frame/world_access.h"
 #include "parallel/busy_thread.h"
 
-// Something is done to a frame, and the frame must say what. How long it takes is measured, never assumed, and a frame
-// is made late by time of this thread alone, so neither the speed of the machine nor what else runs on it shows.
+// Each test disturbs a frame, and the report must name the cause. Durations are measured, never assumed, and frames are
+// made late by CPU time of this thread alone, so the tests depend neither on the speed of the machine nor on other
+// load.
 namespace poise {
 namespace {
 
@@ -20,7 +21,7 @@ using simulation::thread_cpu_time;
 using simulation::WorldState;
 using std::chrono::milliseconds;
 
-// On one thread, whatever it says; calls back at the places where something can be done to a frame.
+// Runs on one thread, whatever its concurrency says; calls back at points where a test can disturb a frame.
 class Injector final : public parallel::Executor {
  public:
   using Action = std::function<void()>;
@@ -50,7 +51,7 @@ class Injector final : public parallel::Executor {
     }
   }
   static void call(Action& action) {
-    // Once a frame.
+    // Acts once a frame.
     Action once;
     std::swap(once, action);
     if (once) once();
@@ -58,7 +59,7 @@ class Injector final : public parallel::Executor {
   bool refined_ = false;
 };
 
-// Time that passed for this thread, and how much of it others had.
+// Time that passed for this thread, and the part in which it did not run.
 class Watch {
  public:
   [[nodiscard]] Nanoseconds wall() const { return SteadyClock::now() - begun_; }
@@ -83,7 +84,7 @@ class MissCauses : public ::testing::Test {
     WorldState& world = simulation::WorldAccess::of(stage.world);
     auto made = std::make_unique<Injector>();
     injector = made.get();
-    // A few frames, so that there are pairs.
+    // Some frames, so that there are pairs.
     for (int i = 0; i < 60; ++i) stage.world.step(step_of(1.0 / 60));
     world.executor = std::move(made);
     step_within(std::chrono::minutes(1));
@@ -95,7 +96,7 @@ class MissCauses : public ::testing::Test {
     settings.threads = 1;
     return settings;
   }
-  // Times that a frame has room for, whatever it took before.
+  // Sets forecasts that fit into a frame, whatever earlier frames took.
   void expect_tail_of(Nanoseconds time) {
     scheduler::TimePriors priors;
     priors.frames = 1000;
@@ -145,10 +146,10 @@ TEST_F(MissCauses, AMandatoryPartThatNeedsMoreThanThereIsMakesAFrameInfeasible) 
 TEST_F(MissCauses, ASpinWithinRefinementIsAnOverrun) {
   for (int attempt = 0; attempt < 10; ++attempt) {
     expect_tail_of(milliseconds(20));
-    // Later than strangers can be the cause of: by 10 ms of this thread's own time.
+    // Later than other programs can cause: by 10 ms of this thread's own CPU time.
     injector->in_refinement = [&] { spin_until([&] { return watch.cpu() > milliseconds(40); }); };
     const FrameReport report = step_within(milliseconds(30));
-    if (report.tail_actual > report.reserve_at_cut) continue;  // strangers in the tail
+    if (report.tail_actual > report.reserve_at_cut) continue;  // other programs disturbed the tail
     EXPECT_EQ(report.cause, MissCause::Overrun);
     EXPECT_GE(report.longest_overrun, report.lateness);
     EXPECT_LT(report.mandatory, report.budget);
@@ -159,7 +160,7 @@ TEST_F(MissCauses, ASpinWithinRefinementIsAnOverrun) {
 
 TEST_F(MissCauses, ASpinInTheResponseBreaksTheForecast) {
   expect_tail_of(milliseconds(2));
-  // Refinement uses the time that it has, so that what must be done is small.
+  // Refinement uses the available time, so that the mandatory part is small.
   injector->in_refinement = [&] { spin_until([&] { return late() > milliseconds(-6); }); };
   bool spun = false;
   injector->in_tail = [&] {
@@ -178,7 +179,7 @@ TEST_F(MissCauses, AStolenCoreIsTheMachines) {
   if (processors.empty()) GTEST_SKIP() << "the system does not tell its processors";
   const parallel::OnProcessor here(processors.front());
   if (!here.settled()) GTEST_SKIP() << "the system does not let a thread choose its processor";
-  // Several, so that well over half of the processor is stolen also beside other programs.
+  // Several, so that well over half of the processor is taken even beside other programs.
   const parallel::BusyThread thieves[] = {parallel::BusyThread(processors.front()),
                                           parallel::BusyThread(processors.front()),
                                           parallel::BusyThread(processors.front())};
@@ -206,7 +207,7 @@ TEST(HostWork, AFrameIsJudgedAnewByWhatTheHostTook) {
   EXPECT_EQ(report.mandatory, milliseconds(8));
   EXPECT_EQ(report.host_actual, milliseconds(5));
 
-  // Longer than was kept for it: the forecast was wrong.
+  // Longer than the reserve: the forecast was wrong.
   FrameReport late = report;
   late.host_reserved = report.host_actual;
   simulation::add_host_work(milliseconds(10), Nanoseconds(0), late);

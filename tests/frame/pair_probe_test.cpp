@@ -48,7 +48,7 @@ TEST(PairProbe, AnswersTwoBallsAsInTheClosedForm) {
   EXPECT_TRUE(answer.dv_a_mps.isApprox(Vec3(-1.5, 0, 0), 1e-12));
   EXPECT_TRUE(answer.dv_b_mps.isApprox(Vec3(1.5, 0, 0), 1e-12));
   EXPECT_EQ(answer.dw_a_radps.norm(), 0);
-  // At its own time: when at most half a step's way is left.
+  // At its own time of impact: when at most half a step's motion is left.
   EXPECT_TRUE(probe.acts(state, {}, 0.011));
   EXPECT_FALSE(probe.acts(state, {}, 0.009));
   state.b.position_m.x() = 5;

@@ -32,7 +32,7 @@ WorldSettings settings_of(ContactModel model, int threads, double gravity_mps2) 
   return settings;
 }
 
-// Boxes and rings that fly into each other, and balls between them.
+// Boxes and rings that fly toward each other, and balls between them.
 Stage crowd(const WorldSettings& settings, double restitution) {
   Stage stage(settings, restitution);
   const ShapeId box = stage.world.add_shape(meshes()[0]);
@@ -111,7 +111,8 @@ TEST(PolygonLevel, KeepsMomentumAndNeverAddsEnergy) {
       }
       const Conserved after = stage.world.conserved();
       EXPECT_LT((after.momentum_ns - before.momentum_ns).norm(), 1e-12 * momentum);
-      // What rests moves while it is answered, with its lever arms as they were; impacts alone keep this to rounding.
+      // Resting contacts move during the solve, with their lever arms unchanged; only impacts conserve this to
+      // rounding.
       if (e == 1) {
         EXPECT_LT((after.angular_momentum_js - before.angular_momentum_js).norm(), 1e-12 * angular);
       }

@@ -48,7 +48,7 @@ TEST(JudgingWeight, IsOneForALargeBodyThatTheGazeIsOn) {
 
 TEST(JudgingWeight, FallsWithTheSquareOfAnAngleBelowOneDegree) {
   const View view = looking_along_x();
-  // Half a degree across: radius = distance sin(a quarter of a degree).
+  // Half a degree of angular size: radius = distance sin(a quarter of a degree).
   const double radius = 100 * std::sin(0.25 * kDegree);
   EXPECT_NEAR(error_weight(view, Vec3(101, 2, 3), radius, false), 0.25, 1e-12);
   EXPECT_NEAR(error_weight(view, Vec3(101, 2, 3), 4 * radius, false), 1, 1e-12);
@@ -103,7 +103,7 @@ TEST(CompareFrame, LeavesEmptyWhatNothingTouchedOrMoved) {
 
 TEST(CompareFrame, CountsFalseAndMissedContacts) {
   const std::vector<ComparedPair> pairs = {pair_of(1, 1), pair_of(2, 0), pair_of(0.5, 0), pair_of(0, 4), pair_of(0, 0),
-                                           // What is below what the reference converges to is none.
+                                           // An impulse below the tolerance of the reference counts as 0.
                                            pair_of(1e-12, 1), pair_of(1, 1e-12)};
   const ReferenceFigures figures = compare_frames({}, pairs, false);
   EXPECT_EQ(figures.run_contacts, 4U);

@@ -38,7 +38,7 @@ TEST(Reference, OfTwoBallsThatMeetIsTheRunItself) {
     const ShapeId ball = stage.ball(0.5);
     stage.add(ball, Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(0, 0, 3));
     stage.add(ball, Vec3(1.005, 0.1, 0), Vec3(-1, 0, 0));
-    // What the caller applied belongs to the state that both start from.
+    // The caller's forces belong to the state from which both start.
     ASSERT_TRUE(stage.world.apply_force(stage.bodies[0], Vec3(900, 5, 0), Vec3(0.1, 0.2, 0.3)).ok());
     const FrameReport report = stage.world.step(referred());
     ASSERT_TRUE(report.reference);
@@ -73,7 +73,7 @@ ShapePtr mesh_box() {
   return make_mesh_shape(test::box_mesh(Vec3(0.8, 0.6, 0.5)), options).value();
 }
 
-// Two bodies of a shape on their way to each other with a hair between their true surfaces; many such pairs.
+// Many pairs of bodies of one shape, moving toward each other with a tiny separation of their true surfaces.
 class Touches {
  public:
   Touches(ShapePtr shape, int pairs)
@@ -150,7 +150,7 @@ TEST(Reference, OfMeshesIsWhatTheirPolygonsSay) {
   EXPECT_NEAR(polygons.e_mps.value(), 0, 1e-12);
   EXPECT_EQ(polygons.run_contacts, 16U);
   EXPECT_EQ(polygons.false_contacts + polygons.missed_contacts, 0U);
-  // The pairs were placed by their true surfaces.
+  // The separations of these pairs were set by their true surfaces.
   EXPECT_LT(polygons.gap_max_m.value(), 1.5e-3);
   EXPECT_GT(polygons.gap_mean_m.value(), 1e-4);
   EXPECT_EQ(polygons.change_mps.value(), coarse.change_mps.value());
@@ -186,7 +186,7 @@ TEST(Reference, LeavesARunAsItWasToTheBit) {
       input.budget = Budget::work(60);
       for (int i = 0; i < 150; ++i) {
         input.reference = with && i % 3 == 0;
-        // A removed body, and forces that wait for the step, are part of what must not be lost.
+        // A removed body, and forces for the next step, must also be preserved.
         if (i == 100) {
           EXPECT_TRUE(stage.world.remove_body(stage.bodies[7]).ok());
         }
@@ -237,7 +237,7 @@ TEST(Reference, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_GT(seen[0].back().e_mps.value(), 0);
 }
 
-// At rest the converged response takes all motion away that gravity adds, which two sweeps cannot.
+// At rest the converged reference removes all motion that gravity adds, which two iterations cannot.
 TEST(Reference, ConvergesToTheRestOfAStack) {
   Stage stage(settings_with(ExecutorKind::Serial, 1), 0);
   stage.plane(Vec3::UnitZ(), 0);
@@ -261,7 +261,7 @@ TEST(Reference, IsHeldAgainstTheDeadlineOfTheFrameByNothing) {
   const FrameReport report = stage.world.step(input);
   EXPECT_EQ(report.lateness.count(), 0);
   EXPECT_GT(report.reference.value().time.count(), 0);
-  // The reference is made after the frame has ended, so the two share no time.
+  // The reference is computed after the frame has ended, so the two share no time.
   const SteadyClock::time_point begun = SteadyClock::now();
   const FrameReport again = stage.world.step(input);
   EXPECT_LE(again.times.total + again.reference->time, SteadyClock::now() - begun);
@@ -272,7 +272,7 @@ TEST(Reference, WeighsBodiesBehindAWallLess) {
   for (const bool plate : {false, true}) {
     Stage stage(settings_with(ExecutorKind::Serial, 1, 0), 0.5);
     const ShapeId jack = stage.jack();
-    // Arm on arm: a slow pair in the open and a fast one, with the larger error, that the wall may hide.
+    // Arm against arm: a slow pair in the open, and a fast one with the larger error that the wall may hide.
     stage.add(jack, Vec3(10, -3, 0), Vec3(0, 1, 0));
     stage.add(jack, Vec3(10, -1.3, 0.1), Vec3(0, -1, 0));
     stage.add(jack, Vec3(10, 3, 0), Vec3(0, -4, 0));

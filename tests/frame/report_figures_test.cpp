@@ -22,7 +22,7 @@ RunFrame tail_frame(Nanoseconds actual, Nanoseconds reserve) {
 TEST(TailFigures, PinballLossWeighsBeingShortAgainstBeingLongAsAlphaSays) {
   const std::vector<RunFrame> frames{tail_frame(milliseconds(5), milliseconds(3)),
                                      tail_frame(milliseconds(1), milliseconds(3))};
-  // 2 ms short at 0.9, 2 ms long at 0.1.
+  // 2 ms too short at 0.9, 2 ms too long at 0.1.
   EXPECT_NEAR(run_figures(frames, {true, 0.1}).tail.pinball_loss_ms, (0.9 * 2 + 0.1 * 2) / 2, 1e-12);
   EXPECT_NEAR(run_figures(frames, {true, 0.25}).tail.pinball_loss_ms, (0.75 * 2 + 0.25 * 2) / 2, 1e-12);
 }

@@ -13,7 +13,7 @@
 
 namespace poise {
 
-/// A World with a few shapes and short ways to fill it; every refusal fails the test.
+/// A World with a few shapes and short functions to fill it; every refusal fails the test.
 struct Stage {
   World world;
   MaterialId material;
@@ -23,7 +23,7 @@ struct Stage {
       : world(World::create(with_short_fronts(settings)).value()),
         material(world.add_material({restitution, 0, 1000}).value()) {}
 
-  /// Tests make hundreds of worlds: touching the default room for fronts would cost them more than stepping.
+  /// Tests create hundreds of Worlds: touching the default capacity for fronts would cost more than stepping.
   static WorldSettings with_short_fronts(WorldSettings settings) {
     settings.max_front_entries = std::min(settings.max_front_entries, 1U << 18U);
     return settings;
@@ -74,7 +74,7 @@ struct Stage {
     tray(side_m);
     const int row = std::max(1, static_cast<int>(side_m / 1.9));
     for (int i = 0; i < count; ++i) {
-      // One after another: compilers evaluate the arguments of a call in different orders.
+      // In separate statements: compilers evaluate the arguments of a call in different orders.
       std::array<double, 7> drawn{};
       for (double& number : drawn) number = unit();
       const Vec3 cell(i % row - 0.5 * (row - 1), (i / row) % row - 0.5 * (row - 1), i / (row * row));

@@ -35,7 +35,7 @@ StepInput plain_step() {
   return input;
 }
 
-/// Steps until this many bodies sleep; the report of that frame.
+/// Steps until this many bodies sleep; returns the report of that frame.
 FrameReport until_asleep(Stage& stage, std::size_t count, int frames = 900) {
   FrameReport report;
   for (int i = 0; i < frames && report.asleep < count; ++i) report = stage.world.step(plain_step());
@@ -52,14 +52,14 @@ BodyId still_body(Stage& stage, ShapeId shape, const Vec3& position) {
   return stage.world.add_body(body).value();
 }
 
-/// Three balls of 1 m side by side, in whose dimple a fourth one lies `height` above their centres.
+/// Three balls of 1 m side by side; a fourth one lies in the hollow between them, `height` above their centres.
 ShapeId cradle(Stage& stage) {
   const double side = std::sqrt(0.75);
   const std::vector<Sphere> spheres = {{Vec3(1, 0, 0), 1.0}, {Vec3(-0.5, side, 0), 1.0}, {Vec3(-0.5, -side, 0), 1.0}};
   return stage.world.add_shape(make_spheres_shape(spheres).value());
 }
-constexpr double kInCradleM =
-    1.1180339887498949;  // sqrt(1.5^2 - 1): a ball of 0.5 m on balls of 1 m at 1 m from the axis
+// sqrt(1.5^2 - 1): the height of a ball of 0.5 m on balls of 1 m at 1 m from the axis.
+constexpr double kInCradleM = 1.1180339887498949;
 
 bool asleep(const Stage& stage, BodyId body) { return stage.world.asleep(body).value(); }
 
@@ -69,7 +69,8 @@ std::vector<BodyState> states(const Stage& stage) {
   return all;
 }
 
-// Of the bodies of the first list, which may be the shorter one.
+// Largest distance between the positions of the bodies of the first list, which may be the shorter one, and of the
+// second.
 double furthest(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, (a[i].position_m - b[i].position_m).norm());
@@ -120,7 +121,7 @@ TEST(Sleep, ABallThatFallsOnAPileWakesAllOfItBeforeItTouches) {
   }
   EXPECT_EQ(report.woken, 12U);
   EXPECT_EQ(report.asleep, 0U);
-  // Up to here it has fallen freely.
+  // Until here it was in free fall.
   for (const Contact& contact : stage.world.contacts()) EXPECT_FALSE(contact.a == ball || contact.b == ball);
   EXPECT_NEAR(stage.at(ball).velocity_mps.z(), -9.81 * kStepS * frames, 1e-9);
   bool pushed = false;
@@ -178,7 +179,7 @@ TEST(Sleep, APileWakesWithItsImpulsesAndStaysWhereItIs) {
     EXPECT_NEAR(report.potential_j, other.potential_j, 1e-3 * 12 * mass_kg * 9.81);
     EXPECT_EQ(report.contact_pairs > 0, true);
     most_j = std::max(most_j, report.kinetic_j);
-    // What each had found out is still known: next to no refinement.
+    // The cached pairs are still valid: almost no refinement.
     EXPECT_GT(report.cached_contacts + report.cached_separations, report.coarse_pairs / 2);
     EXPECT_TRUE(stage.world.contact_events().empty());
   }
@@ -295,7 +296,7 @@ TEST(Sleep, SeparatePilesSleepAndWakeApart) {
   for (const double x : {0.0, 20.0}) {
     for (int i = 0; i < 4; ++i) stage.add(shape, Vec3(x + i, 0, 0.5));
   }
-  // The last of the second pile spins where it stands.
+  // The last body of the second pile spins in place.
   BodyState spun = stage.at(stage.bodies[7]);
   spun.angular_velocity_radps = Vec3(0, 0, 1);
   ASSERT_TRUE(stage.world.set_state(stage.bodies[7], spun).ok());
@@ -312,7 +313,7 @@ TEST(Sleep, SeparatePilesSleepAndWakeApart) {
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(asleep(stage, stage.bodies[i]), i < 4);
 }
 
-/// Falls, sleeps, is hit and sleeps again.
+/// Hash of a run in which bodies fall, sleep, are hit and sleep again.
 std::uint64_t hash_of_a_life(int threads, bool reference) {
   Stage stage = rough(sleepy(true, threads));
   stage.jacks(12, 5);

@@ -6,7 +6,7 @@
 
 namespace poise::simulation {
 
-/// For tests that look inside a World or put something in its place.
+/// For tests that read the inside of a World or replace a part of it.
 struct WorldAccess {
   static WorldState& of(World& world) { return *world.state_; }
 };

@@ -13,11 +13,11 @@
 #include "geometry/sphere_tree/shell_samples.h"
 #include "meshes.h"
 
-// The stages of which a tree is built, each against a plain answer.
+// The stages of building a tree, each compared with a simple computation.
 namespace poise::geometry {
 namespace {
 
-/// A mesh with what the stages ask of it.
+/// A mesh with the data that the stages need.
 struct Bench {
   TriangleMesh mesh;
   TriangleBvh bvh;
@@ -41,7 +41,7 @@ std::vector<std::uint32_t> all_of(const CoverCells& cells) {
   return all;
 }
 
-/// Points, reaches and weights of which some lie exactly on the border of what is asked.
+/// Points, reaches and weights, some of them exactly on the border of the query.
 struct KernelInput {
   PointList points;
   std::vector<float> reach;
@@ -111,7 +111,7 @@ TEST(CoverCells, RadiusAboutIsThatOfTheFarthestPointAndWithinNeverTakesAnAtomTha
     const float radius = set.radius_about(cells, center, 9);
     EXPECT_GE(static_cast<double>(radius), farthest - 1e-7);
     EXPECT_LE(static_cast<double>(radius), farthest + 1e-6);
-    // An cell whose middle lies outside the ball is left out even if its points are all in it.
+    // A cell whose middle is outside the ball is skipped even if all of its points are inside.
     for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
       const float reach = cells.reach_from(cell, center);
       const float middle = (cells.middles.at(cell) - center).norm();
@@ -186,7 +186,7 @@ TEST(DeepPoints, OfATorusAreAsDeepAsTheySayAndSomeReachItsMiddle) {
   const Bench bench(test::torus_mesh(0.7, 0.2, 48, 24));
   const auto points = find_deep_points(bench.mesh, bench.bvh, bench.frame, 200, 1, *bench.executor);
   ASSERT_EQ(points.size(), 200U);
-  // Near an edge between two facets the ball that touches both is small, and most places are near some edge.
+  // Near an edge between two facets a ball that touches both is small, and most points are near an edge.
   int in_the_middle = 0;
   for (const DeepPoint& place : points) {
     const Vec3 at = bench.frame.from(place.center);
@@ -211,12 +211,12 @@ TEST(GreedyCover, HoldsEveryAtomWithEightBallsOrFewer) {
       });
       EXPECT_TRUE(held) << kind << " atom " << cell;
     }
-    // Far less than what the one ball around everything stands out by.
+    // Much less than the stand-off of one ball around everything.
     EXPECT_LT(cover.stand_off, 0.25F) << kind;
   }
 }
 
-/// Cells of an L under two parents, cut across: a ball at each end.
+/// Cells of an L below two parents, divided across: one ball at each end.
 class LevelCoverOf : public testing::Test {
  protected:
   LevelCoverOf() {
@@ -248,14 +248,14 @@ class LevelCoverOf : public testing::Test {
     return balls;
   }
 
-  /// The level after so many questions whether to go on.
+  /// The level after this many calls of keep_going.
   std::vector<CoverBall> level_after(int rounds, LevelScore* score = nullptr) const {
     LevelCover cover(cells_, shell_, bench_.bvh, bench_.frame, points_, parents_);
     cover.improve(first_balls(), {.bids = 4, .iterations = 2, .redone = 2}, [&] { return rounds-- > 0; });
     return cover.take_best(score);
   }
 
-  /// Each cell that no closed parent holds has one ball that answers for it, holds it, and whose parent may pass it on.
+  /// Each cell that no closed parent contains is owned by one ball that contains it, and whose parent contains it.
   void expect_cover(const std::vector<CoverBall>& balls) const {
     std::vector<int> owners(cells_.size(), 0);
     std::vector<std::size_t> family(parents_.size(), 0);

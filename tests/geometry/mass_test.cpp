@@ -116,7 +116,7 @@ RC_GTEST_PROP(MassProperties, FollowAMeshThatIsMovedTurnedAndScaled, ()) {
   const MassProperties before = mesh_mass_properties(mesh).value();
   const MassProperties after = mesh_mass_properties(test::moved(mesh, factor, turn, shift)).value();
   const double cube = factor * factor * factor;
-  // The vertices themselves are rounded at |shift|, so that is what the errors are measured by.
+  // The vertices themselves are rounded at |shift|, so errors are relative to that.
   const double rounding = 1e-12 * (1 + shift.norm() / factor);
   RC_ASSERT(std::abs(after.volume_m3 - cube * before.volume_m3) <= rounding * cube * before.volume_m3);
   RC_ASSERT((after.center_of_mass_m - (turn * (factor * before.center_of_mass_m) + shift)).norm() <= rounding * factor);

@@ -73,7 +73,7 @@ TEST(Orientation, AHollowBoxThatIsInsideOutComesRightWithItsCavityAndWhatLiesInT
 TEST(Orientation, APieceThatOnlyOverlapsAnotherDoesNotLieInIt) {
   TriangleMesh mesh =
       joined(box_at(0, 2), inside_out(moved(box_mesh({0.5, 0.4, 0.4}), 1, Mat3::Identity(), {1, 0, 0})));
-  // In the same box along y and z, but half of it sticks out.
+  // Inside the box's range of y and z, but half of it protrudes.
   EXPECT_EQ(clean_mesh(mesh, 1e-9).pieces_turned, 1U);
   EXPECT_NEAR(mesh_mass_properties(mesh).value().volume_m3, 8.08, 1e-12);
 }
@@ -121,7 +121,7 @@ TEST(Orientation, AMoebiusStripIsNoWorseThanItWas) {
   TriangleMesh cleaned = strip;
   clean_mesh(cleaned, 1e-9);
   EXPECT_LE(check_closed(cleaned).inconsistent_edges, 1U);
-  // And worse than that only where the file was: three triangles turned over are put right.
+  // The orientation only gets more consistent: three reversed triangles are corrected.
   TriangleMesh worse = strip;
   for (const std::size_t t : {std::size_t{3}, std::size_t{7}, std::size_t{12}})
     std::swap(worse.triangles[t][0], worse.triangles[t][1]);
@@ -131,7 +131,7 @@ TEST(Orientation, AMoebiusStripIsNoWorseThanItWas) {
 }
 
 TEST(Orientation, TwoBoxesThatShareAnEdgeAreTwoPieces) {
-  // Four triangles at the common edge, so nothing passes over it.
+  // Four triangles at the common edge, so orientations do not propagate over it.
   TriangleMesh mesh = joined(box_at(0, 1), inside_out(moved(box_mesh(Vec3::Ones()), 1, Mat3::Identity(), {1, 1, 0})));
   std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
   const MeshRepair repair = clean_mesh(mesh, 1e-9);

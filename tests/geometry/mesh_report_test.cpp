@@ -42,7 +42,7 @@ TEST(WindingMass, OfClosedMeshesIsTheExactOneWithinTheErrorItStates) {
 }
 
 TEST(WindingMass, OfABoxWithAHoleInItIsNearlyThatOfTheBox) {
-  // A patch of the lid is missing: far from it the box is as it was.
+  // A part of the lid is missing; far from it the winding number is as for the closed box.
   TriangleMesh mesh = box_mesh(Vec3::Ones());
   const std::array<std::uint32_t, 3> last = mesh.triangles.back();
   mesh.triangles.pop_back();
@@ -147,7 +147,7 @@ TEST(MeshFinding, OfASheetAsksForAThickness) {
 
 TEST(MeshFinding, OfAThinPlateWithAHoleIsSolid) {
   TriangleMesh plate = box_mesh({1, 1, 0.002});
-  plate.triangles.pop_back();  // half of a narrow side
+  plate.triangles.pop_back();  // half of a narrow side is missing
   const MeshReport report = assess_mesh(plate).value();
   EXPECT_EQ(report.solidity, Solidity::Solid) << report.text;
   EXPECT_NEAR(report.volume_m3, 0.002, 0.0001);

@@ -11,7 +11,7 @@ namespace {
 
 using test::box_mesh;
 
-/// Every triangle with corners of its own, as STL has them.
+/// Every triangle with separate corners, as in STL.
 TriangleMesh torn_apart(const TriangleMesh& mesh) {
   TriangleMesh soup;
   for (const auto& t : mesh.triangles) {
@@ -132,7 +132,7 @@ double area_of(const std::vector<Vec3>& vertices, const std::vector<std::array<s
 }
 
 TEST(Polygon, AConcaveOneIsCutWithoutLeavingIt) {
-  // An arrow head in a slanted plane: its area is what the triangles must add up to, no more.
+  // An arrow head in a slanted plane: the areas of the triangles must add up to its area.
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   std::vector<Vec3> vertices{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
   for (Vec3& v : vertices) v = turn * v;

@@ -13,7 +13,7 @@
 #include "poise/mesh.h"
 #include "poise/sphere_tree.h"
 
-// Meshes and slow, obvious answers for the tests of this room. Nothing here uses what is under test.
+// Meshes and slow, simple computations for the tests of this folder. Nothing here uses the code under test.
 namespace poise::test {
 
 inline TriangleMesh box_mesh(const Vec3& size_m) {
@@ -27,7 +27,7 @@ inline TriangleMesh box_mesh(const Vec3& size_m) {
   return mesh;
 }
 
-/// An octahedron whose triangles are split in four `splits` times, all vertices pushed to the sphere.
+/// An octahedron whose triangles are divided into four `splits` times, with all vertices projected onto the sphere.
 inline TriangleMesh ball_mesh(double radius_m, int splits) {
   TriangleMesh mesh;
   mesh.vertices_m = {Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitZ()};
@@ -95,8 +95,8 @@ inline double slow_winding(const TriangleMesh& mesh, const Vec3& point) {
   return sum / (4 * std::numbers::pi);
 }
 
-/// Distance to a triangle by a descent over barycentric coordinates in ever smaller steps around the best of a coarse
-/// raster.
+/// Distance to a triangle by a descent over barycentric coordinates, with decreasing steps from the best point of a
+/// coarse grid.
 inline double slow_distance(const std::array<Vec3, 3>& t, const Vec3& point) {
   double best = 1e300;
   double bu = 0;
@@ -181,8 +181,8 @@ inline std::vector<Vec3> inside_points(const TriangleMesh& mesh, std::size_t tri
   return points;
 }
 
-/// The deepest level to which a point has a chain of nodes that contain it, counted from 1; 0 when not even the root
-/// holds it. A leaf stands for itself on all levels below.
+/// Number of levels from the root on for which a point has a chain of nodes that contain it; 0 if not even the root
+/// contains it. A leaf represents itself at deeper levels.
 inline std::size_t levels_covered(const SphereTree& tree, const Vec3& point) {
   const std::size_t levels = std::size_t{tree.depth()} + 1;
   std::vector<NodeIndex> holding;

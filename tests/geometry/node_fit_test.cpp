@@ -33,8 +33,8 @@ Vec3 center(const NodeFit& fit) {
 
 TEST(NodeFit, OfACurvedPieceTouchesItFromInside) {
   const TriangleMesh mesh = make_procedural_shape("torus", 8).value();
-  // A piece of the tube's outer side has two curvatures, 1/0.15 m and 1/0.5 m: the fit lies between, and nearer than
-  // the tree's own sphere.
+  // A piece of the tube's outer side has two curvatures, 1/0.15 m and 1/0.5 m. The fit lies between them, and nearer to
+  // the surface than the tree's own sphere.
   const NodeFit fit = fit_of(single_sphere({0.35, 0, 0}, 0.2), mesh);
   EXPECT_NEAR(center(fit).norm() + static_cast<double>(fit.radius_m), 0.5, 0.02);
   EXPECT_LT(std::sqrt(static_cast<double>(fit.variance_m2)), 0.03);

@@ -41,8 +41,8 @@ TEST(ProceduralShape, VolumesComeCloseToThoseOfTheSmoothShapes) {
   EXPECT_NEAR(volume("bowl"), bowl, 0.05 * bowl);
   const double disc = kPi * 0.25 * 0.12;
   EXPECT_NEAR(volume("disc"), disc, 0.05 * disc);
-  // Three crossed cylinders of radius r and length 2 l: 6 pi r^2 l less what two and three of them share (Steinmetz:
-  // 16/3 r^3 a pair, 8 (2 - sqrt 2) r^3 for all), and six half balls at the ends.
+  // Three crossed cylinders of radius r and length 2 l: 6 pi r^2 l minus the intersections of two and three of them
+  // (Steinmetz: 16/3 r^3 a pair, 8 (2 - sqrt 2) r^3 for all), and six half balls at the ends.
   const double r = 0.12;
   const double l = 0.38;
   const double jack =
@@ -65,8 +65,8 @@ TEST(ProceduralShape, TheMeshesThatShipAreWhatTheToolMakes) {
 }
 
 TEST(ProceduralShape, ComesNearerToTheRoundShapeTheFinerItIs) {
-  // A ring of radius R and a tube of radius r hold 2 pi^2 R r^2; chords leave out a share that falls with the square of
-  // their number.
+  // A ring of radius R and a tube of radius r have the volume 2 pi^2 R r^2; chords reduce it by a share that falls with
+  // the square of their number.
   constexpr double kTorus_m3 = 2 * std::numbers::pi * std::numbers::pi * 0.35 * 0.15 * 0.15;
   const auto missing = [&](int fineness) {
     const TriangleMesh mesh = make_procedural_shape("torus", fineness).value();

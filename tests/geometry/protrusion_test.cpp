@@ -20,7 +20,7 @@ TriangleMesh mesh_named(const std::string& name) {
   return make_procedural_shape(name).value();
 }
 
-/// What samples of one node's sphere showed, the largest over the levels that it serves.
+/// Sampled protrusion of one node's sphere, the largest over its levels.
 struct Seen {
   double max_m = 0;
   double mean_m = 0;
@@ -123,8 +123,8 @@ TEST(Protrusion, OfTheBallAroundACubeIsBoundedByItsClosedForm) {
 }
 
 TEST(Protrusion, OfBallsOverAPlaneIsThatOfTheirCaps) {
-  // Half of a unit ball above a large box's face: the height over the plane has the largest 1 and the mean 1/4 over the
-  // whole sphere.
+  // Half of a unit ball above a large box's face: the height over the plane has the maximum 1, and the mean 1/4 over
+  // the whole sphere.
   SphereTree tree = root_and({{{0, 0, 20}, 1}});
   const TriangleBvh bvh(test::box_mesh({40, 40, 40}));
   measure_protrusions(tree, bvh, *parallel::make_executor(ExecutorKind::Serial, 1));
@@ -135,12 +135,12 @@ TEST(Protrusion, OfBallsOverAPlaneIsThatOfTheirCaps) {
 }
 
 TEST(Protrusion, CountsOnlyWhatNoOtherBallOfTheLevelHides) {
-  // A ball far out of a small box whose outer half is hidden by a larger one, one that is wholly hidden, and one inside
-  // the box.
+  // A ball far outside a small box whose outer half is hidden by a larger one, one that is completely hidden, and one
+  // inside the box.
   SphereTree tree = root_and({{{4, 0, 0}, 1}, {{5.5, 0, 0}, 2}, {{5.5, 0, 0}, 1}, {{0, 0, 0}, 0.25}});
   const TriangleBvh bvh(test::box_mesh({2, 2, 2}));
   measure_protrusions(tree, bvh, *parallel::make_executor(ExecutorKind::Serial, 1));
-  // Hidden from x = 4 + (1 + 1.5^2 - 4) / 3 on: there the circle around it is farthest from the box's face x = 1.
+  // Hidden from x = 4 + (1 + 1.5^2 - 4) / 3 on; the circle at that x is farthest from the box's face x = 1.
   const double border = (1 + 2.25 - 4) / 3;
   const double beside = std::max(0.0, std::sqrt(1 - border * border) / std::sqrt(2.0) - 1);
   const double farthest = std::hypot(3 + border, beside);
@@ -163,7 +163,8 @@ TEST(Protrusion, OfAShellIsMeasuredOnBothSides) {
 }
 
 TEST(Protrusion, OfALeafIsTheLargestOverTheLevelsItServes) {
-  // On level 1 the lone leaf lies inside its neighbour; on level 2 that one has become a small ball far away.
+  // On level 1 the leaf without siblings lies inside its neighbour; on level 2 that one is replaced by a small ball far
+  // away.
   std::vector<LooseNode> nodes(4);
   nodes[0].radius_m = 10;
   nodes[0].children = {1, 2};

@@ -118,7 +118,7 @@ TEST(TriangleBvh, AnswersFarFromTheOriginAsNearIt) {
 }
 
 TEST(TriangleBvh, PointsInLineWithVerticesAndEdgesHaveAWholeWindingNumber) {
-  // All coordinates are round, so rays along the axes run through vertices, along edges and within faces.
+  // All coordinates are round, so rays along the axes pass through vertices, along edges and within faces.
   TriangleMesh mesh = test::box_mesh({2, 2, 2});
   const TriangleMesh other = test::moved(mesh, 0.5, Mat3::Identity(), {1, 0.5, 0.5});
   for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
@@ -197,7 +197,8 @@ RC_GTEST_PROP(EnclosingBall, HoldsAllPointsAndNoSmallerBallDoes, (std::uint32_t 
   }
   const Sphere ball = enclosing_ball(points);
   for (const Vec3& p : points) RC_ASSERT((p - ball.center_m).norm() <= ball.radius_m * (1 + 1e-14));
-  // The centre of the smallest ball is the one place from which every step is away from some farthest point.
+  // The centre of the smallest ball is the only point from which every step increases the distance to some farthest
+  // point.
   const auto reach = [&](const Vec3& from) {
     double r = 0;
     for (const Vec3& p : points) r = std::max(r, (p - from).norm());
@@ -230,7 +231,7 @@ RC_GTEST_PROP(EnclosingBallOfBalls, HoldsAllBallsWithinOnePercentOfTheSmallest, 
   const Sphere ball = enclosing_ball_of_balls(balls);
   for (const Sphere& b : balls)
     RC_ASSERT((b.center_m - ball.center_m).norm() + b.radius_m <= ball.radius_m * (1 + 1e-14));
-  // Any point's reach is an upper bound; a fine raster around the answer must not find one that is much smaller.
+  // The reach of any point is an upper bound; a fine grid around the result must not find one that is much smaller.
   for (const Vec3& way : even_directions(200)) {
     for (const double step : {0.01, 0.05, 0.2}) {
       double reach = 0;

@@ -182,15 +182,15 @@ TEST(TreeOfSpheres, EqualSpheresAreGroupedToo) {
 }
 
 TEST(TreeOfSpheres, TheProtrusionOfARootOverTwoBallsIsItsWaist) {
-  // Two unit balls at +-2: the root has radius 3 and stands out most at its waist, sqrt(4 + 9) - 1.
+  // Two unit balls at +-2: the root has radius 3 and protrudes most at its waist, by sqrt(4 + 9) - 1.
   const std::vector<Sphere> two{{{-2, 0, 0}, 1}, {{2, 0, 0}, 1}};
   const SphereTree tree = tree_of_spheres(two).value();
   EXPECT_NEAR(tree.radius_m[0], 3, 0.03);
   const double waist = std::sqrt(13.0) - 1;
   EXPECT_GE(static_cast<double>(tree.protrusion_max_m[0]), waist);
   EXPECT_LE(static_cast<double>(tree.protrusion_max_m[0]), 1.03 * waist);
-  // The mean over the sphere of |p - nearer centre| - 1, with x = 3 t uniform: mean of sqrt(13 - 12 t) over t in [0,
-  // 1], less 1.
+  // The mean over the sphere of |p - nearer centre| - 1, with x = 3 t uniform: the mean of sqrt(13 - 12 t) over t in
+  // [0, 1], minus 1.
   const double mean = (std::pow(13.0, 1.5) - 1) / 18 - 1;
   EXPECT_GE(static_cast<double>(tree.protrusion_mean_m[0]), mean);
   EXPECT_LE(static_cast<double>(tree.protrusion_mean_m[0]), 1.06 * mean);

@@ -7,7 +7,7 @@
 
 namespace poise::test {
 
-/// The folder that POISE_TREE_CACHE names, where tests keep trees between them; off where it names none.
+/// The folder in POISE_TREE_CACHE, where tests share trees; off if it is not set.
 inline TreeCacheSettings shared_trees() {
   const char* folder = std::getenv("POISE_TREE_CACHE");
   TreeCacheSettings settings;
@@ -16,7 +16,7 @@ inline TreeCacheSettings shared_trees() {
   return settings;
 }
 
-/// A tree of a mesh as build_sphere_tree makes it, kept there.
+/// A tree of a mesh by build_sphere_tree, cached in that folder.
 inline SphereTree shared_tree(const TriangleMesh& mesh, Level depth) {
   return cached_sphere_tree(mesh, {.depth = depth, .preset = TreePreset::Fast}, shared_trees()).value();
 }

@@ -10,7 +10,8 @@
 #include "geometry/mesh/bumpy_ball.h"
 #include "meshes.h"
 
-// What building promises for any mesh: coverage, progress, an end when asked, and fits that are worth their time.
+// Guarantees of the builder for any mesh: coverage, progress, a prompt stop, and presets that are no worse than faster
+// ones.
 namespace poise {
 namespace {
 
@@ -51,8 +52,8 @@ TriangleMesh boxes_mesh(std::uint32_t cells) {
   return mesh;
 }
 
-/// One of three families of closed meshes, stretched by up to three along an axis, bent and turned, from 1e-3 to 1e3 m
-/// large, and moved by up to a hundred times its size.
+/// One of three families of closed meshes, stretched by up to three along an axis, bent and rotated, from 1e-3 to 1e3 m
+/// in size, and moved by up to a hundred times its size.
 TriangleMesh random_mesh() {
   const int family = *rc::gen::inRange(0, 3);
   const std::uint64_t seed = *rc::gen::arbitrary<std::uint64_t>();
@@ -148,7 +149,7 @@ TEST(TreeBuild, StoppedBeforeItBeginsDoesNothing) {
   std::stop_source stop;
   stop.request_stop();
   double last = 0;
-  // To this depth the best tree would take minutes.
+  // At this depth the best tree would take minutes.
   const auto tree = build_sphere_tree(shape_mesh("jack"), {.depth = 4,
                                                            .preset = TreePreset::Best,
                                                            .progress = [&](double share) { last = share; },
@@ -164,7 +165,7 @@ TEST(TreeBuild, EndsEarlyForABallButNotForAThinPlate) {
   EXPECT_GT(build_sphere_tree(shape_mesh("slab"), options).value().node_count(), 60U);
 }
 
-/// Figures of a tree of a jack, which covers it.
+/// Figures of a tree of a jack, with its coverage checked.
 std::vector<TreeLevelFigures> figures_of(TreePreset preset, int depth) {
   const TriangleMesh mesh = shape_mesh("jack");
   const SphereTree tree = build_sphere_tree(mesh, {.depth = static_cast<Level>(depth), .preset = preset}).value();
@@ -174,7 +175,7 @@ std::vector<TreeLevelFigures> figures_of(TreePreset preset, int depth) {
 }
 
 void expect_no_worse(const std::vector<TreeLevelFigures>& longer, const std::vector<TreeLevelFigures>& shorter) {
-  // A few per cent for the luck of a seed.
+  // A tolerance of a few per cent for the choice of the seed.
   for (std::size_t level = 1; level < longer.size(); ++level) {
     EXPECT_LE(longer[level].protrusion_mean_m, 1.03 * shorter[level].protrusion_mean_m) << "level " << level;
     EXPECT_LE(longer[level].volume_ratio, 1.02 * shorter[level].volume_ratio) << "level " << level;

@@ -49,7 +49,7 @@ TEST(MeasureTree, VolumeAndProtrusionOfTheBallAroundACubeAreTheirClosedForms) {
 }
 
 TEST(MeasureTree, TheVolumeOfTwoOverlappingBallsCountsTheLensOnce) {
-  // Unit balls whose centres are 1 apart share a lens of 5/12 pi; the mesh only gives the unit.
+  // Unit balls whose centres are 1 apart share a lens of volume 5/12 pi; the mesh gives only the unit of length.
   const std::vector<Sphere> two{{{-0.5, 0, 0}, 1}, {{0.5, 0, 0}, 1}};
   const SphereTree tree = tree_of_spheres(two).value();
   const auto figures = measure_tree_quality(tree, test::box_mesh(Vec3::Ones()), {.samples = 200000}).value();
@@ -90,7 +90,7 @@ TEST(MeasureTree, AnOpenBoxHasTheVolumeThatItWindsAround) {
   const TriangleMesh mesh = open_box();
   const SphereTree tree = tree_of_spheres(std::vector<Sphere>{{Vec3::Zero(), 1}}).value();
   const auto figures = measure_tree_quality(tree, mesh, {.samples = 20000}).value();
-  // By the slow winding number on a raster.
+  // Counted by the slow winding number on a grid.
   std::size_t inside = 0;
   for (int x = 0; x < 30; ++x) {
     for (int y = 0; y < 30; ++y) {
@@ -112,8 +112,8 @@ TEST(MeasureTree, AShellHasNoVolumeAndNoInsideToMiss) {
   EXPECT_EQ(shell[0].volume_ratio, 0);
   EXPECT_EQ(shell[0].inside_coverage, 1);
   EXPECT_EQ(shell[0].surface_coverage, 0);
-  // The small ball floats in the hollow, half a metre from the nearest wall at the least and 1 - 0.5 / sqrt(3) at the
-  // most.
+  // The small ball is inside the hollow; its distance from the nearest wall is between half a metre and 1 - 0.5 /
+  // sqrt(3).
   EXPECT_NEAR(shell[0].protrusion_max_m, 1 - 0.5 / std::sqrt(3.0), 0.01);
   const auto solid = measure_tree_quality(tree, mesh, {.samples = 2000}).value();
   EXPECT_EQ(solid[0].protrusion_max_m, 0);

@@ -35,7 +35,7 @@ void expect_covered(const TriangleMesh& mesh, const SphereTree& tree, std::size_
   EXPECT_EQ(missed, 0U) << "inside";
 }
 
-/// Everything that the flat form promises.
+/// Checks all invariants of the flat form.
 void expect_well_formed(const SphereTree& tree) {
   ASSERT_GT(tree.node_count(), 0U);
   EXPECT_EQ(tree.level_begin.front(), 0U);
@@ -87,12 +87,12 @@ TEST_P(TreeOfShape, FitsBetterAtEveryLevel) {
   ASSERT_EQ(levels.size(), 4U);
   for (std::size_t i = 1; i < levels.size(); ++i) {
     EXPECT_LT(levels[i].protrusion_max_m, levels[i - 1].protrusion_max_m);
-    // Eight balls over a shell stand out farther on average than the one ball whose lower half is the shell itself.
+    // Eight balls over a shell protrude farther on average than a single ball whose lower half is the shell itself.
     if (i > 1) {
       EXPECT_LT(levels[i].protrusion_mean_m, levels[i - 1].protrusion_mean_m);
     }
   }
-  // Figures of 2026-11 were 0.1 to 1.6 % of the diagonal; twice the worst is a tree gone wrong.
+  // Figures of 2026-11 were 0.1 to 1.6 % of the diagonal; twice the largest indicates a defect.
   EXPECT_LT(levels[3].protrusion_mean_m, 0.03 * mesh.diagonal_m());
 }
 
@@ -128,7 +128,7 @@ TEST(SphereTree, OfDepthZeroIsTheSmallestBall) {
   EXPECT_GE(static_cast<double>(tree.radius_m[0]), std::sqrt(3.0));
 }
 
-// At this depth no ball that holds a piece of the surface reaches the middle of a cube: without the corners of the grid
+// At this depth no ball that contains a piece of the surface reaches the middle of a cube: without the grid corners
 // that are inside, 18 % of it is uncovered.
 TEST(SphereTree, OfDepthFourCoversTheMiddleOfACubeToo) {
   const TriangleMesh mesh = shape_mesh("cube");
@@ -177,7 +177,7 @@ TEST(SolidCells, FillABoxWithAsManyPiecesAsAskedFor) {
   const geometry::SolidCells cells = geometry::cut_into_cells(mesh, bvh, 4096, *serial);
   EXPECT_GT(cells.size(), 2000U);
   EXPECT_LT(cells.size(), 5000U);
-  // All points are in the box, so the hulls are; all corners of the box are among them, so nothing is cut off.
+  // All points are in the box, so the hulls are too; all corners of the box are among them, so no part is missing.
   std::set<std::array<double, 3>> corners;
   for (const Vec3& p : cells.points_m) {
     EXPECT_TRUE(((p.cwiseAbs() - Vec3(1.5, 1, 0.5)).array() <= 1e-12).all());

@@ -50,8 +50,7 @@ TEST(TriangleDistance, KnowsTrianglesWithoutAreaByTheirEdges) {
   EXPECT_NEAR(distance_of_triangles_m(kFloor, point), 5, 1e-15);
 }
 
-// Going back and forth between the closest points of two convex sets ends at their distance (Cheney and Goldstein
-// 1959).
+// Alternating projections between two convex sets converge to their distance (Cheney and Goldstein 1959).
 double by_projections(const TriangleCorners& s, const TriangleCorners& t) {
   Vec3 q = (t[0] + t[1] + t[2]) / 3;
   Vec3 p = q;
@@ -72,7 +71,7 @@ TEST(TriangleDistance, AgreesWithProjectionsBackAndForth) {
     const TriangleCorners t = dice.triangle(1, 0.8);
     const double found = distance_of_triangles_m(s, t);
     const double expected = by_projections(s, t);
-    // The projections come from above, and slowly where the triangles meet at a small angle.
+    // The projections converge from above, and slowly if the triangles meet at a small angle.
     EXPECT_LE(found, expected + 1e-12) << i;
     EXPECT_GE(found, expected - 2e-3) << i;
     if (found > 0) ++apart;

@@ -12,8 +12,8 @@
 #include "geometry/shared_tree.h"
 #include "poise/scene/scene.h"
 
-/// The state of every shipped scene after 200 frames under the work clock, to the bit. A hash that changes says that
-/// the motion changed: the commit that changes it says why. Run with --gtest_filter=StateHash.* after a deliberate
+/// The state of every shipped scene after 200 frames with the work clock, to the bit. A changed hash means changed
+/// motion, and the commit that changes it must give the reason. Run with --gtest_filter=StateHash.* after a deliberate
 /// change; each failure prints the new value.
 namespace poise {
 namespace {
@@ -23,9 +23,9 @@ constexpr std::uint64_t kFrames = 200;
 struct Golden {
   const char* scene;  // a file under scenes/
   ContactModel contact = ContactModel::Fitted;
-  std::uint64_t bodies = 0;      // of the generators together; 0: the scene's own number
-  std::uint64_t work_units = 0;  // of refinement a frame; 0: without limit
-  const char* with = "";         // sleeping, polygons or backtracking beyond what the scene asks for
+  std::uint64_t bodies = 0;      // number made by all generators; 0: the scene's own number
+  std::uint64_t work_units = 0;  // of refinement a frame; 0: unlimited
+  const char* with = "";         // sleeping, polygons or backtracking, in addition to the scene's settings
   std::uint64_t hash = 0;
 };
 

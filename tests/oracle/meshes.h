@@ -21,7 +21,7 @@ inline TriangleMesh box_mesh(double x_m, double y_m, double z_m) {
   return mesh;
 }
 
-/// A ball of radius 1 whose triangles come from an octahedron, each cut into four `rounds` times.
+/// A ball of radius 1 made from an octahedron whose triangles are divided into four `rounds` times.
 inline TriangleMesh ball_mesh(int rounds) {
   TriangleMesh mesh;
   mesh.vertices_m = {Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitZ()};

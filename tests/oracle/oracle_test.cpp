@@ -17,7 +17,7 @@ OracleMesh cube() { return OracleMesh::make(box_mesh(1, 1, 1), kDensity).value()
 
 Quat turn(double angle_rad, const Vec3& axis) { return Quat(Eigen::AngleAxisd(angle_rad, axis)); }
 
-// a rests at the origin, b comes down on it at 2 m/s from 5 m.
+// a is at rest at the origin, b approaches it from above at 2 m/s from 5 m.
 struct Drop {
   Flight a, b;
   Drop(const Quat& turn_a, const Quat& turn_b) {
@@ -102,7 +102,7 @@ TEST(FirstTouch, ACornerMeetsAFaceOnTimeAndIsAnsweredAsInTheClosedForm) {
   EXPECT_TRUE(touch.nearest.normal.isApprox(Vec3::UnitZ(), 1e-12));
   EXPECT_NEAR(touch.time_s, (4.5 - 0.5 * std::numbers::sqrt3) / 2, 1e-5);
   const Answer answer = exact_answer(box, drop.a, box, drop.b, touch, 0.5);
-  // One impulse straight up at (0.1, 0.2) of a; I = m / 6.
+  // One impulse straight up at (0.1, 0.2) on a; I = m / 6.
   const double change = 1.5 * 2 / (2 + 6 * 0.05);
   EXPECT_TRUE(answer.dv_b_mps.isApprox(Vec3(0, 0, change), 1e-9));
   EXPECT_TRUE(answer.dv_a_mps.isApprox(Vec3(0, 0, -change), 1e-9));

@@ -48,7 +48,7 @@ TEST_P(EveryExecutor, HasTheConcurrencyThatWasAskedFor) {
 TEST_P(EveryExecutor, VisitsEveryItemExactlyOnce) {
   for (const std::size_t grain : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
     for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{63}, std::size_t{64}, std::size_t{4099}}) {
-      std::vector<int> visits(n, 0);  // plain ints: a second visitor would be a race for the thread sanitizer too
+      std::vector<int> visits(n, 0);  // plain ints: a second visit would also be a race for the thread sanitizer
       parallel_for(*executor_, n, grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) ++visits[i];
       });
@@ -105,8 +105,8 @@ TEST_P(EveryExecutor, CountsTheCallingThreadAsWorkerZero) {
   }
 }
 
-// Worker 0 ends the loop at once and nobody else has anything to do: a run that waited for all workers to come would
-// need every one of 8 threads to be given time in each of these runs.
+// Worker 0 ends the loop at once and the others have nothing to do. A run that waited for all workers would need each
+// of 8 threads to be scheduled in each of these runs.
 TEST_P(EveryExecutor, FinishesManyEmptyRunsBackToBack) {
   std::atomic<int> zero_calls{0};
   for (int run = 0; run < 5000; ++run) {
@@ -150,7 +150,7 @@ TEST_P(EveryExecutor, WorksOffARunFromInsideItsOwnLoopOnTheSameThread) {
       executor_->run([&](int nested_worker) {
         EXPECT_EQ(nested_worker, 0);
         EXPECT_EQ(std::this_thread::get_id(), outer_thread);
-        for (int i = 0; i < 50; ++i) std::this_thread::yield();  // time for others to come, were they called
+        for (int i = 0; i < 50; ++i) std::this_thread::yield();  // time for others to join, if they were called
         ++inner;
       });
     });
@@ -208,7 +208,7 @@ TEST_P(EveryExecutor, SharesTheMachineWithOthersAtOnce) {
   EXPECT_EQ(sums, (std::array<std::size_t, 3>{10000, 10000, 10000}));
 }
 
-// Each worker holds its first ticket until the other has one too, so the run can only end if two threads were in it.
+// Each worker holds its first ticket until the other has one too, so the run can only end if two threads took part.
 TEST(Executor, BringsASecondThreadToALoopThatNeedsTwo) {
   for (const ExecutorKind kind : {ExecutorKind::Tbb, ExecutorKind::Threads}) {
     const auto executor = make_executor(kind, 2);
@@ -255,7 +255,7 @@ TEST(Executor, LeavesTheCallersProcessorsAlone) {
   }
 }
 
-// A thread that may use one processor alone: its workers have nowhere else to go, and the work is done all the same.
+// A thread that may use only one processor: its workers cannot run elsewhere, and the work is done nevertheless.
 TEST(Executor, WorksWhereThereIsOneProcessorOnly) {
   std::size_t items = 0;
   std::jthread([&items] {

@@ -13,7 +13,7 @@
 
 namespace poise::parallel {
 
-/// Halves of WorkerGate::take_part, so that a test can be what the system is between them.
+/// The two halves of WorkerGate::take_part, so that a test can act between them, as the system would.
 struct WorkerGateAccess {
   static void raise(WorkerGate& gate, int worker) { WorkerGate::raise(gate.hands_[static_cast<std::size_t>(worker)]); }
   static bool may_begin(WorkerGate& gate, int worker) {
@@ -25,7 +25,7 @@ struct WorkerGateAccess {
 
 namespace {
 
-// Worker 1 takes an item and holds it until it is told to go on; the calling thread ends its part once it has.
+// Worker 1 takes an item and holds it until it is released; the calling thread ends its part after that.
 struct HeldItem {
   Executor& executor;
   bool commit_first;
@@ -41,7 +41,7 @@ struct HeldItem {
     if (commit_first) committed = executor.commit(worker) ? 1 : 0;
     held = true;
     if (commit_first) {
-      // The caller is about to wait, or waits already.
+      // The caller is about to wait or is waiting.
       for (int i = 0; i < 10; ++i) std::this_thread::yield();
     } else {
       while (!go_on) std::this_thread::yield();
@@ -112,8 +112,8 @@ TEST_P(GiveUp, RunsOtherLoopsWhileAWorkerIsStillHeldUp) {
   EXPECT_EQ(item.committed, 0);
 }
 
-// A run that may not abandon waits for no one who was abandoned before it. So such a worker must not begin anything in
-// it.
+// A run that may not abandon does not wait for a worker that was abandoned before it. So such a worker must not begin
+// an item in it.
 TEST(WorkerGate, AWorkerThatIsAbandonedBeforeItLooksBeginsNothingInTheNextRun) {
   WorkerGate gate(2, std::chrono::nanoseconds(0));
   int items = 0;
@@ -128,7 +128,7 @@ TEST(WorkerGate, AWorkerThatIsAbandonedBeforeItLooksBeginsNothingInTheNextRun) {
   gate.open(step, false);
   EXPECT_FALSE(WorkerGateAccess::may_begin(gate, 1));
   WorkerGateAccess::leave(gate, 1);
-  // Once it has been nowhere it is like any other.
+  // After it has been idle it is like any other worker.
   std::uint64_t last_run = 0;
   EXPECT_TRUE(gate.take_part(1, last_run));
   EXPECT_EQ(items, 3);
@@ -210,7 +210,7 @@ TEST(CheckExecutor, SaysWhatARealTimePriorityNeedsWhereItIsNotGranted) {
   }
 }
 
-// Each holds its first item until the other has one too, so that both were there.
+// Each holds its first item until the other has one too, so that both took part.
 TEST(ThreadsOfOurOwn, RunOnTheProcessorsThatTheyWereGiven) {
   cpu_set_t allowed;
   ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);

@@ -9,11 +9,11 @@
 namespace poise::parallel {
 namespace {
 
-// What Ctrl-C did before an Interrupt, so that a test can tell that it was put back.
+// Counts calls of the previous SIGINT handler, so that a test can tell that it was restored.
 volatile std::sig_atomic_t earlier_calls = 0;
 void earlier_handler(int /*signal*/) { earlier_calls = earlier_calls + 1; }
 
-/// Ctrl-C goes to `earlier_handler` while this lives.
+/// Installs `earlier_handler` for SIGINT during its lifetime.
 class EarlierHandler {
  public:
   EarlierHandler() {

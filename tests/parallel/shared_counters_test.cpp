@@ -51,7 +51,7 @@ TEST(Shared, LosesNoAddition) {
 TEST(Shared, ShowsWhatWasWrittenBeforeTheValueThatIsSeen) {
   const auto executor = make_executor(ExecutorKind::Threads, 2);
   for (int run = 0; run < 200; ++run) {
-    int written = 0;  // plain: the thread sanitizer objects if set() and get() do not order it
+    int written = 0;  // plain int: the thread sanitizer reports a race if set() and get() do not order it
     Shared<bool> ready{false};
     Shared<int> seen{0};
     executor->run([&](int worker) {

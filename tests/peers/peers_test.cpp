@@ -48,7 +48,7 @@ TEST(PileFigures, OverlapsOfSpheresAndWallsAreCountedOnceAndMeasured) {
                                          at({-5.1, -3, 2})};
   const PileFigures figures = pile_figures(scene, states);
   EXPECT_TRUE(figures.finite);
-  EXPECT_EQ(figures.overlaps, 3U);  // the first with the floor and the second, the last with the wall
+  EXPECT_EQ(figures.overlaps, 3U);  // the first ball with the floor and with the second, the last with the wall
   const double pair_m = 1 - std::hypot(0.9, 0.1);
   EXPECT_NEAR(figures.greatest_overlap_m, 0.6, 1e-12);
   EXPECT_NEAR(figures.mean_overlap_m, (0.1 + pair_m + 0.6) / 3, 1e-12);
@@ -111,7 +111,7 @@ TEST(Peers, ThrowBackByTheRestitutionOfTheScene) {
   PileScene scene = ball_scene(0.5);
   scene.gravity_mps2 = Vec3::Zero();
   scene.restitution = 0.2;
-  // Deep by a centimetre after a step: with a gap left Bullet throws back by that much less.
+  // A centimetre deep after a step: with a remaining gap, Bullet's restitution is reduced by that much.
   scene.start = {at({0, 0, 0.54}, {0, 0, -3})};
   for (const Engine& engine : peers(scene)) {
     double fastest_mps = -3;
@@ -119,14 +119,14 @@ TEST(Peers, ThrowBackByTheRestitutionOfTheScene) {
       engine.step();
       fastest_mps = std::max(fastest_mps, state_of(engine).velocity_mps.z());
     }
-    // What sank in is pushed out by speed too: by a fifth a step.
+    // Penetration is also removed by velocity: a fifth a step.
     EXPECT_GT(fastest_mps, 0.59) << engine.name;
     EXPECT_LT(fastest_mps, 0.9) << engine.name;
   }
 }
 
 TEST(Peers, SlideAsFarAsTheFrictionOfTheSceneLetsThem) {
-  // A flat tripod does not tip: v^2 / (2 mu g).
+  // A flat tripod does not tip, so it slides by v^2 / (2 mu g).
   PileScene scene = ball_scene(0.1);
   scene.spheres = {{Vec3(1, 0, 0), 0.1}, {Vec3(-0.5, 0.87, 0), 0.1}, {Vec3(-0.5, -0.87, 0), 0.1}};
   scene.inertia_kgm2 = Vec3(1, 1, 2);

@@ -21,7 +21,7 @@ const std::filesystem::path kOpenMeshes = "/usr/share/assimp/models";
 BodySurface ball(double radius_m) { return BodySurface(make_sphere_shape(radius_m).value()); }
 BodySurface box(const Vec3& size_m) { return BodySurface(test::mesh_shape(test::box_mesh(size_m))); }
 
-/// Closed meshes as they ship, and open ones of others where they are installed, a diagonal of 1 m each.
+/// Shipped closed meshes, and open meshes of other packages if installed, each with a diagonal of 1 m.
 std::vector<ShapePtr> real_meshes() {
   std::vector<ShapePtr> shapes;
   for (const char* name : {"jack.obj", "torus.obj", "bowl.obj", "l.obj"})
@@ -52,7 +52,7 @@ TEST(RaysAtMeshes, AreThoseOfAllTrianglesOneByOne) {
       if (!surface.contains(origin)) {
         EXPECT_LE(hit->normal.dot(d), 1e-9);
       }
-      // No hit where the ray ends before it.
+      // No hit if the ray ends before the surface.
       EXPECT_FALSE(surface.cast_ray(origin, d, expected * (1 - 1e-9), true));
     }
     EXPECT_GT(hits, 20);
@@ -69,7 +69,7 @@ TEST(RaysAtMeshes, ThroughEdgesAndCornersOfAClosedMeshNeverSlipIn) {
       for (const Vec3& aim :
            {v[t.vertex[k]], Vec3(v[t.vertex[k]] + share * (v[t.vertex[(k + 1) % 3]] - v[t.vertex[k]]))}) {
         const Vec3 origin = 5 * test::direction(random);
-        if ((aim - origin).dot(aim) > -2) continue;  // near the rim a ray may pass by
+        if ((aim - origin).dot(aim) > -2) continue;  // near the rim a ray may miss
         const auto hit = surface.cast_ray(origin, (aim - origin).normalized(), kNone, false);
         ASSERT_TRUE(hit);
         EXPECT_NEAR(hit->distance_m, (aim - origin).norm(), 1e-9);
@@ -106,7 +106,7 @@ TEST(RaysFromInside, HitAtOnceOrWhereTheyLeave) {
   EXPECT_NEAR(out_of_box.value().distance_m, 0.4, 1e-15);
   EXPECT_EQ(out_of_box.value().normal, Vec3(1, 0, 0));
   EXPECT_NEAR(ball(2).cast_ray({1, 0, 0}, Vec3::UnitX(), kNone, true).value().distance_m, 1, 1e-15);
-  // From one ball through the other: the centre of mass is in their middle.
+  // From one ball through the other; the centre of mass is midway between them.
   EXPECT_NEAR(pair.cast_ray({-1, 0, 0}, Vec3::UnitX(), kNone, true).value().distance_m, 2.5, 1e-12);
   EXPECT_FALSE(pair.cast_ray({-1, 0, 0}, Vec3::UnitX(), 2.4, true));
   EXPECT_NEAR(plane.cast_ray({0, 0, -1}, Vec3::UnitZ(), kNone, true).value().distance_m, 3, 1e-15);
@@ -143,7 +143,7 @@ TEST(MovingSpheresAtMeshes, StopWhereMarchingDoes) {
       const double expected = test::march(center, radius, d, 3, triangles);
       const auto hit = surface.cast_sphere(center, radius, d, 3);
       if (expected == kNone) {
-        // Marching cannot tell a near miss from a touch.
+        // Marching cannot distinguish a near miss from a contact.
         if (hit) {
           EXPECT_NEAR(test::distance_to(center + hit->distance_m * d, triangles), radius, 1e-8);
         }
@@ -155,7 +155,8 @@ TEST(MovingSpheresAtMeshes, StopWhereMarchingDoes) {
         EXPECT_LT(expected, 1e-9);
         continue;
       }
-      // At a grazing touch the last 1e-10 m of the march are a long way; the ball must touch, and not before.
+      // At a grazing contact the last 1e-10 m of the march are a long distance along the ray; the ball must touch, and
+      // not before.
       const Vec3 there = center + hit->distance_m * d;
       EXPECT_NEAR(test::distance_to(there, triangles), radius, 1e-9);
       EXPECT_NEAR((there - hit->point_m).norm(), radius, 1e-9);
@@ -171,9 +172,9 @@ TEST(MovingSpheres, HitFacesEdgesAndCornersOfABoxWhereTheyMust) {
   const BodySurface cube = box(Vec3::Constant(2));
   const Vec3 down = -Vec3::UnitZ();
   EXPECT_NEAR(cube.cast_sphere({0.2, 0.3, 5}, 0.5, down, kNone).value().distance_m, 3.5, 1e-14);
-  // Beside an edge by 0.3 of a radius of 0.5: the centre is 0.4 above it.
+  // Beside an edge by 0.3, with a radius of 0.5: the centre is 0.4 above the edge.
   EXPECT_NEAR(cube.cast_sphere({1.3, 0.3, 5}, 0.5, down, kNone).value().distance_m, 3.6, 1e-14);
-  // Beside a corner by (0.3, 0.24): 0.32 above it.
+  // Beside a corner by (0.3, 0.24): the centre is 0.32 above it.
   const double above = std::sqrt(0.25 - 0.09 - 0.0576);
   const auto corner = cube.cast_sphere({1.3, 1.24, 5}, 0.5, down, kNone);
   EXPECT_NEAR(corner.value().distance_m, 4 - above, 1e-14);
@@ -193,7 +194,7 @@ TEST(MovingSpheres, ThatOverlapAtTheStartSayTheNearestPoint) {
     EXPECT_LT((hit->point_m - Vec3(0.1, 0, 1)).norm(), 1e-15);
     EXPECT_LT((hit->normal - Vec3::UnitZ()).norm(), 1e-15);
   }
-  // Deep inside and smaller than the way out.
+  // Deep inside, and smaller than the distance to the surface.
   EXPECT_TRUE(cube.cast_sphere(Vec3::Zero(), 0.1, Vec3::UnitX(), kNone).value().at_start);
 }
 

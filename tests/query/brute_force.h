@@ -17,7 +17,7 @@
 #include "poise/mesh.h"
 #include "poise/shape.h"
 
-// Slow, obvious answers about meshes, triangle by triangle. Of what is under test nothing is used.
+// Slow, simple computations on meshes, triangle by triangle. Nothing here uses the code under test.
 namespace poise::test {
 
 inline double uniform(std::mt19937_64& random, double least, double most) {
@@ -77,7 +77,7 @@ inline double distance_to(const Vec3& p, const std::vector<Corners>& triangles) 
   return least;
 }
 
-/// By marching: the distance to the surface cannot shrink faster than the ball moves.
+/// By marching: the distance to the surface shrinks at most as fast as the ball moves.
 inline double march(Vec3 center, double radius, const Vec3& d, double limit, const std::vector<Corners>& triangles) {
   double moved = 0;
   for (int i = 0; i < 100000 && moved <= limit; ++i) {
@@ -113,7 +113,7 @@ inline bool clipped_by_box(const std::vector<Corners>& triangles, const Mat3& ro
   return false;
 }
 
-/// A shape with the mesh's true surface under a tree of one sphere, which queries do not look at.
+/// A shape with the mesh's true surface and a tree of one sphere, which queries do not use.
 inline ShapePtr mesh_shape(const TriangleMesh& mesh, double shell_thickness_m = 0) {
   geometry::Bounds box;
   for (const Vec3& v : mesh.vertices_m) box.add(v);

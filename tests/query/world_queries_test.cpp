@@ -18,7 +18,7 @@ using query::SurfacePoint;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Balls, unions of balls and meshes, anywhere and turned anyhow, over a plane.
+/// Balls, unions of balls and meshes, at random positions and orientations over a plane.
 struct Crowd {
   World world;
   std::vector<ShapePtr> shapes;
@@ -83,7 +83,7 @@ struct Best {
   }
 };
 
-/// All queries once, against every body asked alone.
+/// Compares every query with querying each body separately.
 void expect_like_one_by_one(const Crowd& crowd, std::mt19937_64& random) {
   const std::vector<Crowd::Local> locals = crowd.locals();
   const Vec3 from = test::vector_within(random, 9);
@@ -147,7 +147,7 @@ TEST(WorldQueries, FollowStepsAndBodiesThatComeMoveAndGo) {
   Crowd crowd(80);
   std::mt19937_64 random(3);
   StepInput input;
-  input.dt_s = 0.2;  // far enough for a box that was left where it was to be found out
+  input.dt_s = 0.2;  // long enough for a box with an outdated position to be detected
   for (int frame = 0; frame < 12; ++frame) {
     expect_like_one_by_one(crowd, random);
     ASSERT_EQ(crowd.world.step(input).status, StepStatus::Done);
@@ -202,7 +202,7 @@ TEST(WorldQueries, SeeTheGroupsOfTheFilterAndNotTheBodyToIgnore) {
   filter = {.collides_with = 2};
   ASSERT_TRUE(world.overlap_sphere(Vec3(3, 0, 0), 10, found, filter));
   EXPECT_EQ(found, std::vector<BodyId>{row[1]});
-  // Of bodies at one distance the lowest slot answers.
+  // Of bodies at the same distance the one with the lowest slot is returned.
   ASSERT_TRUE(world.set_groups(row[1], 1, 0xffffffffU));
   EXPECT_EQ(world.closest_point(Vec3(1, 0, 0), kFar).value().value().body, row[0]);
 }
@@ -275,7 +275,7 @@ TEST(WorldQueries, OfManyThreadsAtOnceAreThoseOfOne) {
       }
       return distances;
     };
-    // The index is outdated here, so that the threads race to make it.
+    // The index is outdated here, so that the threads race to update it.
     std::vector<std::vector<double>> answers(kThreads);
     {
       std::vector<std::jthread> threads;

@@ -79,7 +79,7 @@ void expect_equal(const RecordedFrame& read, const RecordedFrame& written) {
   EXPECT_EQ(read.lateness, written.lateness);
 }
 
-/// A record of so many frames, as bytes.
+/// The bytes of a record of this many frames.
 std::string record_of(const TemporaryFolder& folder, std::uint64_t frames, bool stopped = false) {
   Result<RecordWriter> writer = RecordWriter::open(folder.file("made"));
   EXPECT_TRUE(writer.ok());
@@ -96,7 +96,7 @@ void put(const std::string& file, const std::string& bytes) {
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// What reading a file gives: how many frames, each as it was written, and how it ended.
+/// Result of reading a file: the number of frames, whether each is as written, and how the record ended.
 struct Read {
   bool opened = false;
   std::string refusal;
@@ -181,7 +181,7 @@ TEST(Record, OneChangedBitAnywhereIsSeen) {
   const TemporaryFolder folder;
   const std::string file = folder.file("made");
   const std::string whole = record_of(folder, 6);
-  // Changed in place: a file that is made anew for each byte costs the disk more than all else.
+  // Changed in place: writing a new file for each byte would take too long on the disk.
   std::fstream stream(file, std::ios::binary | std::ios::in | std::ios::out);
   const auto set = [&](std::size_t at, unsigned change) {
     stream.seekp(static_cast<std::streamoff>(at));
@@ -265,8 +265,7 @@ TEST(Record, BytesThatNoWriterMakesAreRefusedWhateverTheyAre) {
   for (std::size_t size = 0; size < good.size(); ++size)
     EXPECT_FALSE(read_frame(good.substr(0, size), read).ok()) << size;
   EXPECT_FALSE(read_frame(good + '\0', read).ok());
-  // Whatever the bytes say, no pair may come out that the frame has not, and the memory taken stays with the bytes
-  // given.
+  // For any bytes, no pair may result that the frame does not have, and memory stays proportional to the given bytes.
   std::mt19937_64 random(1);
   std::size_t taken = 0;
   for (int i = 0; i < 20000; ++i) {

@@ -103,7 +103,7 @@ TEST(FramesTable, LeavesTheCellsOfAReferenceEmptyWhereThereIsNone) {
   }
   EXPECT_EQ(checked, 5U);
   EXPECT_EQ(members, 18U);
-  // The same number of commas in both rows, or columns would shift.
+  // Both rows need the same number of commas, or columns would shift.
   EXPECT_EQ(std::count(text.begin(), text.end(), ','), 2 * static_cast<std::ptrdiff_t>(names.size() - 1));
 }
 

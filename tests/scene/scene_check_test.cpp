@@ -54,7 +54,7 @@ TEST(SceneCheck, FindsNothingWrongWithTheScenesThatShip) {
     const Result<Scene> scene = read_scene(entry.path());
     ASSERT_TRUE(scene);
     const io::SceneCheck check = io::check_scene(scene.value(), {});
-    // real-meshes names files that must be fetched.
+    // real-meshes names files that are not shipped and must be downloaded.
     if (entry.path().stem() == "real-meshes") continue;
     EXPECT_TRUE(check.errors.empty()) << check.errors.front();
     for (const std::string& warning : check.warnings) EXPECT_EQ(warning.find("bodies["), std::string::npos) << warning;

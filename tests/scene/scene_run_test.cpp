@@ -125,7 +125,7 @@ TEST(SceneRun, RefusesFilesThatAreMissingOrWrongWithSceneAndField) {
 
 TEST(SceneRun, UsesOpenMeshesWithAWarningAndSheetsAsShells) {
   const TemporaryFolder folder;
-  // A box without one of its lids, and a triangle of half a square metre.
+  // A box without its top, and a triangle of half a square metre.
   std::ofstream(folder.file("box.obj")) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                                            "f 4 3 2 1\nf 1 2 6 5\nf 4 8 7 3\nf 2 3 7 6\nf 1 5 8 4\n";
   std::ofstream(folder.file("sheet.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

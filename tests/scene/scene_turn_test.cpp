@@ -12,7 +12,7 @@
 namespace poise::testing {
 namespace {
 
-/// A tetrahedron whose corners tell the axes apart.
+/// A tetrahedron whose corners distinguish the axes.
 void write_mesh(const TemporaryFolder& folder) {
   std::ofstream(folder.file("m.obj")) << "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 }

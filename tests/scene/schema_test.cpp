@@ -15,7 +15,8 @@ using nlohmann::json;
 
 json schema() { return json::parse(contents(POISE_SOURCE_DIR "/docs/scene.schema.json"), nullptr, false); }
 
-/// The message for a scene whose object at `where` has only the member `key`, of a kind that no field takes.
+/// The message for a scene whose object at `where` has only the member `key`, with a value of a type that no field
+/// accepts.
 std::string message_with(const std::string& where, const std::string& key) {
   json scene = {{"name", "x"},
                 {"dt_s", 1},

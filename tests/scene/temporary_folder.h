@@ -11,7 +11,7 @@
 
 namespace poise::testing {
 
-/// A folder of its own that goes away with everything in it.
+/// A separate folder that the destructor removes with its content.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -54,7 +54,7 @@ inline std::vector<std::string> cells(const std::string& row) {
   std::istringstream stream(row);
   std::vector<std::string> all;
   for (std::string cell; std::getline(stream, cell, ',');) all.push_back(cell);
-  // A comma at the end has an empty cell behind it.
+  // A comma at the end is followed by an empty cell.
   if (!row.empty() && row.back() == ',') all.emplace_back();
   return all;
 }

@@ -60,7 +60,7 @@ TEST(TimePriors, AreThoseOfOneMachineAndOneWayToRun) {
     if (field == 4) other.contact = "wrench";
     if (field == 5) other.alpha = 0.001;
     EXPECT_FALSE(io::read_time_priors(inside, other)) << field;
-    // Also where its file was put in the other's place.
+    // Also if its file was copied to the path of the other key.
     std::filesystem::copy_file(io::time_priors_file(inside, some_key()), io::time_priors_file(inside, other));
     EXPECT_FALSE(io::read_time_priors(inside, other)) << field;
   }

@@ -44,7 +44,7 @@ TEST(Forecast, StaysSoundWhenTheWorkNeverVaries) {
   const TailWork same{1000, 3000, 9000, 0};
   for (int frame = 0; frame < 100'000; ++frame) forecast.learn(same, microseconds(1500));
   EXPECT_NEAR(static_cast<double>(forecast.forecast(same).count()), 1.5e6, 1e4);
-  // A machine that is suddenly twice as slow is followed.
+  // The forecast follows a machine that suddenly becomes twice as slow.
   for (int frame = 0; frame < 300; ++frame) forecast.learn(same, microseconds(3000));
   EXPECT_NEAR(static_cast<double>(forecast.forecast(same).count()), 3.0e6, 1e5);
 }
@@ -64,7 +64,7 @@ TEST(Forecast, IsNeverNegative) {
   EXPECT_GT(forecast.forecast({}).count(), 0);
 }
 
-// The bound of the header, for any sequence of ratios within the clip, also one that is chosen against the tracker.
+// The bound of the header, for any sequence of ratios within the clip, also for sequences chosen against the tracker.
 void expect_within_bound(const std::vector<double>& logs, double alpha, double eta) {
   TrackedQuantile margin(alpha, eta, 0.0);
   const Nanoseconds forecast(1'000'000);
@@ -92,7 +92,7 @@ TEST(Forecast, TheMissRateKeepsItsBoundAgainstAnAdversary) {
     TrackedQuantile margin(alpha, eta, 0.0);
     const int frames = 20'000;
     for (int frame = 0; frame < frames; ++frame) {
-      // Always just above the reserve, as far as the clip lets it.
+      // Always just above the reserve, as far as the clip permits.
       const double z = std::min(margin.log_quantile() + 1e-4, TrackedQuantile::kHigh - 1e-3);
       margin.observe(Nanoseconds(static_cast<std::int64_t>(1e9 * std::exp(z))), Nanoseconds(1'000'000'000));
     }
@@ -102,8 +102,8 @@ TEST(Forecast, TheMissRateKeepsItsBoundAgainstAnAdversary) {
 }
 
 RC_GTEST_PROP(Forecast, TheMissRateKeepsItsBoundAgainstAnyMixOfAdversaries, ()) {
-  // Blocks in each of which the ratios are chosen with the tracker in view: just above it, just below, as far off as
-  // the clip allows, or by chance.
+  // Blocks of ratios that are chosen with knowledge of the tracker: just above it, just below it, as far away as the
+  // clip permits, or at random.
   const double alpha = *rc::gen::element(0.001, 0.01, 0.05, 0.3);
   const double eta = *rc::gen::element(0.01, 0.05, 0.2, 1.0);
   const double start =
@@ -139,7 +139,7 @@ TEST(Forecast, TheStepFollowsTheSpreadOfTheRatios) {
   EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(0.1), 0.05);
   EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(1e-6), 0.01);
   EXPECT_DOUBLE_EQ(TrackedQuantile::eta_for(5), 0.2);
-  // Ratios that swing by a tenth around one and a half spread by a tenth.
+  // Ratios that vary by a tenth around one and a half have a spread of a tenth.
   TrackedQuantile margin;
   for (int frame = 0; frame < 3000; ++frame)
     margin.observe(Nanoseconds(static_cast<std::int64_t>(1.5e9 * std::exp(frame % 2 == 0 ? 0.1 : -0.1))),
@@ -158,7 +158,7 @@ TEST(Forecast, BeginsFromWhatAnotherRunLearnedAndRefusesWhatMakesNoSense) {
   TailForecast::Features infinite = learned;
   infinite[6] = std::numeric_limits<double>::infinity();
   EXPECT_EQ(TailForecast(infinite).coefficients_us(), TailForecast().coefficients_us());
-  // What was learned elsewhere may be wrong here: it is followed as the built-in figures are.
+  // Learned values of another run may be wrong here: they are corrected as the built-in priors are.
   TailForecast here(learned);
   for (int frame = 0; frame < 300; ++frame) here.learn({1000, 3000, 9000, 0}, microseconds(1500));
   EXPECT_NEAR(static_cast<double>(here.forecast({1000, 3000, 9000, 0}).count()), 1.5e6, 3e4);

@@ -67,7 +67,7 @@ TEST(FrameBudget, TheReserveIsTheForecastTimesTheMargin) {
 }
 
 TEST(FrameBudget, TheReserveFollowsTheForecastWhateverTheFitExtrapolates) {
-  // Tails that were seen at many contacts only, and grow faster there than a line through nothing would.
+  // Tails observed only at many contacts, which grow faster there than a line through the origin.
   TailForecast tail;
   for (int frame = 0; frame < 400; ++frame) {
     const TailWork work{2000, 9000 + static_cast<std::uint64_t>(53 * frame) % 2000, 18000, 0};
@@ -84,12 +84,12 @@ TEST(FrameBudget, TheReserveFollowsTheForecastWhateverTheFitExtrapolates) {
         << "1 us at least";
     EXPECT_EQ(budget.tail_forecast(contacts), budget.reserve(contacts));
   }
-  // Near what was seen it is right.
+  // Near the observed values it is accurate.
   EXPECT_NEAR(static_cast<double>(budget.reserve(10'000).count()), 2e6, 0.3e6);
 }
 
 TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
-  // Costs of the tail that swing by half: after settling, the reserve is exceeded about as rarely as was asked.
+  // Costs of the tail that vary by half: after learning, the reserve is exceeded about as rarely as requested.
   TailForecast tail;
   TrackedQuantile margin(0.05, 0.02, 0.0);
   int exceeded = 0;
@@ -123,7 +123,7 @@ TEST(FrameBudget, IsMadeOfAForecastOfTheHostsOwnFeatures) {
   EXPECT_DOUBLE_EQ(budget.unit_cost_ns, 70);
   const FrameBudget fixed = make_frame_budget(kStart, Nanoseconds(0), tail, margin, values, 9, 1e-3, 70);
   EXPECT_EQ(fixed.tail_forecast(0), fixed.tail_forecast(1000));
-  // Values that make no sense promise nothing.
+  // Invalid values give no time to refinement.
   const FrameBudget senseless =
       make_frame_budget(kStart, Nanoseconds(0), tail, margin, std::array{1.0, -5.0, 0.0}, 2, 1e-3, 70);
   EXPECT_FALSE(senseless.admits(kStart - std::chrono::hours(1), 1, 0));

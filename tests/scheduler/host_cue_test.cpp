@@ -19,7 +19,7 @@ constexpr FrameFacts kFrame{3, 1, 2, 10};
 
 double given_number(const PairView& /*view*/, void* context) noexcept { return *static_cast<const double*>(context); }
 
-// A ball that the host marked with 7 is what the game is about.
+// The host has marked one ball with 7; the cue favours it.
 double ball_first(const PairView& view, void* /*context*/) noexcept {
   return view.user_data.a == 7 || view.user_data.b == 7 ? 100.0 : 1.0;
 }

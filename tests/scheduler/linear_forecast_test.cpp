@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-// A host that draws: features of its own choosing.
+// A host that renders, with features of its own.
 constexpr std::array<ForecastFeature, 3> kDrawing{{{"constant", 20}, {"triangles_k", 5}, {"lights", 50}}};
 
 std::uint64_t drawn(std::uint64_t& noise, std::uint64_t most) {
@@ -98,8 +98,8 @@ RC_GTEST_PROP(LinearForecast, StaysANumberWhateverItIsFed, ()) {
 }
 
 RC_GTEST_PROP(LinearForecast, WithAMarginKeepsTheBoundOfTheTrackedQuantile, ()) {
-  // A host's features, costs that drift and spike: after every frame the share of frames beyond the reserve is within
-  // (b - a + eta) / (eta T) of alpha.
+  // A host's features, with costs that drift and spike: after every frame the share of frames beyond the reserve is
+  // within (b - a + eta) / (eta T) of alpha.
   const double alpha = *rc::gen::element(0.01, 0.05, 0.2);
   const double eta = *rc::gen::element(0.02, 0.05, 0.2);
   std::uint64_t noise = *rc::gen::arbitrary<std::uint64_t>();
@@ -112,7 +112,7 @@ RC_GTEST_PROP(LinearForecast, WithAMarginKeepsTheBoundOfTheTrackedQuantile, ()) 
     actual_us *= 0.8 + 0.4 * static_cast<double>(drawn(noise, 1000)) * 1e-3;
     if (drawn(noise, 50) == 0) actual_us *= 3;
     const Nanoseconds point = forecast.forecast(values);
-    // What the bound speaks of are ratios within the clip.
+    // The bound holds for ratios within the clip.
     const auto least = static_cast<double>(point.count()) * std::exp(TrackedQuantile::kLow + 1e-3);
     const auto most = static_cast<double>(point.count()) * std::exp(TrackedQuantile::kHigh - 1e-3);
     const Nanoseconds actual(static_cast<std::int64_t>(std::clamp(1e3 * actual_us, least, most)));
@@ -134,7 +134,7 @@ TEST(TailForecast, IsALinearForecastOverNamedFeatures) {
 }
 
 TEST(TailForecast, GivesTheBitsThatItGaveBeforeItWasGeneral) {
-  // The hash of 2,000 frames' forecasts and coefficients, made by the version that held its features in the code.
+  // The hash of 2,000 frames' forecasts and coefficients, produced by the version with features fixed in the code.
   std::uint64_t noise = 1;
   std::uint64_t hash = 1469598103934665603ULL;
   const auto mix = [&](std::uint64_t bits) { hash = (hash ^ bits) * 1099511628211ULL; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a policy may be set to, and that nothing which is accepted gives a number that cannot be ranked.
+// The accepted range of each policy setting; every accepted policy must give scores that can be ranked.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -66,7 +66,7 @@ TEST(PolicyRange, EveryFieldIsRefusedBeyondItsRangeAndNamed) {
 }
 
 TEST(PolicyRange, NoFieldIsForgottenInTheTables) {
-  // A kind, weights, parameters, counts, and what a host adds; a new field makes the policy larger than what is listed.
+  // A kind, weights, parameters, counts, and host functions; a new field makes the policy larger than the listed ones.
   std::vector<PolicyField> fields = all_fields();
   EXPECT_EQ(sizeof(Policy), (fields.size() + 1) * sizeof(double) + policy_counts().size() * sizeof(std::uint32_t) +
                                 sizeof(HostCue) + sizeof(HostPolicy));
@@ -100,7 +100,7 @@ TEST(PolicyRange, ParametersMoveTheScoreTheRightWay) {
   EXPECT_GT(scored(&Policy::eccentricity_e2_rad, 0.2), scored(&Policy::eccentricity_e2_rad, 0.1));
   EXPECT_GT(scored(&Policy::chance_of_ending, 0.9), scored(&Policy::chance_of_ending, 0.1));
   EXPECT_GT(scored(&Policy::job_overhead_units, 1), scored(&Policy::job_overhead_units, 100));
-  // Two steps of one front each are cheaper than when the second doubles.
+  // Two levels with equal fronts are cheaper than with a second front twice as large.
   const std::array<float, 3> late = {0.4F, 0.4F, 0.0F};
   Policy growing, steady;
   steady.front_growth = 1;
@@ -108,7 +108,7 @@ TEST(PolicyRange, ParametersMoveTheScoreTheRightWay) {
   EXPECT_DOUBLE_EQ(best_gain_per_work(steady, {1, 0, late, 10}, 1), 0.5 * static_cast<double>(0.4F) / 24.0);
 }
 
-// Any bits are a double: NaN of all kinds, infinities and numbers next to zero among them; and often an end of a range.
+// Any bits are a double: all kinds of NaN, infinities and numbers near zero are included; often an end of a range.
 double any_number() {
   const auto bits = *rc::gen::arbitrary<std::uint64_t>();
   const double drawn = std::bit_cast<double>(bits);

@@ -22,7 +22,7 @@ TEST(Policy, GainIsTheFallOfErrorPerUnitOfWork) {
 }
 
 TEST(Policy, AChainIsJudgedByItsBestAverageNotItsNextStep) {
-  // The first step brings nothing, the second everything: the pair must not be stuck behind its first step.
+  // The first level gains nothing, the second everything: the pair must not be held back by its first level.
   const std::array<float, 3> late = {0.4F, 0.4F, 0.0F};
   EXPECT_GT(best_gain_per_work(Policy{}, {1, 0, late, 4}, 1.0), 0.0);
 }

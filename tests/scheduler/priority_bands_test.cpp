@@ -54,8 +54,8 @@ TEST(PriorityBands, CountABandBeyondTheLastAsTheLast) {
   EXPECT_EQ(bands.take(), 0U);
 }
 
-// Every item goes through five bands. Its count is a plain number, handed from worker to worker by the bands alone: an
-// item that two workers hold at once, or that is handed on without order, is a race for the thread sanitizer too.
+// Every item passes through five bands. Its count is a plain number, ordered by the bands alone: an item that two
+// workers hold at once, or that is passed on without ordering, is also a race for the thread sanitizer.
 TEST(PriorityBands, HandEachItemFromOneWorkerToTheNextAndLoseNone) {
   constexpr std::uint32_t kItems = 3000;
   constexpr std::uint32_t kRounds = 5;

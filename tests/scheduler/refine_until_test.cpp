@@ -125,7 +125,7 @@ TEST(RefineUntil, AJobIsDoneInBoundedPartsAndAbandonedAtTheCut) {
 }
 
 TEST(RefineUntil, WhatIsFoundApartGivesItsTailTimeBack) {
-  // Each item keeps 10 us for the tail until it is found apart: only so is there time for the others.
+  // Each item reserves 10 us for the tail until it is separated: only then is there time for the others.
   FrameBudget budget = budget_until(microseconds(102));
   budget.tail_per_contact_ns = 10'000;
   const auto refined = [&](std::int64_t change) {
@@ -149,7 +149,7 @@ TEST(RefineUntil, LeavesWhenIdleUnlessTheHostLooksAgain) {
   RefineQueue queue;
   queue.begin_frame(2, 0);
   queue.add(0, 0, 1);
-  ASSERT_EQ(queue.take(), 0U);  // another thread has it in hand
+  ASSERT_EQ(queue.take(), 0U);  // another thread holds it
   int looked = 0;
   const auto done = [&](std::uint32_t, std::uint64_t units) { return JobOutcome{Kind::Done, units}; };
   const auto clock = [] { return kStart; };
@@ -193,7 +193,7 @@ struct InventedFrame {
   }
 
   JobOutcome job(std::uint32_t item, std::uint64_t units) {
-    // At the moment that it begins.
+    // Checked at the moment at which it begins.
     if (clock + budget.job_cost(units) > budget.cut(queue.tail_items())) ++too_late;
     const double speed = 0.5 + static_cast<double>(drawn(noise, 100)) * 0.01;
     clock += Nanoseconds(static_cast<std::int64_t>(speed * static_cast<double>(budget.job_cost(units).count())));
@@ -228,16 +228,15 @@ RC_GTEST_PROP(RefineUntil, NoJobBeginsWhoseForecastDoesNotFitAndNoneThatFitsIsLe
   RC_ASSERT(counts.ended == frame.clock);
   RC_ASSERT(counts.abandoned + counts.left + frame.queue.open() <= items);
   RC_ASSERT(counts.cut == (frame.queue.open() > 0));
-  // What is still in the queue would not end in time, however it was cut into parts.
+  // Items that are still in the queue would not end in time, for any division into parts.
   for (std::uint32_t item = frame.queue.take(); item != RefineQueue::kNone; item = frame.queue.take()) {
     const std::uint64_t units = std::min(frame.queue.units_of(item), frame.quantum);
     RC_ASSERT(!frame.budget.admits(frame.clock, units, frame.queue.tail_items()));
   }
 }
 
-// Items that go from thread to thread over many levels. Their states are plain numbers, handed on by the queue alone,
-// so that an item which two threads hold at once is a race for the thread sanitizer too. Each thread has a clock of its
-// own.
+// Items that pass from thread to thread over many levels. Their states are plain numbers, ordered by the queue alone,
+// so an item that two threads hold at once is also a race for the thread sanitizer. Each thread has its own clock.
 TEST(RefineUntil, LosesNoItemAndServesNoneTwiceOnManyThreads) {
   constexpr std::uint32_t kItems = 2000;
   constexpr std::uint32_t kLevels = 6;
@@ -286,7 +285,7 @@ TEST(RefineUntil, UnderADeadlineEveryItemIsAccountedForOnManyThreads) {
     for (std::uint32_t item = 0; item < kItems; ++item) queue.add(item, item % kBands, 1 + item % 40);
     std::array<RefineCounts, 4> counts;
     std::array<int, 4> too_late{};
-    // The tail does not vary, so that what a job sees at its beginning is what it was admitted by.
+    // The tail does not vary, so a job sees at its beginning the values by which it was admitted.
     const FrameBudget budget = budget_until(microseconds(700 + 100 * frame));
     const auto work = [&](std::size_t thread) {
       TimePoint clock = kStart;
@@ -337,7 +336,8 @@ TEST(RefineUntil, TheCostOfAUnitIsFollowed) {
   EXPECT_EQ(UnitCost(-3).ns(), 60);
 }
 
-// A host frame from end to end with invented times: counted features, a tail that swings, and a margin that learns.
+// A host's frames from start to end with invented times: counted features, a tail that varies, and a margin that
+// learns.
 TEST(RefineUntil, WithAForecastOfTheHostsFeaturesMissesAreAboutAsRareAsAsked) {
   constexpr std::array<ForecastFeature, 2> kFeatures{{{"constant", 50}, {"contacts_k", 500}}};
   constexpr double kAlpha = 0.05;

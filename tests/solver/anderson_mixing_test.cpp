@@ -10,7 +10,7 @@
 namespace poise::solver {
 namespace {
 
-// One Gauss-Seidel iteration of a chain of springs, whose plain repetition takes some hundreds of iterations.
+// One Gauss-Seidel iteration of a chain of springs, which alone takes some hundreds of iterations to converge.
 std::vector<double> swept(std::vector<double> x) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double left = i > 0 ? x[i - 1] : 0;
@@ -29,7 +29,7 @@ int sweeps_until_settled(bool mixed) {
     double change = 0;
     for (std::size_t i = 0; i < x.size(); ++i) change = std::max(change, std::abs(after[i] - x[i]));
     if (change < 1e-9) {
-      // The exact answer is a parabola.
+      // The exact solution is a parabola.
       for (std::size_t i = 0; i < x.size(); ++i)
         EXPECT_NEAR(after[i], 0.5 * static_cast<double>((i + 1) * (x.size() - i)), 1e-6);
       return iterations;
@@ -59,8 +59,8 @@ TEST(AndersonMixing, StartsAnewWhereTheResidualGrows) {
 }
 
 TEST(AndersonMixing, StaysNearWhereStepsHardlyDiffer) {
-  // The second number creeps at the same pace whatever happens: what ends that is so far away that nothing learnt here
-  // holds there.
+  // The second number changes at a constant rate whatever happens. Its end is so far away that nothing learned here
+  // applies there.
   AndersonMixing mixing;
   mixing.begin(2);
   std::vector<double> after = {1.0, 1e-4};

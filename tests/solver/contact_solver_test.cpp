@@ -9,7 +9,7 @@
 namespace poise::solver {
 namespace {
 
-/// Bodies and pairs that rest on each other, the contact points of one pair given when the pair is added.
+/// Bodies and pairs at rest on each other; the contact points of a pair are given when it is added.
 struct Bench {
   std::vector<SolverBody> bodies;
   std::vector<collision::Pose> poses;
@@ -36,7 +36,7 @@ struct Bench {
     inverse_inertia.push_back(mass_kg > 0 ? Mat3(Mat3::Identity() / (0.4 * mass_kg)) : Mat3(Mat3::Zero()));
     return static_cast<std::uint32_t>(bodies.size() - 1);
   }
-  // Surfaces that are this far apart at world points.
+  // Adds a pair whose surfaces have this separation at points in the world.
   void add_pair(std::uint32_t a, std::uint32_t b, const Vec3& normal, std::vector<Vec3> points_m, double friction = 0,
                 double gap_m = 0) {
     Manifold pair;
@@ -84,7 +84,7 @@ struct Bench {
   }
 };
 
-// Boxes of 1 kg in a column, each on four contact points of the one below.
+// Boxes of 1 kg in a column, each on four contact points of the one below it.
 void stack(Bench& bench, int boxes) {
   bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
   bench.add_body(0);
@@ -167,7 +167,7 @@ TEST(Rest, OverlapIsPushedApartWithoutLeavingSpeedBehind) {
 }
 
 TEST(Rest, WhatMayNotOverlapAtAllIsNotPushed) {
-  // A coarse level says that the surfaces likely meet, but is not sure of it.
+  // At a coarse level the surfaces are estimated to touch, but not certain to.
   Bench bench;
   const auto a = bench.add_body(1);
   const auto b = bench.add_body(1, Vec3(1, 0, 0));
@@ -251,8 +251,8 @@ RC_GTEST_PROP(Rest, AnyPlacesKeepMomentumAndAngularMomentum, ()) {
   RC_ASSERT((bench.angular_momentum() - angular).norm() < 1e-12 * 10);
 }
 
-// A layer of balls on the ground, each against its neighbours: more pairs than lanes, of different contact point
-// counts.
+// A layer of balls on the ground, each touching its neighbours: more pairs than lanes, with different numbers of
+// contact points.
 Bench layer(int threads) {
   Bench bench;
   bench.executor = parallel::make_executor(ExecutorKind::Threads, threads);
@@ -284,7 +284,7 @@ TEST(Rest, ThreadsDoNotShow) {
   }
 }
 
-// A column of equal bodies at rest on the ground: the impulse below body k carries all that stand on it.
+// A column of equal bodies at rest on the ground: the impulse below body k carries all bodies above.
 Bench column(std::uint32_t count) {
   Bench bench;
   bench.settings.dt_s = 0.01;

@@ -11,7 +11,7 @@
 namespace poise::solver {
 namespace {
 
-// A floor, two bodies of which one block of two pairs tells, and one that touches nothing.
+// A floor, two bodies whose pairs are in one block, and one that touches nothing.
 struct Two {
   std::vector<SolverBody> bodies{4};
   std::vector<Acceleration> accelerations{4};
@@ -60,7 +60,7 @@ TEST(EnergyGuard, AloneIsWithForcesAndWithoutContacts) {
 }
 
 TEST(EnergyGuard, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
-  // Body 1 falls at 3 m/s along x with what it began with; the impulses turn that into 1 m/s the other way.
+  // Body 1 starts with 3 m/s along x; the impulses turn that into 1 m/s in the other direction.
   Two two;
   const std::vector<MotionChange<double>> begun(4);
   for (Acceleration& pull : two.accelerations) pull.linear_mps2.setZero();

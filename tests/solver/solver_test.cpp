@@ -100,7 +100,7 @@ RC_GTEST_PROP(Impact, AnyWrenchKeepsMomentumAndNeverAddsEnergy, ()) {
   for (int i = 0; i < 6; ++i) bench.add_body(0.1 + std::abs(number()), vector(), vector());
   for (std::uint32_t i = 0; i < 6; ++i) {
     for (std::uint32_t j = i + 1; j < 6; ++j) {
-      // One point for both bodies: angular momentum about it is kept by construction of the moments.
+      // One point for both bodies: the construction of the moments conserves angular momentum about it.
       const Vec3 l = (vector() + Vec3(0.1, 0.2, 0.3)).normalized();
       bench.add_row(i, j, l, vector(), vector(), e);
     }
@@ -142,7 +142,8 @@ TEST(Impact, WithoutReboundAPairIsSlowedToJustTouch) {
 }
 
 TEST(Impact, PointContactsAreAnsweredOneByOneEachWithItsOwnApproach) {
-  // Two points of one flat meeting: the first takes all of the approach, the second finds none left (DO, eq. 1-3).
+  // Two points of one flat contact: the first one removes all of the approach speed, the second finds none left (DO,
+  // eq. 1-3).
   Bench bench;
   const auto a = bench.add_body(1, Vec3(1, 0, 0));
   const auto b = bench.add_body(0, Vec3::Zero());
@@ -156,7 +157,7 @@ TEST(Impact, PointContactsAreAnsweredOneByOneEachWithItsOwnApproach) {
 }
 
 TEST(Impact, FrictionTakesFromTheSlipAtMostItsShareOfTheImpulse) {
-  // A ball that spins and falls on the ground: the closed form of a rigid impact with Coulomb friction.
+  // A ball that spins and falls onto the ground: the closed form of a rigid impact with Coulomb friction.
   for (const double friction : {0.0, 0.1, 10.0}) {
     Bench bench;
     const double radius = 1;
@@ -167,7 +168,7 @@ TEST(Impact, FrictionTakesFromTheSlipAtMostItsShareOfTheImpulse) {
     row.arm_m = Vec3(0, 0, -radius);
     row.a_to_b_m = Vec3(0, 0, -radius);
     bench.impacts();
-    // The lowest point slips with w x r = -4 m/s; what stops it all is 2/7 of that, since I = 2/5 m r^2.
+    // The lowest point slips at w x r = -4 m/s; stopping it takes an impulse of 2/7 of that, since I = 2/5 m r^2.
     const double gained = std::min(friction * 1.5 * 3, 4 * 2.0 / 7);
     EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), 1.5, 1e-13);
     EXPECT_NEAR(bench.bodies[ball].velocity_mps.x(), gained, 1e-13) << friction;
@@ -176,7 +177,7 @@ TEST(Impact, FrictionTakesFromTheSlipAtMostItsShareOfTheImpulse) {
 }
 
 TEST(Convergence, OfImpactsGoesOnPastTheSweepsOfAFrame) {
-  // An inelastic row of thirty: each iteration passes motion on, and eight do not bring it to rest relative to itself.
+  // An inelastic row of thirty: each iteration passes motion on, and eight do not make the relative velocities vanish.
   const auto row = [](const Stopping& stopping, Convergence& ended) {
     Bench bench;
     bench.settings.stopping = stopping;

@@ -5,7 +5,7 @@
 #include "scene/run/render_load.h"
 #include "studies/forecast_trial.h"
 
-// All times are invented, but for one that is counted on this thread.
+// All times are invented, except one that is measured on this thread.
 namespace poise::simulation {
 namespace {
 
@@ -20,7 +20,7 @@ TEST(ReleaseGrid, ALateFrameLeavesTheNextOneWhatIsLeftOfItsPeriodAndNoMore) {
   EXPECT_EQ(grid.advance(kStart + milliseconds(13)), 0U);
   EXPECT_EQ(grid.release(), kStart + milliseconds(10)) << "the grid did not move";
   EXPECT_EQ(grid.deadline(), kStart + milliseconds(20));
-  // It makes up for it, and the one after has its whole period.
+  // It catches up, and the next frame has its whole period.
   EXPECT_EQ(grid.advance(kStart + milliseconds(19)), 0U);
   EXPECT_EQ(grid.release(), kStart + milliseconds(20));
 }
@@ -33,7 +33,7 @@ TEST(ReleaseGrid, ReleasesThatCannotBeServedAnyMoreAreCountedAndSkipped) {
 }
 
 TEST(ReleaseGrid, LatenessDoesNotAddUpOverThousandsOfFrames) {
-  // Each frame takes a tenth longer than its period: one release in about ten is lost, and no frame is released later
+  // Each frame takes a tenth longer than its period: about one release in ten is skipped, and no frame starts later
   // than one period late.
   ReleaseGrid grid(kStart, 0.010, milliseconds(10));
   SteadyClock::time_point now = kStart;
@@ -45,7 +45,7 @@ TEST(ReleaseGrid, LatenessDoesNotAddUpOverThousandsOfFrames) {
     EXPECT_LT(now - grid.release(), milliseconds(10));
   }
   EXPECT_NEAR(static_cast<double>(skipped), 0.1 * kFrames, 0.01 * kFrames);
-  // The load falls: the very next frame is on time.
+  // The load falls: the next frame is on time.
   now = std::max(now, grid.release()) + milliseconds(1);
   EXPECT_LT(now, grid.deadline());
   grid.advance(now);
@@ -100,7 +100,8 @@ TEST(ForecastTrial, AConstantTailIsExactlyItsMean) {
 }
 
 TEST(ForecastTrial, WorkThatRepeatsFromFrameToFrameIsForeseenByItsVisitsAlone) {
-  // Sweeps that come and go with no other count: contacts say nothing, the visits of the frame before say all.
+  // Solver iterations that vary independently of the other counts: the contacts carry no information, the iterations of
+  // the previous frame carry all of it.
   std::vector<RecordedTail> tails;
   for (int i = 0; i < 1500; ++i) {
     const std::uint64_t visits = (i / 40) % 2 == 0 ? 2000 : 20000;

@@ -45,7 +45,7 @@ TEST(StudyAccuracy, ListsEveryCaseOnce) {
   EXPECT_NE(result.out.find("slope, box on plane"), std::string::npos);
 }
 
-// Cases that take a moment; all together are what `poise study accuracy` is run for by hand.
+// Fast cases; all of them together are run by hand with `poise study accuracy`.
 class FastCase : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(FastCase, IsWithinItsBounds) {

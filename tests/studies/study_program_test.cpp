@@ -14,7 +14,7 @@
 namespace poise::testing {
 namespace {
 
-/// What a shell command writes, and its exit code.
+/// The output of a shell command, and its exit code.
 std::pair<std::string, int> shell(const std::string& command) {
   std::string text;
   std::FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
@@ -46,7 +46,7 @@ TEST(StudyProgram, TheCommandSaysHowItIsBuiltWhereItIsNotThere) {
 }
 
 TEST(StudyProgram, IsNoPartOfTheCommand) {
-  // What the studies alone say is in their program, and not in `poise`.
+  // This text of a study is in the program of the studies, and not in `poise`.
   const std::string words = "Compare the answers of each level";
   const std::string study = std::filesystem::path(POISE_COMMAND).parent_path() / "poise-study";
   EXPECT_EQ(shell("grep -c '" + words + "' " + study).second, 0);

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-// A few balls that fall: frames of microseconds.
+// A few falling balls, whose frames take microseconds.
 std::string small_scene(const TemporaryFolder& folder) {
   const std::string file = folder.file("small.json");
   std::ofstream(file) << R"({"name": "small", "dt_s": 0.004, "gravity_mps2": [0, 0, -9.81], "frames": 130,

@@ -75,7 +75,7 @@ TEST(StudyCost, RefusesASceneThatCannotHaveAnyNumberOfBodies) {
   EXPECT_EQ(poise_command({"study", "cost", "--frames", "0"}).exit_code, 2);
 }
 
-// What this finds is checked in the tests of the release build alone: valgrind and sanitizers do not go together.
+// Its results are checked only in the tests of the release build: valgrind and sanitizers cannot be combined.
 TEST(StudyFree, NothingOfAFeatureThatIsOffIsExecuted) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "valgrind cannot run a program with sanitizers";

@@ -11,32 +11,34 @@
 
 namespace poise {
 
-/// The cache of built trees between runs. The library touches the cache only where it is handed these settings.
+/// The cache of built trees between runs. The library uses it only where it is given these settings.
 struct TreeCacheSettings {
   bool on = true;
-  std::filesystem::path folder;  ///< empty: default_tree_cache_folder(); made with mode 0700 when it is missing
-  std::uint64_t limit_bytes = 1ULL << 30;  ///< of all entries; beyond it those go first that were not used for longest
+  std::filesystem::path folder;            ///< empty: default_tree_cache_folder(); created with mode 0700 if missing
+  std::uint64_t limit_bytes = 1ULL << 30;  ///< of all entries; beyond it the least recently used entries are removed
 };
 
-/// What became of a tree that was asked for.
+/// How a requested tree was obtained.
 enum class TreeCacheOutcome : std::uint8_t {
-  Off,          ///< the cache was not looked at
+  Off,          ///< the cache was not used
   Hit,          ///< read from the cache
   Built,        ///< built and stored; a tree larger than the limit is not stored
-  Rebuilt,      ///< there was an entry, but a damaged or foreign one: built, and the entry replaced
+  Rebuilt,      ///< the entry was damaged or foreign: built, and the entry replaced
   NotWritable,  ///< built, but the folder could not be written
 };
 
-/// $XDG_CACHE_HOME/poise, else $HOME/.cache/poise; relative values of the two are ignored, as the XDG base directory
-/// specification asks. Empty when neither is set. Must not run beside a change of the environment.
+/// $XDG_CACHE_HOME/poise, else $HOME/.cache/poise. Relative values of the two variables are ignored, as the XDG base
+/// directory specification requires. Empty if neither is set. Any thread, but not while another thread changes the
+/// environment.
 std::filesystem::path default_tree_cache_folder();
 
-/// build_sphere_tree, or the same tree, bit for bit, from an earlier call. An entry is named by a 128-bit hash (XXH3)
-/// of the mesh, of the options that matter (depth, preset, solidity, seed), of kTreeVersion and of the sources and
-/// compiler of the builder, and it holds a checksum; whatever is not exactly such an entry is built anew and replaced,
-/// never used. Entries appear whole by renaming, so any number of threads and processes may share a folder. Trouble
-/// with the folder is never an error: see TreeCacheOutcome. `evicted`, if given, gets the number of entries that were
-/// removed to keep the limit. Any thread. Refused as build_sphere_tree.
+/// Returns the tree of build_sphere_tree, or the same tree, bit for bit, from the cache. An entry is named by a 128-bit
+/// hash (XXH3) of the mesh, the options that affect the tree (depth, preset, solidity, seed), kTreeVersion, and the
+/// sources and compiler of the builder. It holds a checksum; an entry that does not match is rebuilt and replaced,
+/// never used. Entries are written to a temporary file and renamed, so any number of threads and processes may share a
+/// folder. A folder that cannot be used is not an error: see TreeCacheOutcome. `outcome`, if given, receives how the
+/// tree was obtained; `evicted` the number of entries that were removed to respect the limit. Any thread. Refused as
+/// build_sphere_tree.
 Result<SphereTree> cached_sphere_tree(const TriangleMesh& mesh, const TreeBuildOptions& options,
                                       const TreeCacheSettings& settings, TreeCacheOutcome* outcome = nullptr,
                                       std::size_t* evicted = nullptr);

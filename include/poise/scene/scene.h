@@ -24,63 +24,70 @@
 
 namespace poise {
 
-/// Bodies that a scene may have at most, generated ones included.
+/// The most bodies that a scene may have, generated ones included.
 inline constexpr std::uint64_t kMaxSceneBodies = 10'000'000;
-/// Frames that a run may have at most: the report of each is kept in memory.
+/// The most frames that a run may have: the report of each stays in memory.
 inline constexpr std::uint64_t kMaxSceneFrames = 1'000'000;
 
+/// A named material of a scene file.
 struct SceneMaterial {
   std::string name;
   Material material;
 };
 
+/// A ball.
 struct SphereSource {
   double radius_m = 0;
 };
+/// A half-space, as make_plane_shape.
 struct PlaneSource {
   Vec3 normal = Vec3::UnitZ();
   double offset_m = 0;
 };
+/// A mesh file with a sphere tree to be built for it.
 struct MeshSource {
-  std::filesystem::path file;        ///< as written; relative ones are meant from Scene::base
+  std::filesystem::path file;        ///< as written; a relative one is relative to Scene::base
   double scale = 1;                  ///< metres per unit of the file
   Level depth = 3;                   ///< of the sphere tree
-  double shell_thickness_m = 0;      ///< > 0: the surface alone, as plates so thick; 0: a solid
+  double shell_thickness_m = 0;      ///< > 0: the surface alone, as plates of this thickness; 0: a solid
   Quat rotation = Quat::Identity();  ///< turns the file's frame into that of the shape, about the file's origin
-  bool turned = false;               ///< the file says how the mesh is turned: `up` or `rotation_wxyz`
+  bool turned = false;               ///< the file gives a rotation: `up` or `rotation_wxyz`
 };
+/// A union of spheres, as make_spheres_shape.
 struct SpheresSource {
   std::vector<Sphere> spheres;
 };
+/// A sphere tree from a file, with or without its mesh.
 struct TreeSource {
   std::filesystem::path file;    ///< a `.sph` file, as MeshSource::file
   double scale = 1;              ///< of tree and mesh
-  std::filesystem::path mesh;    ///< what the tree stands for; empty: its leaves are the object
-  bool allow_leaks = false;      ///< with a mesh: use the tree though it does not cover the surface
+  std::filesystem::path mesh;    ///< the mesh that the tree covers; empty: its leaves are the object
+  bool allow_leaks = false;      ///< with a mesh: use the tree even if it does not cover the surface
   double shell_thickness_m = 0;  ///< with a mesh: as MeshSource::shell_thickness_m
 };
 
-/// A named shape as the file gives it: nothing is loaded yet.
+/// A named shape as the file describes it: no mesh or tree is loaded yet.
 struct SceneShape {
   std::string name;
   std::variant<SphereSource, PlaneSource, MeshSource, SpheresSource, TreeSource> source;
 };
 
+/// A body in the list of the file.
 struct SceneBody {
   std::string name;           ///< may be empty
   std::size_t shape = 0;      ///< index into Scene::shapes
   std::size_t material = 0;   ///< index into Scene::materials
-  BodyDefinition definition;  ///< its shape and material ids are not set
+  BodyDefinition definition;  ///< its shape and material ids are unset
 };
 
-/// What the grid and the stream have in common. Generated bodies have their *centre of mass* at the generated point.
+/// Fields that grids and streams share. Generated bodies have their *centre of mass* at the generated point.
 struct GeneratedKind {
   std::vector<std::size_t> shapes;  ///< indices into Scene::shapes, at least one, no planes
   bool mix_by_seed = false;         ///< shapes drawn at random instead of in turn
   std::size_t material = 0;
   bool random_orientation = false;
   Vec3 velocity_mps = Vec3::Zero();
-  double speed_mps = 0;   ///< added to the velocity in a random direction
+  double speed_mps = 0;   ///< in a random direction, added to the velocity
   double spin_radps = 0;  ///< about a random axis
   std::uint64_t seed = 1;
   std::uint32_t group = 1;
@@ -94,13 +101,13 @@ struct GridGenerator {
   std::array<std::uint64_t, 3> count{};  ///< free grid: along x, y, z; unused in the tray
   Vec3 origin_m = Vec3::Zero();          ///< free grid: point of the first body
   double spacing_m = 1;
-  double jitter_m = 0;       ///< each coordinate moves by up to this, evenly distributed
-  bool in_tray = false;      ///< layers that fill the tray from below, as many as `bodies` needs
+  double jitter_m = 0;       ///< each coordinate moves by up to this, uniformly distributed
+  bool in_tray = false;      ///< layers that fill the tray from below, as many as needed for `bodies`
   std::uint64_t bodies = 0;  ///< in the tray
   double bottom_m = 0;       ///< in the tray: smallest gap between the floor and the bounding spheres
 };
 
-/// So many bodies a second at even distances in time, at random points of a box.
+/// A fixed number of bodies at equal intervals of time, at random points of a box.
 struct StreamGenerator {
   GeneratedKind kind;
   std::uint64_t total = 0;
@@ -112,13 +119,14 @@ struct StreamGenerator {
 
 using SceneGenerator = std::variant<GridGenerator, StreamGenerator>;
 
-/// A floor z = 0 and four walls around the origin, static planes.
+/// A floor z = 0 and four walls around the origin; all are static planes.
 struct SceneTray {
   std::size_t material = 0;
   double side_m = 0;                ///< 0: from side_per_sqrt_body_m
   double side_per_sqrt_body_m = 0;  ///< side = this * sqrt(bodies that the generators make)
 };
 
+/// The viewer's camera, world frame.
 struct SceneCamera {
   Vec3 position_m = Vec3::Zero();
   Vec3 look_at_m = Vec3::UnitX();
@@ -127,19 +135,19 @@ struct SceneCamera {
   std::array<double, 2> resolution_px{1280, 720};
 };
 
-/// What a host does in each frame after the step and before its deadline, simulated by keeping the processor busy.
+/// The work that a host does in each frame after the step and before its deadline. It is simulated by busy waiting.
 struct SceneHostWork {
   double load_ms = 0;                ///< time on the CPU, >= 0
-  double jitter_ms = 0;              ///< each frame's differs by up to this, at most load_ms
-  std::optional<double> reserve_ms;  ///< reserved for it; without it, learned from the frames before
+  double jitter_ms = 0;              ///< each frame's load differs by up to this, at most load_ms
+  std::optional<double> reserve_ms;  ///< reserved for it; empty: learned from earlier frames
 };
 
-/// What a scene file says, checked, as plain data (docs/scene-format.md).
+/// The checked content of a scene file, as plain data (docs/scene-format.md).
 struct Scene {
   std::string name;
   std::string description;     ///< may be empty
   std::string source;          ///< the file, for messages
-  std::filesystem::path base;  ///< what its relative files are relative to
+  std::filesystem::path base;  ///< folder that its relative files are relative to
   Vec3 gravity_mps2 = Vec3::Zero();
   double dt_s = 0;
   std::uint64_t frames = 600;
@@ -148,55 +156,56 @@ struct Scene {
   std::optional<double> alpha;  ///< WorldSettings::alpha
   std::optional<SceneHostWork> host_work;
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
-  bool polygons = false;            ///< and then by the triangles of meshes
+  bool polygons = false;            ///< one more level, by the triangles of meshes: StepInput::polygons
   bool backtracking = false;        ///< StepInput::backtracking
   bool sleeping = false;            ///< WorldSettings::sleeping
   scheduler::Policy policy;
   std::optional<SceneCamera> camera;
   std::optional<std::array<double, 2>> gaze_px;  ///< from the top left corner; the centre of the image otherwise
-  std::vector<SceneMaterial> materials;          ///< in file order, as the lists below
+  std::vector<SceneMaterial> materials;          ///< in file order, as are the lists below
   std::vector<SceneShape> shapes;
   std::vector<SceneBody> bodies;
   std::optional<SceneTray> tray;
   std::vector<SceneGenerator> generators;
 };
 
-/// Reads and checks a scene file. Files that it names are looked at by SceneRun::create only. Any thread.
+/// Reads and checks a scene file. The files that it names are not opened here but in SceneRun::create. Any thread.
 /// Refused with file, field, value and rule; syntax errors with line and column.
 Result<Scene> read_scene(const std::filesystem::path& file);
 
-/// The same from text; `name` stands in the messages, `base` is what relative files are relative to. The
-/// error of a refusal is the first that was found; `errors`, if given, gets all of them, one line each, in the order of
-/// reading (the first 10,000, then how many more).
+/// The same from text. Messages begin with `name`; relative files are relative to `base`. The returned error is the
+/// first one found; `errors`, if given, receives all, one line each, in reading order (the first 10,000, then their
+/// number).
 Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base,
                           std::vector<std::string>* errors = nullptr);
 
-/// Bodies that the generators of a scene make together by its own counts.
+/// Number of bodies that the generators of a scene make by its own counts.
 std::uint64_t generated_body_count(const Scene& scene);
 
-/// The camera and gaze of a scene; not present without a camera.
+/// The camera and gaze of a scene. View::present is false for a scene without a camera.
 View scene_view(const Scene& scene);
 
+/// Settings of a run that the scene file does not hold.
 struct SceneRunOptions {
-  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also ask for sleeping; the rest counts
-                        ///< as it stands
-  std::optional<std::uint64_t>
-      bodies;  ///< how many bodies the generators make together, in proportion to their own counts
-  std::optional<std::uint64_t> seed;  ///< instead of the scene's; moves generated bodies too
-  std::optional<TreeCacheSettings>
-      tree_cache;  ///< where built trees are kept; without it no file but the scene's is touched
-  /// Called now and then while trees are built, on the calling thread, with the share of all shapes that is done, from
-  /// 0 to 1. May be empty.
+  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also turn sleeping on; the rest is
+                        ///< used as given
+  /// Number of bodies that all generators make together, in proportion to their own counts; empty: those of the scene.
+  std::optional<std::uint64_t> bodies;
+  std::optional<std::uint64_t> seed;  ///< replaces the scene's seed; also moves generated bodies
+  /// Where built trees are cached; empty: no file but the scene's is read or written.
+  std::optional<TreeCacheSettings> tree_cache;
+  /// Called from time to time while trees are built, on the calling thread, with the completed share of all shapes, in
+  /// [0, 1]. May be empty.
   std::function<void(double share)> tree_progress = {};
 };
 
-/// How many trees of a scene's meshes came how (TreeCacheOutcome).
+/// Number of trees by the way they were obtained (TreeCacheOutcome).
 struct TreeCacheUse {
   std::size_t off = 0, hits = 0, built = 0, rebuilt = 0, not_writable = 0;
-  std::size_t evicted = 0;  ///< entries of others that went to keep the limit
+  std::size_t evicted = 0;  ///< other entries that were removed to respect the limit
 };
 
-/// One body of a scene that runs.
+/// One body of a running scene.
 struct RunBody {
   BodyId id;
   std::size_t shape = 0;     ///< index into SceneRun::shapes()
@@ -204,14 +213,14 @@ struct RunBody {
   MotionType motion = MotionType::Dynamic;
 };
 
-/// Owns the World of a scene and adds the bodies of its streams in time. Invariant: bodies() is in scene order:
-/// the list of the file, the tray (floor, walls at -x, +x, -y, +y), the grids in order, then stream bodies as they
-/// came.
+/// Owns the World of a scene and adds the bodies of its streams when they are due. Invariant: bodies() is in scene
+/// order: the list of the file, the tray (floor, walls at -x, +x, -y, +y), the grids in order, then stream bodies in
+/// order of arrival.
 ///
 /// One thread at a time. Two runs with the same scene and options have the same bodies, bit for bit, on any machine.
 class SceneRun {
  public:
-  /// Loads meshes and trees, builds sphere trees, adds the bodies of the start. Refused as read_scene does.
+  /// Loads meshes and trees, builds sphere trees, and adds the bodies of the first frame. Refused as read_scene.
   static Result<SceneRun> create(const Scene& scene, const SceneRunOptions& options);
   SceneRun(SceneRun&&) noexcept;
   SceneRun& operator=(SceneRun&&) noexcept;
@@ -223,16 +232,15 @@ class SceneRun {
   [[nodiscard]] World& world();
   [[nodiscard]] const World& world() const;
   [[nodiscard]] std::span<const RunBody> bodies() const;
-  /// What is not certain about shapes that were loaded, one line each with scene file and field, in the order of the
-  /// shapes.
+  /// Uncertain properties of loaded shapes, one line each with scene file and field, in the order of the shapes.
   [[nodiscard]] std::vector<std::string> warnings() const;
   [[nodiscard]] const TreeCacheUse& tree_cache_use() const;
   /// In the order of Scene::shapes; with a tray, its five planes follow.
   [[nodiscard]] std::span<const ShapePtr> shapes() const;
   [[nodiscard]] const View& view() const;
-  /// Bodies when every stream has ended, static ones and planes included.
+  /// Number of bodies when every stream has ended, static ones and planes included.
   [[nodiscard]] std::uint64_t final_body_count() const;
-  /// 0 without a tray.
+  /// Side of the tray, metres; 0 without a tray.
   [[nodiscard]] double tray_side_m() const;
 
  private:

@@ -9,43 +9,44 @@
 
 namespace poise::scheduler {
 
-/// A point in time that the caller read from its clock; the scheduler has none.
+/// A point in time that the caller read from its clock; the scheduler has no clock.
 using TimePoint = std::chrono::steady_clock::time_point;
 
-/// Decides, job by job, whether refinement may go on: t_cut = deadline - host work still to come - reserve, where the
-/// reserve is the forecast of the whole tail (what follows refinement) for the contacts that are published now, times
-/// the tracked margin. A plain value for one frame, read by any number of threads. Nothing in it is of Poise's
-/// geometry: a *contact* is any item that the tail has to deal with, a *unit* any amount of refinement. Sums beyond the
-/// range of TimePoint end at its ends.
+/// Decides, job by job, whether refinement may continue: t_cut = deadline - host work still to come - reserve. The
+/// reserve is the forecast of the whole tail (the part after refinement) for the contacts that are published now, times
+/// the tracked margin. A plain value for one frame; any number of threads may read it. It does not depend on geometry:
+/// a *contact* is any item that the tail has to process, a *unit* any amount of refinement. Sums saturate at the range
+/// of TimePoint.
 struct FrameBudget {
   bool limited = false;            ///< false: there is no deadline
   TimePoint deadline{};            ///< of the frame, host work included
   Nanoseconds host_work{0};        ///< still to come after the step
   Nanoseconds tail_fixed{0};       ///< point forecast of the tail without contacts
-  double tail_per_contact_ns = 0;  ///< and for each contact
-  double margin = 1;               ///< reserve / point forecast
-  double unit_cost_ns = 40;        ///< of one unit (Poise: a node-pair expansion) on one thread
+  double tail_per_contact_ns = 0;  ///< point forecast for each contact
+  double margin = 1;               ///< factor from point forecast to reserve
+  double unit_cost_ns = 40;        ///< of one unit (Poise: a node-pair expansion) on one thread, nanoseconds
   double job_overhead_ns = 150;
 
-  /// Point forecast of the tail when `contacts` pairs are to be answered: what the margin is tracked against.
+  /// Point forecast of the tail for this number of contacts; the margin is tracked against it.
   [[nodiscard]] Nanoseconds tail_forecast(std::uint64_t contacts) const;
-  /// What is kept for it.
+  /// Time reserved for the tail with this number of contacts.
   [[nodiscard]] Nanoseconds reserve(std::uint64_t contacts) const;
+  /// Time at which refinement must end, for this number of contacts.
   [[nodiscard]] TimePoint cut(std::uint64_t contacts) const;
-  /// May a job of `units` units begin at `now`?
+  /// Whether a job of `units` units that begins at `now` is forecast to end before the cut.
   [[nodiscard]] bool admits(TimePoint now, std::uint64_t units, std::uint64_t contacts) const;
-  /// Forecast of a job's duration.
+  /// Forecast of a job's duration, overhead included.
   [[nodiscard]] Nanoseconds job_cost(std::uint64_t units) const;
 };
 
-/// Makes the budget of a frame from the forecasts, for the tail work that is known before refinement
-/// (`work.contacts` is ignored: it changes while levels complete).
+/// Makes the budget of a frame from the forecasts, for the tail work that is known before refinement. `work.contacts`
+/// is ignored, since it changes while levels complete.
 FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const TailForecast& tail,
                               const TrackedQuantile& margin, TailWork work, double unit_cost_ns);
 
-/// The same for work of the host's choosing. `values` are those of the features of `tail`; the one at `varying` is what
-/// refinement changes while it runs: its value here is ignored, and an item adds `value_per_item` to it (0.001 for a
-/// feature in thousands). A `varying` that is no feature: the tail does not depend on what is refined.
+/// The same for a host's own work. `values` are the values of the features of `tail`. Refinement changes the one at
+/// index `varying` while it runs: its value here is ignored, and each item adds `value_per_item` to it (0.001 for a
+/// feature in thousands). If `varying` is not an index of a feature, the tail does not depend on what is refined.
 FrameBudget make_frame_budget(TimePoint deadline, Nanoseconds host_work, const LinearForecast& tail,
                               const TrackedQuantile& margin, std::span<const double> values, std::size_t varying,
                               double value_per_item, double unit_cost_ns);

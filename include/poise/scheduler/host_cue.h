@@ -4,59 +4,60 @@
 #include <array>
 #include <cstdint>
 
-/// A host's own cue: a plain function from what a viewer sees of a pair to a factor of the pair's score.
+/// A host's own cue: a plain function from a viewer's view of a pair to a factor of the pair's score.
 namespace poise::scheduler {
 
-/// What the host gave the two bodies of a pair, in the pair's order (of a World: that of slots); 0 where it gave
-/// nothing.
+/// The host's values of the two bodies of a pair (BodyDefinition::user_data), in the pair's order (of a World: that of
+/// slots); 0 by default.
 struct UserData {
   std::uint64_t a = 0;
   std::uint64_t b = 0;
 };
 
-/// What a viewer sees of a pair. Lengths in metres, world frame. Without a view the pair counts as in the frustum,
-/// gazed at and at no distance.
+/// A viewer's view of a pair. Lengths in metres, world frame. Without a viewer the pair counts as in the frustum, gazed
+/// at and at distance 0.
 struct PairView {
-  std::uint64_t pair_id = 0;  ///< names the pair over frames
+  std::uint64_t pair_id = 0;  ///< identifies the pair across frames
   UserData user_data{};
-  std::array<double, 3> point_m{};        ///< where the two meet, or would
-  std::array<double, 3> normal{0, 0, 1};  ///< about unit, from one body to the other
+  std::array<double, 3> point_m{};        ///< contact point, or the expected one
+  std::array<double, 3> normal{0, 0, 1};  ///< approximately unit, from one body to the other
   double extent_m = 0;                    ///< radius of the smaller body
   double closing_mps = 0;                 ///< approach speed of the two centres, >= 0
-  double importance = 1;                  ///< that the scene gives to the two bodies
+  double importance = 1;                  ///< factor that the scene gives to the two bodies
   std::uint32_t frames_waited = 0;        ///< since the pair was last refined
-  bool has_view = false;                  ///< is there a viewer at all?
+  bool has_view = false;                  ///< whether there is a viewer
   bool in_frustum = true;
   double distance_m = 0;        ///< from the eye
   double angle_radpm = 0;       ///< visible angle of one metre of error
   double eccentricity_rad = 0;  ///< angle between gaze and pair, [0, pi]
 };
 
-/// A host's own cue. The function gives a factor in [0, kMostHostFactor]: 1 leaves the pair as it is, 0 puts it last.
+/// A host's own cue. The function returns a factor in [0, kMostHostFactor]: 1 changes nothing, 0 gives the lowest
+/// priority.
 ///
-/// What it must hold: it is pure (the same arguments give the same bits; it reads only what does not change during a
-/// step), it does not throw, and it may be called from any thread, several at once. It is called once a pair in the
-/// coarse stage, for pairs that can be refined; at a microsecond a call ten thousand pairs cost 10 ms, so keep it at
-/// some tens of nanoseconds.
+/// The function must be pure (the same arguments give the same bits; it reads only what does not change during a step)
+/// and must not throw. Any thread may call it, several at once. It is called once a pair in the coarse stage, for pairs
+/// that can be refined. At a microsecond a call, ten thousand pairs cost 10 ms, so keep it to some tens of nanoseconds.
 ///
-/// What is recorded: the levels that complete in a frame, so a replay needs neither the cue nor the policy. To run
-/// again *without* a record and get the same bits (work clock), set the same function with the same context.
+/// A record holds the levels that complete in a frame, so a replay needs neither the cue nor the policy. To get the
+/// same bits *without* a record (work clock), set the same function with the same context.
 struct HostCue {
   using Function = double (*)(const PairView& view, void* context) noexcept;
   Function function = nullptr;  ///< null: there is none
-  void* context = nullptr;      ///< handed to the function; lives as long as the policy is used
+  void* context = nullptr;      ///< passed to the function; must live as long as the policy is used
 };
 
 /// The largest factor of a host's cue.
 inline constexpr double kMostHostFactor = 1e6;
 
+/// The checked result of a host's cue.
 struct HostFactor {
-  float factor = 1;  ///< finite, in [0, kMostHostFactor]: PairCues::host
-  bool refused =
-      false;  ///< the function gave NaN (counts as 1) or what is out of range (the nearest end); to be counted
+  float factor = 1;  ///< finite, in [0, kMostHostFactor]; becomes PairCues::host
+  /// The function returned NaN (counts as 1) or a value out of range (counts as the nearest end).
+  bool refused = false;
 };
 
-/// Asks the host's cue; 1 where there is none. Any thread.
+/// Calls the host's cue and checks its result; the factor is 1 without a cue. Any thread.
 HostFactor host_factor(const HostCue& cue, const PairView& view);
 
 }  // namespace poise::scheduler

@@ -12,16 +12,17 @@
 
 namespace poise::scheduler {
 
-/// Items (small numbers) in bands of priority that any number of workers take from and put back into, without a lock
-/// and without allocation. Within a band the last one put is the first one taken.
+/// Items (small numbers) in bands of priority. Any number of workers take items and put them back, without a lock and
+/// without allocation. Within a band the last item put is the first one taken.
 ///
 /// Invariant: an item is in at most one band at a time, so one link an item is enough. Each band is a Treiber stack
-/// whose head carries a counter against reuse (Treiber 1986; the counter is IBM's remedy for the ABA problem).
+/// (Treiber 1986) whose head carries a counter against the ABA problem (IBM System/370).
 class PriorityBands {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffU;
 
-  /// Empties all bands and makes room for items 0 .. items - 1. One thread, no worker running. Allocates only to grow.
+  /// Empties all bands and reserves capacity for items 0 .. items - 1. One thread, while no worker runs. Allocates only
+  /// to grow.
   void reset(std::uint32_t items) {
     if (items > capacity_) {
       capacity_ = items + items / 2;
@@ -31,8 +32,8 @@ class PriorityBands {
     for (auto& word : filled_) word.store(0, std::memory_order_relaxed);
   }
 
-  /// Any thread. `item` is below the number given to reset() and in no band. A band beyond the last counts as the last.
-  /// What the caller wrote before is seen by whoever takes the item.
+  /// Puts an item into a band. `item` must be below the number given to reset() and in no band. A band beyond the last
+  /// counts as the last. Any thread; the caller's earlier writes are visible to the thread that takes the item.
   void put(std::uint32_t item, std::uint32_t band) {
     band = std::min(band, kBands - 1);
     std::atomic<std::uint64_t>& head = heads_[band];
@@ -44,7 +45,7 @@ class PriorityBands {
     filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
   }
 
-  /// An item of the highest band that is not empty, or kNone. Any thread.
+  /// Takes an item from the highest band that is not empty, or returns kNone. Any thread.
   std::uint32_t take() {
     for (std::uint32_t word = kBands / 64; word-- > 0;) {
       for (std::uint64_t bits = filled_[word].load(std::memory_order_acquire); bits != 0;) {
@@ -57,7 +58,7 @@ class PriorityBands {
     return kNone;
   }
 
-  /// Is there nothing to take? One thread, no worker running.
+  /// Whether all bands are empty. One thread, while no worker runs.
   [[nodiscard]] bool empty() const {
     return std::all_of(std::begin(heads_), std::end(heads_),
                        [](const auto& head) { return item_of(head.load(std::memory_order_relaxed)) == kNone; });
@@ -82,7 +83,7 @@ class PriorityBands {
     return kNone;
   }
 
-  // The mark of a band that was found empty goes; if an item came meanwhile, the mark comes back.
+  // Clears the mark of a band that was found empty. Sets it again if an item arrived meanwhile.
   std::uint64_t clear_if_empty(std::uint32_t word, std::uint32_t bit) {
     const std::uint64_t mark = std::uint64_t{1} << bit;
     std::uint64_t bits = filled_[word].fetch_and(~mark, std::memory_order_acq_rel) & ~mark;

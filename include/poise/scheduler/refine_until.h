@@ -8,50 +8,52 @@
 #include "poise/scheduler/refine_queue.h"
 
 /// The loop that refines a host's items, best first, until no job is forecast to end in time. It runs on the host's
-/// threads, asks the host what time it is, and knows nothing of what is refined.
+/// threads, reads the host's clock, and does not depend on what an item is.
 namespace poise::scheduler {
 
-/// What one call of a host's job came to.
+/// The result of one call of a host's job.
 struct JobOutcome {
   enum class Kind : std::uint8_t {
-    Part,       ///< the job was longer than the units that it was allowed; the rest of it comes next
-    Completed,  ///< its result counts, and the item can be refined further
-    Done,       ///< its result counts, and the item is refined to its end
-    Dropped,    ///< no result, and nothing more of this item in this frame
+    Part,       ///< the job has more units than the call was allowed; the rest follows
+    Completed,  ///< the result counts, and the item has another job
+    Done,       ///< the result counts, and the item is fully refined
+    Dropped,    ///< discarded: no result, and no further job of this item in this frame
   };
   Kind kind = Kind::Done;
-  std::uint64_t units = 0;       ///< that this call did
-  std::uint64_t next_units = 0;  ///< Part: that are left of the job; Completed: of the next job
+  std::uint64_t units = 0;       ///< done by this call
+  std::uint64_t next_units = 0;  ///< Part: units left of the job; Completed: units of the next job
   std::uint32_t next_band = 0;   ///< Completed: priority of the next job
-  std::int64_t tail_items = 0;   ///< by how much the items that the tail has to deal with change, e.g. -1: found apart
+  std::int64_t tail_items = 0;   ///< change of the number of items that the tail has to process, e.g. -1 for a pair
+                                 ///< found separated
 };
 
-/// What refinement came to on one thread, or on all of them together.
+/// Counts of refinement on one thread, or summed over threads.
 struct RefineCounts {
-  std::uint64_t jobs = 0;       ///< whose result counts
-  std::uint64_t parts = 0;      ///< calls of the host's job, each between two looks at the clock
-  std::uint64_t units = 0;      ///< in all of them
-  std::uint64_t dropped = 0;    ///< jobs that gave no result
+  std::uint64_t jobs = 0;       ///< jobs with a result
+  std::uint64_t parts = 0;      ///< calls of the host's job, each between two readings of the clock
+  std::uint64_t units = 0;      ///< units of all calls
+  std::uint64_t dropped = 0;    ///< discarded jobs
   std::uint64_t abandoned = 0;  ///< jobs whose next part was not forecast to end in time
-  std::uint64_t left = 0;       ///< items that were taken, and whose job was not forecast to end in time
+  std::uint64_t left = 0;       ///< items taken whose job was not forecast to end in time
   bool cut = false;             ///< not even the smallest job was forecast to end in time
-  Nanoseconds busy{0};          ///< in the host's job
-  Nanoseconds longest{0};       ///< part
-  Nanoseconds overrun{0};       ///< of a part beyond its forecast, the largest
+  Nanoseconds busy{0};          ///< total duration of the calls
+  Nanoseconds longest{0};       ///< duration of the longest call
+  Nanoseconds overrun{0};       ///< largest excess of a call over its forecast
   TimePoint ended{};            ///< when the last thread returned
 
-  /// Adds what another thread did.
+  /// Adds the counts of another thread.
   void add(const RefineCounts& other);
 };
 
-/// What a unit of the host's work costs, followed from what it took: an exponential mean. One thread at a time.
+/// Cost of a unit of the host's work, tracked as an exponential mean. One thread at a time.
 class UnitCost {
  public:
-  /// Nanoseconds, > 0; anything else counts as 60.
+  /// Starts at `first_ns`, nanoseconds, > 0; anything else counts as 60.
   explicit UnitCost(double first_ns = 60);
+  /// The current cost of a unit, nanoseconds.
   [[nodiscard]] double ns() const { return ns_; }
-  /// One frame's counts, under a budget whose jobs had so much overhead. Frames of fewer than `kLeastUnits` tell
-  /// nothing.
+  /// Learns from one frame's counts; `job_overhead_ns` is FrameBudget::job_overhead_ns. Frames of fewer than
+  /// `kLeastUnits` units are ignored.
   void learn(const RefineCounts& counts, double job_overhead_ns);
   static constexpr std::uint64_t kLeastUnits = 16;
 
@@ -59,30 +61,29 @@ class UnitCost {
   double ns_;
 };
 
-/// The host's work while a thread finds the queue empty and others still have items in hand, which may come back:
-/// leave.
+/// Default for a thread that finds the queue empty while others still hold items, which may return to the queue: it
+/// leaves.
 struct LeaveWhenIdle {
   bool operator()() const { return false; }
 };
 
 /// Refines until nothing is left or no job is forecast to end before the cut. Each of the host's threads calls it with
-/// the same queue and budget; it returns what this thread did. Within a frame it may be called again, e.g. after items
-/// were added.
+/// the same queue and budget; it returns the counts of this thread. It may be called again within a frame, e.g. after
+/// items were added.
 ///
-/// - `quantum_units` (0 counts as 1): a call of the job is given no more units than this, so that no thread is away
-/// from
-///   the clock for long.
-/// - `TimePoint now()`: the host's clock; never goes back. Called once a part.
-/// - `JobOutcome job(std::uint32_t item, std::uint64_t units)`: does the item's next job, or `units` of it, or the rest
-///   of it that `Part` left. At one time an item is with one thread. It must not throw.
-/// - `bool idle()`: called while the queue is empty and other threads have items in hand, which they may give back:
-///   false to leave (the default), true to look again (after a yield, say). Nothing is lost by leaving: a thread that
-///   gives an item back goes on with it.
+/// - `quantum_units` (0 counts as 1): most units of one call of the job. It bounds the time between two readings of the
+///   clock.
+/// - `TimePoint now()`: the host's clock; must not go back. Called once a part.
+/// - `JobOutcome job(std::uint32_t item, std::uint64_t units)`: does at most `units` of the item's next job, or of the
+///   rest that `Part` left. At any time at most one thread works on an item. Must not throw.
+/// - `bool idle()`: called while the queue is empty and other threads hold items, which they may give back. Returns
+///   false to leave (the default) or true to look again (e.g. after a yield). No work is lost by leaving: a thread that
+///   gives an item back continues with it.
 ///
-/// A part never begins unless the time that it is looked at plus its forecast is within the budget's cut, for what the
-/// tail has to deal with then. An item whose job does not fit is closed (`left`), and smaller ones behind it may still
-/// fit; a job whose next part does not fit is abandoned (`abandoned`), its item closed. Allocates nothing, takes no
-/// lock.
+/// A part never begins unless the last reading of the clock plus the part's forecast is within the budget's cut, for
+/// the current number of items of the tail. An item whose job does not fit is closed (`left`), and smaller ones behind
+/// it may still fit. A job whose next part does not fit is abandoned (`abandoned`), and its item is closed. Allocates
+/// nothing and takes no lock.
 template <class Now, class Job, class Idle = LeaveWhenIdle>
 RefineCounts refine_until(RefineQueue& queue, const FrameBudget& budget, std::uint64_t quantum_units, Now&& now,
                           Job&& job, Idle&& idle = Idle{}) {
@@ -92,7 +93,7 @@ RefineCounts refine_until(RefineQueue& queue, const FrameBudget& budget, std::ui
   const auto admits = [&](std::uint64_t units) {
     return budget.admits(at, std::min(units, quantum), queue.tail_items());
   };
-  // One item's job, part by part.
+  // Does one item's job, part by part.
   const auto do_job = [&](std::uint32_t item) {
     for (std::uint64_t left = queue.units_of(item);;) {
       const std::uint64_t units = std::min(left, quantum);

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace geometry;
 
-/// An absolute path of the environment, else empty.
+/// The absolute path in an environment variable, else empty.
 fs::path environment_folder(const char* name) {
   const char* value = std::getenv(name);
   fs::path folder = value != nullptr ? fs::path(value) : fs::path();
@@ -24,7 +24,7 @@ fs::path environment_folder(const char* name) {
 
 struct Looked {
   std::optional<SphereTree> tree;
-  bool damaged = false;  ///< something was there, and it was no such entry
+  bool damaged = false;  ///< there was a file, but no valid entry
 };
 
 Looked look_up(const fs::path& file, const TreeKey& key) {
@@ -78,7 +78,7 @@ Result<SphereTree> cached_sphere_tree(const TriangleMesh& mesh, const TreeBuildO
     removed = keep_limit(file, settings.limit_bytes);
     return tree;
   } catch (const std::exception&) {
-    // A path that cannot be put together or memory that is short: the tree itself may still be built.
+    // The path could not be built or memory is short: the tree itself may still be built.
     became = TreeCacheOutcome::NotWritable;
   }
   return build_sphere_tree(mesh, options);

@@ -15,12 +15,12 @@
 namespace poise::geometry {
 namespace {
 
-// The file holds every array of the tree: who adds one adds it to each_array too.
+// The file holds every array of the tree: a new array must be added to each_array too.
 static_assert(sizeof(SphereTree) == 10 * sizeof(std::vector<float>));
 static_assert(sizeof(NodeFit) == 24 && std::is_trivially_copyable_v<NodeFit>);
 
 constexpr std::size_t kHashBytes = 16;
-/// Of the file's own form; the meaning of the arrays is kTreeVersion.
+/// Version of the file's layout; kTreeVersion is the version of the arrays' meaning.
 constexpr std::uint32_t kEntryVersion = 1;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 constexpr std::size_t kNodeBytes = 6 * sizeof(float) + sizeof(NodeFit) + sizeof(NodeIndex) + sizeof(std::uint8_t);
@@ -44,7 +44,7 @@ struct Head {
 };
 static_assert(sizeof(Head) == 48 && std::has_unique_object_representations_v<Head>);
 
-/// Calls on each array of a tree with the number of its entries in the file.
+/// Calls visit for each array of a tree with the number of its entries in the file.
 template <class Tree, class Visit>
 void each_array(Tree& tree, std::size_t nodes, std::size_t level_bounds, Visit&& visit) {
   for (auto* array :
@@ -66,7 +66,7 @@ TreeKey hash_of(const void* bytes, std::size_t size) {
 }
 
 bool sound_numbers(const SphereTree& tree, std::size_t node) {
-  // A root may be as wide as a box whose corners are as far out as coordinates go, and its centre as far.
+  // A root may be as wide as a box with corners at the coordinate limit, and its centre as far out.
   constexpr float kFarthest_m = 4e9F;
   for (const float coordinate : {tree.x_m[node], tree.y_m[node], tree.z_m[node]}) {
     if (!(std::abs(coordinate) <= kFarthest_m)) return false;
@@ -81,8 +81,8 @@ bool sound_numbers(const SphereTree& tree, std::size_t node) {
   return std::isfinite(fit.variance_m2) && fit.variance_m2 >= 0;
 }
 
-/// Whether levels and children are arranged as SphereTree says: the children of a level's nodes, in order, are the next
-/// level.
+/// Whether levels and children are arranged as SphereTree requires: the children of a level's nodes, in order, are the
+/// next level.
 bool sound_layout(const SphereTree& tree, std::size_t nodes) {
   const std::size_t levels = tree.level_begin.size() - 1;
   if (tree.level_begin[0] != 0 || tree.level_begin[1] != 1 || tree.level_begin[levels] != nodes) return false;

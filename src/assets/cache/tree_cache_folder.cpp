@@ -20,10 +20,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kEnding = ".poisetree";
-/// A writer needs milliseconds; chosen.
+/// Age from which temporary files count as abandoned. A writer needs milliseconds; chosen.
 constexpr std::chrono::hours kPartsLive{1};
 
-/// Reads up to `size` bytes and says whether the file ended exactly there.
+/// Reads up to `size` bytes and returns whether the file ended exactly there.
 bool read_all(int descriptor, std::size_t size, std::string& bytes) {
   bytes.resize(size + 1);
   std::size_t got = 0;
@@ -38,7 +38,7 @@ bool read_all(int descriptor, std::size_t size, std::string& bytes) {
   return got == size;
 }
 
-/// Makes a folder and those above it, for this user alone, as the XDG base directory specification asks.
+/// Creates a folder and its parents with access for this user alone, as the XDG base directory specification requires.
 bool make_folder(const fs::path& folder) {
   std::error_code error;
   if (folder.empty() || fs::is_directory(folder, error)) return true;
@@ -52,7 +52,7 @@ struct Entry {
   std::uintmax_t bytes = 0;
 };
 
-/// `.NAME.poisetree.PID-N.part`, as AtomicFile names what it writes.
+/// Whether a name is a temporary file of AtomicFile: `.NAME.poisetree.PID-N.part`.
 bool is_part(const std::string& name) {
   return name.starts_with('.') && name.ends_with(".part") && name.find(kEnding) != std::string::npos;
 }
@@ -75,7 +75,8 @@ void touch_entry(const fs::path& file) { static_cast<void>(::utimensat(AT_FDCWD,
 bool write_entry(const fs::path& file, std::string_view bytes) {
   if (!make_folder(file.parent_path())) return false;
   std::error_code error;
-  // Never through a link or into a device that stands in the entry's place: those go, a folder stays and is a failure.
+  // Never write through a link or into a device in the entry's place: these are removed. A folder is not removed and
+  // makes the call fail.
   const fs::file_status status = fs::symlink_status(file, error);
   if (fs::exists(status) && !fs::is_regular_file(status) && ::unlink(file.c_str()) != 0) return false;
   return write_file(file, bytes).ok();
@@ -92,7 +93,7 @@ std::size_t keep_limit(const fs::path& kept, std::uint64_t limit_bytes) {
     const std::string name = points->path().filename().string();
     const bool part = is_part(name);
     if (!part && !name.ends_with(kEnding)) continue;
-    // Another process may have removed it by now; then it is not counted.
+    // Another process may have removed it meanwhile; then it is not counted.
     std::error_code gone;
     if (!points->is_regular_file(gone) || points->is_symlink(gone)) continue;
     Entry entry{points->last_write_time(gone), points->path(), 0};

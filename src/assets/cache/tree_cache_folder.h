@@ -11,22 +11,22 @@ namespace poise::geometry {
 
 enum class EntryRead : std::uint8_t {
   Missing,
-  Found,     ///< its bytes were read, whatever they are
-  Unusable,  ///< something stands there that is not a readable file of a sound size
+  Found,     ///< its bytes were read, valid or not
+  Unusable,  ///< the path exists, but it is not a readable file of a valid size
 };
 
-/// Reads a file of the cache whole. Never waits: a pipe in its place is not opened for its data.
+/// Reads a whole file of the cache. Never blocks: a pipe in its place is not opened for its data.
 EntryRead read_entry(const std::filesystem::path& file, std::uint64_t most_bytes, std::string& bytes);
 
-/// Marks an entry as used now. Failing does no harm.
+/// Marks an entry as used now. A failure is ignored.
 void touch_entry(const std::filesystem::path& file);
 
-/// Puts an entry in its place by renaming; makes the folder where it is missing. False if that cannot be.
+/// Writes an entry to a temporary file and renames it; creates a missing folder. Returns false on failure.
 bool write_entry(const std::filesystem::path& file, std::string_view bytes);
 
-/// Removes the entries that were not used for longest until all together have at most `limit_bytes`, never `kept`, and
-/// what writers that died left more than an hour before `kept` was written. Files that are not of the cache are not
-/// touched. Returns how many entries went.
+/// Removes the least recently used entries until all together have at most `limit_bytes`, but never `kept`. Also
+/// removes temporary files that are more than an hour older than `kept`. Other files are not touched. Returns the
+/// number of removed entries.
 std::size_t keep_limit(const std::filesystem::path& kept, std::uint64_t limit_bytes);
 
 }  // namespace poise::geometry

@@ -54,14 +54,14 @@ Result<AtomicFile> AtomicFile::open(const std::filesystem::path& path) {
   }
   if (file.target_.filename().empty()) return file.failed(path.empty() ? ENOENT : EISDIR);
   if (exists && ::access(file.target_.c_str(), W_OK) != 0) return file.failed(errno);
-  // Two programs may write the same file at once: each needs a name of its own.
+  // Two programs may write the same file at once, so each needs its own temporary name.
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const std::string name = fmt::format(".{}.{}-{}.part", file.target_.filename().string(), ::getpid(), attempt);
     std::filesystem::path temporary = file.target_.parent_path() / name;
     file.descriptor_ = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file.descriptor_ >= 0) {
       file.temporary_ = std::move(temporary);
-      // The mode of a file that is replaced stays as it was, where the system lets us.
+      // The mode of a replaced file is preserved if the system permits it.
       if (exists) static_cast<void>(::fchmod(file.descriptor_, status.st_mode & 07777U));
       return file;
     }

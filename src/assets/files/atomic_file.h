@@ -9,20 +9,21 @@
 
 namespace poise::geometry {
 
-/// A file that appears whole or not at all: written beside its place under another name, and renamed by commit().
+/// A file that appears complete or not at all: written to a temporary file in the same folder and renamed by commit().
 /// Devices and pipes are written to directly. Invariant: while open, the descriptor is valid and, for a regular file,
-/// the temporary file is there; without a commit the destructor removes it.
+/// the temporary file exists. Without a commit the destructor removes it.
 class AtomicFile {
  public:
-  /// Refused as OutputFailed with the path and the system's reason: a missing folder, no permission, a folder.
+  /// Refused as OutputFailed with the path and the system's reason: a missing folder, no permission, or a path that is
+  /// a folder.
   static Result<AtomicFile> open(const std::filesystem::path& path);
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&& other) noexcept;
   ~AtomicFile();
 
-  /// Collects text and writes it in blocks; a failure is kept and told by commit() too.
+  /// Buffers text and writes it in blocks. A failure is stored, and commit() returns it too.
   Status write(std::string_view text);
-  /// Writes what is left, closes and renames. The file is closed afterwards, whatever comes back.
+  /// Writes the rest, closes and renames. The file is closed afterwards, whatever the result.
   Status commit();
   [[nodiscard]] const std::filesystem::path& path() const { return shown_; }
 
@@ -32,18 +33,18 @@ class AtomicFile {
   Status flush();
   Error failed(int reason) const;
 
-  std::filesystem::path shown_;      ///< as the caller gave it
-  std::filesystem::path target_;     ///< with links followed
-  std::filesystem::path temporary_;  ///< empty: written directly
+  std::filesystem::path shown_;      ///< the caller's path
+  std::filesystem::path target_;     ///< the path with links resolved
+  std::filesystem::path temporary_;  ///< empty: the target is written directly
   std::string buffer_;
   int descriptor_ = -1;
   int failure_ = 0;
 };
 
-/// Writes `text` to a file that appears whole or not at all.
+/// Writes `text` to a file that appears complete or not at all.
 Status write_file(const std::filesystem::path& path, std::string_view text);
 
-/// Writes all of `text` to an open descriptor; 0, or the error number.
+/// Writes all of `text` to an open descriptor. Returns 0 or the error number.
 int write_all(int descriptor, std::string_view text);
 
 }  // namespace poise::geometry

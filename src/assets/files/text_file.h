@@ -9,7 +9,7 @@
 
 namespace poise::geometry {
 
-/// The bytes of a regular file. Refused with the file: one that is missing, cannot be read or is larger than
+/// The bytes of a regular file. Refused with the file: a file that is missing, cannot be read or is larger than
 /// `limit_bytes`.
 Result<std::string> read_text_file(const std::filesystem::path& file, std::uint64_t limit_bytes);
 

@@ -7,7 +7,7 @@
 
 namespace poise::geometry {
 
-/// The words of a line, parted by spaces and tabs; a carriage return counts as one.
+/// The words of a line, separated by spaces and tabs; a carriage return counts as a space.
 inline std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
   for (;;) {

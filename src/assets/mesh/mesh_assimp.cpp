@@ -50,7 +50,7 @@ std::string add_mesh(const aiMesh& source, const Transform& transform, TriangleM
   return {};
 }
 
-/// One line of what a library said.
+/// A library's message as one line.
 std::string one_line(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
@@ -75,8 +75,8 @@ Result<TriangleMesh> merged(const aiScene* scene, const char* error) {
   return mesh;
 }
 
-/// Calls read(importer) for a scene, and merges it. No post-processing: some of its steps follow indices before
-/// anything has checked them.
+/// Calls read(importer) to load a scene, and merges its meshes. Without post-processing: some of its steps use indices
+/// before anything has checked them.
 template <class Read>
 Result<TriangleMesh> import(Read&& read) {
   try {
@@ -99,7 +99,7 @@ Result<TriangleMesh> import_with_assimp(const std::filesystem::path& file) {
 Result<TriangleMesh> import_gltf_with_assimp(const std::string& text) {
   Result<TriangleMesh> mesh = import(
       [&](Assimp::Importer& importer) { return importer.ReadFileFromMemory(text.data(), text.size(), 0, "gltf"); });
-  // What it says where it has left out every face for an index out of range.
+  // The library's message if it has skipped every face because of indices out of range.
   if (!mesh && mesh.error().message.ends_with("has no faces")) {
     return bad_input(mesh.error().message + " whose corners all exist");
   }

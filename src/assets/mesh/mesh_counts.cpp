@@ -19,7 +19,7 @@ std::string_view take_line(std::string_view& text) {
   return line.substr(0, line.find('#'));
 }
 
-/// The number a word begins with, the largest one where it is too large to hold; 0 for none.
+/// The number at the beginning of a word, saturated to the largest value; 0 for none.
 std::uint64_t leading_count(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -38,7 +38,7 @@ std::string wrong_off_counts(std::string_view start, std::uint64_t file_bytes) {
     const std::vector<std::string_view> words = words_of(take_line(start));
     for (std::size_t i = 0; i < words.size(); ++i) {
       if (words[i].front() < '0' || words[i].front() > '9') continue;
-      // The first line that has numbers has the counts: vertices, faces, edges.
+      // The first line with numbers holds the counts: vertices, faces, edges.
       std::string wrong = count_problem("vertices", leading_count(words[i]), file_bytes);
       if (wrong.empty() && i + 1 < words.size())
         wrong = count_problem("faces", leading_count(words[i + 1]), file_bytes);

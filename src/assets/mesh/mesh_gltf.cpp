@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Text and the binary part of a container, empty without one.
+/// Text and binary part of a container; the binary part may be empty.
 struct Parts {
   std::string_view text;
   std::string_view binary;
@@ -27,7 +27,7 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// Takes a GLB container of version 1 or 2 apart; anything else is text.
+/// Splits a GLB container of version 1 or 2; anything else is text.
 Result<Parts> take_apart(std::string_view bytes) {
   if (!bytes.starts_with("glTF")) return Parts{bytes.starts_with("\xef\xbb\xbf") ? bytes.substr(3) : bytes, {}};
   if (bytes.size() < 20) return bad_input("GLB: ends within its header");
@@ -39,7 +39,7 @@ Result<Parts> take_apart(std::string_view bytes) {
         fmt::format("GLB: {} bytes of JSON are announced in {} bytes, must have room", length, bytes.size()));
   Parts parts{bytes.substr(20, length), bytes.substr(20 + length)};
   if (version == 1) return parts;
-  // Version 2 has chunks; the second one, if it is there, is the binary part.
+  // Version 2 has chunks; the second one, if present, is the binary part.
   if (parts.binary.size() < 8) return Parts{parts.text, {}};
   const std::size_t size = number_at(parts.binary, 0);
   if (size > parts.binary.size() - 8)
@@ -60,7 +60,7 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-/// A relative reference as a file name: %20 and the like are bytes.
+/// Decodes a relative reference to a file name: %20 and similar become bytes.
 std::string decoded(std::string_view uri) {
   const auto digit = [](char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -79,7 +79,8 @@ std::string decoded(std::string_view uri) {
   return name;
 }
 
-/// The members of an object that have one of these names; anything but an object as it is, for the reader to refuse.
+/// The members of an object that have one of these names. A value that is not an object is returned unchanged; the
+/// reader refuses it.
 Json only(const Json& value, std::initializer_list<const char*> names) {
   if (!value.is_object()) return value;
   Json kept = Json::object();
@@ -89,7 +90,7 @@ Json only(const Json& value, std::initializer_list<const char*> names) {
   return kept;
 }
 
-/// Each entry of a list or of a dictionary (version 1 has those) put through `change`.
+/// Applies `change` to each entry of a list or of a dictionary (used by version 1).
 template <class Change>
 Json each(const Json& list, Change&& change) {
   Json changed = list;
@@ -114,7 +115,7 @@ Json plain_primitive(const Json& primitive) {
   return plain;
 }
 
-/// A member that is a whole number from 0 on, else what is given.
+/// A member that is an integer >= 0, else `otherwise`.
 std::uint64_t whole_number(const Json& object, const char* name, std::uint64_t otherwise) {
   const auto found = object.find(name);
   return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : otherwise;
@@ -125,8 +126,8 @@ bool fits(std::uint64_t offset, std::uint64_t length, std::uint64_t room) {
   return length <= room && offset <= room - length;
 }
 
-/// Leaves out views that reach beyond their buffers, and of version 1 also the accessors that reach beyond their views,
-/// which the reader does not check there. Who needs one of them is refused by the reader.
+/// Removes views that reach beyond their buffers, and for version 1 also accessors that reach beyond their views, which
+/// the reader does not check. The reader refuses a file that needs one of them.
 void leave_out_what_is_cut_off(Json& plain) {
   const auto entry_of = [&plain](const char* list, const Json& owner, const char* name) -> const Json* {
     const auto entries = plain.find(list);
@@ -174,7 +175,7 @@ void leave_out_what_is_cut_off(Json& plain) {
   });
 }
 
-/// Puts the bytes of a buffer into its own entry, whether they are in another file or in the container.
+/// Moves the bytes of a buffer into its own entry, from another file or from the container.
 Status embed(Json& buffer, const std::string& name, std::string_view binary, bool owns_binary,
              const std::filesystem::path& folder) {
   const auto uri = buffer.find("uri");
@@ -193,14 +194,14 @@ Status embed(Json& buffer, const std::string& name, std::string_view binary, boo
           fmt::format("buffer {} names the file '{}', which cannot be read", name, reference.substr(0, 100)));
     bytes.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
   }
-  // Where bytes are missing, what needs them is refused below: often only a picture does.
+  // If bytes are missing, the parts that need them are refused below; often only a picture needs them.
   bytes.resize(std::min<std::uint64_t>(bytes.size(), whole_number(buffer, "byteLength", bytes.size())));
   buffer["byteLength"] = bytes.size();
   buffer["uri"] = "data:application/octet-stream;base64," + base64(bytes);
   return Done{};
 }
 
-/// Which scene is meant; where only one is there, whatever the file says.
+/// Selects the scene; a single scene is used whatever the file says.
 Status choose_scene(Json& plain) {
   const auto scenes = plain.find("scenes");
   if (scenes == plain.end() || scenes->empty()) return bad_input("has no scene, so nothing of it is to be shown");

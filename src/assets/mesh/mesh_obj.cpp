@@ -29,9 +29,9 @@ bool parse_finite(std::string_view word, double& value) {
   return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
 }
 
-/// A line that ends in a backslash goes on in the next; the loader does not know that. Puts such lines together, each
-/// line end becoming a blank, and leaves the same number of line ends behind the whole, so that lines keep their
-/// numbers.
+/// A line that ends in a backslash continues in the next one, which the loader does not support. Joins such lines, with
+/// each line end replaced by a blank, and adds the same number of line ends after them, so that line numbers stay the
+/// same.
 std::string joined_lines(const std::string& text) {
   if (text.find('\\') == std::string::npos) return text;
   std::string joined;
@@ -53,8 +53,8 @@ std::string joined_lines(const std::string& text) {
   return joined;
 }
 
-/// The loader reads a word that is no number as 0, and its numbers are off in their last digit, so the coordinates are
-/// read here first. Says what is wrong with one; empty when all are fine.
+/// The loader reads a word that is not a number as 0, and its numbers may be wrong in the last digit, so the
+/// coordinates are read here first. Returns what is wrong with one; empty if all are valid.
 std::string read_coordinates(std::string_view text, std::vector<Vec3>& vertices) {
   std::size_t line_number = 0;
   while (!text.empty()) {

@@ -25,7 +25,7 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-/// Empty when the file can be read.
+/// Why the file cannot be read; empty if it can.
 std::string why_unreadable(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
@@ -50,7 +50,8 @@ std::string whole_file(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// Text without a byte order mark, two-byte text as one-byte text: all that counts is ASCII, the rest becomes '?'.
+/// Text without a byte order mark, with two-byte text converted to one byte: only ASCII is needed, other characters
+/// become '?'.
 std::string plain_text(std::string text) {
   if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
   const bool big_end_first = text.starts_with("\xfe\xff");

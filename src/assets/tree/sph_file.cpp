@@ -21,14 +21,14 @@ namespace {
 
 using geometry::LooseNode;
 
-/// Ten times what seven full levels take; chosen.
+/// Ten times the size of seven full levels; chosen.
 constexpr std::uint64_t kMostBytes = 256ULL << 20;
 
-/// Words of a text, line by line. Invariant: `rest` begins at a line's start between calls.
+/// Words of a text, line by line. Invariant: between calls `rest` begins at the start of a line.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
-  /// The next line's words, or nothing at the end.
+  /// The next line's words; empty at the end.
   std::optional<std::vector<std::string_view>> next() {
     if (rest_.empty()) return std::nullopt;
     ++number_;
@@ -56,7 +56,7 @@ struct Row {
   bool used = false;
 };
 
-/// Empty when the row is fine.
+/// Parses a row; returns what is wrong, or empty.
 std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
   if (words.size() != 4 && words.size() != 5)
     return fmt::format("has {} numbers, must be 'x y z r occupancy'", words.size());
@@ -96,7 +96,7 @@ struct Rows {
     }
     return used;
   }
-  /// Whether below this row there is nothing but its own repetitions: a node that ended early.
+  /// Whether all descendants of this row are copies of it: such a node is a leaf.
   [[nodiscard]] bool only_repeats(std::size_t index) const {
     for (;;) {
       const std::vector<std::size_t> used = children(index);
@@ -160,16 +160,16 @@ Result<SphereTree> parse_sph(std::string_view text) {
   return geometry::flatten_tree(nodes);
 }
 
-/// Numbers are written with as many digits as a double needs for exactly the stored float: who reads them in double
-/// precision finds no sphere smaller by a rounding.
+/// Numbers are written with all digits that a double needs to represent the stored float exactly, so that a reader in
+/// double precision gets no smaller sphere.
 void append_row(const SphereTree& tree, NodeIndex node, std::string& text) {
   const Sphere sphere = tree.sphere(node);
   fmt::format_to(std::back_inserter(text), "{} {} {} {} 1\n", sphere.center_m.x(), sphere.center_m.y(),
                  sphere.center_m.z(), sphere.radius_m);
 }
 
-/// What the toolkit's text says of a level and foam reads from it: its places, and the smallest, largest and mean error
-/// of its spheres where these are known.
+/// The toolkit's text for a level, which foam reads: its number of points, and the smallest, largest and mean error of
+/// its spheres if these are known.
 void append_level_figures(const SphereTree& tree, Level level, std::size_t points, std::string& text) {
   fmt::format_to(std::back_inserter(text), "\nLevel {}\nNum : {}\n", level, points);
   if (!geometry::protrusions_known(tree)) return;

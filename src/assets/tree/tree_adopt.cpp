@@ -12,7 +12,7 @@
 namespace poise {
 namespace {
 
-/// A share as a percentage that says 100 only where nothing is missing.
+/// A share as a percentage that is 100 only if the share is exactly 1.
 std::string percent(double share) {
   if (share >= 1) return "100 %";
   return fmt::format("{:.2f} %", std::min(100 * share, 99.99));

@@ -28,7 +28,7 @@ Status read_sphere(const YAML::Node& item, std::vector<Sphere>& spheres) {
   return take_sphere(sphere, place_of(item), spheres);
 }
 
-/// `collision_spheres` of a file of spheres, or deeper down in a whole robot configuration.
+/// The node `collision_spheres` of a file of spheres, or nested in a complete robot configuration.
 YAML::Node spheres_node(const YAML::Node& root) {
   YAML::Node node;
   node.reset(root);
@@ -39,7 +39,7 @@ YAML::Node spheres_node(const YAML::Node& root) {
   return node["collision_spheres"];
 }
 
-/// With a point also where there is an exponent: YAML 1.1, which Python reads, takes 1e-05 for a word.
+/// Always with a decimal point before an exponent: YAML 1.1, which Python reads, parses 1e-05 as text.
 std::string yaml_number(double value) {
   std::string text = fmt::format("{}", value);
   const std::size_t exponent = text.find('e');
@@ -52,7 +52,7 @@ std::string yaml_number(double value) {
 std::string curobo_text(std::span<const Sphere> spheres, const std::string& name) {
   YAML::Emitter out;
   out << YAML::BeginMap << YAML::Key << "collision_spheres" << YAML::Value << YAML::BeginMap;
-  // In quotes always: a link called "on" or "1e3" is not a truth value or a number.
+  // Always quoted, so that a link called "on" or "1e3" is not read as a boolean or a number.
   out << YAML::Key << YAML::DoubleQuoted << name << YAML::Value << YAML::BeginSeq;
   for (const Sphere& sphere : spheres) {
     out << YAML::BeginMap << YAML::Key << "center" << YAML::Value << YAML::Flow << YAML::BeginSeq;

@@ -64,7 +64,7 @@ Result<std::vector<Sphere>> foam_spheres(const std::string& text, const SphereCh
   try {
     root = ordered_json::parse(text);
   } catch (const nlohmann::json::exception& failure) {
-    // Past "[json.exception...] " the library's message says line and column.
+    // After "[json.exception...] " the library's message gives line and column.
     const std::string message = failure.what();
     constexpr std::size_t kLongest = 160;
     return bad_input("not valid JSON: " +

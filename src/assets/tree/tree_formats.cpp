@@ -20,7 +20,7 @@
 namespace poise {
 namespace {
 
-/// A level of spheres is some 100 bytes a sphere; chosen.
+/// A level of spheres takes about 100 bytes a sphere; chosen.
 constexpr std::uint64_t kMaxTreeFileBytes = 64ULL << 20;
 constexpr std::size_t kLongestName = 256;
 
@@ -40,7 +40,7 @@ std::size_t character_length(std::string_view text) {
   return length;
 }
 
-/// Empty when the name can stand in every format.
+/// What is wrong with a name in any of the formats; empty if it is valid in all.
 std::string wrong_name(std::string_view name) {
   if (name.empty()) return "must not be empty";
   if (name.size() > kLongestName)
@@ -50,7 +50,7 @@ std::string wrong_name(std::string_view name) {
     if (length == 0) return "must be UTF-8";
     const auto first = static_cast<unsigned char>(rest[0]);
     const bool c1 = length == 2 && first == 0xc2 && static_cast<unsigned char>(rest[1]) < 0xa0;
-    // U+FFFE and U+FFFF are no characters of XML.
+    // U+FFFE and U+FFFF are not allowed in XML.
     const bool no_xml = length == 3 && first == 0xef && static_cast<unsigned char>(rest[1]) == 0xbf &&
                         static_cast<unsigned char>(rest[2]) >= 0xbe;
     if (first < 0x20 || first == 0x7f || c1 || no_xml) return "must not contain control characters";

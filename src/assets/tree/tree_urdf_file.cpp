@@ -30,7 +30,7 @@ Status read_origin(const XMLElement& origin, Vec3& center_m) {
   return Done{};
 }
 
-/// Turning a sphere changes nothing, so the rpy of an origin is not looked at.
+/// A sphere is symmetric, so the rpy of an origin is ignored.
 Status read_collision(const XMLElement& collision, std::vector<Sphere>& spheres) {
   const XMLElement* geometry = collision.FirstChildElement("geometry");
   const XMLElement* shape = geometry != nullptr ? geometry->FirstChildElement() : nullptr;

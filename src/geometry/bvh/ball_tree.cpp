@@ -12,7 +12,7 @@ constexpr std::uint32_t kBallsOfLeaf = 2;
 // More than the rounding of a distance in double.
 constexpr double kWiden = 1 + 1e-12;
 
-/// The ball about the middle of the box around some balls.
+/// Sets the node's ball: about the middle of the box around the given balls.
 void enclose(std::span<const Sphere> balls, std::span<const std::uint32_t> which, BallTree::Node& node) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Vec3 low = Vec3::Constant(kFar);
@@ -46,7 +46,7 @@ BallTree::BallTree(std::span<const Sphere> balls) : order_(balls.size()) {
   std::iota(order_.begin(), order_.end(), 0U);
   struct Part {
     std::uint32_t begin, end;
-    std::uint32_t parent;  ///< whose second child this is; 0 for the root and for first children
+    std::uint32_t parent;  ///< node whose second child this is; 0 for the root and for first children
   };
   std::vector<Part> waiting;
   if (!balls.empty()) waiting.push_back({0, static_cast<std::uint32_t>(balls.size()), 0});
@@ -70,7 +70,7 @@ BallTree::BallTree(std::span<const Sphere> balls) : order_(balls.size()) {
                        const double y = balls[j].center_m[axis];
                        return x < y || (x == y && i < j);
                      });
-    // The first half comes out on top, so that its node follows this one.
+    // The first half is on top of the stack, so that its node follows this one.
     waiting.push_back({middle, part.end, at + 1});
     waiting.push_back({part.begin, middle, 0});
   }

@@ -9,29 +9,29 @@
 
 namespace poise::geometry {
 
-/// A binary tree of bounding balls over any balls. Invariant: the ball of a node holds all balls below it, each ball is
-/// below exactly one leaf. Immutable once made; any thread may read.
+/// A binary tree of bounding balls over a set of balls. Invariant: the ball of a node contains all balls below it, and
+/// each ball is below exactly one leaf. Immutable once made; any thread may read.
 class BallTree {
  public:
   struct Node {
     Vec3 center_m = Vec3::Zero();
     double radius_m = 0;
-    std::uint32_t begin = 0, end = 0;  ///< places of the balls below
+    std::uint32_t begin = 0, end = 0;  ///< range in order() of the balls below
     std::uint32_t right = 0;           ///< second child; the first one is the next node; 0 for a leaf
     [[nodiscard]] bool leaf() const { return right == 0; }
   };
 
   BallTree() = default;
-  /// Halves along the longest side of the box around the centres. Deterministic. Centres and radii finite.
+  /// Splits by halving along the longest side of the box around the centres. Deterministic. Centres and radii must be
+  /// finite.
   explicit BallTree(std::span<const Sphere> balls);
 
-  /// The root first; empty without balls.
+  /// Nodes, the root first; empty without balls.
   [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
-  /// Place -> index of a ball.
+  /// Indices of the balls in the order of the leaves.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
 
-  /// Calls visit(index of a ball) for the balls near a segment, a superset of those that meet it, until it returns
-  /// true.
+  /// Calls visit(index of a ball) for a superset of the balls that meet a segment, until visit returns true.
   template <class Visit>
   bool any_along(const Vec3& from, const Vec3& to, Visit&& visit) const;
 

@@ -9,9 +9,9 @@
 namespace poise::geometry {
 namespace {
 
-/// Nodes that a search may have put off at once: three a level of at most kMostLevels levels of four children each.
+/// Most nodes on the stack of a search: three a level of at most 63 levels of four children each.
 constexpr std::size_t kMostWaiting = 256;
-/// Squared distances to boxes are reckoned in single precision; a bound is widened by more than their error.
+/// Squared distances to boxes are computed in single precision; a bound is widened by more than their error.
 constexpr double kQueryWiden = 1 + 1e-5;
 
 Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -30,7 +30,7 @@ Vec3 closest_on_edges(const Vec3& p, const TriangleCorners& t) {
   return best;
 }
 
-/// From a point to each of a node's boxes, in the frame of the boxes; infinite for no child.
+/// Squared distances from a point to each of a node's boxes, in the frame of the boxes; infinite for no child.
 BvhNode::Four squared_distances(const BvhNode& node, const Eigen::Vector3f& p) {
   BvhNode::Four sum = BvhNode::Four::Zero();
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -133,7 +133,7 @@ void TriangleBvh::search(const Vec3& point, Closest& best) const {
     } else {
       const BvhNode& node = nodes_[next];
       const BvhNode::Four least2 = squared_distances(node, p);
-      // The nearest child comes out on top.
+      // The nearest child is on top of the stack.
       const std::size_t base = count;
       for (std::size_t slot = 0; slot < 4; ++slot) {
         const float slot2 = least2[static_cast<Eigen::Index>(slot)];

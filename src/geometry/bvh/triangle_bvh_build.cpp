@@ -10,7 +10,7 @@ namespace poise::geometry {
 namespace {
 
 constexpr std::size_t kBins = 16;
-/// Splits below the root from which on halves are taken; 32 more halve any mesh down to one triangle.
+/// Depth below the root from which ranges are halved; 32 more levels halve any mesh down to one triangle.
 constexpr int kHalveFrom = 40;
 
 struct SmallBox {
@@ -38,7 +38,7 @@ struct Range {
 
 class Splitter {
  public:
-  // Invariant: order is a permutation of the triangles, and every range of it that is split stays the same set.
+  // Invariant: order is a permutation of the triangles, and splitting a range permutes only its own entries.
   Splitter(std::vector<SmallBox> boxes, std::vector<std::uint32_t>& order) : boxes_(std::move(boxes)), order_(order) {}
 
   [[nodiscard]] SmallBox box_of(std::uint32_t first, std::uint32_t count) const {
@@ -47,7 +47,7 @@ class Splitter {
     return box;
   }
 
-  /// Two parts of a range with at least two triangles, none of them empty.
+  /// Splits a range with at least two triangles into two parts that are not empty.
   std::array<Range, 2> split(const Range& range) {
     SmallBox middles;
     for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
@@ -81,7 +81,7 @@ class Splitter {
     return range.count / 2;
   }
 
-  /// Triangles that go left; 0 where no plane between bins has triangles on both sides.
+  /// Number of triangles in the left part; 0 if no plane between bins has triangles on both sides.
   std::uint32_t split_in_bins(const Range& range, Eigen::Index axis, float low, float extent) {
     const float scale = static_cast<float>(kBins) * 0.9999F / extent;
     const auto bin_of = [&](std::uint32_t triangle) {
@@ -94,7 +94,7 @@ class Splitter {
       boxes[bin].add(boxes_[order_[i]]);
       ++counts[bin];
     }
-    std::array<float, kBins> right_cost{};  // of all bins from this one on
+    std::array<float, kBins> right_cost{};  // of all bins from this one to the last
     SmallBox box;
     std::uint32_t count = 0;
     for (std::size_t bin = kBins - 1; bin > 0; --bin) {
@@ -129,7 +129,7 @@ std::uint32_t add_node(Splitter& splitter, const Range& range, std::vector<BvhNo
   std::array<Range, 4> parts{range};
   std::size_t count = 1;
   while (count < 4) {
-    // The part that costs most is split next.
+    // Splits the part with the highest cost next.
     std::size_t widest = count;
     float most = -1;
     for (std::size_t i = 0; i < count; ++i) {
@@ -213,7 +213,7 @@ Sums sums_of(std::uint32_t child, std::span<const BvhNode> nodes, std::span<cons
 BvhLayout flatten_bvh(const TriangleMesh& mesh, const Bounds& box) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   const Vec3 origin = box.center();
-  // A question's point is rounded to single precision too: within two diagonals of the middle by less than this.
+  // A query point is rounded to single precision too: within two diagonals of the middle, by less than this.
   const auto margin = static_cast<float>(1e-6 * (box.high - box.low).norm());
   std::vector<SmallBox> boxes(count);
   for (std::uint32_t i = 0; i < count; ++i) {

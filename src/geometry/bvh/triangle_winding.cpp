@@ -8,18 +8,19 @@
 namespace poise::geometry {
 namespace {
 
-/// A cluster acts as a dipole from this many of its reaches on (the paper's choice); errors reached 0.2 on a thin bowl.
+/// A cluster is replaced by a dipole at distances above this multiple of its reach (the paper's choice). Errors reached
+/// 0.2 on a thin bowl.
 constexpr float kDipoleFrom = 2;
-/// The same where the first answer is near a half; the error falls by the square of it.
+/// The same if the first result is near a half; the error falls with its square.
 constexpr float kDipoleFromNearHalf = 5;
 constexpr double kUnsure = 0.25;
 constexpr std::size_t kMaxWindingStack = 256;
 
-/// A sum of solid angles. Half of each is the direction of a complex number, and directions are added by multiplying,
-/// with whole turns counted apart: one arc tangent for all triangles together.
+/// A sum of solid angles. Half of each angle is the argument of a complex number; arguments are added by
+/// multiplication, with full turns counted separately. So one arc tangent is enough for all triangles.
 class SolidAngles {
  public:
-  // Invariant: the sum so far is 2 * (direction of (real_, imaginary_) + 2 pi turns_).
+  // Invariant: the sum so far is 2 * (argument of (real_, imaginary_) + 2 pi turns_).
   void add(const Vec3& p, const TriangleCorners& t) {
     const Vec3 a = t[0] - p;
     const Vec3 b = t[1] - p;
@@ -39,7 +40,7 @@ class SolidAngles {
     real_ = real * scale;
     imaginary_ = imaginary * scale;
   }
-  /// As a share of the whole sphere.
+  /// The sum as a share of the full sphere.
   [[nodiscard]] double winding() const { return std::atan2(imaginary_, real_) / (2 * std::numbers::pi) + turns_; }
 
  private:
@@ -48,8 +49,8 @@ class SolidAngles {
   int turns_ = 0;
 };
 
-/// Which way an edge a-b crosses the half-line from p along u: up (+1), down (-1) or not. The end that lies above p
-/// comes second whatever the direction, so that both triangles of an edge reckon with the same numbers.
+/// Direction in which an edge a-b crosses the half-line from p along u: up (+1), down (-1) or none (0). The end above p
+/// is always used second, so that both triangles of an edge compute with the same numbers.
 int crossing(const Vec3& a, const Vec3& b, const Vec3& p, Eigen::Index u, Eigen::Index v) {
   const bool a_above = a[v] > p[v];
   const bool b_above = b[v] > p[v];
@@ -65,7 +66,7 @@ int crossing(const Vec3& a, const Vec3& b, const Vec3& p, Eigen::Index u, Eigen:
 
 int TriangleBvh::crossings(const Vec3& point) const {
   if (!((point.array() >= box_.low.array()) && (point.array() <= box_.high.array())).all()) return 0;
-  // Along the axis and the way on which the box ends soonest.
+  // Uses the axis and direction along which the distance to the end of the box is shortest.
   Eigen::Index up_axis = 0;
   Eigen::Index down_axis = 0;
   const double up_m = (box_.high - point).minCoeff(&up_axis);

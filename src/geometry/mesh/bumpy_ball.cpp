@@ -14,7 +14,7 @@ namespace {
 
 using Index = std::uint32_t;
 
-/// Distance of the surface from the middle in a direction, from 0.25 to 0.5 m: horns where the three waves agree.
+/// Distance of the surface from the middle in a direction, from 0.25 to 0.5 m; the three waves add up at the horns.
 double reach_m(const Vec3& direction) {
   const double waves =
       std::sin(5 * direction.x() + 0.4) + std::sin(4 * direction.y() + 1.1) + std::sin(6 * direction.z() + 2.3);
@@ -45,7 +45,8 @@ Icosahedron icosahedron() {
             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}}};
 }
 
-/// Makes each vertex of the cut faces once: those of an edge are shared by two faces, those of a corner by five.
+/// Creates each vertex of the subdivided faces once. Those of an edge are shared by two faces, those of a corner by
+/// five.
 class Cutter {
  public:
   explicit Cutter(Index parts) : parts_(parts), solid_(icosahedron()) {}

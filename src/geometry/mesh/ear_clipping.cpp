@@ -16,7 +16,8 @@ bool inside_or_on(const Point2& p, const Point2& a, const Point2& b, const Point
   return doubled_area(a, b, p) >= 0 && doubled_area(b, c, p) >= 0 && doubled_area(c, a, p) >= 0;
 }
 
-/// Corners in the coordinate plane that the polygon fills most, counter-clockwise where it was.
+/// Projects the corners onto the coordinate plane with the largest projected area; the orientation stays
+/// counter-clockwise.
 std::vector<Point2> flatten(std::span<const Vec3> vertices_m, std::span<const std::uint32_t> corners) {
   Vec3 normal = Vec3::Zero();
   const Vec3& near = vertices_m[corners[0]];
@@ -51,7 +52,7 @@ void triangulate_polygon(std::span<const Vec3> vertices_m, std::span<const std::
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i;
   while (left.size() > 3) {
     const std::size_t n = left.size();
-    std::size_t ear = 0;  // a polygon without an ear crosses itself; then any cut is as good
+    std::size_t ear = 0;  // a polygon without an ear crosses itself; then any corner may be cut
     bool found = false;
     for (std::size_t i = 0; i < n && !found; ++i) {
       const Point2& a = points[left[(i + n - 1) % n]];

@@ -10,9 +10,9 @@
 
 namespace poise::geometry {
 
-/// Cuts a polygon (corner indices into `vertices_m`, all valid) into triangles by cutting ears (Meisters 1975), in the
-/// plane of its Newell normal, and appends them with the same orientation. n corners always give n - 2 triangles, also
-/// where the polygon crosses itself or has no area, so that the edges of a closed mesh stay paired. Fewer than three
+/// Cuts a polygon (corner indices into `vertices_m`, all valid) into triangles by ear clipping (Meisters 1975) in the
+/// plane of its Newell normal, and appends them with the same orientation. n corners always give n - 2 triangles, even
+/// if the polygon crosses itself or has no area, so that the edges of a closed mesh stay paired. Fewer than three
 /// corners give none.
 void triangulate_polygon(std::span<const Vec3> vertices_m, std::span<const std::uint32_t> corners,
                          std::vector<std::array<std::uint32_t, 3>>& triangles);

@@ -23,14 +23,14 @@ struct Cell {
 
 struct CellHash {
   std::size_t operator()(const Cell& c) const {
-    // Three odd constants of the golden-ratio kind, so that neighbouring cells land apart; only speed depends on them.
+    // Three odd constants derived from the golden ratio spread neighbouring cells; they affect only speed.
     return static_cast<std::size_t>(static_cast<std::uint64_t>(c.x) * 0x9e3779b97f4a7c15ULL ^
                                     static_cast<std::uint64_t>(c.y) * 0xc2b2ae3d27d4eb4fULL ^
                                     static_cast<std::uint64_t>(c.z) * 0x165667b19e3779f9ULL);
   }
 };
 
-/// For each vertex the lowest-numbered kept vertex within the tolerance, else itself.
+/// For each vertex the lowest-numbered retained vertex within the tolerance, else itself.
 std::vector<std::uint32_t> weld_targets(const std::vector<Vec3>& vertices_m, double tolerance_m, double diagonal_m) {
   const double cell_m = diagonal_m > 0 ? std::max(tolerance_m, 1e-9 * diagonal_m) : 1.0;
   Vec3 low = vertices_m.empty() ? Vec3(Vec3::Zero()) : vertices_m[0];
@@ -57,14 +57,14 @@ std::vector<std::uint32_t> weld_targets(const std::vector<Vec3>& vertices_m, dou
   return target;
 }
 
-/// The same triangle, started at its lowest vertex, so that repeats compare equal and turned ones do not.
+/// The triangle rotated to start at its lowest vertex, so that repeats compare equal and reversed triangles do not.
 Triangle rotated_to_lowest(const Triangle& t) {
   if (t[0] < t[1] && t[0] < t[2]) return t;
   if (t[1] < t[0] && t[1] < t[2]) return {t[1], t[2], t[0]};
   return {t[2], t[0], t[1]};
 }
 
-/// Removes triangles that name a vertex twice and later repeats of the same triangle. Returns how many.
+/// Removes triangles that name a vertex twice, and later repeats of the same triangle. Returns their number.
 std::size_t drop_triangles(std::vector<Triangle>& triangles) {
   const std::size_t before = triangles.size();
   std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
@@ -82,7 +82,7 @@ std::size_t drop_triangles(std::vector<Triangle>& triangles) {
   return before - kept;
 }
 
-/// Leaves out vertices that no triangle names; the others keep their order.
+/// Removes vertices that no triangle names; the order of the others stays.
 void compact_vertices(TriangleMesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> place(mesh.vertices_m.size(), kUnused);
@@ -110,7 +110,7 @@ double TriangleMesh::diagonal_m() const {
 
 MeshRepair clean_mesh(TriangleMesh& mesh, double weld_relative) {
   MeshRepair repair;
-  // An index that names no vertex cannot come from read_mesh; such a triangle is dropped, not followed.
+  // An index that names no vertex cannot come from read_mesh; such a triangle is removed.
   const std::size_t all = mesh.triangles.size();
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     return std::ranges::any_of(t, [&](std::uint32_t v) { return v >= mesh.vertices_m.size(); });

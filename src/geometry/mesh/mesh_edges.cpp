@@ -17,7 +17,7 @@ std::vector<EdgeUse> edge_uses(std::span<const std::array<std::uint32_t, 3>> tri
       uses.push_back({std::min(from, to), std::max(from, to), t, from < to ? 1 : -1});
     }
   }
-  // No two sides of a triangle are the same edge, so nothing is left to chance.
+  // No two sides of a triangle are the same edge, so the order is unique.
   std::ranges::sort(uses, {}, [](const EdgeUse& use) { return std::tuple(use.edge(), use.triangle); });
   return uses;
 }

@@ -12,16 +12,16 @@ namespace poise::geometry {
 /// One side of one triangle.
 struct EdgeUse {
   std::uint32_t low, high;  ///< the vertices at its ends, low < high
-  std::uint32_t triangle;   ///< whose side it is
-  std::int32_t direction;   ///< 1 where the triangle runs from low to high, else -1
+  std::uint32_t triangle;   ///< the triangle of this side
+  std::int32_t direction;   ///< 1 if the triangle runs from low to high, else -1
   [[nodiscard]] std::uint64_t edge() const { return std::uint64_t{low} << 32U | high; }
 };
 
-/// The sides of all triangles, sorted by edge, those of one edge in the order of the triangles. No triangle may name a
+/// The sides of all triangles, sorted by edge; those of one edge in the order of the triangles. No triangle may name a
 /// vertex twice.
 std::vector<EdgeUse> edge_uses(std::span<const std::array<std::uint32_t, 3>> triangles);
 
-/// Calls visit(uses) with the sides that lie on each edge, edge after edge. `uses` as edge_uses gives them.
+/// Calls visit(uses) with the sides of each edge, edge after edge. `uses` must come from edge_uses.
 template <class Visit>
 void for_each_edge(std::span<const EdgeUse> uses, Visit&& visit) {
   for (std::size_t begin = 0; begin < uses.size();) {
@@ -32,14 +32,14 @@ void for_each_edge(std::span<const EdgeUse> uses, Visit&& visit) {
   }
 }
 
-/// Sum of the directions; 0 where as many triangles run one way as the other, as at each edge of a closed surface.
+/// Sum of the directions; 0 if equally many triangles run each way, as at each edge of a closed surface.
 inline std::int32_t edge_balance(std::span<const EdgeUse> uses) {
   std::int32_t balance = 0;
   for (const EdgeUse& use : uses) balance += use.direction;
   return balance;
 }
 
-/// Sets of numbers from 0 on that can be joined (Tarjan's union-find with path halving; the lowest number leads a set).
+/// Disjoint sets of the numbers from 0 on (Tarjan's union-find with path halving; the lowest number represents a set).
 /// Invariant: leader_[i] <= i.
 class JoinedSets {
  public:

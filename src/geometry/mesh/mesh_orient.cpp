@@ -18,18 +18,18 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Uses = std::span<const EdgeUse>;
 
-/// An open piece whose cones close less than this share of area times diagonal is a sheet, which has no outside.
-/// Chosen; a ball has 0.1.
+/// An open piece whose volume closed by cones is below this share of area times diagonal is a sheet, which has no
+/// outside. Chosen; a ball has 0.1.
 constexpr double kSheetShare = 0.003;
-/// A closed piece below this share of the cube of its diagonal encloses rounding alone.
+/// A closed piece below this share of the cube of its diagonal has only the volume of rounding errors.
 constexpr double kFlatShare = 1e-12;
-/// Vertices of a piece that must lie in another one for the whole to count as inside it. Chosen.
+/// Number of a piece's vertices that must lie in another one for the whole to count as inside it. Chosen.
 constexpr std::size_t kProbes = 8;
 
 void turn_over(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
 
-/// Sets of triangles that know of each member whether it is turned against the leader.
-/// Invariant: above_ leads to the leader in at most log2(n) steps, since the smaller set joins the larger.
+/// Disjoint sets of triangles that store for each member whether it is reversed relative to its leader. Invariant:
+/// above_ leads to the leader in at most log2(n) steps, since the smaller set joins the larger.
 class TurnedSets {
  public:
   explicit TurnedSets(std::size_t count) : above_(count), turned_(count, 0), size_(count, 1) {
@@ -45,7 +45,8 @@ class TurnedSets {
     return turned;
   }
   [[nodiscard]] std::uint32_t size(std::uint32_t leader) const { return size_[leader]; }
-  /// Joins the sets of a and b so that these two are turned against each other, or not; nothing for members of one set.
+  /// Joins the sets of a and b so that they are reversed relative to each other, or not. Does nothing if they are in
+  /// one set.
   void join(std::uint32_t a, std::uint32_t b, bool against) {
     std::uint32_t small = leader(a);
     std::uint32_t large = leader(b);
@@ -62,16 +63,17 @@ class TurnedSets {
   std::vector<std::uint32_t> size_;
 };
 
-/// Which triangles must be turned so that neighbours agree, the smaller part of each patch giving way.
+/// Which triangles must be reversed so that neighbours agree; the smaller part of each patch is reversed.
 std::vector<std::uint8_t> turned_against_neighbours(std::size_t triangles, Uses uses) {
-  // In the order of the edges, which does not depend on how triangles are turned, so that a second call finds the same.
+  // In the order of the edges, which does not depend on the triangles' orientation, so that a second call finds the
+  // same.
   TurnedSets manifold_points(triangles);
   for_each_edge(uses, [&](Uses edge) {
     if (edge.size() == 2)
       manifold_points.join(edge[0].triangle, edge[1].triangle, edge[0].direction == edge[1].direction);
   });
   std::vector<std::uint32_t> turned_count(triangles, 0);
-  std::vector<std::uint8_t> first_turned(triangles, 2);  // 2 until the first triangle of the patch is met
+  std::vector<std::uint8_t> first_turned(triangles, 2);  // 2 until the first triangle of the patch is visited
   std::vector<std::uint8_t> turned(triangles, 0);
   for (std::uint32_t t = 0; t < triangles; ++t) {
     const std::uint32_t leader = manifold_points.leader(t);
@@ -91,12 +93,12 @@ std::vector<std::uint8_t> turned_against_neighbours(std::size_t triangles, Uses 
 
 bool disagrees(Uses edge) { return edge.size() > 1 && edge_balance(edge) != 0; }
 
-/// Turns single triangles; returns how many.
+/// Reverses single triangles; returns their number.
 std::size_t agree_with_neighbours(std::vector<Triangle>& triangles) {
   std::vector<EdgeUse> uses = edge_uses(triangles);
   std::vector<std::uint8_t> turned = turned_against_neighbours(triangles.size(), uses);
   if (std::ranges::count(turned, 1) == 0) return 0;
-  // The evidence: edges in disagreement of each connected part, before and after.
+  // Compares the inconsistent edges of each connected part before and after.
   JoinedSets parts(triangles.size());
   for_each_edge(uses, [&](Uses edge) {
     for (const EdgeUse& use : edge) parts.join(edge[0].triangle, use.triangle);
@@ -114,16 +116,17 @@ std::size_t agree_with_neighbours(std::vector<Triangle>& triangles) {
   return count;
 }
 
-/// Part of a mesh that has an outside of its own.
+/// A part of a mesh with its own outside.
 struct Piece {
   std::vector<std::uint32_t> triangles;
   Bounds box;
   bool closed = true;
-  double volume_m3 = 0;  ///< signed; of an open one, closed by cones
+  double volume_m3 = 0;  ///< signed; an open piece is closed by cones
   bool inside_out = false;
 };
 
-/// Patches of triangles (joined over edges of two), and where one does not close, all such that meet at crowded edges.
+/// Patches of triangles (joined over edges of two triangles). Patches that are not closed are joined where they meet at
+/// edges of more than two.
 std::vector<std::uint32_t> piece_of_triangles(std::size_t triangles, Uses uses) {
   JoinedSets manifold_points(triangles);
   for_each_edge(uses, [&](Uses edge) {
@@ -160,7 +163,7 @@ std::vector<std::uint32_t> piece_of_triangles(std::size_t triangles, Uses uses) 
   return piece;
 }
 
-/// Closed means that no edge of the piece is left over; the volume is reckoned from the middle of those that are.
+/// A piece is closed if each of its edges is balanced. The volume is computed about the middle of the unbalanced ones.
 void measure_piece(const TriangleMesh& mesh, Piece& piece) {
   std::vector<Triangle> own;
   own.reserve(piece.triangles.size());
@@ -191,7 +194,7 @@ void measure_piece(const TriangleMesh& mesh, Piece& piece) {
   const double diagonal_m = (piece.box.high - piece.box.low).norm();
   const double least_m3 = piece.closed ? kFlatShare * std::pow(diagonal_m, 3) : kSheetShare * area_m2 * diagonal_m;
   piece.inside_out = piece.volume_m3 < -least_m3;
-  if (std::abs(piece.volume_m3) <= least_m3) piece.closed = false;  // encloses nothing, so nothing lies in it
+  if (std::abs(piece.volume_m3) <= least_m3) piece.closed = false;  // encloses no volume, so nothing lies in it
 }
 
 std::vector<Piece> pieces_of(const TriangleMesh& mesh) {
@@ -210,7 +213,7 @@ std::vector<Piece> pieces_of(const TriangleMesh& mesh) {
   return pieces;
 }
 
-/// Whether a whole piece lies in a closed one, measured at a few of its vertices.
+/// Whether a whole piece lies in a closed one, tested at a few of its vertices.
 bool lies_in(const TriangleMesh& mesh, const Piece& piece, const TriangleBvh& closed) {
   const std::size_t step = std::max<std::size_t>(1, piece.triangles.size() / kProbes);
   for (std::size_t i = 0; i < piece.triangles.size(); i += step) {
@@ -233,7 +236,7 @@ TriangleMesh triangles_alone(const TriangleMesh& mesh, const std::vector<std::ui
 std::vector<std::size_t> outermost(const TriangleMesh& mesh, const std::vector<Piece>& pieces) {
   std::vector<std::size_t> outer(pieces.size());
   std::iota(outer.begin(), outer.end(), std::size_t{0});
-  // From low to high along x, with those closed ones at hand whose box has not ended yet.
+  // Sweeps from low to high along x, with a list of the closed pieces whose box has not ended yet.
   std::vector<std::size_t> order = outer;
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return pieces[i].box.low.x(); });
   std::vector<std::size_t> reaching;
@@ -255,8 +258,8 @@ std::vector<std::size_t> outermost(const TriangleMesh& mesh, const std::vector<P
     }
     if (pieces[i].closed) reaching.push_back(i);
   }
-  // Decided by sample points, so of three nested pieces the inner two may not name the same one; each step leads to a
-  // larger one.
+  // Decided by sample points, so of three nested pieces the inner two may not name the same outermost one; each step
+  // leads to a larger piece.
   for (std::size_t& outermost_one : outer) {
     while (outer[outermost_one] != outermost_one) outermost_one = outer[outermost_one];
   }

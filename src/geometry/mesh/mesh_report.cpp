@@ -17,14 +17,14 @@ namespace {
 
 using namespace geometry;
 
-/// Of a solid, at least this share of the points inside is inside without doubt; a bent sheet has only points about
-/// which it winds little more than half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet bent by a fifth
-/// of its length none.
+/// A solid has at least this share of inside points with a winding number above kFirmly; a bent sheet has only points
+/// with a winding number little above one half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet bent by a
+/// fifth of its length 0.
 constexpr double kFirmShare = 0.1;
-/// An exact volume that differs from the sampled one by more than this share has pieces that overlap. Chosen.
+/// If the exact volume differs from the sampled one by more than this share, pieces overlap. Chosen.
 constexpr double kOverlapShare = 0.02;
 
-/// 1234567 as 1,234,567.
+/// A count with separators and its noun: 1234567 as 1,234,567.
 std::string counted(std::size_t number, std::string_view what) {
   std::string digits = std::to_string(number);
   for (std::size_t place = digits.size(); place > 3; place -= 3) digits.insert(place - 3, ",");

@@ -7,10 +7,10 @@
 
 namespace poise::geometry {
 
-/// Whether a mesh that is not closed holds something without doubt, measured by its samples; else it is a sheet.
+/// Whether the samples of a mesh that is not closed show an enclosed volume; otherwise the mesh is a sheet.
 bool encloses(const SampledMass& sampled);
 
-/// The warning that goes with the mass of such a mesh, as one line.
+/// The warning for the mass of such a mesh, as one line.
 std::string open_note(const TriangleMesh& mesh, const SampledMass& sampled);
 
 /// Why a mesh has no inside, as one line.

@@ -15,7 +15,7 @@ namespace geometry {
 MassProperties mesh_volume(const TriangleMesh& mesh) {
   MassProperties mass;
   if (mesh.vertices_m.empty()) return mass;
-  // About the middle of the box: a place far from the origin would cost digits in the second moments.
+  // Relative to the middle of the box: far from the origin the second moments would lose digits.
   const Vec3 near = bounds_of(mesh.vertices_m).center();
   double six_volumes = 0;
   Vec3 first = Vec3::Zero();
@@ -78,8 +78,8 @@ std::string why_not_closed(const TriangleMesh& mesh) {
 Result<MassProperties> mesh_mass_properties(const TriangleMesh& mesh) {
   if (std::string wrong = geometry::why_not_closed(mesh); !wrong.empty()) return bad_input(std::move(wrong));
   const MassProperties mass = geometry::mesh_volume(mesh);
-  // Below this share of the cube of the diagonal the volume is rounding; a plate 1 m wide may still be a few picometres
-  // thin.
+  // Below this share of the cube of the diagonal the volume is rounding error. A plate 1 m wide may still be a few
+  // picometres thick.
   const double smallest_m3 = 1e-12 * std::pow(mesh.diagonal_m(), 3);
   if (!(mass.volume_m3 > smallest_m3) || !mass.inertia_m5.allFinite()) {
     return bad_input(fmt::format("mesh encloses {} m^3, must be > 0 (> {})", mass.volume_m3, smallest_m3));
@@ -115,7 +115,7 @@ Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double th
               (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose() +
                thickness_m * thickness_m * normal * normal.transpose());
   }
-  // Below this share of the diagonal squared the area is rounding.
+  // Below this share of the squared diagonal the area is rounding error.
   if (!(area_m2 > 1e-12 * std::pow(mesh.diagonal_m(), 2)))
     return bad_input(fmt::format("mesh has an area of {} m^2, must be > 0", area_m2));
   MassProperties mass;

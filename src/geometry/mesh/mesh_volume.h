@@ -7,15 +7,14 @@
 
 namespace poise::geometry {
 
-/// Integrals over the signed tetrahedra between the triangles and a point near the mesh, whatever the mesh; they are
-/// volume, centre of mass and inertia where it is closed. The centre is 0 and the inertia 0 where the volume is 0.
+/// Integrals over the signed tetrahedra between the triangles and a point near the mesh, for any mesh. For a closed
+/// mesh they are volume, centre of mass and inertia. Centre and inertia are 0 if the volume is 0.
 MassProperties mesh_volume(const TriangleMesh& mesh);
 
 /// Sum of the triangles' areas.
 double mesh_area_m2(const TriangleMesh& mesh);
 
-/// Why a mesh cannot be worked with at all, as one line: no triangle, an index or a coordinate out of range; else
-/// empty.
+/// Why a mesh cannot be used, as one line: no triangle, an index or a coordinate out of range. Empty for a usable mesh.
 std::string why_unusable(const TriangleMesh& mesh);
 
 /// Why a mesh does not enclose a volume, as one line with the count of open edges; empty for one that does.

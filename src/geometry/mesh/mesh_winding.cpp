@@ -18,11 +18,11 @@ using namespace geometry;
 /// Cells of the sampling grid along each axis of the box: 140,608 points. Chosen: the error of a ball's volume is 0.3
 /// %.
 constexpr std::size_t kSide = 52;
-/// A point around which a mesh winds more often than this lies in it without doubt. Chosen.
+/// A point with a winding number above this is inside the mesh with certainty. Chosen.
 constexpr double kFirmly = 0.75;
 constexpr std::uint64_t kSeed = 0x9015e;
 
-/// One point in each cell, at random, so that the sums are right on average whatever the mesh aligns with.
+/// One random point in each cell, so that the sums are unbiased for any alignment of the mesh.
 class SampleGrid {
  public:
   explicit SampleGrid(const Bounds& box) : low_(box.low), cell_((box.high - box.low) / static_cast<double>(kSide)) {}
@@ -41,8 +41,8 @@ class SampleGrid {
 
 enum State : std::uint8_t { kOutside, kInside, kFirm };
 
-/// Cells that differ from a neighbour, or are inside at the edge of the box: at most half a cell's standard deviation
-/// each.
+/// Cells that differ from a neighbour, or are inside at the edge of the box. Each contributes a standard deviation of
+/// at most half a cell.
 std::size_t border_cells(const std::vector<std::uint8_t>& state) {
   constexpr std::size_t kStrides[] = {1, kSide, kSide * kSide};
   std::size_t border = 0;
@@ -80,7 +80,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
   const auto count = static_cast<double>(inside);
   sampled.firm_share = static_cast<double>(std::ranges::count(state, kFirm)) / count;
   sampled.volume_error_m3 = std::sqrt(static_cast<double>(border_cells(state))) * grid.cell_m3();
-  // About the middle of the box, then about the centre of mass: a place far from the origin costs no digits.
+  // Relative to the middle of the box, then to the centre of mass, so that no digits are lost far from the origin.
   const Vec3 near = bounds_of(mesh.vertices_m).center();
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();

@@ -24,7 +24,8 @@ void add_quad(TriangleMesh& mesh, Index a, Index b, Index c, Index d) {
   mesh.triangles.push_back({a, c, d});
 }
 
-/// Joins two rings of as many vertices with quads; the outside is where `lower` runs counter-clockwise below `upper`.
+/// Joins two rings with equal numbers of vertices by quads. The outside is where `lower` runs counter-clockwise below
+/// `upper`.
 void add_band(TriangleMesh& mesh, const std::vector<Index>& lower, const std::vector<Index>& upper) {
   for (std::size_t i = 0; i < lower.size(); ++i) {
     const std::size_t next = (i + 1) % lower.size();
@@ -61,9 +62,8 @@ TriangleMesh lathe(const std::vector<Point2>& profile, int segments) {
   return mesh;
 }
 
-/// One arm of the jack along +z, to be turned: a cylinder that begins where it meets its neighbours' surfaces (there
-/// its height is the larger of |x| and |y|, because two equal crossed cylinders meet in that plane) and ends in a half
-/// ball.
+/// Adds one arm of the jack, along +z before `turn`: a cylinder that begins at its neighbours' surfaces and ends in a
+/// half ball. It begins at the height max(|x|, |y|), because two equal crossed cylinders meet in that plane.
 void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double length_m, int fineness) {
   const int around = 16 * fineness;
   const int cap_rings = 4 * fineness;
@@ -199,7 +199,7 @@ Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness) 
     return bad_input(
         fmt::format("shape '{}' is not known, must be one of {}", kind, fmt::join(procedural_shapes(), " ")));
   for (Vec3& v : mesh.vertices_m) {
-    // Adding 0 turns -0 into 0, which the file would otherwise show.
+    // Adding 0 turns -0 into 0; the file would contain "-0" otherwise.
     for (double& x : v) x = std::round(x * 1e9) / 1e9 + 0.0;
   }
   clean_mesh(mesh, 1e-9);

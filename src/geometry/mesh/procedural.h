@@ -26,7 +26,7 @@ std::span<const std::string_view> procedural_shapes();
 inline constexpr int kMaxFineness = 16;
 Result<TriangleMesh> make_procedural_shape(std::string_view kind, int fineness = 1);
 
-/// Edges of boxes and wedges, so that the rounding to 1e-9 m stays small beside them.
+/// Least edge of boxes and wedges, so that the rounding to 1e-9 m is small relative to it.
 inline constexpr double kLeastBlockM = 1e-5;
 inline constexpr double kMostBlockM = 1e5;
 
@@ -34,7 +34,7 @@ inline constexpr double kMostBlockM = 1e5;
 Result<TriangleMesh> make_box(const Vec3& size_m);
 
 /// A stone of an arch around the y axis: the part of a ring between two radii, `angle_deg` (0.1 to 90) wide about the z
-/// axis, with flat faces, so that its corners lie on the two circles and stones side by side share their faces.
+/// axis. It has flat faces, so its corners lie on the two circles, and neighbouring stones share their faces.
 struct WedgeSize {
   double inner_m = 0, outer_m = 0;
   double angle_deg = 0;
@@ -43,7 +43,7 @@ struct WedgeSize {
 /// Refused: lengths and angles out of these ranges, outer_m not above inner_m.
 Result<TriangleMesh> make_wedge(const WedgeSize& size);
 
-/// The mesh as OBJ text, nine decimals; `comment` stands in the first line.
+/// The mesh as OBJ text with nine decimals; the first line contains `comment`.
 std::string obj_text(const TriangleMesh& mesh, std::string_view comment);
 
 }  // namespace poise::geometry

@@ -107,7 +107,7 @@ Sphere enclosing_ball(std::span<const Vec3> points) {
   support.count = 1;
   Vec3 center = points[0];
   double squared_radius = 0;
-  // The radius grows with every pivot; about ten are usual, and the bound only stops a walk among equals.
+  // The radius grows with every pivot; about ten pivots are usual. The bound stops cycles between equal radii.
   for (int pivot = 0; pivot < 200; ++pivot) {
     double d2 = 0;
     const std::size_t outside = farthest_point(points, center, d2);

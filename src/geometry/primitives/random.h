@@ -13,7 +13,7 @@ namespace poise::geometry {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
-  /// A generator of its own for each pair of numbers.
+  /// An independent generator for each pair of numbers.
   static Random of(std::uint64_t seed, std::uint64_t index) {
     Random first(seed);
     return Random(first.next() ^ (index * 0xd1342543de82ef95ULL));
@@ -33,7 +33,7 @@ class Random {
   /// In [0, n), n > 0; the bias is below n / 2^64.
   std::uint64_t below(std::uint64_t n) { return next() % n; }
 
-  /// Evenly distributed on the unit sphere (Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972).
+  /// Uniformly distributed on the unit sphere (Marsaglia, "Choosing a Point from the Surface of a Sphere", 1972).
   Vec3 direction() {
     for (;;) {
       const double a = symmetric();
@@ -44,7 +44,7 @@ class Random {
       return {a * scale, b * scale, 1 - 2 * s};
     }
   }
-  /// Evenly distributed rotation (the same paper, for the sphere in four dimensions).
+  /// Uniformly distributed rotation (the same paper, for the sphere in four dimensions).
   Quat rotation() {
     for (;;) {
       const double a = symmetric();

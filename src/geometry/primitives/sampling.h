@@ -9,7 +9,7 @@
 
 namespace poise::geometry {
 
-/// Unit directions spread evenly by the golden angle (Fibonacci spiral), each standing for the same area.
+/// Unit directions, uniformly spread by the golden angle (Fibonacci spiral); each represents the same area.
 inline std::vector<Vec3> even_directions(int count) {
   std::vector<Vec3> directions;
   directions.reserve(static_cast<std::size_t>(count));

@@ -45,7 +45,7 @@ double squared_distance_of_segments_m2(const Vec3& p, const Vec3& q, const Vec3&
     const double b = d1.dot(d2);
     const double c = d1.dot(between);
     const double across = a * e - b * b;
-    // Nearly parallel: any place of the first will do, the clamped one of the second follows.
+    // Nearly parallel: any point of the first segment is valid; the second follows, clamped.
     if (across > 1e-14 * a * e) on_first = std::clamp((b * f - c * e) / across, 0.0, 1.0);
     on_second = (b * on_first + f) / e;
     if (on_second < 0) {

@@ -6,9 +6,9 @@
 
 namespace poise::geometry {
 
-/// Does the segment meet the triangle, borders included? By the signs of the volumes that it spans with the edges
-/// (Segura and Feito 2001), in double. A segment in the triangle's plane, and a triangle without area, meet nothing.
-/// Any thread.
+/// Whether the segment meets the triangle, borders included, by the signs of the volumes that it spans with the edges
+/// (Segura and Feito 2001), in double. A segment in the triangle's plane and a triangle without area meet nothing. Any
+/// thread.
 bool segment_meets_triangle(const Vec3& from, const Vec3& to, const TriangleCorners& t);
 
 /// Least squared distance of two segments, m^2, either may be a point (Ericson, "Real-Time Collision Detection",

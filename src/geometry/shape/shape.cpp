@@ -17,8 +17,8 @@
 namespace poise {
 namespace {
 
-/// Off-diagonal moments below this share of the trace are rounding (of a file, or of ours): the frame of the mesh is
-/// principal.
+/// Off-diagonal moments below this share of the trace are rounding errors (of a file or of this computation): the frame
+/// of the mesh is principal.
 constexpr double kDiagonalShare = 1e-9;
 
 void set_principal(Shape& shape, const Mat3& inertia_m5) {
@@ -35,11 +35,11 @@ void set_principal(Shape& shape, const Mat3& inertia_m5) {
   shape.principal_axes = Quat(axes).normalized();
 }
 
-/// Mass properties of balls, each counting whole.
+/// Mass properties of balls; each contributes its whole mass.
 MassProperties mass_of_balls(std::span<const Sphere> balls) {
   MassProperties mass;
   constexpr double kBallVolume = 4.0 / 3.0 * std::numbers::pi;
-  // Moments about the first centre, so that a place far from the origin costs no digits.
+  // Moments relative to the first centre, so that no digits are lost far from the origin.
   const Vec3 near = balls[0].center_m;
   Vec3 first_m4 = Vec3::Zero();
   for (const Sphere& ball : balls) {
@@ -70,7 +70,7 @@ std::shared_ptr<Shape> finish(SphereTree tree, const MassProperties& mass, std::
   return shape;
 }
 
-/// The mass of a mesh, and what is not certain about it.
+/// The mass of a mesh, and a note of what is uncertain about it.
 struct NotedMass {
   MassProperties mass;
   std::string note;
@@ -116,7 +116,7 @@ Result<ShapePtr> make_sphere_shape(double radius_m) {
 }
 
 Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m) {
-  // Two steps of scaling, so that neither a tiny nor a huge normal is lost in its square.
+  // Scales in two steps, so that the square of a tiny or a huge normal neither underflows nor overflows.
   const double largest = normal.cwiseAbs().maxCoeff();
   if (!normal.allFinite() || !(largest > 0)) {
     return bad_input(
@@ -129,18 +129,19 @@ Result<ShapePtr> make_plane_shape(const Vec3& normal, double offset_m) {
   auto shape = std::make_shared<Shape>();
   shape->kind = ShapeKind::Plane;
   const Vec3 scaled = normal / largest;
-  // Eigen's normalized() multiplies by a reciprocal in places; a division keeps (0, 0, 2) exactly (0, 0, 1).
+  // Eigen's normalized() may multiply by a reciprocal; a division turns (0, 0, 2) into exactly (0, 0, 1).
   shape->plane_normal = scaled / scaled.norm();
   shape->plane_offset_m = offset_m;
   return ShapePtr(shape);
 }
 
 Result<ShapePtr> make_spheres_shape(std::span<const Sphere> spheres) {
-  // Checked before the centre of mass is taken, and built about it, so that its leaves are rounded once.
+  // Checked before the centre of mass is computed. The tree is then built about that centre, so that its leaves are
+  // rounded once.
   Result<SphereTree> checked = tree_of_spheres(spheres);
   if (!checked) return checked.error();
   MassProperties mass = mass_of_balls(spheres);
-  // What is left of a symmetric list is rounding, and would only blur its zeros.
+  // A smaller offset of a symmetric list is rounding error, and would turn exact zeros into tiny numbers.
   if (mass.center_of_mass_m.norm() <= 1e-15 * checked.value().sphere(0).radius_m) mass.center_of_mass_m.setZero();
   if (mass.center_of_mass_m.isZero(0)) return ShapePtr(finish(std::move(checked).value(), mass));
   std::vector<Sphere> centered(spheres.begin(), spheres.end());

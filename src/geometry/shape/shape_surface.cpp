@@ -15,7 +15,7 @@ using SurfaceTriangle = ShapeSurface::Triangle;
 // Sine of the angle of an edge that counts as flat. Chosen: far above the rounding of files in single precision, far
 // below the bends of a round mesh of a million triangles (2e-3).
 constexpr double kFlat = 1e-6;
-// Spheres are met with this much to spare, as a share of the radius: more than the rounding of a distance.
+// Spheres are enlarged by this share of the radius: more than the rounding of a distance.
 constexpr double kSpare = 1e-9;
 
 void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
@@ -30,7 +30,7 @@ void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
     const Vec3 across = (q - p).cross(r - p);
     const double length = across.norm();
     if (length > 0) t.normal = across / length;
-    // The ball over the longest side as its diameter, grown to hold the third corner.
+    // The ball with the longest side as its diameter, enlarged to contain the third corner.
     const std::array<double, 3> length2{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto longest = static_cast<std::size_t>(std::ranges::max_element(length2) - length2.begin());
     t.center_m = 0.5 * (surface.vertices_m[t.vertex[longest]] + surface.vertices_m[t.vertex[(longest + 1) % 3]]);
@@ -41,7 +41,7 @@ void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
 }
 
 void set_pair_records(ShapeSurface& surface) {
-  // Each length comes from a few roundings of numbers no larger than the farthest coordinate.
+  // Each length results from a few roundings of numbers no larger than the farthest coordinate.
   constexpr double kRoundings = 16;
   double farthest = 0;
   for (const SurfaceTriangle& t : surface.triangles) {
@@ -78,7 +78,7 @@ std::size_t side_of(const SurfaceTriangle& t, const EdgeUse& use) {
   return static_cast<std::size_t>(std::ranges::find(t.vertex, from) - t.vertex.begin());
 }
 
-// Can something outside touch along this side of t first? Beyond it lies the triangle `other`.
+// Whether another body can touch this side of t first. The triangle across it is `other`.
 bool stands_out(const ShapeSurface& surface, const SurfaceTriangle& t, const EdgeUse& use,
                 const SurfaceTriangle& other) {
   for (const std::uint32_t v : other.vertex) {
@@ -91,7 +91,7 @@ bool stands_out(const ShapeSurface& surface, const SurfaceTriangle& t, const Edg
   return true;
 }
 
-// Sides, what lies across them, and which of them and of the corners can touch first.
+// Sets the neighbours across the sides, and which sides and corners can touch first.
 void set_edges(ShapeSurface& surface, std::span<const EdgeUse> uses) {
   std::vector<char> sharp(surface.vertices_m.size(), 0);
   for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
@@ -101,7 +101,7 @@ void set_edges(ShapeSurface& surface, std::span<const EdgeUse> uses) {
       SurfaceTriangle& u = surface.triangles[edge[1].triangle];
       t.across[side_of(t, edge[0])] = edge[1].triangle;
       u.across[side_of(u, edge[1])] = edge[0].triangle;
-      // A needle without area has no normal to measure by: its sides count.
+      // A needle without area has no normal to compare with: its sides are included.
       out = t.normal.isZero(0) || u.normal.isZero(0) || stands_out(surface, t, edge[0], u);
     }
     if (!out) return;
@@ -137,7 +137,7 @@ void set_neighbors(ShapeSurface& surface, std::span<const EdgeUse> uses) {
   }
 }
 
-// Which leaves each triangle meets, from which triangles each leaf meets.
+// Sets which leaves each triangle overlaps, and the reverse.
 void set_leaves(const SphereTree& tree, ShapeSurface& surface) {
   std::vector<std::uint32_t> near;
   surface.leaf_begin.assign(tree.node_count() + 1, 0);

@@ -13,45 +13,45 @@
 
 namespace poise {
 
-/// The triangles of a shape and where its tree meets them: what the level of polygons reads. Body frame, metres.
-/// Immutable once made; any number of threads may read.
+/// The triangles of a shape and their overlap with its tree, for the level of polygons. Body frame, metres. Immutable
+/// once made; any number of threads may read.
 struct ShapeSurface {
   static constexpr std::uint32_t kNone = 0xffffffffU;
-  static constexpr std::uint8_t kVertex0 =
-      1;                                     ///< the triangle stands for its corner 0; shifted left for corners 1 and 2
-  static constexpr std::uint8_t kEdge0 = 8;  ///< for its side from corner 0 to corner 1; shifted left for the next two
+  // Bits of Triangle::features.
+  static constexpr std::uint8_t kVertex0 = 1;  ///< the triangle owns corner 0; shifted left for corners 1 and 2
+  static constexpr std::uint8_t kEdge0 = 8;    ///< it owns the side from corner 0 to 1; shifted left for the next two
 
-  /// A triangle with a ball around it.
+  /// A triangle and a ball around it.
   struct Triangle {
     std::array<std::uint32_t, 3> vertex{};  ///< counter-clockwise from outside
-    std::array<std::uint32_t, 3>
-        across{};  ///< the triangle beyond side k (corner k to k + 1); kNone at a rim or where more than two meet
-    Vec3 normal = Vec3::Zero();  ///< unit, outward; 0 without area
+    /// The neighbour across side k (corner k to k + 1); kNone at a rim or where more than two triangles meet.
+    std::array<std::uint32_t, 3> across{};
+    Vec3 normal = Vec3::Zero();  ///< unit, outward; 0 for a triangle without area
     Vec3 center_m = Vec3::Zero();
     double radius_m = 0;
-    std::uint8_t features =
-        0;  ///< corners and sides that this triangle answers for, each of them in one triangle of the mesh
+    /// Corners and sides that this triangle owns; each is owned by at most one triangle of the mesh.
+    std::uint8_t features = 0;
   };
 
   explicit ShapeSurface(geometry::TriangleBvh searched) : bvh(std::move(searched)) {}
 
-  /// Single precision, for a first look: a ball and a plane, each up to `rounding_m` off.
+  /// The triangle in single precision, for a first test: a ball and a plane, each accurate to `rounding_m`.
   struct PairRecord {
     std::array<float, 3> center_m;
     float radius_m;
     std::array<float, 3> normal;  ///< the plane goes through the centre
-    float unused;                 ///< keeps two in a cache line
+    float unused;                 ///< padding, so that two records fill a cache line
   };
 
-  bool solid = false;  ///< closed, and its inside counts: normals tell in from out
+  bool solid = false;  ///< closed and solid: normals distinguish inside from outside
   std::vector<Vec3> vertices_m;
   std::vector<Vec3> vertex_normal;  ///< angle-weighted sum of the normals around, about unit, 0 for an unused vertex
   std::vector<std::uint32_t> neighbor_begin;  ///< per vertex, then the end
   std::vector<std::uint32_t> neighbors;       ///< vertices that share an edge with it, ascending
   std::vector<Triangle> triangles;
-  std::vector<PairRecord> pair_records;  ///< beside triangles
+  std::vector<PairRecord> pair_records;  ///< one for each triangle
   float rounding_m = 0;
-  std::vector<std::uint32_t> leaf_begin;  ///< per node of the tree, then the end; nothing for a node that is no leaf
+  std::vector<std::uint32_t> leaf_begin;  ///< per node of the tree, then the end; empty for a node that is not a leaf
   std::vector<std::uint32_t> leaf_triangles;       ///< those that meet the leaf's ball, ascending
   std::vector<std::uint32_t> triangle_leaf_begin;  ///< per triangle, then the end
   std::vector<NodeIndex> triangle_leaves;          ///< the leaves that it meets, ascending
@@ -71,9 +71,9 @@ struct ShapeSurface {
 
 namespace geometry {
 
-/// The surface of a mesh moved by -offset_m, against the leaves of `tree` (already in the moved frame). The mesh as
-/// clean_mesh leaves it, with indices in range. Only corners and sides that can touch first are answered for: of a
-/// solid the convex ones, of any other surface all that are not flat.
+/// The surface of a mesh moved by -offset_m, and its overlap with the leaves of `tree` (already in the moved frame).
+/// The mesh must have been cleaned by clean_mesh, with indices in range. Only corners and sides that can touch first
+/// are listed: for a solid the convex ones, for any other surface all that are not flat.
 ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidity solidity, const SphereTree& tree);
 
 }  // namespace geometry

@@ -12,8 +12,8 @@ struct NearestLeaf {
   NodeIndex node = 0;
 };
 
-/// The leaf whose sphere is nearest to a point, the first of several. Every inner sphere must hold the leaves below it,
-/// so that the way down can leave out what is farther than the best so far.
+/// The leaf whose sphere is nearest to a point; the first of several. Every inner sphere must contain the leaves below
+/// it, so that the search can skip subtrees that are farther than the best leaf so far.
 NearestLeaf nearest_leaf(const SphereTree& tree, const Vec3& point);
 
 }  // namespace poise::geometry

@@ -16,31 +16,31 @@
 namespace poise::geometry {
 namespace {
 
-// All found by trying (docs/method.md has the figures) on one half of the touches of the study; every one may be
-// doubled or halved for less than a twentieth of the error.
-constexpr double kRoomOfRadius = 2;      ///< depth of the outside that is sampled, in mean radii of the level
-constexpr double kRoomOfDiagonal = 0.3;  ///< and at most, of the object's diagonal
-constexpr double kTowardNode = 0.03;     ///< weight of the node's own sphere beside the mean over the samples
+// Chosen by trials on one half of the contacts of the study (docs/method.md has the figures). Doubling or halving any
+// of them changes the error by less than a twentieth.
+constexpr double kRoomOfRadius = 2;      ///< depth of the sampled outside, in mean radii of the level
+constexpr double kRoomOfDiagonal = 0.3;  ///< upper bound of that depth, as a share of the object's diagonal
+constexpr double kTowardNode = 0.03;     ///< weight of the node's own sphere relative to the mean over the samples
 constexpr std::size_t kSamplesANode = 128;
-constexpr std::size_t kSamplesOfMesh = 24000;   ///< a level, at least
-constexpr std::size_t kSamplesOfLeaves = 4000;  ///< the same; balls are smoother than meshes
-constexpr std::size_t kFitSamples = 256;        ///< of a node, at most
-constexpr std::size_t kFewSamples = 16;         ///< fewer than this draw less
+constexpr std::size_t kSamplesOfMesh = 24000;   ///< least number for a level
+constexpr std::size_t kSamplesOfLeaves = 4000;  ///< the same for unions of balls, which are smoother than meshes
+constexpr std::size_t kFitSamples = 256;        ///< most for a node
+constexpr std::size_t kFewSamples = 16;         ///< with fewer samples the node's own sphere has more weight
 constexpr std::size_t kFewestSamples = 4;       ///< a sphere has four unknowns
 constexpr int kSteps = 8;
 constexpr std::uint64_t kSeed = 7;
 constexpr double kFitRounding = 1e-6;
 
-/// A point of the surface, and the direction from it to a place outside that it is nearest to.
+/// A surface point, and the direction to a point outside whose nearest surface point it is.
 struct SurfaceSample {
   Vec3 point_m = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// What the fits are made of.
+/// The object that the spheres are fitted to.
 struct Object {
   double diagonal_m = 0;
-  std::size_t fewest_samples = 0;  ///< of a level
+  std::size_t fewest_samples = 0;  ///< for a level
   std::function<std::vector<SurfaceSample>(double room_m, std::size_t target)> sample;
   std::function<double(const Vec3&)> depth_m;  ///< from a point inside to the surface, negative outside
 };
@@ -58,7 +58,7 @@ struct FittedSphere {
   double variance_m2 = 0;
 };
 
-/// Gauss and Newton's steps for the sphere that the samples ask for.
+/// Gauss-Newton iterations for the sphere that fits the samples best.
 FittedSphere fit_sphere(const std::vector<SurfaceSample>& samples, double rho_m, const FittedSphere& own) {
   FittedSphere fit = own;
   const double weight = 1.0 / static_cast<double>(std::max(samples.size(), kFewSamples));
@@ -91,7 +91,7 @@ FittedSphere fit_sphere(const std::vector<SurfaceSample>& samples, double rho_m,
 
 NodeFit stored(const FittedSphere& fit, double core_m) {
   const Eigen::Vector3f center = to_float(fit.center_m);
-  // The stored centre, also once it has been moved to a body's frame, is within this of the one that was asked about.
+  // The stored centre differs from the requested one by at most this, also after the move to a body's frame.
   const double rounding_m = kFitRounding * (fit.center_m.norm() + std::abs(fit.radius_m));
   return {center.x(),
           center.y(),
@@ -101,7 +101,7 @@ NodeFit stored(const FittedSphere& fit, double core_m) {
           static_cast<float>(core_m - rounding_m)};
 }
 
-/// The samples inside a sphere, evenly thinned; `samples` ascend in x.
+/// The samples inside a sphere, evenly thinned; `samples` must ascend in x.
 std::vector<SurfaceSample> samples_in(const std::vector<SurfaceSample>& samples, const Sphere& sphere) {
   const auto x_of = [](const SurfaceSample& sample) { return sample.point_m.x(); };
   const auto first = std::ranges::lower_bound(samples, sphere.center_m.x() - sphere.radius_m, {}, x_of);
@@ -156,8 +156,8 @@ std::vector<SurfaceSample> sample_mesh(const TriangleMesh& mesh, const TriangleB
   return samples;
 }
 
-/// Leaf spheres are drawn by the volume of the shell about them, and places that another leaf is nearer to are left
-/// out.
+/// Leaf spheres are chosen with probabilities by the volume of the shell around them; points nearer to another leaf are
+/// skipped.
 std::vector<SurfaceSample> sample_leaves(const SphereTree& tree, double room_m, std::size_t target) {
   std::vector<NodeIndex> leaves;
   std::vector<double> volume_below;

@@ -16,15 +16,14 @@ struct Sample {
   float distance;
 };
 
-/// Goes down an octree of cubes and leaves out those that are farther from the surface than the shell is thick, or
-/// inside.
+/// Traverses an octree of cubes and skips those that are inside, or farther from the surface than the shell is thick.
 class Walk {
-  // Invariant: every cube that was entered meets the box of the shell.
+  // Invariant: every visited cube meets the box of the shell.
  public:
   Walk(const TriangleBvh& bvh, const CoverFrame& frame, float thickness, std::uint64_t seed)
       : bvh_(bvh), frame_(frame), thickness_(thickness), seed_(seed) {}
 
-  /// A cube at `place`, which counts cubes of its size from the low corner; `level` halvings are left.
+  /// Visits a cube at `place`, counted in cubes of its size from the low corner; `level` halvings are left.
   void enter(const Vec3f& low, float size, int level, std::uint64_t place, std::vector<Sample>& out) const {
     if (level == 0) return leaf(low, size, place, out);
     const Vec3 middle_m = frame_.from(low + Vec3f::Constant(0.5F * size));
@@ -42,7 +41,7 @@ class Walk {
  private:
   void leaf(const Vec3f& low, float size, std::uint64_t place, std::vector<Sample>& out) const {
     Random random = Random::of(seed_, place);
-    // One by one: compilers differ in which argument of a call they evaluate first.
+    // In separate statements: the order of evaluation of arguments differs between compilers.
     const double z = random.unit();
     const double y = random.unit();
     const double x = random.unit();
@@ -96,7 +95,7 @@ ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, cons
                           std::size_t target, std::uint64_t seed, parallel::Executor& executor) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const double area = mesh_area_m2(mesh) / (frame.diagonal_m * frame.diagonal_m);
-  // A shell about a closed convex body of unit size has about this volume (Steiner's formula); creases make it smaller.
+  // The volume of a shell about a closed convex body of unit size is about this (Steiner's formula); creases reduce it.
   const double d = static_cast<double>(thickness);
   const double volume = area * d + 3 * d * d + 4 * d * d * d;
   const auto size = static_cast<float>(std::cbrt(volume / static_cast<double>(target)));

@@ -14,13 +14,13 @@
 
 namespace poise::geometry {
 
-/// Places outside an object, evenly spread through everything within `thickness` of it, with their distances: what a
-/// union of balls covers of them is what stands out. In the frame of the cover. Immutable once made.
+/// Points outside an object, uniformly spread through the space within `thickness` of it, with their distances. The
+/// samples that a union of balls covers measure how far it stands out. In the frame of the cover. Immutable once made.
 struct ShellSamples {
   PointList points;             ///< cell after cell of the grid
   std::vector<float> distance;  ///< to the object
   float thickness = 0;
-  float volume = 0;  ///< that each one stands for
+  float volume = 0;  ///< represented by each sample
 
   Vec3f low = Vec3f::Zero();
   float cell = 1;
@@ -28,11 +28,11 @@ struct ShellSamples {
   std::vector<std::uint32_t> cell_begin;  ///< first sample of each cell, then the number of samples
 
   [[nodiscard]] std::size_t size() const { return distance.size(); }
-  /// Calls take(first, last) for runs of samples that hold all within `radius` of `center`.
+  /// Calls take(first, last) for ranges of samples that include all within `radius` of `center`.
   template <class Take>
   void runs_near(const Vec3f& center, float radius, Take&& take) const {
     const auto place = [&](int axis, float x) { return static_cast<int>(std::floor((x - low[axis]) / cell)); };
-    // How far a row of cells is from the centre along an axis; 0 for the row that it is in.
+    // Distance of a row of cells from the centre along an axis; 0 for the row that contains it.
     const auto away = [&](int axis, int row) {
       const float begin = low[axis] + cell * static_cast<float>(row) - center[axis];
       return std::max({0.0F, begin, -begin - cell});

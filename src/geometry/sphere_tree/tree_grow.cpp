@@ -12,21 +12,21 @@
 namespace poise::geometry {
 namespace {
 
-/// A ball that cannot stand out by more than this share of the diagonal is not split further (docs/sphere-trees.md).
+/// A ball whose stand-off is at most this share of the diagonal is not split further (docs/sphere-trees.md).
 constexpr float kGoodEnough = 0.001F;
-/// Of the stand-off of the greedy cover that a level starts from: balls that are tried may stand out farther.
+/// Multiple of the stand-off of the greedy cover at the start of a level, up to which balls are tried.
 constexpr float kGrowShellFactor = 1.5F;
 constexpr std::size_t kFewestGrowSamples = 30000;
 constexpr std::size_t kMostSamples = 400000;
-/// Cells for each leaf that a tree may have, where that is more than the preset's; and at most.
+/// Cells for each leaf of a full tree, if that is more than the preset's number; then the upper limit.
 constexpr std::size_t kCellsPerLeaf = 24;
 constexpr std::size_t kMaxCells = 600000;
-constexpr double kStartShare = 0.25;  ///< of the whole time, for progress
+constexpr double kStartShare = 0.25;  ///< share of the first level in the whole time, for progress
 constexpr double kEndShare = 0.9;
 
 class Grower {
-  // Invariant: parents_ are the nodes that level level_ consists of, node_of_[i] the loose node of parents_[i], and
-  // every cell is in `allowed` of a closed parent or in `own` of exactly one open one.
+  // Invariant: parents_ are the nodes of level level_, node_of_[i] is the loose node of parents_[i], and every cell is
+  // in `allowed` of a closed parent or in `own` of exactly one open parent.
  public:
   Grower(const TriangleMesh& mesh, const TriangleBvh& bvh, const TreeBuildOptions& options,
          parallel::Executor& executor, const std::function<void(double)>& progress,
@@ -61,7 +61,7 @@ class Grower {
     return std::ranges::any_of(parents_, [](const CoverParent& parent) { return !parent.closed; });
   }
 
-  /// A node whose stored sphere holds the cells, exactly.
+  /// A node whose stored sphere contains the cells, exactly.
   LooseNode node_about(const Vec3& center_m, const std::vector<std::uint32_t>& own) const {
     LooseNode node;
     node.center_m = to_float(center_m);
@@ -74,7 +74,7 @@ class Grower {
     return node;
   }
 
-  /// Which of the cells lie in a node's stored sphere, exactly.
+  /// The cells that lie in a node's stored sphere, exactly.
   [[nodiscard]] std::vector<std::uint32_t> held_by(const LooseNode& node,
                                                    const std::vector<std::uint32_t>& cells) const {
     const Vec3 center_m = node.center_m.cast<double>();
@@ -93,7 +93,7 @@ class Grower {
     return held;
   }
 
-  /// A parent for the next level, and its loose node; `allowed` are the cells that the nodes above it hold.
+  /// Makes a parent for the next level, and its loose node; `allowed` are the cells that all nodes above it contain.
   CoverParent close_ball(const Vec3& center_m, std::vector<std::uint32_t> own,
                          const std::vector<std::uint32_t>& allowed) {
     nodes_.push_back(node_about(center_m, own));
@@ -115,7 +115,7 @@ class Grower {
   void make_root() {
     std::vector<std::uint32_t> all(cells_.size());
     std::iota(all.begin(), all.end(), 0U);
-    // The root is the smallest ball: bounds and the broad phase go by its size, not by how well it fits.
+    // The root is the smallest ball: bounds and the broad phase use its size, not its fit.
     parents_.push_back(close_ball(enclosing_ball(solid_.points_m).center_m, all, all));
     node_of_.push_back(0);
   }
@@ -173,7 +173,7 @@ class Grower {
     LevelCover cover(cells_, samples, bvh_, frame_, points_, parents_);
     int round = 0;
     LevelSettings settings = effort_.level;
-    // Few balls cost little, and what stands out of them stands out far.
+    // Levels of few balls are cheap and stand out far.
     if (level <= 2) settings.bids *= 2;
     if (level == 1) settings.redone = 0;
     cover.improve(std::move(balls), settings, [&] {
@@ -183,7 +183,7 @@ class Grower {
     if (keep_going_()) take_over(cover.take_best());
   }
 
-  /// Makes nodes of the balls. A parent that its balls would not improve becomes a leaf instead.
+  /// Makes nodes of the balls. A parent whose balls would not improve it becomes a leaf instead.
   void take_over(std::vector<CoverBall> balls) {
     std::vector<std::vector<const CoverBall*>> families(parents_.size());
     for (const CoverBall& ball : balls) {

@@ -21,7 +21,7 @@ namespace {
 using geometry::LooseNode;
 using Group = std::vector<std::uint32_t>;
 
-/// Protrusions need not be nearer to the truth than this share of the root's radius. Chosen.
+/// Accepted error of protrusions, as a share of the root's radius. Chosen.
 constexpr double kProtrusionWithin = 4e-4;
 
 std::size_t capacity_below(Level levels) {
@@ -43,8 +43,8 @@ Sphere ball_of(std::span<const Sphere> spheres, const Group& group) {
   return geometry::enclosing_ball_of_balls(members);
 }
 
-/// Starts with the sphere farthest from the middle, then always the one farthest from those chosen; ties go to the
-/// first.
+/// Starts with the sphere farthest from the middle, then repeatedly adds the one farthest from those chosen; ties go to
+/// the first.
 std::vector<Vec3> spread_seeds(std::span<const Sphere> spheres, const Group& group) {
   std::vector<Vec3> seeds;
   std::vector<double> nearest(group.size(), std::numeric_limits<double>::infinity());
@@ -79,7 +79,7 @@ std::vector<Group> assign(std::span<const Sphere> spheres, const Group& group, c
   return groups;
 }
 
-/// Halves of the group along its widest axis, as often as it takes to get eight: never deeper than needed.
+/// Halves the group along its widest axis repeatedly into eight; the tree is never deeper than needed.
 std::vector<Group> split_evenly(std::span<const Sphere> spheres, const Group& group) {
   std::vector<Group> groups{group};
   for (int round = 0; round < 3; ++round) {
@@ -153,7 +153,7 @@ std::uint32_t add_node(std::span<const Sphere> spheres, const Group& group, Leve
   return index;
 }
 
-/// The leaves as the object that the nodes above them stand out of.
+/// The leaves as the object from which the nodes above protrude.
 geometry::ObjectQueries leaves_of(const SphereTree& tree) {
   geometry::ObjectQueries object;
   object.nearest = [&tree](const Vec3& point, std::uint32_t) {

@@ -10,7 +10,7 @@
 namespace poise::geometry {
 namespace {
 
-/// Far above the rounding of what goes into a bound.
+/// Tolerance far above the rounding of the terms of a bound.
 constexpr double kRoundingRoom = 1e-8;
 
 }  // namespace

@@ -18,22 +18,22 @@ namespace {
 
 using namespace geometry;
 
-/// Samples that share one generator. A figure is put together from such parts in order, so threads do not change it.
+/// Samples that share one random generator. Parts are combined in order, so threads do not change a figure.
 constexpr std::size_t kPart = 2048;
-/// Tries for each point that is wanted inside, before a thin object has to do with fewer.
+/// Most tries for each sample inside; a thin object then gets fewer samples.
 constexpr std::size_t kMostTries = 100;
 
 enum class Figure : std::uint64_t { Surface = 1, Inside = 2, Levels = 16 };
 
-/// One sampled figure, cut into parts that may run at once.
+/// One sampled figure, divided into parts that may run in parallel.
 struct Sampling {
   std::size_t samples;
   std::uint64_t seed;
   parallel::Executor& executor;
   std::stop_token stop;
 
-  /// Sums of work(random, count) -> Part over all parts, in order; parts are left out once the measuring is asked to
-  /// end.
+  /// Sums of work(random, count) -> Part over all parts, in order; parts are skipped once the measurement is asked to
+  /// stop.
   template <class Part, class Work>
   Part sum(std::uint64_t figure, Work&& work) const {
     const std::size_t count = (samples + kPart - 1) / kPart;
@@ -51,7 +51,7 @@ struct Sampling {
   }
 };
 
-/// An index drawn with chances by weight.
+/// Draws an index with probabilities by weight.
 class WeightedDraw {
  public:
   // Invariant: until_ ascends and its last entry is the total.
@@ -71,7 +71,7 @@ class WeightedDraw {
   std::vector<double> until_;
 };
 
-/// Levels 0 to result - 1 each have a chain of nodes from `node` down that all contain the point.
+/// Number of levels from 0 on that have a chain of nodes from `node` down which all contain the point.
 std::size_t levels_reached(const SphereTree& tree, NodeIndex node, const Vec3& point, std::size_t level,
                            std::size_t levels) {
   const Sphere sphere = tree.sphere(node);
@@ -84,7 +84,7 @@ std::size_t levels_reached(const SphereTree& tree, NodeIndex node, const Vec3& p
   return reached;
 }
 
-/// How many points each level covers.
+/// Number of points that each level covers.
 struct Coverage {
   std::vector<std::size_t> covered;
   std::size_t points = 0;
@@ -104,7 +104,7 @@ struct Coverage {
     tries += other.tries;
     return *this;
   }
-  /// 1 where there is no point to miss.
+  /// 1 if there are no points.
   [[nodiscard]] double share(Level level) const {
     return points == 0 ? 1.0 : static_cast<double>(covered[level]) / static_cast<double>(points);
   }
@@ -129,7 +129,8 @@ Coverage surface_coverage(const SphereTree& tree, const TriangleMesh& mesh, cons
   });
 }
 
-/// Points drawn from the bounding box, those inside kept; fewer than asked where the mesh fills little of its box.
+/// Points drawn uniformly from the bounding box; those inside are used. Fewer than requested if the mesh fills little
+/// of its box.
 Coverage inside_coverage(const SphereTree& tree, const Bounds& box, const TriangleBvh& bvh, const Sampling& sampling) {
   return sampling.sum<Coverage>(static_cast<std::uint64_t>(Figure::Inside), [&](Random& random, std::size_t count) {
     Coverage part;
@@ -186,7 +187,8 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
   figures.protrusion_mean_m = protrusion.exposed > 0 ? protrusion.sum_m / static_cast<double>(protrusion.exposed) : 0;
   if (!(volume_m3 > 0)) return;
 
-  // The union's volume: every ball's volume, each point counting by one over the number of balls that hold it.
+  // The union's volume: points are drawn by the volume of the balls, and each counts one over the number of balls that
+  // contain it.
   const WeightedDraw by_volume(
       nodes.size(), [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 3); });
   const auto shares = sampling.sum<double>(figure + 1, [&](Random& random, std::size_t count) {
@@ -211,7 +213,7 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
 
 Error cancelled() { return {ErrorKind::Cancelled, "measuring was asked to end before it was done"}; }
 
-/// Empty when the tree and the mesh can be measured.
+/// Why tree and mesh cannot be measured; empty if they can.
 std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, const TreeQualityOptions& options) {
   if (tree.node_count() == 0) return "tree: there is no node, at least one is needed";
   if (options.samples < 1 || options.samples > 100000000)

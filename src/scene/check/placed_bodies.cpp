@@ -10,13 +10,13 @@ namespace poise::io {
 namespace {
 
 constexpr int kDirections = 256;
-/// Of the smaller radius. Chosen: heaps that were saved at rest overlap by less.
+/// Share of the smaller radius. Chosen: bodies of piles that were saved at rest overlap by less.
 constexpr double kDeepBalls = 0.1;
 constexpr double kNearCentres = 0.25;
-/// Bodies at most that are compared with all others. Chosen.
+/// Most bodies that are compared with all others. Chosen.
 constexpr std::size_t kLargest = 256;
 
-/// Evenly spread over the sphere (Fibonacci spiral).
+/// Direction k of a uniform set (Fibonacci spiral).
 Vec3 direction(int k) {
   const double z = 1 - (2 * k + 1.0) / kDirections;
   const double turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
@@ -31,7 +31,7 @@ bool may_meet(const PlacedBody& a, const PlacedBody& b) {
 
 bool is_ball(const CheckedShape& shape) { return shape.shape->tree.node_count() == 1 && shape.triangles == 0; }
 
-/// How deep two bodies are in each other; 0 where that is not known or not deep.
+/// Penetration depth of two bodies; 0 if it is unknown or not deep.
 double depth_of(const PlacedBody& a, const PlacedBody& b, std::span<const CheckedShape> shapes) {
   const double apart_m = (a.center_m - b.center_m).norm();
   const double smaller_m = std::min(a.radius_m, b.radius_m);
@@ -52,7 +52,7 @@ double depth_in_plane(const PlacedBody& body, const PlacedBody& plane, std::span
   return height_m < 0 || -lowest_m > kDeepBalls * body.radius_m ? -lowest_m : 0;
 }
 
-/// A cell of the grid in which neighbours are looked for. Two cells may share a key: a neighbour more is looked at.
+/// Key of a grid cell in the search for neighbours. Two cells may share a key; then an additional pair is tested.
 std::uint64_t cell_key(const Eigen::Array3d& cell) {
   std::uint64_t key = 0x9e3779b97f4a7c15U;
   for (const double part : {cell.x(), cell.y(), cell.z()})
@@ -91,8 +91,8 @@ std::vector<DeepPair> deep_pairs(std::span<const PlacedBody> bodies, std::span<c
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!bodies[i].streamed) (bodies[i].plane ? planes : solids).push_back(i);
   }
-  // Cells are so large that two bodies that meet lie in neighbouring ones; the few largest bodies are compared with
-  // all, so that they do not make the cells of all others too large.
+  // Cells are so large that two overlapping bodies are in neighbouring ones. The few largest bodies are compared with
+  // all others instead, so that they do not enlarge the cells.
   std::vector<double> radii_m;
   for (const std::size_t i : solids) radii_m.push_back(bodies[i].radius_m);
   std::sort(radii_m.begin(), radii_m.end());

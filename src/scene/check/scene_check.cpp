@@ -16,21 +16,21 @@
 namespace poise::io {
 namespace {
 
-/// Bodies of which overlaps and the view are looked at. Chosen: a second.
+/// Most bodies that are checked for overlaps and view. Chosen: takes a second.
 constexpr std::size_t kMostLookedAt = 200'000;
 constexpr std::size_t kMostPairs = 1000;
 
-// Where the estimates come from: docs/scene-format.md, "What a scene needs".
-constexpr double kBaseBytes = 22e6;     ///< the program itself
-constexpr double kBytesOfBody = 7.0e3;  ///< state, contacts, candidates and fronts of a body in a heap
+// For the origin of the estimates see docs/scene-format.md, "What a scene needs".
+constexpr double kBaseBytes = 22e6;     ///< the program without a scene
+constexpr double kBytesOfBody = 7.0e3;  ///< state, contacts, candidates and fronts of a body in a pile
 constexpr double kBytesOfThread = 0.3e6;
 constexpr double kBytesOfNode = 60;
 constexpr double kBytesOfTriangle = 300;
-constexpr double kBodyNs = 3500;  ///< what a frame must do for a body in a heap, processor time
+constexpr double kBodyNs = 3500;  ///< mandatory work of a frame for a body in a pile, processor time
 constexpr double kExpansionNs = 35;
-constexpr double kTriangleNs = 100;  ///< of a leaf that is answered by its triangles
+constexpr double kTriangleNs = 100;  ///< for a leaf that is refined to its triangles
 
-/// Bytes that a built tree with all eight children at each node takes at most, and its nodes.
+/// Nodes of a full tree of this depth.
 double nodes_of_depth(Level depth) { return (std::pow(8.0, depth + 1) - 1) / 7; }
 
 /// docs/sphere-trees.md, "Time and memory against triangles", default preset; deeper trees have more cells.
@@ -44,7 +44,7 @@ std::string mm_or_m(double length_m) {
   return length_m < 0.1 ? fmt::format("{:.3g} mm", 1000 * length_m) : fmt::format("{:.3g} m", length_m);
 }
 
-/// One look at one scene. Invariant: shapes_ is as long as the scene's list while there is no error.
+/// The check of one scene. Invariant: while there is no error, shapes_ is as long as the scene's list.
 class Look {
  public:
   Look(const Scene& scene, const SceneCheckOptions& options, SceneCheck& check)
@@ -86,7 +86,8 @@ void Look::add_mesh(const MeshSource& source, const std::string& place, CheckedS
   }
   shape.triangles = mesh.value().triangles.size();
   if (!shape.shape) {
-    // The root alone is made in a moment; it refuses what the whole tree would, and knows mass and size.
+    // Building the root alone takes almost no time; it is refused in the same cases as the whole tree, and gives mass
+    // and size.
     TreeBuildOptions root;
     root.depth = 0;
     root.preset = TreePreset::Fast;

@@ -5,7 +5,7 @@
 
 namespace poise::io {
 
-/// As scenes, the command line and results call it.
+/// The name in scenes, on the command line and in results.
 inline const char* policy_name(scheduler::PolicyKind kind) {
   switch (kind) {
     case scheduler::PolicyKind::Perceptual:

@@ -7,7 +7,7 @@
 namespace poise::simulation {
 namespace {
 
-/// Of what `value` gives for each frame, an optional number.
+/// Percentiles of `value` over the frames in which it is defined.
 template <class Value>
 std::optional<Percentiles> over(std::span<const ReferenceFigures> frames, Value&& value) {
   std::vector<double> values;

@@ -10,12 +10,12 @@
 
 namespace poise::simulation {
 
-/// The references of a run, put together: percentiles over the frames in which a figure is defined, empty where it is
-/// in none.
+/// Statistics of the references of a run: percentiles over the frames in which a figure is defined; empty if there is
+/// none.
 struct ReferenceRunFigures {
-  std::uint64_t frames = 0;            ///< that have a reference
-  std::uint64_t not_converged = 0;     ///< of them
-  std::uint64_t pairs_not_finest = 0;  ///< sum
+  std::uint64_t frames = 0;            ///< number with a reference
+  std::uint64_t not_converged = 0;     ///< number of these frames
+  std::uint64_t pairs_not_finest = 0;  ///< sum over the frames
   std::optional<Percentiles> e_mps, e_rel, e_seen_mps;
   std::optional<Percentiles> gap_mean_mm, gap_max_mm, gap_mean_px, gap_max_px;
   std::optional<Percentiles> false_rate, missed_rate;  ///< of single frames
@@ -24,7 +24,7 @@ struct ReferenceRunFigures {
   std::optional<double> false_share, missed_share;  ///< of the contacts of all frames together
 };
 
-/// In the order of the frames.
+/// Computes the statistics; `frames` in their order.
 ReferenceRunFigures reference_run_figures(std::span<const ReferenceFigures> frames);
 
 }  // namespace poise::simulation

@@ -8,20 +8,20 @@
 
 namespace poise::simulation {
 
-/// Releases of a paced run: number k is at begin + k dt, with k exact, so rounding does not drift. A late frame does
-/// not move the grid: the next one has what is left of its period, and no lateness goes farther than that. No clock:
-/// the caller says what time it is.
+/// Release times of a paced run: number k is at begin + k dt, with k exact, so rounding does not drift. A late frame
+/// does not move the grid: the next frame has the rest of its period, so lateness does not accumulate beyond that. The
+/// caller passes the time; there is no clock here.
 class ReleaseGrid {
  public:
-  /// `dt_s` > 0; a frame's deadline counts from its release.
+  /// `dt_s` > 0; a frame's deadline is relative to its release.
   ReleaseGrid(SteadyClock::time_point begin, double dt_s, Nanoseconds deadline)
       : begin_(begin), dt_s_(dt_s), deadline_(deadline) {}
 
   [[nodiscard]] SteadyClock::time_point release() const { return at(number_); }
   [[nodiscard]] SteadyClock::time_point deadline() const { return release() + deadline_; }
-  /// What is no frame, as a reference, took so long.
+  /// Moves the grid by the duration of work outside of frames, e.g. a reference.
   void postpone(Nanoseconds time) { begin_ += time; }
-  /// Goes on to the next release that can still be served at `now`; returns how many passed.
+  /// Advances to the next release that can still be met at `now`; returns how many were skipped.
   std::uint64_t advance(SteadyClock::time_point now) {
     ++number_;
     std::uint64_t passed = 0;

@@ -47,7 +47,7 @@ struct RelationName {
   std::string_view text;
   Relation relation;
 };
-// Two characters before one, so that <= is not read as <.
+// Two-character names come first, so that <= is not parsed as <.
 constexpr std::array<RelationName, 6> kRelations{{{"<=", Relation::AtMost},
                                                   {">=", Relation::AtLeast},
                                                   {"==", Relation::Equal},

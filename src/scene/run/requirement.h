@@ -13,7 +13,7 @@
 namespace poise::io {
 
 struct Operand {
-  std::string name;  ///< empty: a number
+  std::string name;  ///< empty: the operand is a number
   double number = 0;
 };
 
@@ -25,17 +25,17 @@ struct Comparison {
   std::string text;  ///< as it was written
 };
 
-/// What a run must fulfil: comparisons that must all hold.
+/// Comparisons that must all hold for a run.
 using Requirement = std::vector<Comparison>;
 
-/// Parses `NAME OP NUMBER && ...`; either side may be a name or a number. Refused with the part that is wrong.
+/// Parses `NAME OP NUMBER && ...`; either side may be a name or a number. Refused with the part that is invalid.
 Result<Requirement> parse_requirement(std::string_view text);
 
-/// Refused: a name that `figures` does not have, with the nearest one.
+/// Refused: a name that is not in `figures`; the message suggests the nearest one.
 Status check_names(const Requirement& requirement, std::span<const NamedFigure> figures);
 
-/// One sentence for each comparison that does not hold, with the values. A figure that the run does not define holds in
-/// none.
+/// One sentence for each comparison that does not hold, with the values. A comparison with an undefined figure does not
+/// hold.
 std::vector<std::string> failed_comparisons(const Requirement& requirement, std::span<const NamedFigure> figures);
 
 }  // namespace poise::io

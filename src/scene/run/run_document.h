@@ -13,29 +13,29 @@
 
 namespace poise::io {
 
-/// Everything that a result file says of a run (docs/run-report.md).
+/// The content of the result file of a run (docs/run-report.md).
 struct RunDocument {
   std::string scene;
   std::string scene_file;
   std::size_t bodies = 0;  ///< at the end, static ones and planes included
   std::size_t dynamic_bodies = 0;
-  std::uint64_t frames_asked = 0;  ///< without warm-up
+  std::uint64_t frames_asked = 0;  ///< requested number, without warm-up
   bool stopped = false;            ///< by Ctrl-C
   double dt_s = 0;
   std::uint64_t seed = 0;
   int threads = 0;
   std::string executor, policy, contact, clock;
   scheduler::Policy policy_weights;
-  std::vector<int> affinity;  ///< processors that the threads were bound to, in turn; empty: none
+  std::vector<int> affinity;  ///< processors that the threads were bound to, in order; empty: none
   int realtime_priority = 0;  ///< 0: none
   double spin_us = 0;
   bool paced = false;
   std::optional<double> deadline_ms;
-  double host_work_ms = 0;  ///< kept free, unless it is learned
+  double host_work_ms = 0;  ///< reserved time, unless it is learned
   bool host_work_learned = false;
   double render_load_ms = 0, render_load_jitter_ms = 0;
   double alpha = 0.01;                   ///< WorldSettings::alpha
-  std::uint64_t time_priors_frames = 0;  ///< of earlier runs that the time forecasts began from; 0: from nothing
+  std::uint64_t time_priors_frames = 0;  ///< frames of earlier runs in the initial time forecasts; 0: none
   std::optional<std::uint64_t> budget_work;
   int max_level = 0;
   bool polygons = false;
@@ -57,7 +57,7 @@ struct RunDocument {
   std::optional<std::string> requirement;
 };
 
-/// A number of the document by its dotted path; empty where the run does not define it.
+/// A number of the document with its dotted path; empty if the run does not define it.
 struct NamedFigure {
   std::string name;
   std::optional<double> value;

@@ -35,7 +35,7 @@ void add_cause(MissFigures& misses, MissCause cause, std::uint64_t count) {
     case MissCause::Overrun:
       misses.overrun += count;
       break;
-    // A release can pass during a frame that was itself on time only by the pacing of its driver.
+    // A release can be skipped during a frame that was itself on time, because of the pacing by the caller.
     case MissCause::None:
     case MissCause::Forecast:
       misses.forecast += count;
@@ -219,7 +219,7 @@ LevelFigures level_figures(std::span<const RunFrame> frames) {
   return figures;
 }
 
-/// Over the slowest `one_in`-th part of the frames, at least one.
+/// Frames a second over the slowest `one_in`-th part of the frames, at least one frame.
 double low_fps(std::vector<double> frame_ms, std::size_t one_in) {
   if (frame_ms.empty()) return 0;
   std::sort(frame_ms.begin(), frame_ms.end(), std::greater<>());

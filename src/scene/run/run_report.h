@@ -14,15 +14,15 @@
 
 namespace poise::simulation {
 
-/// One frame of a run as its driver saw it.
+/// One frame of a run with the measurements of its caller.
 struct RunFrame {
   FrameReport report;
-  bool warm_up = false;                ///< simulated, but apart from the figures
+  bool warm_up = false;                ///< simulated, but excluded from the figures
   std::uint64_t releases_skipped = 0;  ///< paced runs: releases that passed while this frame was still running
   Nanoseconds release_delay{0};        ///< paced runs: from the release to the start of the frame
 };
 
-/// What the figures of a run depend on besides its frames.
+/// Settings that affect the figures of a run, besides its frames.
 struct RunTerms {
   bool deadlines = true;  ///< wall clock: a late frame is a miss; otherwise misses are not defined
   double alpha = 0.01;    ///< share of frames whose tail may take longer than its reserve
@@ -38,54 +38,55 @@ Interval clopper_pearson(std::uint64_t hits, std::uint64_t trials, double confid
 /// grows with the logarithms of the factorials.
 double incomplete_beta(double a, double b, double x);
 
-/// Late frames and passed releases. `count` is the sum of the four causes; a passed release has the cause of the frame
-/// that was running.
+/// Late frames and skipped releases. `count` is the sum of the four causes; a skipped release has the cause of the
+/// frame that was running.
 struct MissFigures {
   std::uint64_t count = 0;
-  std::uint64_t releases = 0;  ///< frames and passed releases
+  std::uint64_t releases = 0;  ///< frames and skipped releases
   double rate = 0;             ///< count / releases
   Interval interval_95;
   std::uint64_t infeasible = 0, machine = 0, overrun = 0, forecast = 0;
   std::uint64_t skipped_releases = 0;
-  std::uint64_t longest_run = 0;  ///< of releases missed one after another
-  std::uint64_t worst_1000 = 0;   ///< most misses among 1000 frames in a row
+  std::uint64_t longest_run = 0;  ///< of consecutive missed releases
+  std::uint64_t worst_1000 = 0;   ///< most misses among 1000 consecutive frames
   Percentiles tardiness_ms;       ///< of late frames
   double share_of_time_late = 0;  ///< sum of lateness / sum of frame times
 };
 
-/// How the reserve for the tail did, over frames that had a forecast.
+/// Quality of the reserve for the tail, over frames that had a forecast.
 struct TailFigures {
   std::uint64_t frames = 0;
   double coverage = 0;               ///< share of frames whose tail took no longer than its reserve
   double reserve_over_actual = 0;    ///< mean
   double reserve_used = 0;           ///< sum of min(tail, reserve) / sum of reserves
-  Percentiles actual_over_forecast;  ///< of the point forecast, without margin
+  Percentiles actual_over_forecast;  ///< for the point forecast, without margin
   /// Mean pinball loss of the reserve as a forecast of the (1 - alpha) quantile of the tail (Koenker and Bassett,
-  /// "Regression quantiles", Econometrica 1978): (1 - alpha) of what it was too short by, alpha of what it was too long
-  /// by.
+  /// "Regression quantiles", Econometrica 1978): (1 - alpha) times the missing time, or alpha times the excess time.
   double pinball_loss_ms = 0;
   double margin_last = 1;
-  std::uint64_t beyond_clip = 0;  ///< frames whose actual / forecast the bound on misses does not speak of
+  std::uint64_t beyond_clip = 0;  ///< frames whose ratio actual / forecast is outside the range of the bound on missed
+                                  ///< deadlines
 };
 
-/// Frames that left something out because it was forecast not to fit, and what.
+/// Frames that left out work because it was forecast not to fit, and the work that they left out.
 struct DegradedFigures {
-  std::uint64_t frames = 0;               ///< that left something out
-  std::uint64_t fewer_iterations = 0;     ///< of them whose resting contact was stopped before it had settled
-  std::uint64_t fewer_substeps = 0;       ///< of them with fewer substeps
+  std::uint64_t frames = 0;               ///< that left out work
+  std::uint64_t fewer_iterations = 0;     ///< of these, frames whose contact solver stopped before it converged
+  std::uint64_t fewer_substeps = 0;       ///< of these, frames with fewer substeps
   std::uint64_t pairs_reused = 0;         ///< sum over the frames
-  std::uint64_t infeasible_forecast = 0;  ///< frames of which what every frame must do was forecast not to fit
+  std::uint64_t infeasible_forecast = 0;  ///< frames whose mandatory work was forecast not to fit
 };
 
-/// How deep frames got, over those that were looked at (StepInput::measure_levels); places are levels, the last one is
+/// Levels reached, over the frames with StepInput::measure_levels. Arrays are indexed by level; the last entry is
 /// polygons.
 struct LevelFigures {
   std::uint64_t frames = 0;
-  std::array<std::uint64_t, kPolygonBin + 1> bodies{};  ///< by the least level of their contacts
-  std::array<double, kPolygonBin + 1>
-      weight{};  ///< share of what a viewer can notice, by the level of the contact; sums to 1 unless there is none
+  std::array<std::uint64_t, kPolygonBin + 1> bodies{};  ///< by the lowest level of their contacts
+  /// Share of the visual weight, by the level of the contact; sums to 1 unless there is none.
+  std::array<double, kPolygonBin + 1> weight{};
   double left_for_time_mean = 0, left_for_capacity_mean = 0;  ///< pairs
-  std::uint32_t longest_wait = 0;  ///< starvation: frames since a pair that was left coarse was answered beyond level 0
+  std::uint32_t longest_wait = 0;  ///< starvation: most frames since a pair that was left coarse was refined beyond
+                                   ///< level 0
 };
 
 struct StageFigures {
@@ -102,19 +103,19 @@ struct WorkFigures {
   std::uint64_t frames_with_pairs_left = 0;
 };
 
-/// Bodies that slept (WorldSettings::sleeping).
+/// Statistics of sleeping bodies (WorldSettings::sleeping).
 struct SleepFigures {
-  std::uint64_t asleep_end = 0;              ///< after the last frame
-  double asleep_mean = 0;                    ///< after a frame
+  std::uint64_t asleep_end = 0;              ///< number after the last frame
+  double asleep_mean = 0;                    ///< mean number after a frame
   std::uint64_t fell_asleep = 0, woken = 0;  ///< sums over the frames
 };
 
-/// Sums of what was left out because a capacity was full; all 0 in a healthy run.
+/// Sums of work discarded because a capacity was full; all 0 in a healthy run.
 struct CapacityFigures {
   std::uint64_t pairs_discarded = 0, fronts_full = 0, colors_full = 0, degenerate = 0;
 };
 
-/// Sums over the frames of what backtracking did.
+/// Sums of backtracking over the frames.
 struct SweptFigures {
   std::uint64_t pairs = 0, hits = 0, cut = 0;
 };
@@ -125,19 +126,19 @@ struct RunFigures {
   std::uint64_t warm_up_misses = 0;
   Percentiles frame_ms;            ///< StageTimes::total
   double low_1_percent_fps = 0;    ///< frames a second over the slowest hundredth (at least one frame)
-  double low_0_1_percent_fps = 0;  ///< likewise the slowest thousandth
+  double low_0_1_percent_fps = 0;  ///< the same for the slowest thousandth
   Percentiles release_delay_ms;
-  std::optional<MissFigures> misses;  ///< not defined on the work clock
-  /// Time used for refinement / time that there was for it, over the frames that ended with refinable pairs left; not
-  /// defined without such a frame. Above 1 where refinement ran past its end.
+  std::optional<MissFigures> misses;  ///< undefined on the work clock
+  /// Time used for refinement / time available for it, over the frames that ended with refinable pairs left. Undefined
+  /// without such a frame. Above 1 if refinement exceeded its end.
   std::optional<double> refinement_used;
-  std::optional<double> refinement_used_all;  ///< the same over all frames with time for refinement
+  std::optional<double> refinement_used_all;  ///< the same over all frames with time available
   TailFigures tail;
   DegradedFigures degraded;
   std::array<StageFigures, 8> stages;
   double off_cpu_ms_max = 0;
   double longest_job_ms_max = 0;
-  std::optional<double> level_mean;  ///< over contact pairs of all frames by their trees; not defined without one
+  std::optional<double> level_mean;  ///< over contact pairs of all frames by their trees; undefined without one
   std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by the level of their trees
   std::uint64_t polygon_contacts = 0;  ///< contact pairs by polygons; not in the histogram and the mean
   double contacts_mean = 0;
@@ -149,7 +150,7 @@ struct RunFigures {
   ReferenceRunFigures reference;
 };
 
-/// The figures of a run. A pure function: no clock, no order but that of the frames.
+/// Computes the figures of a run. A pure function of the frames and terms; no clock.
 RunFigures run_figures(std::span<const RunFrame> frames, const RunTerms& terms);
 
 /// `none`, `infeasible`, `machine`, `overrun` or `forecast`.

@@ -8,9 +8,9 @@
 namespace poise::simulation {
 namespace {
 
-/// `sorted` not empty.
+/// `sorted` must not be empty.
 double nearest_rank(const std::vector<double>& sorted, double share) {
-  // 0.99 * 100 is a hair above 99 in binary, which must not push the rank to 100.
+  // 0.99 * 100 is slightly above 99 in binary; the rank must not become 100.
   const double rank = std::ceil(share * static_cast<double>(sorted.size()) * (1 - 1e-12));
   const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
   return sorted[std::min(index, sorted.size() - 1)];
@@ -39,7 +39,7 @@ double beta_fraction(double a, double b, double x) {
   return value;
 }
 
-/// The x at which I_x(a, b) = share, by halving: I rises with x.
+/// The x at which I_x(a, b) = share, by bisection: I increases with x.
 double beta_quantile(double a, double b, double share) {
   double low = 0;
   double high = 1;
@@ -79,7 +79,7 @@ double incomplete_beta(double a, double b, double x) {
   if (x >= 1) return 1;
   const double front =
       std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
-  // The fraction converges fast on this side only; the other side follows from I_x(a, b) = 1 - I_{1-x}(b, a).
+  // The fraction converges fast only on this side; the other side follows from I_x(a, b) = 1 - I_{1-x}(b, a).
   if (x < (a + 1) / (a + b + 2)) return front * beta_fraction(a, b, x) / a;
   return 1 - front * beta_fraction(b, a, 1 - x) / b;
 }

@@ -11,7 +11,7 @@
 namespace poise::io {
 namespace {
 
-/// One pass over the columns serves header and rows, so that they cannot fall apart.
+/// One pass over the columns writes header and rows, so that both always have the same columns.
 class FrameRow {
  public:
   FrameRow(bool header, std::string& out) : header_(header), out_(out) {}
@@ -25,7 +25,7 @@ class FrameRow {
       fmt::format_to(std::back_inserter(out_), "{}", value);
     }
   }
-  /// An empty cell where there is no value.
+  /// A missing value gives an empty cell.
   template <class T>
   void column(std::string_view name, const std::optional<T>& value) {
     if (value) {
@@ -134,7 +134,7 @@ void work_columns(const FrameReport& r, FrameRow& row) {
 }
 
 void reference_columns(const std::optional<ReferenceFigures>& reference, FrameRow& row) {
-  // Cells of a member, empty in a frame without a reference.
+  // Cells of a member; empty in a frame without a reference.
   const auto member = [&](std::string_view name, auto ReferenceFigures::*which) {
     row.column(name, reference ? std::optional((*reference).*which) : std::nullopt);
   };

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMostBytes = 1U << 16U;
 constexpr const char* kSchema = "poise.times/2";
-/// Longer than any cost that a run can have learned: what is larger was damaged.
+/// Longer than any cost that a run can learn; a larger number is damaged data.
 constexpr double kMostUs = 1e9;
 
 std::string text_of(const TimePriorsKey& key) {

@@ -9,22 +9,24 @@
 
 namespace poise::io {
 
-/// What the time forecasts of a run depend on, beside the scene. Runs that agree in it share what they learned.
+/// Everything that the time forecasts of a run depend on, except the scene. Runs with equal keys share what they
+/// learned.
 struct TimePriorsKey {
-  std::string machine;  ///< processor and system, as a report names them
+  std::string machine;  ///< processor and system, as in a report
   int cores = 0;
   int threads = 0;
   std::string executor, contact;
   double alpha = 0;
 };
 
-/// Where a key's figures are kept in a folder: times-HASH.json (XXH3 of the key).
+/// The file of a key's priors in a folder: times-HASH.json (XXH3 of the key).
 std::filesystem::path time_priors_file(const std::filesystem::path& folder, const TimePriorsKey& key);
 
-/// None where the file is missing, damaged, of another key or has a number that makes no sense.
+/// Empty if the file is missing, damaged, of another key or has an invalid number.
 std::optional<scheduler::TimePriors> read_time_priors(const std::filesystem::path& folder, const TimePriorsKey& key);
 
-/// Puts them in place as a whole; makes the folder. False where that cannot be, or there is nothing to keep.
+/// Writes the file completely or not at all; creates a missing folder. Returns false on failure, or if there is nothing
+/// to store.
 bool write_time_priors(const std::filesystem::path& folder, const TimePriorsKey& key,
                        const scheduler::TimePriors& priors);
 

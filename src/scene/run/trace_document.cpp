@@ -12,7 +12,7 @@ namespace {
 
 double us(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
 
-// Text as JSON has it, quotes included.
+// A JSON string, quotes included.
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }

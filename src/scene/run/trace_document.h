@@ -10,20 +10,20 @@
 
 namespace poise::io {
 
-/// What a trace is of.
+/// Header of a trace.
 struct TraceHead {
-  std::string process;  ///< as a viewer shows it
+  std::string process;  ///< name that a viewer displays
   int threads = 1;
   std::uint64_t discarded = 0;  ///< spans beyond the capacity
 };
 
-/// A trace in pieces, joined a JSON array of Chrome trace events ("Trace Event Format", D. Sinclair, Google 2016;
-/// ui.perfetto.dev and chrome://tracing open it): names of the lanes, then spans ("X", times in microseconds from
-/// `zero`), then what is counted once a frame ("C": budget and reserve in ms, misses so far, contacts by level) with a
-/// mark ("i") for each miss, then the end.
+/// A trace in pieces, which together are a JSON array of Chrome trace events ("Trace Event Format", D. Sinclair, Google
+/// 2016; ui.perfetto.dev and chrome://tracing open it). The pieces are: names of the lanes; spans ("X", times in
+/// microseconds from `zero`); counters once a frame ("C": budget and reserve in ms, misses so far, contacts by level),
+/// with a mark ("i") for each miss; the end.
 std::string trace_begin(const TraceHead& head);
 void append_spans(std::span<const TraceSpan> spans, SteadyClock::time_point zero, std::string& out);
-/// `misses` is the count before the frame and goes on with it.
+/// `misses` is the count before the frame, and is updated.
 void append_counters(const simulation::RunFrame& frame, SteadyClock::time_point zero, std::uint64_t& misses,
                      std::string& out);
 std::string trace_end(const TraceHead& head);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A program that takes the policy and nothing else: nearer error is served first.
+// A program that uses only the policy: a nearer error is served first.
 #include <poise/scheduler/policy.h>
 
 #include <array>

@@ -7,7 +7,7 @@
 namespace poise::geometry {
 namespace {
 
-/// What single precision may be wrong by in a distance of at most the unit.
+/// Bound of the single-precision error of a distance of at most one unit.
 constexpr float kRounding = 3e-7F;
 
 }  // namespace
@@ -57,7 +57,7 @@ void CellSet::gather(const CoverCells& cells, const std::vector<std::uint32_t>& 
 float CellSet::radius_about(const CoverCells& cells, const Vec3f& center, float limit) {
   if (ids_.empty()) return 0;
   const float most = squared_distances(middles_, center, distances_.data());
-  // Some point of a cell is at least this far: its middle is within its reach of all of them.
+  // Some point of a cell is at least this far, since its middle is within its reach of all of them.
   const float sure = std::sqrt(most) - largest_reach_;
   if (sure > limit) return sure;
   const auto farthest =

@@ -10,8 +10,8 @@
 
 namespace poise::geometry {
 
-/// The frame in which trees are built: the middle of the box is the origin, its diagonal the unit. Single precision is
-/// then good to 1e-7 of the diagonal; what must be exact is reckoned in double from the cells' own points.
+/// The frame in which trees are built: the middle of the box is the origin, its diagonal the unit of length. Single
+/// precision is then accurate to 1e-7 of the diagonal. Exact tests use double and the cells' own points.
 struct CoverFrame {
   Vec3 middle_m = Vec3::Zero();
   double diagonal_m = 1;
@@ -20,8 +20,7 @@ struct CoverFrame {
   [[nodiscard]] Vec3 from(const Vec3f& point) const { return middle_m + diagonal_m * point.cast<double>(); }
 };
 
-/// Cells as the search sees them, in single precision, each with a ball about the middle of its box. Immutable once
-/// made.
+/// Cells for the search, in single precision, each with a ball about the middle of its box. Immutable once made.
 struct CoverCells {
   PointList middles;
   std::vector<float> reach;        ///< from the middle to the farthest point
@@ -32,18 +31,18 @@ struct CoverCells {
   CoverCells(const SolidCells& cells, const CoverFrame& frame);
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(reach.size()); }
-  /// From a place to the farthest point of a cell.
+  /// Distance from a point to the farthest point of a cell.
   [[nodiscard]] float reach_from(std::uint32_t cell, const Vec3f& place) const;
   [[nodiscard]] bool within(std::uint32_t cell, const Vec3f& center, float radius) const;
 };
 
-/// Some cells, gathered for many questions about one ball. One thread at a time.
+/// Some cells, gathered for many queries about one ball. One thread at a time.
 class CellSet {
-  // Invariant: middles_, reach_ and ids_ are as long as each other, distances_ at least that long.
+  // Invariant: middles_, reach_ and ids_ have the same length, and distances_ has at least that length.
  public:
   void gather(const CoverCells& cells, const std::vector<std::uint32_t>& ids);
-  /// Radius of the ball about `center` that holds them all, a little more than rounding; once it is sure to be above
-  /// `limit`, a number above the limit. 0 for no cell.
+  /// Radius of the ball about `center` that contains all cells, plus slightly more than rounding; 0 for no cell. Once
+  /// the radius is certain to exceed `limit`, returns a number above the limit.
   [[nodiscard]] float radius_about(const CoverCells& cells, const Vec3f& center, float limit);
 
  private:

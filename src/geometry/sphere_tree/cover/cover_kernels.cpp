@@ -13,8 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace poise::geometry::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
-// Sums are of whole numbers, so their order does not matter.
+// Multiplications and additions are separate: fused ones would round differently on different instruction sets. Sums
+// are of integers, so their order does not matter.
 template <class D>
 HWY_INLINE hn::Vec<D> squares(D d, const PointList& points, std::size_t i, const hn::Vec<D>& cx, const hn::Vec<D>& cy,
                               const hn::Vec<D>& cz) {

@@ -11,8 +11,8 @@ namespace poise::geometry {
 
 using Vec3f = Eigen::Vector3f;
 
-/// Points in structure-of-arrays form, for the loops that take most of a tree's building time. All of these use eight
-/// or more lanes where the processor has them, and give the same bits on every processor. Any thread.
+/// Points in structure-of-arrays form, for the loops that take most of a tree's build time. They use eight or more SIMD
+/// lanes where the processor has them, and give the same bits on every processor. Any thread.
 struct PointList {
   std::vector<float> x, y, z;
 
@@ -38,8 +38,8 @@ float squared_distances(const PointList& points, const Vec3f& center, float* out
 std::int32_t weight_within(const PointList& points, const std::vector<std::int32_t>& weights, const Vec3f& center,
                            float radius);
 
-/// Sum of the weights of those points whose balls (of radius `reach[i]`) are wholly within `radius` of `center`; limits
-/// as above.
+/// Sum of the weights of the points whose balls (of radius `reach[i]`) lie completely within `radius` of `center`;
+/// limits as above.
 std::int32_t weight_of_balls_within(const PointList& points, const std::vector<float>& reach,
                                     const std::vector<std::int32_t>& weights, const Vec3f& center, float radius);
 

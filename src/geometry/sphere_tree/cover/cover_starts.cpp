@@ -10,15 +10,15 @@
 namespace poise::geometry {
 namespace {
 
-// Chosen: as cheap as they may be without choosing visibly worse starts.
+// Chosen: as cheap as possible without visibly worse starts.
 constexpr GreedySettings kStartGreedy{.cells = 1500, .points = 120, .halvings = 5, .random_starts = 2};
 constexpr GreedySettings kLookahead{.cells = 500, .points = 70, .halvings = 4, .random_starts = 0};
-/// How much the largest stand-off below counts, against one of the level itself.
+/// Weight of the largest stand-off below the level, relative to that of the level itself.
 constexpr double kNextLargest = 3;
-/// Beyond the stand-off of a first cover, so that balls that shrink later are still weighed.
+/// Multiple of the stand-off of a first cover, so that balls that shrink later are still weighted.
 constexpr float kShellFactor = 1.5F;
 
-/// How well a level would do: what stands out of it, and what would stand out of the level below it.
+/// Cost of a level: logarithms of its own stand-off and volume, and of the stand-off that the level below would have.
 double value_of(const CoverScene& scene, const CoverCells& cells, const std::vector<CoverBall>& balls,
                 const LevelScore& score) {
   double largest = 0;
@@ -75,7 +75,7 @@ std::vector<CoverBall> find_start(const CoverScene& scene, const CoverCells& cel
   parallel::parallel_for(executor, count, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end && keep_going(); ++i) {
       LevelSettings level = settings.level;
-      // Every second try wants balls of equal size: a level whose balls differ much wastes the places below the small
+      // Every second try prefers balls of equal size: a level whose balls differ much wastes the children of the small
       // ones.
       level.equal_sizes = i % 2 == 1 ? 0.15 + 0.05 * static_cast<double>(i % 5) : 0.0;
       LevelCover cover(cells, samples, scene.bvh, scene.frame, scene.points, parents);

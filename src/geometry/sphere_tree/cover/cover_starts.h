@@ -11,7 +11,7 @@
 
 namespace poise::geometry {
 
-/// What every stage of building one tree needs. All outlive it.
+/// Data that every stage of building one tree needs. It must outlive them.
 struct CoverScene {
   const TriangleMesh& mesh;
   const TriangleBvh& bvh;
@@ -26,14 +26,14 @@ struct StartSettings {
   LevelSettings level{.bids = 12, .iterations = 2};
 };
 
-/// Searches for the balls of level 1 with coarse cells: several random covers are improved and compared by what they
-/// let stand out and by how far the balls below would stand out, estimated by a quick greedy cover of each; the best is
-/// returned, its cells being those of `cells`. Tries run side by side; the result does not depend on the executor.
+/// Searches for the balls of level 1 with coarse cells. Several random covers are improved. They are compared by their
+/// own stand-off and by the stand-off of the balls below, estimated by a fast greedy cover of each. Returns the best
+/// one, with cells from `cells`. Tries run in parallel; the result does not depend on the executor.
 std::vector<CoverBall> find_start(const CoverScene& scene, const CoverCells& cells, const CoverParent& root,
                                   const StartSettings& settings, parallel::Executor& executor,
                                   const std::function<bool()>& keep_going);
 
-/// Balls for the places of a greedy cover, below one parent.
+/// Balls at the points of a greedy cover, below one parent.
 std::vector<CoverBall> balls_of(const GreedyCover& cover, std::uint32_t parent);
 
 }  // namespace poise::geometry

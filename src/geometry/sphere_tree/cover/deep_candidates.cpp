@@ -12,7 +12,7 @@ namespace {
 constexpr int kShrinkings = 12;
 constexpr int kClimbs = 10;
 
-/// Shrinks a ball that touches the surface at p, on the side against the normal, until no surface is inside it.
+/// Shrinks a ball that touches the surface at p, on the side opposite to the normal, until no surface is inside it.
 DeepPoint shrink(const TriangleBvh& bvh, const CoverFrame& frame, const Vec3& p, const Vec3& normal) {
   double radius_m = 0.5 * frame.diagonal_m;
   for (int i = 0; i < kShrinkings; ++i) {
@@ -28,8 +28,8 @@ DeepPoint shrink(const TriangleBvh& bvh, const CoverFrame& frame, const Vec3& p,
   return {frame.to(center), static_cast<float>(radius_m / frame.diagonal_m)};
 }
 
-/// Moves a place away from the surface point that is closest to it while that makes it deeper. Balls that touch a facet
-/// near a convex edge are shallow however fine the mesh; from there this leads to the middle of the part.
+/// Moves a point away from its closest surface point while that increases its depth. Balls that touch a facet near a
+/// convex edge are shallow even for a fine mesh; this moves them to the middle of the part.
 DeepPoint climb(const TriangleBvh& bvh, const CoverFrame& frame, const DeepPoint& from) {
   Vec3 place = frame.from(from.center);
   auto closest = bvh.closest(place);
@@ -79,7 +79,7 @@ std::vector<DeepPoint> find_deep_points(const TriangleMesh& mesh, const Triangle
       if (!normal.allFinite() || normal.squaredNorm() < 0.5) continue;
       const DeepPoint deep = shrink(bvh, frame, p, normal);
       if (!bvh.inside(frame.from(deep.center))) continue;
-      // Half of them climb: the deep ones cover most, the others are where parts end.
+      // Half of the points climb: deep balls cover most of the object, and the others cover the ends of its parts.
       const DeepPoint higher = i % 2 == 0 ? climb(bvh, frame, deep) : deep;
       points[i] = bvh.inside(frame.from(higher.center)) ? higher : deep;
     }

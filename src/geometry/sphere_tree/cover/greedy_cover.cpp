@@ -9,9 +9,9 @@
 namespace poise::geometry {
 namespace {
 
-/// Covers the same cells again and again with different stand-offs.
+/// Covers the same cells repeatedly with different stand-offs.
 class Greedy {
-  // Invariant: open_ has a 1 for each cell that no taken ball holds, and left_ of them.
+  // Invariant: open_ has a 1 for each cell that no taken ball contains, and left_ is their number.
  public:
   Greedy(const CoverCells& cells, const std::vector<std::uint32_t>& members, std::size_t max_cells) {
     const std::size_t step = std::max<std::size_t>(1, members.size() / std::max<std::size_t>(1, max_cells));
@@ -26,7 +26,7 @@ class Greedy {
   void add_point(const DeepPoint& place) { points_.push_back(place); }
   [[nodiscard]] std::size_t point_count() const { return points_.size(); }
 
-  /// With a random first ball where `random` is given.
+  /// Covers the cells; the first ball is random if `random` is given.
   bool cover(float stand_off, Random* random, std::vector<DeepPoint>& taken) {
     taken.clear();
     open_.assign(size(), 1);
@@ -36,7 +36,7 @@ class Greedy {
       const std::size_t b = random->below(points_.size());
       take(gain(points_[a], stand_off) >= gain(points_[b], stand_off) ? a : b, stand_off, taken);
     }
-    // A gain can only shrink as cells are covered, so an old one is a bound and the queue need not be made anew.
+    // A gain can only shrink as cells are covered, so an old gain is an upper bound and the queue need not be rebuilt.
     queue_.clear();
     for (std::size_t k = 0; k < points_.size(); ++k) queue_.push_back({gain(points_[k], stand_off), k});
     std::make_heap(queue_.begin(), queue_.end(), worse);
@@ -105,7 +105,7 @@ GreedyCover cover_greedily(const CoverCells& cells, const std::vector<std::uint3
   const std::size_t taken = std::min(near.size(), settings.points);
   for (std::size_t i = 0; i < taken; ++i)
     greedy.add_point(points[near[(i * near.size() + random.below(near.size())) / taken % near.size()]]);
-  // Without a place of its own a cell far from all others may need a huge ball.
+  // Without a candidate of its own, a cell far from all others may need a huge ball.
   const std::size_t own = std::min(greedy.size(), settings.points / 4 + 1);
   for (std::size_t i = 0; i < own; ++i) {
     const Vec3f at = greedy.middle(i * greedy.size() / own);

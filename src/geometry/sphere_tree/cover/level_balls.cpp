@@ -12,10 +12,9 @@
 namespace poise::geometry {
 namespace {
 
-/// Share of radius^2 * bound that counts beside the covered samples: it steers where samples are too few to say
-/// anything.
+/// Weight of radius^2 * bound, beside the covered samples: it directs the search where there are too few samples.
 constexpr float kBoundShare = 0.05F;
-/// A search ends at this share of its first step.
+/// A search ends when its step is below this share of the first one.
 constexpr float kLastStep = 0.12F;
 /// A ball may grow by no more than this in one search, relative to its radius.
 constexpr float kMostGrowth = 1.5F;
@@ -27,7 +26,7 @@ float LevelCover::signed_distance(const Vec3f& at) const {
   return static_cast<float>(bvh_.signed_distance_m(frame_.from(at)) / frame_.diagonal_m);
 }
 
-/// A pattern search for the centre, with the radius that the cells then need. The ball must not be counted among the
+/// A pattern search for the centre, with the radius that the cells then need. The ball must not be counted in the
 /// samples.
 void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& cells, float step) {
   if (cells.empty()) {
@@ -38,7 +37,8 @@ void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& cells, f
   const float start_radius = set_.radius_about(cells_, ball.center, std::numeric_limits<float>::infinity());
   const float first_step = step * start_radius;
   const float farthest = 2 * first_step;
-  // A radius changes by at most the way of the centre, so samples deeper inside are held at every place that is tried.
+  // A radius changes by at most the distance that the centre moves, so samples deeper inside are covered at every
+  // centre that is tried.
   const float core = start_radius - 2 * farthest;
   gather_samples(ball.center, core, start_radius + 2 * farthest);
   const float sample_share = static_cast<float>(samples_.volume) / 16.0F;
@@ -57,7 +57,7 @@ void LevelCover::fit(CoverBall& ball, const std::vector<std::uint32_t>& cells, f
     const float limit = kMostGrowth * start_radius;
     const float r = set_.radius_about(cells_, place, limit);
     if (r > limit) return false;
-    // The signed distance changes by at most the way, which often settles it without asking.
+    // The signed distance changes by at most the distance moved, which often decides without a query.
     const float way = (place - center).norm();
     const float least = bound_cost(r, distance - way);
     if (least >= cost) return false;
@@ -92,7 +92,7 @@ void LevelCover::find_covered(CoverBall& ball, const std::vector<std::uint32_t>&
   for (const std::uint32_t cell : parents_[ball.parent].allowed) {
     if (cells_.within(cell, ball.center, ball.radius)) ball.covered.push_back(cell);
   }
-  // Rounding must not lose what the radius was made for.
+  // Rounding must not lose the cells that the radius was computed for.
   if (!std::ranges::includes(ball.covered, needed)) {
     std::vector<std::uint32_t> all;
     std::ranges::set_union(ball.covered, needed, std::back_inserter(all));
@@ -100,8 +100,8 @@ void LevelCover::find_covered(CoverBall& ball, const std::vector<std::uint32_t>&
   }
 }
 
-/// By a plane through the middle of the cells, across that principal axis whose halves would stand out least. The
-/// halves' centres start from the ball's own, which is deep.
+/// Splits by a plane through the middle of the cells, across the principal axis whose halves would stand out least. The
+/// search for the halves' centres starts from the ball's own centre, which is deep.
 bool LevelCover::halve(const CoverBall& ball, const std::vector<std::uint32_t>& cells, Halves& best) {
   if (cells.size() < 2) return false;
   Vec3f middle = Vec3f::Zero();

@@ -10,17 +10,18 @@
 namespace poise::geometry {
 namespace {
 
-// Found by trying them on the meshes of docs/sphere-trees.md.
-constexpr float kPriceStep = 0.15F;  ///< of a ball's stand-off above the mean, each round
-constexpr float kMostPrice = 0.5F;   ///< of the mean stand-off
-constexpr float kMostBound = 2;      ///< of the mean stand-off, for places that are tried
-constexpr float kFirstStep = 0.25F;  ///< of a ball's radius, in the first round of bids
-constexpr float kLastShare = 0.12F;  ///< of the first step, in the last round
+// Chosen by trials on the meshes of docs/sphere-trees.md.
+constexpr float kPriceStep = 0.15F;  ///< share of a ball's stand-off above the mean, each round
+constexpr float kMostPrice = 0.5F;   ///< share of the mean stand-off
+constexpr float kMostBound = 2;      ///< multiple of the mean stand-off, for centres that are tried
+constexpr float kFirstStep = 0.25F;  ///< share of a ball's radius, in the first round of bids
+constexpr float kLastShare = 0.12F;  ///< share of the first step, in the last round
 constexpr float kSmallestStep = 0.02F;
 constexpr float kIterationStep = 0.1F;
 constexpr double kFirstPower = 4;
 constexpr double kPowerStep = 4;
-constexpr double kWorthwhile = 0.997;  ///< a sweep that leaves more than this of the cost is the last at its power
+constexpr double kWorthwhile = 0.997;  ///< an iteration that leaves more than this share of the cost is the last at its
+                                       ///< power
 constexpr int kMostPowers = 3;
 
 }  // namespace
@@ -62,7 +63,7 @@ void LevelCover::begin(std::vector<CoverBall> balls) {
   first_ = {};
 }
 
-/// Families anew, without the balls that are gone.
+/// Rebuilds the families without empty balls.
 void LevelCover::drop_empty() {
   std::erase_if(balls_, [](const CoverBall& ball) { return !(ball.radius > 0); });
   for (auto& family : family_) family.clear();
@@ -100,7 +101,8 @@ void LevelCover::set_prices(const LevelSettings& settings) {
   }
 }
 
-/// Each cell goes to the ball, of a parent that may pass it on, that would stand out least with it, prices added.
+/// Assigns each cell to the ball with the smallest stand-off plus price, among the balls of parents that contain the
+/// cell.
 void LevelCover::assign() {
   std::ranges::fill(least_bid_, std::numeric_limits<float>::infinity());
   for (CoverBall& ball : balls_) ball.own.clear();
@@ -208,7 +210,7 @@ void LevelCover::begin_iterations() {
   }
 }
 
-/// Each ball shrinks to what it alone holds; returns false when nothing more is to be won.
+/// Shrinks each ball to the cells that no other ball contains; returns false when the cost no longer falls.
 bool LevelCover::shrink(int sweep) {
   const std::int64_t before = total_;
   for (CoverBall& ball : balls_) {
@@ -274,8 +276,7 @@ void LevelCover::fill_free_points() {
   }
 }
 
-/// Gives the cells of a ball that matters little to its siblings, and its place to half of the ball that stands out
-/// most.
+/// Gives the cells of a ball with little effect to its siblings, and uses it for half of the ball that stands out most.
 bool LevelCover::swap(std::uint32_t poor, std::uint32_t worst, const std::vector<std::uint32_t>& family) {
   const std::int64_t before = total_;
   std::vector<CoverBall> kept;
@@ -347,7 +348,7 @@ std::vector<CoverBall> LevelCover::take_best(LevelScore* result) {
   for (const CoverBall& ball : balls_) count(ball, 1);
   drop_empty();
   if (result != nullptr) *result = score();
-  // Of the balls that hold a cell, the one that stands out least for it answers for it.
+  // Of the balls that contain a cell, the one with the smallest stand-off for it owns the cell.
   std::ranges::fill(least_bid_, std::numeric_limits<float>::infinity());
   for (std::uint32_t k = 0; k < balls_.size(); ++k) {
     CoverBall& ball = balls_[k];

@@ -11,53 +11,53 @@
 
 namespace poise::geometry {
 
-/// A ball of the level that is being made. In the frame of the cover.
+/// A ball of the level under construction, in the frame of the cover.
 struct CoverBall {
   Vec3f center = Vec3f::Zero();
-  float radius = 0;           ///< 0 for a ball that is no longer there
-  float signed_distance = 0;  ///< of the centre, negative inside; radius + this is how far it may stand out
+  float radius = 0;           ///< 0 for a removed ball
+  float signed_distance = 0;  ///< of the centre, negative inside; radius + signed_distance bounds the stand-off
   float price = 0;            ///< added to its bids for cells
   std::uint32_t parent = 0;
-  std::vector<std::uint32_t> own;      ///< the cells that it answers for, ascending
-  std::vector<std::uint32_t> covered;  ///< all that it holds of those that its parent may pass on, ascending
+  std::vector<std::uint32_t> own;      ///< the cells that it owns, ascending
+  std::vector<std::uint32_t> covered;  ///< all cells within it that its parent contains, ascending
 };
 
-/// A node of the level above. A closed one is a leaf and takes part as itself.
+/// A node of the level above. A closed one is a leaf and takes part unchanged.
 struct CoverParent {
   Vec3f center = Vec3f::Zero();
   float radius = 0;
   bool closed = false;
-  std::vector<std::uint32_t> own;  ///< the cells that its children answer for at first, ascending
-  std::vector<std::uint32_t>
-      allowed;  ///< all that it and every node above it hold: what its children may answer for, ascending
+  std::vector<std::uint32_t> own;  ///< the cells that its children own at first, ascending
+  /// The cells inside this node and every node above it, which its children may own; ascending.
+  std::vector<std::uint32_t> allowed;
 };
 
 struct LevelScore {
-  double largest = 0;  ///< greatest distance of a covered sample
-  double volume = 0;   ///< of what is covered outside the object
+  double largest = 0;  ///< greatest distance of a covered sample outside the object
+  double volume = 0;   ///< covered volume outside the object
 };
 
-/// How long a level is worked on.
+/// Limits of the work on a level.
 struct LevelSettings {
-  int bids = 12;       ///< rounds in which cells go to the ball that bids least, and balls move; at least 1
-  int iterations = 6;  ///< of shrinking to what no other ball holds, at most
-  int redone = 0;      ///< attempts to make the worst families anew
-  double equal_sizes =
-      0;  ///< price of being larger than others, as a share of the stand-off; 0 = prices even out the stand-offs
+  int bids = 12;       ///< rounds of at least 1: cells are assigned to the ball with the lowest bid, then balls move
+  int iterations = 6;  ///< most iterations of shrinking
+  int redone = 0;      ///< attempts to rebuild the worst families
+  /// Price of a larger radius than the others', as a share of the stand-off; 0: prices equalise the stand-offs instead.
+  double equal_sizes = 0;
 };
 
-/// Makes the balls of one level, at most kTreeBranching below each parent, so that every cell is held by a ball whose
-/// parent may pass it on, and little stands out: docs/sphere-trees.md, "How a level is made". One thread at a time;
-/// several may share cells, samples and mesh.
+/// Computes the balls of one level, at most kTreeBranching below each parent, so that every cell is inside a ball whose
+/// parent contains the cell, and the balls stand out little: docs/sphere-trees.md, "How a level is made". One thread at
+/// a time; several objects may share cells, samples and mesh.
 class LevelCover {
-  // Invariant: count_[i] is the number of balls (closed parents included) that hold sample i while their radius is
-  // above 0, and total_ the sum of weight_[i] over samples with a count.
+  // Invariant: count_[i] is the number of balls with a radius above 0 (closed parents included) that contain sample i,
+  // and total_ is the sum of weight_[i] over samples with a positive count.
  public:
   LevelCover(const CoverCells& cells, const ShellSamples& samples, const TriangleBvh& bvh, const CoverFrame& frame,
              const std::vector<DeepPoint>& points, const std::vector<CoverParent>& parents);
 
-  /// Improves balls, of which each open parent needs at least one. `keep_going` is asked after the first round and
-  /// before each further one; what there is when it says no holds every cell.
+  /// Improves balls, of which each open parent needs at least one. Calls `keep_going` after the first round and before
+  /// each further one; when it returns false, the current balls contain every cell.
   template <class KeepGoing>
   void improve(std::vector<CoverBall> balls, const LevelSettings& settings, KeepGoing&& keep_going) {
     begin(std::move(balls));
@@ -69,7 +69,7 @@ class LevelCover {
     }
     if (keep_going()) redo_worst(settings.redone);
   }
-  /// The best balls found, each with the cells that it answers for; together all cells that no closed parent holds.
+  /// The best balls found, each with the cells that it owns; together all cells that no closed parent contains.
   std::vector<CoverBall> take_best(LevelScore* score = nullptr);
 
  private:
@@ -86,8 +86,8 @@ class LevelCover {
 
   // Samples (level_samples.cpp).
   void count(const CoverBall& ball, int change);
-  /// A sample counts 1 + kFarWeight (distance / scale)^power, with the scale a share of the largest distance that is
-  /// covered now.
+  /// A sample has the weight 1 + kFarWeight (distance / scale)^power, where the scale is a share of the largest
+  /// distance that is covered now.
   void weigh(double power);
   [[nodiscard]] LevelScore score() const;
   [[nodiscard]] double contribution(const CoverBall& ball) const;
@@ -99,7 +99,7 @@ class LevelCover {
   void find_covered(CoverBall& ball, const std::vector<std::uint32_t>& needed) const;
   bool halve(const CoverBall& ball, const std::vector<std::uint32_t>& cells, Halves& best);
 
-  // Bidding and sweeps (level_cover.cpp).
+  // Bidding and shrinking (level_cover.cpp).
   void assign();
   void set_prices(const LevelSettings& settings);
   void remember();
@@ -124,15 +124,15 @@ class LevelCover {
 
   std::vector<CoverBall> balls_;
   std::vector<std::vector<std::uint32_t>> family_;  ///< balls of each parent
-  std::vector<std::uint8_t> held_;                  ///< by a closed parent
-  std::vector<std::uint16_t> holders_;              ///< balls that hold a cell, while sweeping
+  std::vector<std::uint8_t> held_;                  ///< cells inside a closed parent
+  std::vector<std::uint16_t> holders_;              ///< number of balls that contain a cell, during shrinking
   std::vector<float> least_bid_;
   std::vector<std::uint32_t> winner_;
 
   std::vector<std::uint16_t> count_;
   std::vector<std::int32_t> weight_;
   std::int64_t total_ = 0;
-  float most_bound_ = 0;  ///< of radius + signed distance, for places that are tried
+  float most_bound_ = 0;  ///< of radius + signed distance, for centres that are tried
 
   std::vector<CoverBall> best_;
   double best_value_ = 0;

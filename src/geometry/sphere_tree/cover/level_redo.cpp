@@ -14,7 +14,7 @@ constexpr GreedySettings kGreedy{.cells = 800, .points = 120, .halvings = 5, .ra
 constexpr int kBids = 8;
 constexpr float kFirstRedoStep = 0.25F;
 constexpr float kSecondStep = 0.1F;
-constexpr double kPower = 12;  ///< high, because what stands out most is to be mended
+constexpr double kPower = 12;  ///< high, so that the largest stand-off dominates
 
 }  // namespace
 
@@ -30,8 +30,8 @@ double LevelCover::largest_of(const CoverBall& ball) const {
   return static_cast<double>(largest);
 }
 
-/// Makes the balls of one parent anew from another greedy cover, with all others as they are; keeps them if less stands
-/// out.
+/// Rebuilds the balls of one parent from another greedy cover, with all others unchanged, and uses them if they stand
+/// out less.
 bool LevelCover::redo(std::uint32_t parent, std::uint64_t seed) {
   const std::int64_t before = total_;
   const std::vector<std::uint32_t> family = family_[parent];
@@ -61,7 +61,7 @@ bool LevelCover::redo(std::uint32_t parent, std::uint64_t seed) {
       made[winner].own.push_back(cell);
     }
     std::erase_if(made, [](const CoverBall& ball) { return ball.own.empty(); });
-    // Siblings hide each other's samples, so each is fitted with the others in place.
+    // Siblings cover each other's samples, so each is fitted with the others in place.
     for (CoverBall& ball : made) {
       set_.gather(cells_, ball.own);
       ball.radius = set_.radius_about(cells_, ball.center, std::numeric_limits<float>::infinity());
@@ -109,7 +109,7 @@ void LevelCover::redo_worst(int attempts) {
   std::vector<int> tried(parents_.size(), 0);
   std::uint64_t seed = 0;
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    // The family of the ball that stands out most, unless it has been tried often in vain.
+    // Chooses the family of the ball that stands out most, unless it was tried too often without success.
     constexpr int kMostTries = 3;
     double most = 0;
     std::uint32_t parent = 0;

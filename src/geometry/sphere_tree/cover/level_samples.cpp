@@ -7,11 +7,11 @@
 namespace poise::geometry {
 namespace {
 
-/// A sample at the scale counts this much more than one at the surface; found by trying 1 to 10 on the meshes of the
-/// docs.
+/// Additional weight of a sample at the scale, relative to one at the surface. Chosen by trials of 1 to 10 on the
+/// meshes of the docs.
 constexpr double kFarWeight = 3;
 constexpr double kScaleOfLargest = 0.7;
-constexpr double kUnit = 16;  ///< of the whole-number weights
+constexpr double kUnit = 16;  ///< unit of the integer weights
 constexpr double kMostWeight = 4096;
 
 }  // namespace

@@ -9,8 +9,7 @@
 namespace poise::geometry {
 namespace {
 
-/// Cells that a grid has at most; bounds memory at some 60 MB. Of an open mesh every corner is asked for, hence fewer.
-/// Chosen.
+/// Most cells of a grid; bounds memory to about 60 MB. For an open mesh every corner is tested, hence fewer. Chosen.
 constexpr double kMostCells = 2e7;
 constexpr double kMostCellsOfOpen = 5e5;
 
@@ -30,9 +29,9 @@ struct Grid {
   [[nodiscard]] std::size_t corner_count() const { return (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); }
 };
 
-/// A grid over the mesh with about `target` cells that meet the solid: volume / cell^3 whole ones, and about three for
-/// each two cell faces' worth of surface. Its planes are shifted by irrational shares of a cell, so that the round
-/// coordinates that meshes like to have do not fall on them.
+/// Chooses a grid over the mesh with about `target` cells that meet the solid. The estimate is volume / cell^3 inner
+/// cells, and about 1.5 cells for each cell face's area of surface. The planes are shifted by irrational shares of a
+/// cell, so that they do not coincide with the round coordinates common in meshes.
 Grid choose_grid(const TriangleMesh& mesh, std::size_t target, double most_cells) {
   const Bounds box = bounds_of(mesh.vertices_m);
   const Vec3 size = box.high - box.low;
@@ -62,7 +61,7 @@ Grid choose_grid(const TriangleMesh& mesh, std::size_t target, double most_cells
 using Polygon = std::vector<Vec3>;
 
 /// Cuts a convex polygon by the plane x[axis] = at; corners on the plane belong to both parts. The point on an edge is
-/// reckoned from its lower end, so that two triangles that share the edge get the same bits.
+/// computed from its lower end, so that two triangles that share the edge get the same bits.
 void cut(const Polygon& polygon, int axis, double at, Polygon& below, Polygon& above) {
   below.clear();
   above.clear();
@@ -88,13 +87,13 @@ struct CellPiece {
   std::size_t count;
 };
 
-/// What one chunk of triangles leaves in the cells, in the order of the triangles.
+/// Pieces of one chunk of triangles in the cells, in the order of the triangles.
 struct Pieces {
   std::vector<Vec3> points;
   std::vector<CellPiece> pieces;
 };
 
-/// Cuts a polygon into slabs along an axis, and each slab along the next; the last ones are pieces of cells.
+/// Cuts a polygon into slabs along an axis, and each slab along the next axis; the last cut gives the pieces of cells.
 void cut_into_cells(const Grid& grid, Polygon polygon, int axis, std::array<std::size_t, 3> cell, Pieces& out) {
   if (axis == 3) {
     out.pieces.push_back({grid.cell_index(cell[0], cell[1], cell[2]), out.points.size(), polygon.size()});
@@ -111,7 +110,7 @@ void cut_into_cells(const Grid& grid, Polygon polygon, int axis, std::array<std:
   const double guess =
       std::clamp(std::floor((low - grid.origin[axis]) / grid.cell_m), 0.0, static_cast<double>(grid.cells[a] - 1));
   auto slab = static_cast<std::size_t>(guess);
-  // The division may be off by one near a plane; the planes themselves decide.
+  // The division may be off by one near a plane; comparing with the planes is exact.
   while (slab > 0 && grid.plane(axis, slab) >= low) --slab;
   Polygon below;
   Polygon above;
@@ -148,9 +147,9 @@ Pieces clip_all(const TriangleMesh& mesh, const Grid& grid, parallel::Executor& 
   return all;
 }
 
-/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the answer for a closed mesh
+/// Which grid corners are inside (or on the surface, to rounding). Along a line of corners the result for a closed mesh
 /// can only change between two corners whose edge a triangle may cross, so only corners beside cells with triangles are
-/// asked for.
+/// tested.
 std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std::uint8_t>& has_surface,
                                          const TriangleBvh& bvh, double near_m, parallel::Executor& executor) {
   std::vector<std::uint8_t> inside(grid.corner_count(), 0);
@@ -162,7 +161,7 @@ std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std
       const auto crossed = [&](std::size_t x) {
         for (std::size_t beside = 0; beside < 4; ++beside) {
           const std::size_t cy = y - (beside & 1U);
-          const std::size_t cz = z - (beside >> 1U);  // below 0 wraps to a huge number, which the test refuses
+          const std::size_t cz = z - (beside >> 1U);  // below 0 wraps to a huge number, which the range test excludes
           if (cy < grid.cells[1] && cz < grid.cells[2] && has_surface[grid.cell_index(x, cy, cz)] != 0) return true;
         }
         return false;
@@ -174,8 +173,8 @@ std::vector<std::uint8_t> inside_corners(const Grid& grid, const std::vector<std
         if (!known) {
           const Vec3 corner(grid.plane(0, x), grid.plane(1, y), grid.plane(2, z));
           state = bvh.inside(corner);
-          // A corner on the surface counts as inside for this point alone, because one point more never uncovers
-          // anything; the next corner is asked for again.
+          // A corner on the surface counts as inside for this point alone, because an additional point never uncovers
+          // anything; the next corner is tested again.
           const bool touching = bvh.closest(corner, near_m * near_m).squared_distance_m2 < near_m * near_m;
           inside[grid.corner_index(x, y, z)] = state || touching ? 1 : 0;
           known = !touching;
@@ -204,10 +203,10 @@ void close_cell(SolidCells& cells) {
   cells.begin.push_back(cells.points_m.size());
 }
 
-/// Puts the cells' points together: a block of cells that are wholly inside is one cell, since nothing of it is near
+/// Combines the cells' points. A block of cells that are completely inside becomes one cell, since none of it is near
 /// the surface.
 class CellGatherer {
-  // Invariant: atoms_.begin holds the first point of each finished cell, then the number of points.
+  // Invariant: cells_.begin holds the first point of each finished cell, then the number of points.
  public:
   CellGatherer(const Grid& grid, const Pieces& pieces, const std::vector<std::uint8_t>& has_surface,
                const std::vector<std::uint8_t>& inside, bool closed)
@@ -264,7 +263,7 @@ class CellGatherer {
   void gather_cell(const GridIndex& at) {
     const std::size_t cell = grid_.cell_index(at[0], at[1], at[2]);
     const std::size_t in = corners_inside(at, 1);
-    // Around holes of an open mesh the inside may end where there is no triangle; then all of the cell counts.
+    // Around holes of an open mesh the inside may end without a triangle; then all corners of the cell are included.
     const bool has_surface = has_surface_[cell] != 0;
     if (has_surface) {
       for (auto piece = std::ranges::lower_bound(pieces_.pieces, cell, {}, &CellPiece::cell);

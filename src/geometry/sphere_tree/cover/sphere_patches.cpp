@@ -8,14 +8,14 @@
 namespace poise::geometry {
 namespace {
 
-// Chosen by trying them: tighter ones take longer, see docs/sphere-trees.md.
+// Chosen by trials: smaller values take longer, see docs/sphere-trees.md.
 constexpr double kMaxWithin = 0.02;
 constexpr double kMeanWithin = 0.05;
 constexpr std::size_t kMaxPatches = 6000;
 constexpr int kMostRounds = 24;
-/// Patches are not cut below this angle from middle to corner; 1e-5 of the radius.
+/// Patches with a smaller angle from middle to corner are not cut; 1e-5 of the radius.
 constexpr double kSmallestReach_rad = 1e-5;
-/// Angles and their cosines are reckoned in double; everything here is decided with more room than its error.
+/// Angles and their cosines are computed in double; all decisions here use a tolerance larger than the error.
 constexpr double kSlack = 1e-11;
 
 /// Directions with x . axis > cosine are inside another sphere.
@@ -24,24 +24,25 @@ struct Cap {
   double cosine;
 };
 
-/// A spherical triangle of directions from the sphere's centre, smaller than an octant, and what is known of the
-/// distance there.
+/// A spherical triangle of directions from the sphere's centre, smaller than an octant, and bounds of the distance in
+/// it.
 struct SurfacePatch {
   std::array<Vec3, 3> corners;
   Vec3 middle;
   double cos_reach = 1;       ///< cosine of the angle from the middle to the farthest corner
   double area = 0;            ///< in steradians
-  std::size_t first_cap = 0;  ///< caps that it meets, in ManifoldPoints::met_
-  std::size_t cap_count = 0;  ///< none: all of it is exposed
-  double max_m = 0;           ///< the distance is nowhere larger
-  double mean_m = 0;          ///< nor its mean over the patch, nor over any part of it where the patch meets a cap
+  std::size_t first_cap = 0;  ///< caps that it overlaps, in ManifoldPoints::met_
+  std::size_t cap_count = 0;  ///< 0: the whole patch is exposed
+  double max_m = 0;           ///< upper bound of the distance
+  double mean_m = 0;          ///< upper bound of the mean over the patch, and over any part of it if the patch overlaps
+                              ///< a cap
   double seen_m = 0;          ///< the distance at one point
   bool exposed_seen = false;  ///< that point is exposed
   std::uint32_t piece = TriangleBvh::kNoTriangle;
 };
 
-/// Largest x . way over a patch, at least. A direction of the patch is a sum of shares of the corners, divided by a
-/// length from cos_reach to 1.
+/// An upper bound of x . way over a patch. A direction in the patch is a convex combination of the corners, divided by
+/// a length from cos_reach to 1.
 double most_along(const SurfacePatch& patch, const Vec3& way) {
   const double most = std::max({patch.corners[0].dot(way), patch.corners[1].dot(way), patch.corners[2].dot(way)});
   return most > 0 ? most / patch.cos_reach : most;
@@ -59,7 +60,7 @@ Vec3 direction_integral(const std::array<Vec3, 3>& v) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 across = v[i].cross(v[(i + 1) % 3]);
     const double s2 = across.squaredNorm();
-    // angle / sine of the angle; the series is right to 1e-9 below 0.1.
+    // angle / sine of the angle; the series is accurate to 1e-9 below 0.1.
     const double ratio = s2 < 0.01 ? 1 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (15.0 / 336)))
                                    : std::atan2(std::sqrt(s2), v[i].dot(v[(i + 1) % 3])) / std::sqrt(s2);
     sum += 0.5 * ratio * across;
@@ -67,7 +68,7 @@ Vec3 direction_integral(const std::array<Vec3, 3>& v) {
   return sum;
 }
 
-/// Patches of one sphere that are not wholly hidden. Invariant: they and hidden parts make up the whole sphere.
+/// Patches of one sphere that are not completely hidden. Invariant: patches and hidden parts make up the whole sphere.
 class ManifoldPoints {
  public:
   ManifoldPoints(const Sphere& own, std::span<const Sphere> others, const ObjectQueries& object, double tolerance_m)
@@ -112,12 +113,12 @@ class ManifoldPoints {
     if (!(apart > 0)) return;
     const double squares = own_.radius_m * own_.radius_m + apart * apart - other.radius_m * other.radius_m;
     const double cosine = squares / (2 * own_.radius_m * apart);
-    // The error of the cosine grows where the centres are close.
+    // The error of the cosine grows when the centres are close.
     const double slack = kSlack * (1 + (own_.radius_m + other.radius_m) / apart);
     if (cosine + slack < 1) caps_.push_back({toward / apart, cosine + slack});
   }
 
-  /// Adds a triangle, cut into four so many times, but for what is hidden.
+  /// Adds a triangle, subdivided into four `times` times, without hidden parts.
   void cut(const std::array<Vec3, 3>& corners, int times, std::size_t first_cap, std::size_t cap_count,
            std::uint32_t guess) {
     if (times == 0) {
@@ -141,8 +142,8 @@ class ManifoldPoints {
     return true;
   }
 
-  /// Whether all of a patch is in a cap. A cap up to half a sphere is convex; for a larger one the circle around the
-  /// patch is asked.
+  /// Whether a patch lies completely in a cap. A cap up to half a sphere is convex; for a larger one the circle around
+  /// the patch is tested.
   static bool hidden_by(const Cap& cap, const SurfacePatch& patch) {
     if (cap.cosine >= 0) {
       return std::ranges::all_of(patch.corners, [&](const Vec3& corner) { return corner.dot(cap.axis) > cap.cosine; });
@@ -190,7 +191,7 @@ class ManifoldPoints {
     const ObjectBall ball = object_.nearest(point, guess);
     patch.piece = ball.piece;
     patch.seen_m = std::max(0.0, (point - ball.center_m).norm() - ball.radius_m);
-    // The distance to the ball's centre: its largest and least, and the root of the mean of its square (Jensen's
+    // Bounds of the distance to the ball's centre: largest, smallest, and the root of the mean of its square (Jensen's
     // inequality).
     const Vec3 from = own_.center_m - ball.center_m;
     const double squares = own_.radius_m * own_.radius_m + from.squaredNorm();
@@ -199,15 +200,15 @@ class ManifoldPoints {
     const double least_m = distance_m(std::max(-length, -most_along(patch, -from))) - ball.radius_m;
     const double mean_m = distance_m(from.dot(direction_integral(patch.corners)) / patch.area) - ball.radius_m;
     patch.max_m = std::max(0.0, distance_m(std::min(length, most_along(patch, from))) - ball.radius_m);
-    // Where a part of the patch is in the ball, the mean leaves out what is negative.
+    // Where a part of the patch is inside the ball, the mean counts negative distances as 0.
     patch.mean_m = std::min(patch.max_m, mean_m + std::max(0.0, -least_m));
     if (patch.max_m > 0 && patch.piece != TriangleBvh::kNoTriangle) bound_by_piece(patch);
     if (patch.cap_count > 0) patch.mean_m = patch.max_m;
   }
 
-  /// The distance to a convex piece is convex: over the flat triangle of the corners it is at most what lies linearly
-  /// between theirs, and the sphere is within the sagitta of that. Seen from the centre, the flat triangle has its
-  /// weights within cos_reach^3.
+  /// The distance to a convex piece is convex. Over the flat triangle of the corners it is at most the linear
+  /// interpolation of the corners' distances, and the sphere is within the sagitta of the triangle. Seen from the
+  /// centre, the weights in the flat triangle are accurate within cos_reach^3.
   void bound_by_piece(SurfacePatch& patch) const {
     double most = 0;
     double least = std::numeric_limits<double>::infinity();
@@ -230,8 +231,8 @@ class ManifoldPoints {
     return largest_m;
   }
 
-  /// The largest mean that any hidden shares of the patches that meet a cap allow: those above the mean counted whole,
-  /// the others not.
+  /// The largest mean for any hidden shares of the patches that overlap a cap: patches above the mean count completely,
+  /// the others not at all.
   [[nodiscard]] double mean_bound() const {
     std::vector<std::pair<double, double>> partly;  // mean, area
     double sum = 0;
@@ -253,12 +254,12 @@ class ManifoldPoints {
     return area > 0 ? sum / area : 0;
   }
 
-  /// Which patches are to be cut next: 1 for those.
+  /// Selects the patches to cut next: 1 for selected ones.
   [[nodiscard]] std::vector<std::uint8_t> choose() const {
     std::vector<std::uint8_t> chosen(patches_.size(), 0);
     const double smallest_cosine = std::cos(kSmallestReach_rad);
     const double enough_m = std::max(seen_m_ * (1 + kMaxWithin), seen_m_ + tolerance_m_);
-    // Those with the largest bounds first: they may show a distance that settles the others.
+    // Patches with the largest bounds come first: they may show a distance that decides the others.
     const double from_m = enough_m + 0.3 * std::max(0.0, largest_bound() - enough_m);
     double sum = 0;
     double area = 0;
@@ -268,8 +269,8 @@ class ManifoldPoints {
       area += share;
     }
     const double mean_m = area > 0 ? sum / area : 0;
-    std::vector<std::pair<double, std::size_t>>
-        gaps;  // how much a patch may add to the mean's error, negative so that the largest comes first
+    // The error of the mean that a patch may add, negative so that the largest comes first.
+    std::vector<std::pair<double, std::size_t>> gaps;
     double gap_sum = 0;
     for (std::size_t i = 0; i < patches_.size(); ++i) {
       const SurfacePatch& patch = patches_[i];
