@@ -13,9 +13,9 @@ namespace {
 constexpr double kDrift = 0.02;
 constexpr double kNoise = 0.1;
 // Standard deviation of an unknown coefficient, as a share of its prior plus 1 us.
-constexpr double kIgnorance = 3.0;
+constexpr double kInitialVariance = 3.0;
 // The same for a coefficient that another run has learned. Chosen: scenes differ by about this much.
-constexpr double kDoubt = 0.5;
+constexpr double kPriorDeviation = 0.5;
 constexpr double kMostPriorUs = 1e9;
 // Far beyond any frame, and within the range of Nanoseconds.
 constexpr double kMostUs = 9e15;
@@ -51,15 +51,15 @@ LinearForecast::LinearForecast(std::span<const ForecastFeature> features, std::s
   const bool known = learned_us.size() == size_ && std::all_of(learned_us.begin(), learned_us.end(),
                                                                [](double us) { return std::isfinite(us) && us >= 0; });
   if (known) std::copy(learned_us.begin(), learned_us.end(), coefficient_us_.begin());
-  set_ignorance(kIgnorance);
+  set_initial_variance(kInitialVariance);
   if (!known) return;
   for (std::size_t i = 0; i < size_; ++i) {
-    const double deviation_us = kDoubt * (coefficient_us_[i] + 1.0);
+    const double deviation_us = kPriorDeviation * (coefficient_us_[i] + 1.0);
     covariance_[i][i] = std::min(covariance_[i][i], deviation_us * deviation_us);
   }
 }
 
-void LinearForecast::set_ignorance(double share) {
+void LinearForecast::set_initial_variance(double share) {
   for (std::size_t i = 0; i < size_; ++i) {
     // A coefficient that another run learned as 0 may be positive here.
     const double deviation_us = share * (std::max(coefficient_us_[i], 0.1 * prior_us_[i]) + 1.0);

@@ -18,7 +18,7 @@ void RefineCounts::add(const RefineCounts& other) {
   jobs += other.jobs;
   parts += other.parts;
   units += other.units;
-  dropped += other.dropped;
+  discarded += other.discarded;
   abandoned += other.abandoned;
   left += other.left;
   cut = cut || other.cut;

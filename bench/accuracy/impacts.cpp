@@ -11,7 +11,7 @@
 namespace poise::accuracy {
 namespace {
 
-struct TimeOfImpact {
+struct PosedImpact {
   BodyId a, b;
   Vec3 va = Vec3::Zero(), vb = Vec3::Zero();  // the result of the closed form
   double speed_mps = 0;                       // of the faster body before the impact
@@ -55,8 +55,8 @@ BodyId add_ball(SmallWorld& world, double radius_m, double mass_kg, const Vec3& 
 }
 
 // All pairs meet near the origin, where coordinates are exact; each pair is in a group of its own.
-TimeOfImpact place(SmallWorld& world, const Throw& t, double e, double gap_m, std::uint32_t group) {
-  TimeOfImpact m;
+PosedImpact place(SmallWorld& world, const Throw& t, double e, double gap_m, std::uint32_t group) {
+  PosedImpact m;
   m.a = add_ball(world, t.ra_m, t.ma_kg, Vec3::Zero(), t.va, group);
   m.b = add_ball(world, t.rb_m, t.mb_kg, (t.ra_m + t.rb_m + gap_m) * t.normal, t.vb, group);
   const double impulse_ns = (1 + e) * (t.va - t.vb).dot(t.normal) / (1 / t.ma_kg + 1 / t.mb_kg);
@@ -66,9 +66,9 @@ TimeOfImpact place(SmallWorld& world, const Throw& t, double e, double gap_m, st
   return m;
 }
 
-double worst_error(const SmallWorld& world, const std::vector<TimeOfImpact>& times_of_impact) {
+double worst_error(const SmallWorld& world, const std::vector<PosedImpact>& impacts) {
   double worst = 0;
-  for (const TimeOfImpact& m : times_of_impact) {
+  for (const PosedImpact& m : impacts) {
     const BodyState a = world.at(m.a);
     const BodyState b = world.at(m.b);
     const double error = std::max((a.velocity_mps - m.va).norm(), (b.velocity_mps - m.vb).norm()) / m.speed_mps;
@@ -81,12 +81,12 @@ double worst_error(const SmallWorld& world, const std::vector<TimeOfImpact>& tim
 double worst_of(Context& context, double e, bool head_on) {
   SmallWorld world(context, Vec3::Zero(), {e, 0, 1000});
   Random random(head_on ? 11 : 12);
-  std::vector<TimeOfImpact> times_of_impact;
+  std::vector<PosedImpact> impacts;
   for (int i = 0; i < 24; ++i)
-    times_of_impact.push_back(
+    impacts.push_back(
         place(world, random_throw(random, head_on), e, head_on ? 0.3 : 0, 1U << static_cast<unsigned>(i)));
   for (int i = 0; i < (head_on ? 60 : 1); ++i) world.step(1.0 / 60);
-  return worst_error(world, times_of_impact);
+  return worst_error(world, impacts);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ Side side_of(const OracleMesh& body, const Placed& at, const Vec3& point_m) {
 }
 
 // Inverse effective mass of the body's point along n: n . (n / m + (I^-1 (r x n)) x r).
-double dynamic_of(const Side& side, const Vec3& n) {
+double inverse_effective_mass(const Side& side, const Vec3& n) {
   return 1 / side.mass_kg + n.dot((side.inverse_inertia * side.arm_m.cross(n)).cross(side.arm_m));
 }
 
@@ -27,7 +27,7 @@ double dynamic_of(const Side& side, const Vec3& n) {
 Answer exact_answer(const OracleMesh& a, const Flight& flight_a, const OracleMesh& b, const Flight& flight_b,
                     const FirstTouch& touch, double restitution) {
   Answer answer;
-  if (touch.meeting != TimeOfImpact::Touch) return answer;
+  if (touch.outcome != FlightOutcome::Touch) return answer;
   const Vec3& n = touch.nearest.normal;
   const Vec3 point = 0.5 * (touch.nearest.on_a_m + touch.nearest.on_b_m);
   const Side side_a = side_of(a, touch.a, point);
@@ -36,7 +36,8 @@ Answer exact_answer(const OracleMesh& a, const Flight& flight_a, const OracleMes
   const Vec3 speed_b = flight_b.velocity_mps + flight_b.spin_radps.cross(side_b.arm_m);
   answer.approach_mps = n.dot(speed_a - speed_b);
   if (!(answer.approach_mps > 0)) return answer;
-  const double impulse_ns = (1 + restitution) * answer.approach_mps / (dynamic_of(side_a, n) + dynamic_of(side_b, n));
+  const double impulse_ns =
+      (1 + restitution) * answer.approach_mps / (inverse_effective_mass(side_a, n) + inverse_effective_mass(side_b, n));
   answer.dv_a_mps = -impulse_ns / side_a.mass_kg * n;
   answer.dw_a_radps = -impulse_ns * (side_a.inverse_inertia * side_a.arm_m.cross(n));
   answer.dv_b_mps = impulse_ns / side_b.mass_kg * n;

@@ -38,7 +38,7 @@ FirstTouch first_touch(const OracleMesh& a, const Flight& flight_a, const Oracle
     touch.b = flight_b.at(touch.time_s);
     const double distance = a.distance_m(touch.a, b, touch.b);
     if (distance <= tolerance) {
-      touch.meeting = step == 0 ? TimeOfImpact::StartsTouching : TimeOfImpact::Touch;
+      touch.outcome = step == 0 ? FlightOutcome::StartsTouching : FlightOutcome::Touch;
       touch.nearest = a.nearest(touch.a, b, touch.b);
       return touch;
     }
@@ -47,7 +47,7 @@ FirstTouch first_touch(const OracleMesh& a, const Flight& flight_a, const Oracle
     touch.time_s += (distance - 0.5 * tolerance) / fastest;
     if (touch.time_s > horizon_s) return touch;
   }
-  touch.meeting = TimeOfImpact::Undecided;
+  touch.outcome = FlightOutcome::Undecided;
   return touch;
 }
 

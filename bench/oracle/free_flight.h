@@ -17,7 +17,7 @@ struct Flight {
   [[nodiscard]] Placed at(double time_s) const;
 };
 
-enum class TimeOfImpact : std::uint8_t {
+enum class FlightOutcome : std::uint8_t {
   Touch,
   Miss,
   StartsTouching,  ///< nearer than the tolerance at the start
@@ -26,7 +26,7 @@ enum class TimeOfImpact : std::uint8_t {
 
 /// The first contact of two bodies in free flight.
 struct FirstTouch {
-  TimeOfImpact meeting = TimeOfImpact::Miss;
+  FlightOutcome outcome = FlightOutcome::Miss;
   double time_s = 0;
   Placed a, b;              ///< at that time
   NearestFeatures nearest;  ///< its distance is within (0, touch_tolerance_m]

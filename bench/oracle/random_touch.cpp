@@ -88,15 +88,15 @@ RandomTouch random_touch(const OracleMesh& a, const OracleMesh& b, const ThrowOp
   for (int round = 0; round < kMostThrows; ++round) {
     throw_bodies(dice, a, b, options, thrown);
     thrown.touch = first_touch(a, thrown.a, b, thrown.b, thrown.horizon_s);
-    if (thrown.touch.meeting == TimeOfImpact::Touch) {
+    if (thrown.touch.outcome == FlightOutcome::Touch) {
       thrown.answer = exact_answer(a, thrown.a, b, thrown.b, thrown.touch, options.restitution);
       if (thrown.answer.approach_mps >= kGrazing * options.speed_mps) return thrown;
       ++thrown.grazing;
     } else {
-      ++(thrown.touch.meeting == TimeOfImpact::Undecided ? thrown.undecided : thrown.missed);
+      ++(thrown.touch.outcome == FlightOutcome::Undecided ? thrown.undecided : thrown.missed);
     }
   }
-  thrown.touch.meeting = TimeOfImpact::Miss;
+  thrown.touch.outcome = FlightOutcome::Miss;
   return thrown;
 }
 

@@ -36,7 +36,7 @@ struct RandomTouch {
 /// Contact number `number` of a pair of shapes for a seed. Orientations are uniformly distributed; b aims at a random
 /// point of the disc across a's bounding ball; throws are repeated until one touches. The result is the same on every
 /// machine whose libfcl gives the same distances, whichever other numbers are computed. Any thread. After 10,000 throws
-/// without contact, `touch.meeting` is not Touch.
+/// without contact, `touch.outcome` is not Touch.
 RandomTouch random_touch(const OracleMesh& a, const OracleMesh& b, const ThrowOptions& options, std::uint64_t number);
 
 /// The exact result of the same throw after b's start was moved by `shift_m` in a random direction, which depends on

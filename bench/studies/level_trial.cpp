@@ -81,7 +81,7 @@ std::optional<double> time_of_answer(const oracle::RandomTouch& touch, simulatio
 Sample sample_of(const Trial& trial, const oracle::RandomTouch& touch, simulation::PairProbe& probe,
                  simulation::ProbeLevel level) {
   Sample sample;
-  const simulation::PairAnswer answer = probe.answer(state_of(touch, touch.touch.time_s), level, trial.settings.dt_s);
+  const simulation::PairImpulse answer = probe.impulse(state_of(touch, touch.touch.time_s), level, trial.settings.dt_s);
   sample.seen = answer.met;
   sample.dv_mps = (answer.dv_a_mps - touch.answer.dv_a_mps).norm();
   sample.dw_mps =
@@ -99,7 +99,7 @@ TouchResult result_of(const Trial& trial, std::uint64_t number, Worker& worker) 
   const oracle::OracleMesh& a = trial.a.body;
   const oracle::OracleMesh& b = trial.b.body;
   result.touch = oracle::random_touch(a, b, trial.settings.throws, number);
-  if (result.touch.touch.meeting != oracle::TimeOfImpact::Touch) return result;
+  if (result.touch.touch.outcome != oracle::FlightOutcome::Touch) return result;
   const double size_m = std::min(a.size_m(), b.size_m());
   const auto changed = [&](double share, std::uint64_t draw) {
     const oracle::Answer moved =

@@ -71,7 +71,7 @@ Result<MassProperties> mesh_mass_properties(const TriangleMesh& mesh);
 struct SampledMass {
   MassProperties mass;
   double volume_error_m3 = 0;  ///< two standard deviations at most
-  double firm_share = 0;       ///< share of the inside points whose winding number is above 0.75
+  double certain_share = 0;    ///< share of the inside points whose winding number is above 0.75
 };
 
 /// Mass properties of the points with a winding number above one half in absolute value; the mesh may be open. Samples

@@ -33,13 +33,13 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   if (!world.reference) world.reference = std::make_unique<simulation::Reference>();
   simulation::remember(world, *world.reference);
   StepInput moved = input;
-  const Nanoseconds cached = SteadyClock::now() - begun;
-  if (moved.budget.deadline < SteadyClock::time_point::max() - cached) moved.budget.deadline += cached;
+  const Nanoseconds copy_time = SteadyClock::now() - begun;
+  if (moved.budget.deadline < SteadyClock::time_point::max() - copy_time) moved.budget.deadline += copy_time;
   // The reference must find the bodies that the frame had.
   FrameReport report = simulation::run_frame(world, moved, false);
   world.settle();
   report.reference = simulation::refer(world, input, world.pools, *world.reference);
-  report.reference->time += cached;
+  report.reference->time += copy_time;
   if (world.settings.sleeping) simulation::sleep_after(world, input, report);
   return report;
 }

@@ -17,7 +17,7 @@ void WorkerGate::open(WorkerFunction step, bool may_abandon) {
     step_ = step;
   }
   const std::uint64_t run = (gate_.load(std::memory_order_relaxed) & ~(kOneRun - 1)) + kOneRun;
-  gate_.store(run | kOpen | (may_abandon ? kMayGiveUp : 0), std::memory_order_seq_cst);
+  gate_.store(run | kOpen | (may_abandon ? kMayAbandon : 0), std::memory_order_seq_cst);
 }
 
 void WorkerGate::wait_while(Worker& worker, bool abandoned_too) {
@@ -77,12 +77,12 @@ void WorkerGate::leave(Worker& worker) {
   if (caller_sleeps_.load(std::memory_order_seq_cst)) worker.hand.notify_one();
 }
 
-WorkerGate::ViewQuery WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
+WorkerGate::GateState WorkerGate::look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const {
   gate = gate_.load(std::memory_order_seq_cst);
   // A worker that was suspended here may have been abandoned in the previous run, and now sees the next run, which does
   // not wait for it.
-  if (worker.hand.load(std::memory_order_seq_cst) == kAbandoned) return ViewQuery::Abandoned;
-  return has_work(gate, last_run) ? ViewQuery::Open : ViewQuery::Nothing;
+  if (worker.hand.load(std::memory_order_seq_cst) == kAbandoned) return GateState::Abandoned;
+  return has_work(gate, last_run) ? GateState::Open : GateState::Nothing;
 }
 
 bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
@@ -92,14 +92,14 @@ bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
   for (bool more = true; more;) {
     raise(worker);
     std::uint64_t gate = 0;
-    const ViewQuery sight = look(worker, last_run, gate);
-    if (sight == ViewQuery::Open) {
+    const GateState state = look(worker, last_run, gate);
+    if (state == GateState::Open) {
       worked = true;
-      more = ((gate & kMayGiveUp) != 0 ? lasting_step_ : step_)(number);
+      more = ((gate & kMayAbandon) != 0 ? lasting_step_ : step_)(number);
       if (!more) last_run = gate / kOneRun;
     }
     leave(worker);
-    if (sight == ViewQuery::Nothing) break;
+    if (state == GateState::Nothing) break;
   }
   return worked;
 }

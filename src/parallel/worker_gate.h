@@ -65,17 +65,17 @@ class WorkerGate {
   };
   /// The state that a worker finds after it has set its word: a run is open, none is, or the worker was abandoned
   /// meanwhile.
-  enum class ViewQuery : std::uint8_t { Open, Nothing, Abandoned };
+  enum class GateState : std::uint8_t { Open, Nothing, Abandoned };
   static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
-  [[nodiscard]] ViewQuery look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
+  [[nodiscard]] GateState look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
   static bool has_work(std::uint64_t gate, std::uint64_t last_run) {
     return (gate & kOpen) != 0 && gate / kOneRun != last_run;
   }
   void leave(Worker& worker);
   void wait_while(Worker& worker, bool abandoned_too);
 
-  static constexpr std::uint64_t kOpen = 1, kMayGiveUp = 2, kOneRun = 4;
-  alignas(64) std::atomic<std::uint64_t> gate_{0};  ///< kOpen, kMayGiveUp, and the run's number in the other bits
+  static constexpr std::uint64_t kOpen = 1, kMayAbandon = 2, kOneRun = 4;
+  alignas(64) std::atomic<std::uint64_t> gate_{0};  ///< kOpen, kMayAbandon, and the run's number in the other bits
   WorkerFunction step_;                             ///< of a run that waits for all of its items
   WorkerFunction lasting_step_;  ///< of a run that may abandon items: not changed until all workers have settled
   std::atomic<bool> caller_sleeps_{false};

@@ -50,17 +50,17 @@ std::uint32_t crc_of(std::string_view text) {
 
 }  // namespace
 
-class Squeeze {
+class ZlibStream {
  public:
-  static std::unique_ptr<Squeeze> packer() {
-    auto made = std::unique_ptr<Squeeze>(new Squeeze(true));
+  static std::unique_ptr<ZlibStream> packer() {
+    auto made = std::unique_ptr<ZlibStream>(new ZlibStream(true));
     return made->sound_ ? std::move(made) : nullptr;
   }
-  static std::unique_ptr<Squeeze> unpacker() {
-    auto made = std::unique_ptr<Squeeze>(new Squeeze(false));
+  static std::unique_ptr<ZlibStream> unpacker() {
+    auto made = std::unique_ptr<ZlibStream>(new ZlibStream(false));
     return made->sound_ ? std::move(made) : nullptr;
   }
-  ~Squeeze() {
+  ~ZlibStream() {
     if (!sound_) return;
     if (packs_) {
       ::deflateEnd(&stream_);
@@ -68,8 +68,8 @@ class Squeeze {
       ::inflateEnd(&stream_);
     }
   }
-  Squeeze(const Squeeze&) = delete;
-  Squeeze& operator=(const Squeeze&) = delete;
+  ZlibStream(const ZlibStream&) = delete;
+  ZlibStream& operator=(const ZlibStream&) = delete;
 
   /// Compresses `raw` and appends the result.
   bool pack(std::string_view raw, std::string& stored) {
@@ -103,7 +103,7 @@ class Squeeze {
   }
 
  private:
-  explicit Squeeze(bool packs) : packs_(packs) {
+  explicit ZlibStream(bool packs) : packs_(packs) {
     sound_ = (packs ? deflateInit(&stream_, kLevel) : inflateInit(&stream_)) == Z_OK;
   }
   z_stream stream_{};
@@ -111,7 +111,7 @@ class Squeeze {
   bool sound_ = false;
 };
 
-RecordWriter::RecordWriter(AtomicFile file) : file_(std::move(file)), squeeze_(Squeeze::packer()) {}
+RecordWriter::RecordWriter(AtomicFile file) : file_(std::move(file)), zlib_(ZlibStream::packer()) {}
 RecordWriter::RecordWriter(RecordWriter&&) noexcept = default;
 RecordWriter& RecordWriter::operator=(RecordWriter&&) noexcept = default;
 RecordWriter::~RecordWriter() = default;
@@ -120,7 +120,7 @@ Result<RecordWriter> RecordWriter::open(const std::filesystem::path& path) {
   Result<AtomicFile> file = AtomicFile::open(path);
   if (!file) return file.error();
   RecordWriter writer(std::move(file).value());
-  if (!writer.squeeze_) return Error{ErrorKind::OutputFailed, path.string() + ": cannot be written: no memory"};
+  if (!writer.zlib_) return Error{ErrorKind::OutputFailed, path.string() + ": cannot be written: no memory"};
   return writer;
 }
 
@@ -130,7 +130,7 @@ Status RecordWriter::block(char kind, std::string_view raw) {
     return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: a frame has more than 256 MiB"};
   put32(static_cast<std::uint32_t>(raw.size()), stored_);
   put32(0, stored_);
-  if (!squeeze_->pack(raw, stored_))
+  if (!zlib_->pack(raw, stored_))
     return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: it cannot be compressed"};
   std::string size;
   put32(static_cast<std::uint32_t>(stored_.size() - kHeadBytes), size);
@@ -162,7 +162,7 @@ Status RecordWriter::finish(bool stopped) {
   return written ? file_.commit() : written;
 }
 
-RecordReader::RecordReader() : squeeze_(Squeeze::unpacker()) {}
+RecordReader::RecordReader() : zlib_(ZlibStream::unpacker()) {}
 RecordReader::RecordReader(RecordReader&&) noexcept = default;
 RecordReader& RecordReader::operator=(RecordReader&&) noexcept = default;
 RecordReader::~RecordReader() = default;
@@ -175,7 +175,7 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& path) {
   reader.stream_.open(path, std::ios::binary);
   reader.size_ = std::filesystem::file_size(path, failure);
   if (!reader.stream_ || failure) return bad_input(reader.name_ + ": cannot be opened for reading");
-  if (!reader.squeeze_) return bad_input(reader.name_ + ": cannot be read: no memory");
+  if (!reader.zlib_) return bad_input(reader.name_ + ": cannot be read: no memory");
   const Status begun = reader.begin();
   if (!begun) return bad_input(reader.name_ + ": " + begun.error().message);
   return reader;
@@ -219,8 +219,7 @@ Result<RecordReader::Block> RecordReader::block() {
   const std::string_view checked = std::string_view(stored_).substr(0, kHeadBytes + stored_bytes);
   if (crc_of(checked) != get32(stored_.data() + checked.size()))
     return bad_input("the block's checksum is not that of its bytes");
-  if (!squeeze_->unpack(checked.substr(kHeadBytes), raw_bytes, raw_))
-    return bad_input("the block cannot be decompressed");
+  if (!zlib_->unpack(checked.substr(kHeadBytes), raw_bytes, raw_)) return bad_input("the block cannot be decompressed");
   at_ += stored_.size();
   return Block{stored_[0], raw_};
 }

@@ -16,7 +16,7 @@
 namespace poise::io {
 
 /// Compresses or decompresses successive blocks as one zlib stream, each block complete to its last byte.
-class Squeeze;
+class ZlibStream;
 
 /// Writes a record during its run. The file appears when it is complete. If the program is killed, a file remains in
 /// the same folder whose name ends in `.part`; it can be replayed. One thread at a time.
@@ -41,7 +41,7 @@ class RecordWriter {
   Status block(char kind, std::string_view raw);
 
   AtomicFile file_;
-  std::unique_ptr<Squeeze> squeeze_;
+  std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
   std::uint64_t frames_ = 0;
   std::uint64_t bytes_ = 0;
@@ -82,7 +82,7 @@ class RecordReader {
 
   std::string name_;
   std::ifstream stream_;
-  std::unique_ptr<Squeeze> squeeze_;
+  std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
   std::uint64_t size_ = 0;    ///< of the file
   std::uint64_t at_ = 0;      ///< offset of the next block

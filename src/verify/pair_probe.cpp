@@ -76,12 +76,12 @@ bool PairProbe::pose(const PairState& state, ProbeLevel level, double dt_s, Reac
   return !stages_->frame().manifolds.manifolds.empty();
 }
 
-PairAnswer PairProbe::solve(const PairState& state) {
+PairImpulse PairProbe::solve(const PairState& state) {
   stages_->solve();
   const Frame& frame = stages_->frame();
   const solver::SolverBody& a = frame.velocities.bodies[0];
   const solver::SolverBody& b = frame.velocities.bodies[1];
-  PairAnswer answer;
+  PairImpulse answer;
   answer.met = true;
   answer.level = frame.levels.progress.front().level.level;
   answer.dv_a_mps = a.velocity_mps - state.a.velocity_mps;
@@ -91,18 +91,18 @@ PairAnswer PairProbe::solve(const PairState& state) {
   return answer;
 }
 
-PairAnswer PairProbe::answer(const PairState& state, ProbeLevel level, double dt_s) {
+PairImpulse PairProbe::impulse(const PairState& state, ProbeLevel level, double dt_s) {
   if (!pose(state, level, dt_s, Reach::Found)) return {};
   const double gap_m = stages_->frame().velocities.rows.front().gap_m;
   stages_->close_gaps();
-  PairAnswer answer = solve(state);
+  PairImpulse answer = solve(state);
   answer.gap_m = gap_m;
   return answer;
 }
 
 bool PairProbe::acts(const PairState& state, ProbeLevel level, double dt_s) {
   if (!pose(state, level, dt_s, Reach::Step)) return false;
-  const PairAnswer answer = solve(state);
+  const PairImpulse answer = solve(state);
   return !answer.dv_a_mps.isZero(0) || !answer.dv_b_mps.isZero(0);
 }
 

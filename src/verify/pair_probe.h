@@ -34,7 +34,7 @@ struct ProbeLevel {
 StepInput step_to(ProbeLevel level, double dt_s);
 
 /// The result of a step for one pair.
-struct PairAnswer {
+struct PairImpulse {
   bool met = false;  ///< the level finds the pair near; if false, nothing else is set
   Level level = 0;   ///< the completed level
   double gap_m = 0;  ///< separation that the pair would wait for, negative in overlap
@@ -66,7 +66,7 @@ class PairProbe {
   /// The impulse at this level as if the surfaces met now, whatever separation the level estimates. With the paper's
   /// model only the contacts that close in this step act. States as for World::set_state; for a refused state `met` is
   /// false.
-  PairAnswer answer(const PairState& state, ProbeLevel level, double dt_s);
+  PairImpulse impulse(const PairState& state, ProbeLevel level, double dt_s);
   /// Whether a step from this state gives the pair an impulse, at its own time of impact.
   bool acts(const PairState& state, ProbeLevel level, double dt_s);
 
@@ -83,7 +83,7 @@ class PairProbe {
   /// Which pairs count as near: all that the level finds, or as in a step those that may meet within it.
   enum class Reach : std::uint8_t { Found, Step };
   bool pose(const PairState& state, ProbeLevel level, double dt_s, Reach reach);
-  PairAnswer solve(const PairState& state);
+  PairImpulse solve(const PairState& state);
 
   World world_;
   std::unique_ptr<PairStages> stages_;

@@ -69,7 +69,7 @@ std::vector<ComparedPair> compared_pairs(const WorldState& world, const Referenc
   parallel::parallel_for(*world.executor, pairs.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       ComparedPair& pair = pairs[i];
-      if (!touches(pair.run_ns, least_ns)) continue;
+      if (!counts_as_touch(pair.run_ns, least_ns)) continue;
       pair.gap_m = collision::surface_distance_m(surface_of(world, full, pair.a), poses[pair.a],
                                                  surface_of(world, full, pair.b), poses[pair.b]);
       if (!view.present) continue;
@@ -129,7 +129,8 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, const Referenc
   std::vector<std::uint8_t> touched(bodies.slot_count(), 0);
   const double least_ns = least_impulse_ns(pairs);
   for (const ComparedPair& pair : pairs) {
-    if (touches(pair.run_ns, least_ns) || touches(pair.reference_ns, least_ns)) touched[pair.a] = touched[pair.b] = 1;
+    if (counts_as_touch(pair.run_ns, least_ns) || counts_as_touch(pair.reference_ns, least_ns))
+      touched[pair.a] = touched[pair.b] = 1;
   }
   std::vector<ComparedBody> compared;
   for (std::uint32_t slot = 0; slot < touched.size(); ++slot) {

@@ -16,7 +16,7 @@ constexpr double kHalfAcuityRad = 2.5 * kDegree;
 constexpr double kHidden = 0.25;
 constexpr double kOutside = 0.05;
 // Minimum viewing distance, as for the cues: nothing appears larger when nearer than this.
-constexpr double kNearestM = 0.05;
+constexpr double kNearestDistanceM = 0.05;
 
 double squared_speed(const Vec3& v, const Vec3& w, const Mat3& inertia_per_mass_m2) {
   return v.squaredNorm() + w.dot(inertia_per_mass_m2 * w);
@@ -47,7 +47,7 @@ void measure_bodies(std::span<const ComparedBody> bodies, ReferenceFigures& figu
 void measure_gaps(std::span<const ComparedPair> pairs, double least_ns, bool view, ReferenceFigures& figures) {
   double sum_m = 0, most_m = 0, sum_px = 0, most_px = 0;
   for (const ComparedPair& pair : pairs) {
-    if (!touches(pair.run_ns, least_ns) || !(pair.gap_m > 0)) continue;
+    if (!counts_as_touch(pair.run_ns, least_ns) || !(pair.gap_m > 0)) continue;
     ++figures.contacts_apart;
     sum_m += pair.gap_m;
     sum_px += pair.gap_px;
@@ -85,7 +85,7 @@ double error_weight(const View& view, const Vec3& center_m, double radius_m, boo
 }
 
 double length_px(const View& view, const Vec3& point_m, double length_m) {
-  const double distance = std::max(kNearest_m, (point_m - view.position_m).norm());
+  const double distance = std::max(kNearestDistanceM, (point_m - view.position_m).norm());
   return length_m * kPictureHeightPx / (2 * distance * std::tan(0.5 * view.vertical_fov_rad));
 }
 
@@ -94,8 +94,8 @@ ReferenceFigures compare_frames(std::span<const ComparedBody> bodies, std::span<
   measure_bodies(bodies, figures);
   const double least_ns = least_impulse_ns(pairs);
   for (const ComparedPair& pair : pairs) {
-    const bool run = touches(pair.run_ns, least_ns);
-    const bool reference = touches(pair.reference_ns, least_ns);
+    const bool run = counts_as_touch(pair.run_ns, least_ns);
+    const bool reference = counts_as_touch(pair.reference_ns, least_ns);
     if (run) ++figures.run_contacts;
     if (reference) ++figures.reference_contacts;
     if (run && !reference) ++figures.false_contacts;

@@ -32,7 +32,7 @@ inline constexpr double kNoImpulse = 1e-9;
 
 /// Least size of the impulse with which a pair of this frame counts as a contact, N s; > 0 unless all are 0.
 double least_impulse_ns(std::span<const ComparedPair> pairs);
-inline bool touches(double impulse_ns, double least_ns) { return impulse_ns > 0 && impulse_ns >= least_ns; }
+inline bool counts_as_touch(double impulse_ns, double least_ns) { return impulse_ns > 0 && impulse_ns >= least_ns; }
 
 /// Weight of a body's error by its visibility, docs/method.md; it is not a cue of a policy. Our definition:
 ///     s = visible min(1, (size / 1 degree)^2) / (1 + eccentricity / 2.5 degrees)^2

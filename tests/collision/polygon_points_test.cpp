@@ -341,7 +341,7 @@ TEST(PolygonPoints, AnOpenSurfaceCarriesOnTheSideWhereTheBodyIs) {
   }
 }
 
-TEST(PolygonPoints, TheNearestPlaceIsAsFarAsASlowSearchSays) {
+TEST(PolygonPoints, TheNearestPointIsAsFarAsASlowSearchSays) {
   static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 16, 8), 0);
   static const ShapePtr groove = mesh_shape(groove_mesh(), 1);
   const std::array<const Shape*, 4> shapes = {&cube(), &brick(), torus.get(), groove.get()};

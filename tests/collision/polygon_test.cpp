@@ -107,7 +107,7 @@ void compare(const OracleShape& a, const OracleShape& b, const PosedPair& posed,
   }
 }
 
-TEST(PolygonsOfMeshes, AgreeWithTheJudgeAboutTouchGapAndNormal) {
+TEST(PolygonsOfMeshes, AgreeWithTheOracleAboutTouchGapAndNormal) {
   if (!fs::exists(kMeshes)) GTEST_SKIP() << "libsimbody-dev is not installed";
   std::vector<FrontPool> pools;
   pools.emplace_back(1U << 18U);

@@ -131,12 +131,12 @@ TEST(CachedPoint, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
       EXPECT_LE(pair.cached.moved_m + pair.margin_m, pair.cached.reach_m);
     }
   }
-  EXPECT_GT(cached, 1000U) << "a pile at rest finds its places anew";
+  EXPECT_GT(cached, 1000U) << "a pile at rest finds its contact points anew";
 }
 
 // Pairs with a large separation are not refined for many frames. However they move meanwhile, they are refined again
 // before they touch.
-TEST(KeptClearance, IsAbandonedBeforeThePairMeets) {
+TEST(CachedSeparation, IsAbandonedBeforeThePairMeets) {
   std::mt19937_64 random(11);
   const auto unit = [&] { return static_cast<double>(random() >> 11U) * 0x1.0p-53 - 0.5; };
   std::size_t cached = 0;
@@ -165,7 +165,7 @@ TEST(KeptClearance, IsAbandonedBeforeThePairMeets) {
 
 // A shaken pile with cached pairs, beside one that is set to the state of the first before every step and so has no
 // cached pairs.
-TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
+TEST(CachedPairs, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   Stage cached(settings, 0.2);
@@ -234,7 +234,7 @@ TEST(KeptKnowledge, AnswersAStirredPileAsOneThatStartsAnewEachFrame) {
 }
 
 // A frame that grows the pair cache copies all of it, at the moment when a pile forms.
-TEST(RoomForPairs, IsThereBeforeAHeapForms) {
+TEST(PairCapacity, IsThereBeforeAHeapForms) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   Stage stage(settings, 0);
@@ -254,7 +254,7 @@ TEST(RoomForPairs, IsThereBeforeAHeapForms) {
   EXPECT_EQ(state.cache.points.points.capacity(), places_room);
 }
 
-TEST(RoomForPairs, GrowsByMoreThanABodyAtATime) {
+TEST(PairCapacity, GrowsByMoreThanABodyAtATime) {
   Stage stage({}, 0);
   const ShapeId ball = stage.ball(0.1);
   const simulation::WorldState& state = simulation::WorldAccess::of(stage.world);

@@ -42,7 +42,7 @@ TEST(PairProbe, AnswersTwoBallsAsInTheClosedForm) {
   PairState state;
   state.b.position_m = Vec3(1.01, 0, 0);
   state.a.velocity_mps = Vec3(2, 0.3, 0);
-  const PairAnswer answer = probe.answer(state, {}, kDt);
+  const PairImpulse answer = probe.impulse(state, {}, kDt);
   ASSERT_TRUE(answer.met);
   EXPECT_NEAR(answer.gap_m, 0.01, 1e-12);
   EXPECT_TRUE(answer.dv_a_mps.isApprox(Vec3(-1.5, 0, 0), 1e-12));
@@ -52,7 +52,7 @@ TEST(PairProbe, AnswersTwoBallsAsInTheClosedForm) {
   EXPECT_TRUE(probe.acts(state, {}, 0.011));
   EXPECT_FALSE(probe.acts(state, {}, 0.009));
   state.b.position_m.x() = 5;
-  EXPECT_FALSE(probe.answer(state, {}, kDt).met);
+  EXPECT_FALSE(probe.impulse(state, {}, kDt).met);
 }
 
 TEST(PairProbe, SaysWhatAStepOfAWorldDoes) {
@@ -81,7 +81,7 @@ TEST(PairProbe, SaysWhatAStepOfAWorldDoes) {
         ASSERT_EQ(probe.acts(state, {level, false}, kDt), !change.isZero(0)) << "round " << round;
         ++(change.isZero(0) ? waited : acted);
         if (change.isZero(0)) continue;
-        const PairAnswer answer = probe.answer(state, {level, false}, kDt);
+        const PairImpulse answer = probe.impulse(state, {level, false}, kDt);
         ASSERT_EQ(answer.level, level);
         ASSERT_LT((answer.dv_b_mps - change).norm(), 1e-12);
       }
@@ -98,8 +98,8 @@ TEST(PairProbe, ForgetsWhatItWasAskedBefore) {
   for (int round = 0; round < 50; ++round) {
     const PairState state = random_state(random);
     PairProbe fresh = PairProbe::make({shape, shape}).value();
-    const PairAnswer once = used.answer(state, {2, false}, kDt);
-    const PairAnswer again = fresh.answer(state, {2, false}, kDt);
+    const PairImpulse once = used.impulse(state, {2, false}, kDt);
+    const PairImpulse again = fresh.impulse(state, {2, false}, kDt);
     ASSERT_EQ(once.met, again.met);
     ASSERT_EQ(once.dv_a_mps, again.dv_a_mps);
     ASSERT_EQ(once.dw_b_radps, again.dw_b_radps);
@@ -131,7 +131,7 @@ TEST(PairProbe, RefusesWhatNoWorldTakes) {
   PairProbe probe = PairProbe::make({ball, ball}).value();
   PairState state;
   state.b.position_m.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(probe.answer(state, {}, kDt).met);
+  EXPECT_FALSE(probe.impulse(state, {}, kDt).met);
 }
 
 }  // namespace

@@ -314,7 +314,7 @@ TEST(Sleep, SeparatePilesSleepAndWakeApart) {
 }
 
 /// Hash of a run in which bodies fall, sleep, are hit and sleep again.
-std::uint64_t hash_of_a_life(int threads, bool reference) {
+std::uint64_t hash_of_run(int threads, bool reference) {
   Stage stage = rough(sleepy(true, threads));
   stage.jacks(12, 5);
   std::size_t fell = 0;
@@ -334,9 +334,9 @@ std::uint64_t hash_of_a_life(int threads, bool reference) {
 }
 
 TEST(Sleep, TheSameBitsOnAnyThreadsAndWithReferences) {
-  const std::uint64_t expected = hash_of_a_life(1, false);
-  EXPECT_EQ(hash_of_a_life(2, false), expected);
-  EXPECT_EQ(hash_of_a_life(4, true), expected);
+  const std::uint64_t expected = hash_of_run(1, false);
+  EXPECT_EQ(hash_of_run(2, false), expected);
+  EXPECT_EQ(hash_of_run(4, true), expected);
 }
 
 TEST(Sleep, UnaskedNothingSleepsAndAskedNothingChangesUntilSomethingDoes) {

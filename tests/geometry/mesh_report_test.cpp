@@ -35,7 +35,7 @@ TEST(WindingMass, OfClosedMeshesIsTheExactOneWithinTheErrorItStates) {
     const MassProperties exact = mesh_mass_properties(mesh).value();
     EXPECT_LE(std::abs(sampled.mass.volume_m3 - exact.volume_m3), sampled.volume_error_m3);
     EXPECT_LT(sampled.volume_error_m3, 0.02 * exact.volume_m3);
-    EXPECT_EQ(sampled.firm_share, 1);
+    EXPECT_EQ(sampled.certain_share, 1);
     EXPECT_LT((sampled.mass.center_of_mass_m - exact.center_of_mass_m).norm(), 2e-3 * mesh.diagonal_m());
     EXPECT_LT((sampled.mass.inertia_m5 - exact.inertia_m5).norm(), 0.02 * exact.inertia_m5.norm());
   }
@@ -65,7 +65,7 @@ TEST(WindingMass, IsTheSameForAnyNumberOfThreads) {
   const SampledMass four = winding_mass_properties(mesh, 4).value();
   EXPECT_EQ(one.mass.volume_m3, four.mass.volume_m3);
   EXPECT_EQ(one.mass.inertia_m5, four.mass.inertia_m5);
-  EXPECT_EQ(one.firm_share, four.firm_share);
+  EXPECT_EQ(one.certain_share, four.certain_share);
 }
 
 TEST(WindingMass, OfASheetIsNothing) { EXPECT_EQ(winding_mass_properties(square_sheet()).value().mass.volume_m3, 0); }

@@ -97,7 +97,7 @@ TEST(FirstTouch, ACornerMeetsAFaceOnTimeAndIsAnsweredAsInTheClosedForm) {
   const Drop drop(Quat::Identity(), turn(std::acos(-1 / std::numbers::sqrt3), axis));
   const OracleMesh box = cube();
   const FirstTouch touch = first_touch(box, drop.a, box, drop.b, 10);
-  ASSERT_EQ(touch.meeting, TimeOfImpact::Touch);
+  ASSERT_EQ(touch.outcome, FlightOutcome::Touch);
   EXPECT_EQ(touch.nearest.feature, Feature::FaceVertex);
   EXPECT_TRUE(touch.nearest.normal.isApprox(Vec3::UnitZ(), 1e-12));
   EXPECT_NEAR(touch.time_s, (4.5 - 0.5 * std::numbers::sqrt3) / 2, 1e-5);
@@ -114,7 +114,7 @@ TEST(FirstTouch, EdgesThatCrossMeetOnTimeAndAreAnsweredAsInTheClosedForm) {
   const Drop drop(turn(std::numbers::pi / 4, Vec3::UnitX()), turn(std::numbers::pi / 4, Vec3::UnitY()));
   const OracleMesh box = cube();
   const FirstTouch touch = first_touch(box, drop.a, box, drop.b, 10);
-  ASSERT_EQ(touch.meeting, TimeOfImpact::Touch);
+  ASSERT_EQ(touch.outcome, FlightOutcome::Touch);
   EXPECT_EQ(touch.nearest.feature, Feature::EdgeEdge);
   EXPECT_TRUE(touch.nearest.normal.isApprox(Vec3::UnitZ(), 1e-12));
   EXPECT_NEAR(touch.time_s, (5 - std::numbers::sqrt2) / 2, 1e-5);
@@ -132,7 +132,7 @@ TEST(FirstTouch, BallsOfManyTrianglesMeetAndAnswerNearlyAsBalls) {
   b.start.position_m = Vec3(-4, 0.6, 0.5);
   b.velocity_mps = Vec3(2, 0, 0);
   const FirstTouch touch = first_touch(ball, a, ball, b, 10);
-  ASSERT_EQ(touch.meeting, TimeOfImpact::Touch);
+  ASSERT_EQ(touch.outcome, FlightOutcome::Touch);
   const double along = std::sqrt(4 - 0.36 - 0.25);
   EXPECT_NEAR(touch.time_s, (4 - along) / 2, 1e-3);
   const Vec3 line = Vec3(-along, 0.6, 0.5) / 2;
@@ -145,10 +145,10 @@ TEST(FirstTouch, AFlightThatPassesBySaysMiss) {
   const OracleMesh box = cube();
   Drop drop(Quat::Identity(), Quat::Identity());
   drop.b.start.position_m.x() = 1 + 1e-3;
-  EXPECT_EQ(first_touch(box, drop.a, box, drop.b, 10).meeting, TimeOfImpact::Miss);
+  EXPECT_EQ(first_touch(box, drop.a, box, drop.b, 10).outcome, FlightOutcome::Miss);
   drop.b.start.position_m.z() = 0.5;
   drop.b.start.position_m.x() = 0.5;
-  EXPECT_EQ(first_touch(box, drop.a, box, drop.b, 10).meeting, TimeOfImpact::StartsTouching);
+  EXPECT_EQ(first_touch(box, drop.a, box, drop.b, 10).outcome, FlightOutcome::StartsTouching);
 }
 
 TEST(Flight, TurnsAboutItsSpinAtItsRate) {

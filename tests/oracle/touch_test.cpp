@@ -23,7 +23,7 @@ TEST(RandomTouches, NoneIsSteppedOverAndEachIsWithinTheTolerance) {
   const OracleMesh b = shape("slab");
   for (std::uint64_t number = 0; number < 200; ++number) {
     const RandomTouch thrown = random_touch(a, b, {.seed = 5}, number);
-    ASSERT_EQ(thrown.touch.meeting, TimeOfImpact::Touch);
+    ASSERT_EQ(thrown.touch.outcome, FlightOutcome::Touch);
     EXPECT_EQ(thrown.undecided, 0);
     ASSERT_GT(thrown.touch.nearest.distance_m, 0);
     ASSERT_LE(thrown.touch.nearest.distance_m, touch_tolerance_m(a, b) * (1 + 1e-9));

@@ -168,8 +168,8 @@ TEST(RefineUntil, AJobThatIsDroppedIsCountedAndNotServedAgain) {
   queue.add(0, 7, 3);
   const RefineCounts counts = refine_until(
       queue, FrameBudget{}, 8, [] { return kStart; },
-      [](std::uint32_t, std::uint64_t) { return JobOutcome{Kind::Dropped}; });
-  EXPECT_EQ(counts.dropped, 1U);
+      [](std::uint32_t, std::uint64_t) { return JobOutcome{Kind::Discarded}; });
+  EXPECT_EQ(counts.discarded, 1U);
   EXPECT_EQ(counts.jobs, 0U);
   EXPECT_EQ(queue.open(), 0U);
 }

@@ -60,7 +60,7 @@ class LinearForecast {
  private:
   using Row = std::array<double, kMostFeatures>;
   [[nodiscard]] bool accepts(std::span<const double> values) const;
-  void set_ignorance(double share);
+  void set_initial_variance(double share);
   void widen();
   std::size_t size_ = 0;
   std::array<std::string, kMostFeatures> name_;

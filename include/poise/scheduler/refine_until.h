@@ -17,7 +17,7 @@ struct JobOutcome {
     Part,       ///< the job has more units than the call was allowed; the rest follows
     Completed,  ///< the result counts, and the item has another job
     Done,       ///< the result counts, and the item is fully refined
-    Dropped,    ///< discarded: no result, and no further job of this item in this frame
+    Discarded,  ///< discarded: no result, and no further job of this item in this frame
   };
   Kind kind = Kind::Done;
   std::uint64_t units = 0;       ///< done by this call
@@ -32,7 +32,7 @@ struct RefineCounts {
   std::uint64_t jobs = 0;       ///< jobs with a result
   std::uint64_t parts = 0;      ///< calls of the host's job, each between two readings of the clock
   std::uint64_t units = 0;      ///< units of all calls
-  std::uint64_t dropped = 0;    ///< discarded jobs
+  std::uint64_t discarded = 0;  ///< discarded jobs
   std::uint64_t abandoned = 0;  ///< jobs whose next part was not forecast to end in time
   std::uint64_t left = 0;       ///< items taken whose job was not forecast to end in time
   bool cut = false;             ///< not even the smallest job was forecast to end in time
@@ -113,8 +113,8 @@ RefineCounts refine_until(RefineQueue& queue, const FrameBudget& budget, std::ui
         ++counts.abandoned;
         return queue.close(item);
       }
-      const bool counts_as_result = outcome.kind != JobOutcome::Kind::Dropped;
-      ++(counts_as_result ? counts.jobs : counts.dropped);
+      const bool counts_as_result = outcome.kind != JobOutcome::Kind::Discarded;
+      ++(counts_as_result ? counts.jobs : counts.discarded);
       if (outcome.kind != JobOutcome::Kind::Completed) return queue.close(item);
       return queue.give_back(item, outcome.next_band, outcome.next_units);
     }

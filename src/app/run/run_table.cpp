@@ -108,7 +108,7 @@ void refinement(const simulation::RunFigures& f, Out out) {
     list("  by weight", f.levels.weight, weight);
   }
   fmt::format_to(out,
-                 "refinement     {:.0f} work units a frame, {} levels completed, {} dropped, {} pairs found apart\n",
+                 "refinement     {:.0f} work units a frame, {} levels completed, {} discarded, {} pairs found apart\n",
                  w.refine_mean, w.jobs_done, w.jobs_discarded, w.pairs_separated);
   if (f.refinement_used) {
     fmt::format_to(out, "               {:.1f} % of its time used in the {} frames that left pairs coarse\n",

@@ -19,7 +19,7 @@ void mesh_lines(const io::TreeDocument& d, Out out) {
   if (!d.closed) fmt::format_to(out, "  {}\n", d.report);
   const MeshRepair& repair = d.repair;
   if (repair.vertices_welded + repair.triangles_discarded + repair.triangles_turned > 0) {
-    fmt::format_to(out, "  {} vertices welded, {} triangles dropped, {} turned over\n", repair.vertices_welded,
+    fmt::format_to(out, "  {} vertices welded, {} triangles discarded, {} turned over\n", repair.vertices_welded,
                    repair.triangles_discarded, repair.triangles_turned);
   }
 }

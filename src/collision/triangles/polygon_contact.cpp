@@ -197,7 +197,7 @@ class Block {
     const auto z = static_cast<float>(body.z());
     const float radius = static_cast<float>(ball.radius_m) * (1 + 1e-6F) + on.surface->rounding_m;
     for (const std::uint32_t triangle : triangles) {
-      const ShapeSurface::PairRecord& t = on.surface->pair_records[triangle];
+      const ShapeSurface::TriangleBounds& t = on.surface->triangle_bounds[triangle];
       const float dx = x - t.center_m[0];
       const float dy = y - t.center_m[1];
       const float dz = z - t.center_m[2];

@@ -67,25 +67,24 @@ class TurnedSets {
 std::vector<std::uint8_t> turned_against_neighbours(std::size_t triangles, Uses uses) {
   // In the order of the edges, which does not depend on the triangles' orientation, so that a second call finds the
   // same.
-  TurnedSets manifold_points(triangles);
+  TurnedSets patches(triangles);
   for_each_edge(uses, [&](Uses edge) {
-    if (edge.size() == 2)
-      manifold_points.join(edge[0].triangle, edge[1].triangle, edge[0].direction == edge[1].direction);
+    if (edge.size() == 2) patches.join(edge[0].triangle, edge[1].triangle, edge[0].direction == edge[1].direction);
   });
   std::vector<std::uint32_t> turned_count(triangles, 0);
   std::vector<std::uint8_t> first_turned(triangles, 2);  // 2 until the first triangle of the patch is visited
   std::vector<std::uint8_t> turned(triangles, 0);
   for (std::uint32_t t = 0; t < triangles; ++t) {
-    const std::uint32_t leader = manifold_points.leader(t);
-    turned[t] = manifold_points.turned(t) ? 1 : 0;
+    const std::uint32_t leader = patches.leader(t);
+    turned[t] = patches.turned(t) ? 1 : 0;
     turned_count[leader] += turned[t];
     if (first_turned[leader] == 2) first_turned[leader] = turned[t];
   }
   for (std::uint32_t t = 0; t < triangles; ++t) {
-    const std::uint32_t leader = manifold_points.leader(t);
+    const std::uint32_t leader = patches.leader(t);
     const std::uint64_t twice = 2 * std::uint64_t{turned_count[leader]};
     const bool turned_gives_way =
-        twice < manifold_points.size(leader) || (twice == manifold_points.size(leader) && first_turned[leader] == 0);
+        twice < patches.size(leader) || (twice == patches.size(leader) && first_turned[leader] == 0);
     if (!turned_gives_way) turned[t] ^= 1;
   }
   return turned;
@@ -128,15 +127,15 @@ struct Piece {
 /// Patches of triangles (joined over edges of two triangles). Patches that are not closed are joined where they meet at
 /// edges of more than two.
 std::vector<std::uint32_t> piece_of_triangles(std::size_t triangles, Uses uses) {
-  JoinedSets manifold_points(triangles);
+  JoinedSets patches(triangles);
   for_each_edge(uses, [&](Uses edge) {
-    if (edge.size() == 2) manifold_points.join(edge[0].triangle, edge[1].triangle);
+    if (edge.size() == 2) patches.join(edge[0].triangle, edge[1].triangle);
   });
   std::vector<std::uint8_t> open(triangles, 0);
   std::vector<std::pair<std::uint32_t, std::int32_t>> balances;
   for_each_edge(uses, [&](Uses edge) {
     balances.clear();
-    for (const EdgeUse& use : edge) balances.emplace_back(manifold_points.leader(use.triangle), use.direction);
+    for (const EdgeUse& use : edge) balances.emplace_back(patches.leader(use.triangle), use.direction);
     std::ranges::sort(balances);
     for (std::size_t begin = 0; begin < balances.size();) {
       std::size_t end = begin;
@@ -148,12 +147,12 @@ std::vector<std::uint32_t> piece_of_triangles(std::size_t triangles, Uses uses) 
     }
   });
   JoinedSets pieces(triangles);
-  for (std::uint32_t t = 0; t < triangles; ++t) pieces.join(t, manifold_points.leader(t));
+  for (std::uint32_t t = 0; t < triangles; ++t) pieces.join(t, patches.leader(t));
   for_each_edge(uses, [&](Uses edge) {
     if (edge.size() < 3) return;
     const EdgeUse* first = nullptr;
     for (const EdgeUse& use : edge) {
-      if (open[manifold_points.leader(use.triangle)] == 0) continue;
+      if (open[patches.leader(use.triangle)] == 0) continue;
       if (first == nullptr) first = &use;
       pieces.join(first->triangle, use.triangle);
     }

@@ -20,7 +20,7 @@ using namespace geometry;
 /// A solid has at least this share of inside points with a winding number above kFirmly; a bent sheet has only points
 /// with a winding number little above one half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet bent by a
 /// fifth of its length 0.
-constexpr double kFirmShare = 0.1;
+constexpr double kCertainShare = 0.1;
 /// If the exact volume differs from the sampled one by more than this share, pieces overlap. Chosen.
 constexpr double kOverlapShare = 0.02;
 
@@ -80,7 +80,7 @@ std::string nothing_inside(const TriangleMesh& mesh) {
 }
 
 bool encloses(const SampledMass& sampled) {
-  return sampled.mass.volume_m3 > sampled.volume_error_m3 && sampled.firm_share >= kFirmShare;
+  return sampled.mass.volume_m3 > sampled.volume_error_m3 && sampled.certain_share >= kCertainShare;
 }
 
 std::string open_note(const TriangleMesh& mesh, const SampledMass& sampled) {

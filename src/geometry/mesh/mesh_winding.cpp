@@ -39,7 +39,7 @@ class SampleGrid {
   Vec3 low_, cell_;
 };
 
-enum State : std::uint8_t { kOutside, kInside, kFirm };
+enum State : std::uint8_t { kOutside, kInside, kCertain };
 
 /// Cells that differ from a neighbour, or are inside at the edge of the box. Each contributes a standard deviation of
 /// at most half a cell.
@@ -70,7 +70,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
   parallel::parallel_for(*executor, state.size(), kSide, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 point = grid.point(i);
-      if (bvh.inside(point)) state[i] = std::abs(bvh.winding_number(point)) > kFirmly ? kFirm : kInside;
+      if (bvh.inside(point)) state[i] = std::abs(bvh.winding_number(point)) > kFirmly ? kCertain : kInside;
     }
   });
 
@@ -78,7 +78,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
   const auto inside = state.size() - static_cast<std::size_t>(std::ranges::count(state, kOutside));
   if (inside == 0 || !(grid.cell_m3() > 0)) return sampled;
   const auto count = static_cast<double>(inside);
-  sampled.firm_share = static_cast<double>(std::ranges::count(state, kFirm)) / count;
+  sampled.certain_share = static_cast<double>(std::ranges::count(state, kCertain)) / count;
   sampled.volume_error_m3 = std::sqrt(static_cast<double>(border_cells(state))) * grid.cell_m3();
   // Relative to the middle of the box, then to the centre of mass, so that no digits are lost far from the origin.
   const Vec3 near = bounds_of(mesh.vertices_m).center();

@@ -40,13 +40,13 @@ void set_triangles(const TriangleMesh& mesh, ShapeSurface& surface) {
   }
 }
 
-void set_pair_records(ShapeSurface& surface) {
+void set_triangle_bounds(ShapeSurface& surface) {
   // Each length results from a few roundings of numbers no larger than the farthest coordinate.
   constexpr double kRoundings = 16;
   double farthest = 0;
   for (const SurfaceTriangle& t : surface.triangles) {
     const Vec3& c = t.center_m;
-    surface.pair_records.push_back(
+    surface.triangle_bounds.push_back(
         {{static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())},
          static_cast<float>(t.radius_m),
          {static_cast<float>(t.normal.x()), static_cast<float>(t.normal.y()), static_cast<float>(t.normal.z())},
@@ -181,7 +181,7 @@ ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidi
   surface.solid = solidity == Solidity::Solid && surface.bvh.closed();
   surface.vertices_m = there.vertices_m;
   set_triangles(there, surface);
-  set_pair_records(surface);
+  set_triangle_bounds(surface);
   set_vertex_normals(surface);
   const std::vector<EdgeUse> uses = edge_uses(there.triangles);
   set_edges(surface, uses);

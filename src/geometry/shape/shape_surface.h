@@ -36,7 +36,7 @@ struct ShapeSurface {
   explicit ShapeSurface(geometry::TriangleBvh searched) : bvh(std::move(searched)) {}
 
   /// The triangle in single precision, for a first test: a ball and a plane, each accurate to `rounding_m`.
-  struct PairRecord {
+  struct TriangleBounds {
     std::array<float, 3> center_m;
     float radius_m;
     std::array<float, 3> normal;  ///< the plane goes through the centre
@@ -49,7 +49,7 @@ struct ShapeSurface {
   std::vector<std::uint32_t> neighbor_begin;  ///< per vertex, then the end
   std::vector<std::uint32_t> neighbors;       ///< vertices that share an edge with it, ascending
   std::vector<Triangle> triangles;
-  std::vector<PairRecord> pair_records;  ///< one for each triangle
+  std::vector<TriangleBounds> triangle_bounds;  ///< one for each triangle
   float rounding_m = 0;
   std::vector<std::uint32_t> leaf_begin;  ///< per node of the tree, then the end; empty for a node that is not a leaf
   std::vector<std::uint32_t> leaf_triangles;       ///< those that meet the leaf's ball, ascending

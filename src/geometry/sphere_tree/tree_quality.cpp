@@ -214,7 +214,7 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
 Error cancelled() { return {ErrorKind::Cancelled, "measuring was asked to end before it was done"}; }
 
 /// Why tree and mesh cannot be measured; empty if they can.
-std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, const TreeQualityOptions& options) {
+std::string why_not_measurable(const SphereTree& tree, const TriangleMesh& mesh, const TreeQualityOptions& options) {
   if (tree.node_count() == 0) return "tree: there is no node, at least one is needed";
   if (options.samples < 1 || options.samples > 100000000)
     return fmt::format("samples = {}, must be from 1 to 100000000", options.samples);
@@ -241,7 +241,7 @@ std::string why_not_judged(const SphereTree& tree, const TriangleMesh& mesh, con
 
 Result<std::vector<TreeLevelFigures>> measure_tree_quality(const SphereTree& tree, const TriangleMesh& mesh,
                                                            const TreeQualityOptions& options) {
-  if (std::string wrong = why_not_judged(tree, mesh, options); !wrong.empty()) return bad_input(std::move(wrong));
+  if (std::string wrong = why_not_measurable(tree, mesh, options); !wrong.empty()) return bad_input(std::move(wrong));
   const TriangleBvh bvh(mesh, options.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Tbb, options.threads);
   const Sampling sampling{options.samples, options.seed, *executor, options.stop};

@@ -45,9 +45,9 @@ std::string mm_or_m(double length_m) {
 }
 
 /// The check of one scene. Invariant: while there is no error, shapes_ is as long as the scene's list.
-class Look {
+class Checker {
  public:
-  Look(const Scene& scene, const SceneCheckOptions& options, SceneCheck& check)
+  Checker(const Scene& scene, const SceneCheckOptions& options, SceneCheck& check)
       : scene_(scene), options_(options), check_(check) {}
 
   void shapes();
@@ -78,7 +78,7 @@ class Look {
   double tray_side_m_ = 0;
 };
 
-void Look::add_mesh(const MeshSource& source, const std::string& place, CheckedShape& shape) {
+void Checker::add_mesh(const MeshSource& source, const std::string& place, CheckedShape& shape) {
   const Result<TriangleMesh> mesh = scene_mesh(scene_, source);
   if (!mesh) {
     check_.errors.push_back(place + ": " + mesh.error().message);
@@ -109,7 +109,7 @@ void Look::add_mesh(const MeshSource& source, const std::string& place, CheckedS
   shape.outline = outline_of(corners);
 }
 
-void Look::add_shape(const SceneShape& source) {
+void Checker::add_shape(const SceneShape& source) {
   CheckedShape shape;
   const std::string place = place_of(scene_, source);
   Result<ShapePtr> loaded = load_without_building(scene_, source, {options_.threads, options_.tree_cache});
@@ -144,11 +144,11 @@ void Look::add_shape(const SceneShape& source) {
   shapes_.push_back(std::move(shape));
 }
 
-void Look::shapes() {
+void Checker::shapes() {
   for (const SceneShape& source : scene_.shapes) add_shape(source);
 }
 
-void Look::add_tray_planes() {
+void Checker::add_tray_planes() {
   const double half_m = 0.5 * tray_side_m_;
   const std::pair<Vec3, double> planes[] = {{Vec3::UnitZ(), 0},
                                             {Vec3::UnitX(), -half_m},
@@ -167,7 +167,7 @@ void Look::add_tray_planes() {
   }
 }
 
-void Look::bodies() {
+void Checker::bodies() {
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const SceneBody& body = scene_.bodies[i];
     const BodyDefinition& d = body.definition;
@@ -209,7 +209,7 @@ void Look::bodies() {
   }
 }
 
-void Look::needs() {
+void Checker::needs() {
   double trees_bytes = 0;
   double leaves_cost_ns = 0;
   const double growth = scene_.policy.front_growth;
@@ -247,7 +247,7 @@ void Look::needs() {
   }
 }
 
-void Look::tray() {
+void Checker::tray() {
   if (!scene_.tray) return;
   if (scene_.gravity_mps2.isZero(0)) {
     warn("gravity_mps2", "is zero, and the scene has a tray: nothing falls into it");
@@ -266,7 +266,7 @@ void Look::tray() {
   }
 }
 
-void Look::overlaps() {
+void Checker::overlaps() {
   std::size_t sunk = 0, deep = 0;
   std::string first_sunk, first_deep;
   for (const DeepPair& pair : deep_pairs(bodies_, shapes_, kMostPairs)) {
@@ -290,7 +290,7 @@ void Look::overlaps() {
     warn("bodies", fmt::format("start deep in one another: {}, first {}", how_many(deep, "pair"), first_deep));
 }
 
-void Look::upside() {
+void Checker::upside() {
   if (scene_.gravity_mps2.isZero(0)) return;
   const Vec3 upward = -scene_.gravity_mps2.normalized();
   for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
@@ -309,7 +309,7 @@ void Look::upside() {
   }
 }
 
-void Look::view() {
+void Checker::view() {
   if (!scene_.camera) return;
   const View view = scene_view(scene_);
   const bool moves = check_.dynamic_bodies > 0;
@@ -321,7 +321,7 @@ void Look::view() {
   if (!any) warn("camera", fmt::format("sees none of the {} at the start", moves ? "moving bodies" : "bodies"));
 }
 
-void Look::time_step() {
+void Checker::time_step() {
   const double dt_s = scene_.dt_s;
   const double fall_m = scene_.gravity_mps2.norm() * dt_s * dt_s;
   std::vector<double> fastest_mps(scene_.shapes.size(), -1);
@@ -349,7 +349,7 @@ SceneCheck check_scene(const Scene& scene, const SceneCheckOptions& options) {
   SceneCheck check;
   if (options.bodies && scene.generators.empty())
     check.errors.push_back(scene.source + ": has no generators, so the number of bodies cannot be chosen");
-  Look look(scene, options, check);
+  Checker look(scene, options, check);
   look.shapes();
   if (check.errors.empty()) look.bodies();
   if (!check.errors.empty()) return check;

@@ -31,7 +31,7 @@ struct SurfacePatch {
   Vec3 middle;
   double cos_reach = 1;       ///< cosine of the angle from the middle to the farthest corner
   double area = 0;            ///< in steradians
-  std::size_t first_cap = 0;  ///< caps that it overlaps, in ManifoldPoints::met_
+  std::size_t first_cap = 0;  ///< caps that it overlaps, in SpherePatches::met_
   std::size_t cap_count = 0;  ///< 0: the whole patch is exposed
   double max_m = 0;           ///< upper bound of the distance
   double mean_m = 0;          ///< upper bound of the mean over the patch, and over any part of it if the patch overlaps
@@ -69,9 +69,9 @@ Vec3 direction_integral(const std::array<Vec3, 3>& v) {
 }
 
 /// Patches of one sphere that are not completely hidden. Invariant: patches and hidden parts make up the whole sphere.
-class ManifoldPoints {
+class SpherePatches {
  public:
-  ManifoldPoints(const Sphere& own, std::span<const Sphere> others, const ObjectQueries& object, double tolerance_m)
+  SpherePatches(const Sphere& own, std::span<const Sphere> others, const ObjectQueries& object, double tolerance_m)
       : own_(own), object_(object), tolerance_m_(tolerance_m) {
     for (const Sphere& other : others) add_cap(other);
     if (wholly_hidden_) return;
@@ -308,7 +308,7 @@ class ManifoldPoints {
 
 SphereProtrusion sphere_protrusion(const Sphere& own, std::span<const Sphere> others, const ObjectQueries& object,
                                    double tolerance_m) {
-  return ManifoldPoints(own, others, object, tolerance_m).refine();
+  return SpherePatches(own, others, object, tolerance_m).refine();
 }
 
 }  // namespace poise::geometry

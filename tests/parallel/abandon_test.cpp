@@ -18,7 +18,7 @@ struct WorkerGateAccess {
   static void raise(WorkerGate& gate, int worker) { WorkerGate::raise(gate.hands_[static_cast<std::size_t>(worker)]); }
   static bool may_begin(WorkerGate& gate, int worker) {
     std::uint64_t run = 0;
-    return gate.look(gate.hands_[static_cast<std::size_t>(worker)], 0, run) == WorkerGate::ViewQuery::Open;
+    return gate.look(gate.hands_[static_cast<std::size_t>(worker)], 0, run) == WorkerGate::GateState::Open;
   }
   static void leave(WorkerGate& gate, int worker) { gate.leave(gate.hands_[static_cast<std::size_t>(worker)]); }
 };
