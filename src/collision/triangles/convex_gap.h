@@ -11,7 +11,7 @@ namespace poise::collision {
 
 /// The smallest convex parts of a surface: a ball (one corner) or a triangle (three corners, radius 0).
 struct ConvexPart {
-  std::array<Vec3, 3> corner_m{};
+  std::array<Vec3, 3> corner_m{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   std::size_t corners = 1;  ///< 1 or 3
   double radius_m = 0;      ///< of a ball
 

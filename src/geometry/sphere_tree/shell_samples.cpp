@@ -42,9 +42,9 @@ class Walk {
   void leaf(const Vec3f& low, float size, std::uint64_t place, std::vector<Sample>& out) const {
     Random random = Random::of(seed_, place);
     // In separate statements: the order of evaluation of arguments differs between compilers.
-    const double z = random.unit();
-    const double y = random.unit();
     const double x = random.unit();
+    const double y = random.unit();
+    const double z = random.unit();
     const Vec3 share(x, y, z);
     const Vec3f at = low + size * share.cast<float>();
     const Vec3 at_m = frame_.from(at);
