@@ -17,9 +17,9 @@ namespace {
 
 using namespace geometry;
 
-/// A solid has at least this share of inside points with a winding number above kFirmly; a bent sheet has only points
-/// with a winding number little above one half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet bent by a
-/// fifth of its length 0.
+/// A solid has at least this share of inside points with a winding number above kCertainWinding; a bent sheet has only
+/// points with a winding number little above one half. Chosen: an open box has 0.9, half a ball's skin 0.4, a sheet
+/// bent by a fifth of its length 0.
 constexpr double kCertainShare = 0.1;
 /// If the exact volume differs from the sampled one by more than this share, pieces overlap. Chosen.
 constexpr double kOverlapShare = 0.02;

@@ -19,7 +19,7 @@ using namespace geometry;
 /// %.
 constexpr std::size_t kSide = 52;
 /// A point with a winding number above this is inside the mesh with certainty. Chosen.
-constexpr double kFirmly = 0.75;
+constexpr double kCertainWinding = 0.75;
 constexpr std::uint64_t kSeed = 0x9015e;
 
 /// One random point in each cell, so that the sums are unbiased for any alignment of the mesh.
@@ -70,7 +70,7 @@ Result<SampledMass> winding_mass_properties(const TriangleMesh& mesh, int thread
   parallel::parallel_for(*executor, state.size(), kSide, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 point = grid.point(i);
-      if (bvh.inside(point)) state[i] = std::abs(bvh.winding_number(point)) > kFirmly ? kCertain : kInside;
+      if (bvh.inside(point)) state[i] = std::abs(bvh.winding_number(point)) > kCertainWinding ? kCertain : kInside;
     }
   });
 

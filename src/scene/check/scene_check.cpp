@@ -349,16 +349,16 @@ SceneCheck check_scene(const Scene& scene, const SceneCheckOptions& options) {
   SceneCheck check;
   if (options.bodies && scene.generators.empty())
     check.errors.push_back(scene.source + ": has no generators, so the number of bodies cannot be chosen");
-  Checker look(scene, options, check);
-  look.shapes();
-  if (check.errors.empty()) look.bodies();
+  Checker checker(scene, options, check);
+  checker.shapes();
+  if (check.errors.empty()) checker.bodies();
   if (!check.errors.empty()) return check;
-  look.needs();
-  look.tray();
-  look.overlaps();
-  look.upside();
-  look.view();
-  look.time_step();
+  checker.needs();
+  checker.tray();
+  checker.overlaps();
+  checker.upside();
+  checker.view();
+  checker.time_step();
   return check;
 }
 
