@@ -28,6 +28,7 @@ void on_interrupt(int /*signal*/) {
   errno = kept;
 }
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): the standard has no const request_stop().
 void watch(int pipe, std::stop_source stop) {
   for (;;) {
     char what = kOver;

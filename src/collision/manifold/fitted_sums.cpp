@@ -86,7 +86,7 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fi
     const auto bx = at(b.x);
     const auto by = at(b.y);
     const auto bz = at(b.z);
-    const auto row = [&](int r) HWY_ATTR {
+    const auto row = [&](std::size_t r) HWY_ATTR {
       const float* const turn = frame.rounded.rotation + 3 * r;
       return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), bx), hn::Mul(hn::Set(d, turn[1]), by)),
                      hn::Add(hn::Mul(hn::Set(d, turn[2]), bz), hn::Set(d, frame.rounded.offset_m[r])));

@@ -60,7 +60,7 @@ class Cutter {
  private:
   Index add(const Vec3& point) {
     const Vec3 direction = point.normalized();
-    mesh_.vertices_m.push_back(reach_m(direction) * direction);
+    mesh_.vertices_m.emplace_back(reach_m(direction) * direction);
     return static_cast<Index>(mesh_.vertices_m.size() - 1);
   }
 

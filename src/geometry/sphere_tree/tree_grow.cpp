@@ -184,7 +184,7 @@ class Grower {
   }
 
   /// Makes nodes of the balls. A parent whose balls would not improve it becomes a leaf instead.
-  void take_over(std::vector<CoverBall> balls) {
+  void take_over(const std::vector<CoverBall>& balls) {
     std::vector<std::vector<const CoverBall*>> families(parents_.size());
     for (const CoverBall& ball : balls) {
       if (!ball.own.empty()) families[ball.parent].push_back(&ball);
