@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs what is missing, builds everything in build/release, compiles each public header alone, and runs all tests.
+# Installs what is missing, builds everything in build/release, and runs all tests.
 # Arguments are passed on to ctest, e.g. ./test.sh -R Forecast
 set -euo pipefail
 { : <&0; } 2>/dev/null || exec </dev/null
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
 "$root/cmake/install_packages.sh" build study test
-POISE_TESTS=ON "$root/cmake/build_release.sh" all all_verify_interface_header_sets
+POISE_TESTS=ON "$root/cmake/build_release.sh" all
 cd -- "$root"
 progress=()
 if [[ -t 1 ]]; then progress=(--progress); fi

@@ -100,7 +100,8 @@ std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, SingleP
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 512, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
+    publish_level(frame, Mat3::Identity(), progress, pair, pair);
+    if (pair.points_due && !pair.refinable()) make_points(frame, pools, pair, pair);
   }
   return expansions;
 }

@@ -91,7 +91,6 @@ class Step {
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();
-    report_.times.refine = laps_.lap();
     scale_impulses(world_.settings.substeps, substeps());
     const SolveInput solved = solve_input();
     make_manifolds(
@@ -147,6 +146,8 @@ class Step {
                             laps_.at()};
     refine(input, {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, log}, frame_.levels,
            report_, executor_);
+    report_.times.refine = laps_.lap();
+    make_points_left(input, world_.pools, frame_.levels, executor_);
   }
 
   // Substeps of this frame.

@@ -31,7 +31,8 @@ bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker,
     if (quantum == Quantum::Full) return false;
     if (quantum == Quantum::Complete) break;
   }
-  publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
+  publish_level(frame, Mat3::Identity(), progress, pair, pair);
+  if (pair.points_due) make_points(frame, pools, pair, pair);
   return true;
 }
 

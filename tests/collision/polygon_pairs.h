@@ -35,7 +35,7 @@ inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPo
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, units, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
+    publish_level(frame, Mat3::Identity(), progress, pair, pair);
   }
   if (pair.apart) return answer;
   answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);

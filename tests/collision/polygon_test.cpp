@@ -34,7 +34,7 @@ int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
     LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 64, progress) == Quantum::More) {
     }
-    publish_level(frame, Mat3::Identity(), pools, progress, pair, pair);
+    publish_level(frame, Mat3::Identity(), progress, pair, pair);
     if (!pair.apart) ++levels;
   }
   return levels;

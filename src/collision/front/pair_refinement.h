@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -30,7 +32,8 @@ struct PairLevel {
 /// The contact that this level found, if any. Separate from PairLevel because most pairs of a calm scene have none.
 struct LevelContact {
   PairContact contact;             ///< used for impacts
-  ManifoldPoints manifold_points;  ///< for resting contact; filled with the contact
+  ManifoldPoints manifold_points;  ///< for resting contact
+  bool points_due = false;         ///< manifold points are not made yet
 };
 
 /// Both, for callers that refine a single pair.
@@ -76,9 +79,28 @@ LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
                     LevelProgress& progress);
 
-/// Stores a complete level in the pair and computes its manifold if it is nearer than the margin.
-void publish_level(const PairFrame& frame, const Mat3& rotation_a, std::span<const FrontPool> pools,
-                   const LevelProgress& progress, PairLevel& pair, LevelContact& found);
+/// Stores a complete level in the pair. If it is nearer than the margin its manifold points are due: made below, once
+/// no deeper level follows.
+void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelProgress& progress, PairLevel& pair,
+                   LevelContact& found);
+
+/// The manifold points of a level in progress, made in bounded pieces.
+struct PointsProgress {
+  ManifoldClusters clusters;
+  SegmentRef reading;        ///< of the pair's front
+  std::uint32_t offset = 0;  ///< entries of it that are taken
+  std::array<FrontEntry, NodeContacts::kLanes> block{};
+  std::size_t in_block = 0;
+};
+PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair);
+/// What the points of so many entries cost, in node-pair expansions.
+std::uint32_t points_units(std::uint32_t front_entries);
+/// Takes the entries that `units` pay for. Bounded, allocates nothing.
+Quantum run_points(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
+                   PointsProgress& progress);
+void publish_points(PointsProgress& progress, LevelContact& found);
+/// All in one piece.
+void make_points(const PairFrame& frame, std::span<const FrontPool> pools, const PairLevel& pair, LevelContact& found);
 
 /// The contact as a manifold of one point, in the frame of a.
 ManifoldPoint impact_point(const PairContact& contact, const Mat3& rotation_a);

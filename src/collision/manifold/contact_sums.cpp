@@ -146,12 +146,13 @@ void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::sp
   }
 }
 
-void add_node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points) {
+void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {
   if (frame.fitted) {
-    add_points(frame, entries, points);
+    fitted_contacts(frame, entries, into);
     return;
   }
-  for (const FrontEntry entry : entries) {
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    const FrontEntry entry = entries[k];
     const SphereContact contact = sphere_contact(frame, entry);
     double expected = static_cast<double>(frame.a->tree.protrusion_mean_m[entry.a]);
     double certain = static_cast<double>(frame.a->tree.protrusion_max_m[entry.a]);
@@ -160,8 +161,12 @@ void add_node_contacts(const PairFrame& frame, std::span<const FrontEntry> entri
       certain += static_cast<double>(frame.b->tree.protrusion_max_m[entry.b]);
     }
     if (frame.by_spheres) expected = 0;
-    if (contact.gap_m + expected >= frame.margin_m) continue;
-    points.add({contact.normal, contact.point_m, contact.gap_m + expected, contact.gap_m + certain});
+    into.gap_m[k] = static_cast<float>(contact.gap_m + expected);
+    into.certain_separation_m[k] = static_cast<float>(contact.gap_m + certain);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      into.normal[axis][k] = static_cast<float>(contact.normal[static_cast<Eigen::Index>(axis)]);
+      into.point_m[axis][k] = static_cast<float>(contact.point_m[static_cast<Eigen::Index>(axis)]);
+    }
   }
 }
 

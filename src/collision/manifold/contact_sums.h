@@ -68,9 +68,9 @@ struct PairContact {
   bool present = false;               ///< something is nearer than the margin
 };
 
-/// Adds the contacts of entries nearer than the margin to `points`, in order: of the fitted spheres with
-/// PairFrame::fitted, otherwise of the nodes' own spheres with their estimated separation.
-void add_node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points);
+/// The contacts of one to eight entries: of the fitted spheres with PairFrame::fitted, otherwise of the nodes' own
+/// spheres with their estimated separation. Lanes without an entry say nothing.
+void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);
 
 PairContact make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a);
 

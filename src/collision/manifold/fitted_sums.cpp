@@ -13,29 +13,66 @@ HWY_BEFORE_NAMESPACE();
 namespace poise::collision::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kLanes = 8;
+constexpr std::size_t kLanes = NodeContacts::kLanes;
 // Exponents beyond these say no more. Many entries are merely near, and all together must weigh nothing; eighth powers
 // stay within single precision, and out of the numbers near 0 that are slow.
 constexpr float kLargest = 6, kSmallest = -16;
 constexpr float kLeastPointWeight = 4.54e-5F;  ///< of the weights, exp(-10)
 constexpr float kBeyond = 1e30F;
 
-// Fits of one side, a figure an array.
+// Fits of one side, a lane each.
+template <class V>
 struct Fits {
-  alignas(32) float x[kLanes], y[kLanes], z[kLanes], radius[kLanes], core[kLanes];
+  V x, y, z, radius, core;
 };
 
 template <NodeIndex FrontEntry::*kSide>
-HWY_INLINE void gather(const NodeFit* fits, std::span<const FrontEntry> entries, Fits& into) {
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const NodeFit& fit = fits[entries[std::min(k, entries.size() - 1)].*kSide];
-    into.x[k] = fit.x_m;
-    into.y[k] = fit.y_m;
-    into.z[k] = fit.z_m;
-    into.radius[k] = fit.radius_m;
-    into.core[k] = fit.core_m;
+HWY_INLINE const float* row_of(const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t k) {
+  static_assert(sizeof(NodeFit) == 6 * sizeof(float));
+  return &fits[entries[std::min(k, entries.size() - 1)].*kSide].x_m;
+}
+
+#if HWY_TARGET == HWY_SCALAR
+template <NodeIndex FrontEntry::*kSide, class D>
+HWY_INLINE auto fits_of(D d, const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t k) {
+  const float* const row = row_of<kSide>(fits, entries, k);
+  const auto at = [&](std::size_t i) { return hn::Set(d, row[i]); };
+  return Fits<hn::Vec<D>>{at(0), at(1), at(2), at(3), at(5)};
+}
+#else
+// Four rows, loaded whole and transposed in registers: a vector that is read where single figures have just been
+// written has to wait for them.
+template <NodeIndex FrontEntry::*kSide>
+HWY_INLINE auto four_fits(const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t first) {
+  const hn::Full128<float> d;
+  const float* const rows[] = {row_of<kSide>(fits, entries, first), row_of<kSide>(fits, entries, first + 1),
+                               row_of<kSide>(fits, entries, first + 2), row_of<kSide>(fits, entries, first + 3)};
+  const auto low = [&](std::size_t i)
+                       HWY_ATTR { return hn::InterleaveLower(d, hn::LoadU(d, rows[i]), hn::LoadU(d, rows[i + 1])); };
+  const auto high = [&](std::size_t i, std::size_t from) HWY_ATTR {
+    return hn::InterleaveUpper(d, hn::LoadU(d, rows[i] + from), hn::LoadU(d, rows[i + 1] + from));
+  };
+  const auto xy01 = low(0);
+  const auto xy23 = low(2);
+  const auto zr01 = high(0, 0);
+  const auto zr23 = high(2, 0);
+  return Fits<hn::Vec<hn::Full128<float>>>{hn::ConcatLowerLower(d, xy23, xy01), hn::ConcatUpperUpper(d, xy23, xy01),
+                                           hn::ConcatLowerLower(d, zr23, zr01), hn::ConcatUpperUpper(d, zr23, zr01),
+                                           hn::ConcatUpperUpper(d, high(2, 2), high(0, 2))};
+}
+
+template <NodeIndex FrontEntry::*kSide, class D>
+HWY_INLINE auto fits_of(D d, const NodeFit* fits, std::span<const FrontEntry> entries, std::size_t k) {
+  const auto low = four_fits<kSide>(fits, entries, k);
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    return low;
+  } else {
+    const auto high = four_fits<kSide>(fits, entries, k + 4);
+    return Fits<hn::Vec<D>>{hn::Combine(d, high.x, low.x), hn::Combine(d, high.y, low.y), hn::Combine(d, high.z, low.z),
+                            hn::Combine(d, high.radius, low.radius), hn::Combine(d, high.core, low.core)};
   }
 }
+#endif
 
 // What the lanes have gathered.
 struct Lanes {
@@ -63,15 +100,15 @@ struct LaneContacts {
 
 // For a plane, a sphere of b of radius 0 stands under each of a's on the plane.
 template <class D>
-HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fits& b, std::size_t k) {
+HWY_INLINE auto contacts_of(D d, const PairFrame& frame, std::span<const FrontEntry> entries, std::size_t k) {
   const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
-  const auto at = [&](const float* from) HWY_ATTR { return hn::Load(d, from + k); };
   LaneContacts<hn::Vec<D>> c;
-  c.ax = at(a.x);
-  c.ay = at(a.y);
-  c.az = at(a.z);
-  c.radius_a = at(a.radius);
-  c.core = at(a.core);
+  const auto a = fits_of<&FrontEntry::a>(d, frame.a->tree.fit.data(), entries, k);
+  c.ax = a.x;
+  c.ay = a.y;
+  c.az = a.z;
+  c.radius_a = a.radius;
+  c.core = a.core;
   if (frame.with_plane()) {
     const auto nx = set(frame.plane_normal.x());
     const auto ny = set(frame.plane_normal.y());
@@ -83,19 +120,17 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fi
     c.dz = hn::Neg(hn::Mul(height, nz));
     c.radius_b = hn::Zero(d);
   } else {
-    const auto bx = at(b.x);
-    const auto by = at(b.y);
-    const auto bz = at(b.z);
+    const auto b = fits_of<&FrontEntry::b>(d, frame.b->tree.fit.data(), entries, k);
     const auto row = [&](std::size_t r) HWY_ATTR {
       const float* const turn = frame.rounded.rotation + 3 * r;
-      return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), bx), hn::Mul(hn::Set(d, turn[1]), by)),
-                     hn::Add(hn::Mul(hn::Set(d, turn[2]), bz), hn::Set(d, frame.rounded.offset_m[r])));
+      return hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), b.x), hn::Mul(hn::Set(d, turn[1]), b.y)),
+                     hn::Add(hn::Mul(hn::Set(d, turn[2]), b.z), hn::Set(d, frame.rounded.offset_m[r])));
     };
     c.dx = hn::Sub(row(0), c.ax);
     c.dy = hn::Sub(row(1), c.ay);
     c.dz = hn::Sub(row(2), c.az);
-    c.radius_b = at(b.radius);
-    c.core = hn::Add(c.core, at(b.core));
+    c.radius_b = b.radius;
+    c.core = hn::Add(c.core, b.core);
   }
   const auto square = hn::Add(hn::Add(hn::Mul(c.dx, c.dx), hn::Mul(c.dy, c.dy)), hn::Mul(c.dz, c.dz));
   c.distance = hn::Sqrt(square);
@@ -113,14 +148,10 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, const Fits& a, const Fi
 void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lanes& sums) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
-  Fits a;
-  Fits b;
-  gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
-  if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
   const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
     const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(entries.size())));
-    const auto c = contacts_of(d, frame, a, b, k);
+    const auto c = contacts_of(d, frame, entries, k);
     const auto ax = c.ax;
     const auto ay = c.ay;
     const auto az = c.az;
@@ -163,52 +194,28 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lane
   }
 }
 
-// Up to eight contacts, a figure an array.
-struct BlockContacts {
-  alignas(32) float gap[kLanes], cores[kLanes], normal[3][kLanes], point[3][kLanes];
-};
-
-void block_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, BlockContacts& into) {
+void contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {
   const hn::CappedTag<float, kLanes> d;
-  Fits a;
-  Fits b;
-  gather<&FrontEntry::a>(frame.a->tree.fit.data(), entries, a);
-  if (!frame.with_plane()) gather<&FrontEntry::b>(frame.b->tree.fit.data(), entries, b);
+  // Centres that coincide have no direction of their own.
+  Vec3 direction = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
+  if (frame.with_plane()) direction = -frame.plane_normal;
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
-    const auto c = contacts_of(d, frame, a, b, k);
+    const auto c = contacts_of(d, frame, entries, k);
     const auto apart = hn::Ne(c.distance, hn::Zero(d));
     const auto inverse = hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1.0F), c.distance));
     const auto half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(inverse, hn::Add(c.distance, hn::Sub(c.radius_a, c.radius_b))));
-    hn::Store(hn::Sub(c.distance, hn::Add(c.radius_a, c.radius_b)), d, into.gap + k);
-    hn::Store(hn::Sub(c.distance, c.core), d, into.cores + k);
-    hn::Store(hn::Mul(inverse, c.dx), d, into.normal[0] + k);
-    hn::Store(hn::Mul(inverse, c.dy), d, into.normal[1] + k);
-    hn::Store(hn::Mul(inverse, c.dz), d, into.normal[2] + k);
-    hn::Store(hn::Add(c.ax, hn::Mul(half, c.dx)), d, into.point[0] + k);
-    hn::Store(hn::Add(c.ay, hn::Mul(half, c.dy)), d, into.point[1] + k);
-    hn::Store(hn::Add(c.az, hn::Mul(half, c.dz)), d, into.point[2] + k);
-  }
-}
-
-void points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& into) {
-  const auto reach = static_cast<float>(frame.margin_m);
-  for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
-    const std::size_t count = std::min(kLanes, entries.size() - begin);
-    BlockContacts block;
-    block_contacts(frame, entries.subspan(begin, count), block);
-    for (std::size_t k = 0; k < count; ++k) {
-      if (block.gap[k] >= reach) continue;
-      const auto vector = [k](const float(&of)[3][kLanes]) {
-        return Vec3(static_cast<double>(of[0][k]), static_cast<double>(of[1][k]), static_cast<double>(of[2][k]));
-      };
-      NodeContact contact{vector(block.normal), vector(block.point), static_cast<double>(block.gap[k]),
-                          static_cast<double>(block.cores[k])};
-      if (frame.with_plane()) contact.normal = -frame.plane_normal;
-      // Centres that coincide have no direction of their own.
-      if (contact.normal.isZero(0))
-        contact.normal = frame.offset_m.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(frame.offset_m.normalized());
-      into.add(contact);
-    }
+    const auto own = hn::Ne(frame.with_plane() ? hn::Zero(d) : c.distance, hn::Zero(d));
+    const auto normal = [&](Eigen::Index axis, auto along) HWY_ATTR {
+      return hn::IfThenElse(own, hn::Mul(inverse, along), hn::Set(d, static_cast<float>(direction[axis])));
+    };
+    hn::Store(hn::Sub(c.distance, hn::Add(c.radius_a, c.radius_b)), d, into.gap_m + k);
+    hn::Store(hn::Sub(c.distance, c.core), d, into.certain_separation_m + k);
+    hn::Store(normal(0, c.dx), d, into.normal[0] + k);
+    hn::Store(normal(1, c.dy), d, into.normal[1] + k);
+    hn::Store(normal(2, c.dz), d, into.normal[2] + k);
+    hn::Store(hn::Add(c.ax, hn::Mul(half, c.dx)), d, into.point_m[0] + k);
+    hn::Store(hn::Add(c.ay, hn::Mul(half, c.dy)), d, into.point_m[1] + k);
+    hn::Store(hn::Add(c.az, hn::Mul(half, c.dz)), d, into.point_m[2] + k);
   }
 }
 
@@ -238,14 +245,14 @@ HWY_AFTER_NAMESPACE();
 namespace poise::collision {
 
 HWY_EXPORT(add);
-HWY_EXPORT(points);
+HWY_EXPORT(contacts);
 
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
   if (!entries.empty()) HWY_DYNAMIC_DISPATCH(add)(frame, entries, sums);
 }
 
-void add_points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points) {
-  if (!entries.empty()) HWY_DYNAMIC_DISPATCH(points)(frame, entries, points);
+void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into) {
+  HWY_DYNAMIC_DISPATCH(contacts)(frame, entries, into);
 }
 
 }  // namespace poise::collision

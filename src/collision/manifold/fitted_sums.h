@@ -26,8 +26,8 @@ struct FittedSums {
 /// Single precision in blocks of eight, the same bits on any instruction set. For two trees or a tree and a plane.
 void add_fitted(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums);
 
-/// Adds the contacts of those entries whose fitted spheres are nearer than the margin to `points`, in order. The same
-/// bits likewise.
-void add_points(const PairFrame& frame, std::span<const FrontEntry> entries, ManifoldClusters& points);
+/// The contacts of one to eight entries; the lanes of entries beyond them hold copies of the last. The same bits
+/// likewise.
+void fitted_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);
 
 }  // namespace poise::collision

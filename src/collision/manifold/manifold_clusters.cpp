@@ -1,91 +1,236 @@
 // SPDX-License-Identifier: MIT
-#include "collision/manifold/manifold_clusters.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/manifold/manifold_clusters.cpp"
+#include <hwy/foreach_target.h>
+// Highway compiles this file once for each instruction set, so it comes after foreach_target.
+#include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <limits>
 
+#include "collision/manifold/manifold_clusters.h"
+
+#ifndef POISE_MANIFOLD_CLUSTERS_ONCE
+#define POISE_MANIFOLD_CLUSTERS_ONCE
+namespace poise::collision {
+
+// |n - n'|^2 of two directions 45 degrees apart is 0.586.
+inline constexpr float kInverseAngle = 1.0F / 0.586F;
+
+void update_mean(ClusterState& state, std::size_t cluster);
+void merge_nearest(ClusterState& state);
+
+}  // namespace poise::collision
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace poise::collision::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kLanes = NodeContacts::kLanes;
+
+// Contacts with their weights, row by row.
+struct WeightedContacts {
+  alignas(32) float weight_m[kLanes];
+  alignas(32) float normal_m[4 * kLanes];  // w n, w
+  alignas(32) float point_m2[4 * kLanes];  // w p, 0
+};
+
+HWY_INLINE void weigh(const NodeContacts& contacts, std::size_t count, float reach_m, WeightedContacts& into) {
+  const hn::CappedTag<float, kLanes> d;
+  alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const auto zero = hn::Zero(d);
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(count)));
+    const auto weight =
+        hn::IfThenElseZero(used, hn::Max(hn::Sub(hn::Set(d, reach_m), hn::Load(d, contacts.gap_m + k)), zero));
+    hn::Store(weight, d, into.weight_m + k);
+    const auto times = [&](const float* of) HWY_ATTR { return hn::Mul(weight, hn::Load(d, of + k)); };
+    hn::StoreInterleaved4(times(contacts.normal[0]), times(contacts.normal[1]), times(contacts.normal[2]), weight, d,
+                          into.normal_m + 4 * k);
+    hn::StoreInterleaved4(times(contacts.point_m[0]), times(contacts.point_m[1]), times(contacts.point_m[2]), zero, d,
+                          into.point_m2 + 4 * k);
+  }
+}
+
+// The nearest cluster of each contact, and its squared distance: 1 at a distance of size_m, or at an angle of 45
+// degrees.
+struct NearestClusters {
+  alignas(32) float distance[kLanes];
+  alignas(32) float cluster[kLanes];
+};
+
+HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& state, NearestClusters& into) {
+  const hn::CappedTag<float, kLanes> d;
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    const auto at = [&](const float* of) HWY_ATTR { return hn::Load(d, of + k); };
+    const auto px = at(contacts.point_m[0]);
+    const auto py = at(contacts.point_m[1]);
+    const auto pz = at(contacts.point_m[2]);
+    const auto nx = at(contacts.normal[0]);
+    const auto ny = at(contacts.normal[1]);
+    const auto nz = at(contacts.normal[2]);
+    auto least = hn::Set(d, std::numeric_limits<float>::max());
+    auto nearest = hn::Zero(d);
+    for (std::size_t c = 0; c < state.count; ++c) {
+      const auto square = [&](auto of, float mean) HWY_ATTR {
+        const auto difference = hn::Sub(of, hn::Set(d, mean));
+        return hn::Mul(difference, difference);
+      };
+      const auto place = hn::Add(hn::Add(square(px, state.center_m[0][c]), square(py, state.center_m[1][c])),
+                                 square(pz, state.center_m[2][c]));
+      const auto turn = hn::Add(hn::Add(square(nx, state.direction[0][c]), square(ny, state.direction[1][c])),
+                                square(nz, state.direction[2][c]));
+      const auto distance =
+          hn::Add(hn::Mul(place, hn::Set(d, state.inverse_square)), hn::Mul(turn, hn::Set(d, kInverseAngle)));
+      const auto nearer = hn::Lt(distance, least);
+      least = hn::IfThenElse(nearer, distance, least);
+      nearest = hn::IfThenElse(nearer, hn::Set(d, static_cast<float>(c)), nearest);
+    }
+    hn::Store(least, d, into.distance + k);
+    hn::Store(nearest, d, into.cluster + k);
+  }
+}
+
+// to += of, four floats.
+HWY_INLINE void add_row(const float* of, float* to) {
+  const hn::CappedTag<float, 4> d;
+  for (std::size_t k = 0; k < 4; k += hn::Lanes(d))
+    hn::Store(hn::Add(hn::Load(d, to + k), hn::Load(d, of + k)), d, to + k);
+}
+
+HWY_INLINE void join(const NodeContacts& contacts, const WeightedContacts& weighted, std::size_t lane,
+                     ClusterState::Sums& sums) {
+  add_row(weighted.normal_m + 4 * lane, sums.normal_m);
+  add_row(weighted.point_m2 + 4 * lane, sums.point_m2);
+  sums.gap_m = std::min(sums.gap_m, contacts.gap_m[lane]);
+  sums.certain_separation_m = std::min(sums.certain_separation_m, contacts.certain_separation_m[lane]);
+}
+
+void begin(const NodeContacts& contacts, const WeightedContacts& weighted, std::size_t lane, ClusterState& state) {
+  if (state.count == ClusterState::kMost) merge_nearest(state);
+  const std::size_t cluster = state.count++;
+  ClusterState::Sums& sums = state.sums[cluster];
+  std::copy_n(weighted.normal_m + 4 * lane, 4, sums.normal_m);
+  std::copy_n(weighted.point_m2 + 4 * lane, 4, sums.point_m2);
+  sums.gap_m = contacts.gap_m[lane];
+  sums.certain_separation_m = contacts.certain_separation_m[lane];
+  sums.mean_weight_m = weighted.weight_m[lane];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    state.direction[axis][cluster] = contacts.normal[axis][lane];
+    state.center_m[axis][cluster] = contacts.point_m[axis][lane];
+  }
+}
+
+void add(const NodeContacts& contacts, std::size_t count, ClusterState& state) {
+  // Means are made again when the weight has grown by this factor. Chosen: piles settle as with means of every contact.
+  constexpr float kGrowth = 1.25F;
+  WeightedContacts weighted;
+  weigh(contacts, count, state.reach_m, weighted);
+  std::uint32_t left = 0;
+  for (std::size_t lane = 0; lane < count; ++lane) left |= (weighted.weight_m[lane] > 0 ? 1U : 0U) << lane;
+  while (left != 0) {
+    NearestClusters nearest;
+    find_nearest(contacts, state, nearest);
+    for (std::uint32_t lanes = left; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      if (!(nearest.distance[lane] <= 1.0F)) continue;
+      join(contacts, weighted, lane, state.sums[static_cast<std::size_t>(nearest.cluster[lane])]);
+      left &= ~(1U << lane);
+    }
+    if (left == 0) break;
+    // None is near the first of the others.
+    begin(contacts, weighted, static_cast<std::size_t>(std::countr_zero(left)), state);
+    left &= left - 1;
+  }
+  for (std::size_t c = 0; c < state.count; ++c) {
+    if (state.sums[c].normal_m[3] > kGrowth * state.sums[c].mean_weight_m) update_mean(state, c);
+  }
+}
+
+}  // namespace poise::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace poise::collision {
 namespace {
 
-// |n - n'|^2 of two directions 45 degrees apart is 0.586.
-constexpr double kInverseAngle = 1.0 / 0.586;
+float apart(const ClusterState& state, std::size_t first, std::size_t second) {
+  float place = 0;
+  float turn = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float moved = state.center_m[axis][first] - state.center_m[axis][second];
+    const float turned = state.direction[axis][first] - state.direction[axis][second];
+    place += moved * moved;
+    turn += turned * turned;
+  }
+  return place * state.inverse_square + turn * kInverseAngle;
+}
 
 }  // namespace
 
-void ManifoldClusters::Cluster::update() {
-  const double length = normal_m.norm();
-  if (length > 0) direction = normal_m / length;
-  point_m = place_m2 / weight_m;
-}
+HWY_EXPORT(add);
 
-double ManifoldClusters::apart(const Vec3& point_m, const Vec3& normal, const Cluster& cluster) const {
-  return (point_m - cluster.point_m).squaredNorm() * inverse_square_ +
-         (normal - cluster.direction).squaredNorm() * kInverseAngle;
-}
-
-void ManifoldClusters::add(const NodeContact& contact) {
-  const double weight = reach_m_ - contact.gap_m;
-  if (!(weight > 0)) return;
-  Cluster* nearest = nullptr;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double distance = apart(contact.point_m, contact.normal, clusters_[i]);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = &clusters_[i];
+void update_mean(ClusterState& state, std::size_t cluster) {
+  ClusterState::Sums& sums = state.sums[cluster];
+  const float* const n = sums.normal_m;
+  const float length = std::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+  sums.mean_weight_m = n[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (length > 0) state.direction[axis][cluster] = n[axis] / length;
+    state.center_m[axis][cluster] = sums.point_m2[axis] / n[3];
   }
-  if (nearest == nullptr || least > 1.0) {
-    if (count_ == kRoom) {
-      merge_nearest();
-    }
-    nearest = &clusters_[count_++];
-    *nearest = {weight * contact.normal, weight * contact.point_m,    weight, contact.normal, contact.point_m,
-                contact.gap_m,           contact.certain_separation_m};
-    return;
-  }
-  nearest->normal_m += weight * contact.normal;
-  nearest->place_m2 += weight * contact.point_m;
-  nearest->weight_m += weight;
-  nearest->gap_m = std::min(nearest->gap_m, contact.gap_m);
-  nearest->certain_separation_m = std::min(nearest->certain_separation_m, contact.certain_separation_m);
-  nearest->update();
 }
 
-void ManifoldClusters::merge_nearest() {
+void merge_nearest(ClusterState& state) {
   std::size_t first = 0;
   std::size_t second = 1;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < count_; ++i) {
-    for (std::size_t j = i + 1; j < count_; ++j) {
-      const double distance = apart(clusters_[j].point_m, clusters_[j].direction, clusters_[i]);
+  float least = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < state.count; ++i) {
+    for (std::size_t j = i + 1; j < state.count; ++j) {
+      const float distance = apart(state, i, j);
       if (distance >= least) continue;
       least = distance;
       first = i;
       second = j;
     }
   }
-  Cluster& kept = clusters_[first];
-  const Cluster& gone = clusters_[second];
-  kept.normal_m += gone.normal_m;
-  kept.place_m2 += gone.place_m2;
-  kept.weight_m += gone.weight_m;
+  ClusterState::Sums& kept = state.sums[first];
+  const ClusterState::Sums& gone = state.sums[second];
+  for (std::size_t k = 0; k < 4; ++k) kept.normal_m[k] += gone.normal_m[k];
+  for (std::size_t k = 0; k < 4; ++k) kept.point_m2[k] += gone.point_m2[k];
   kept.gap_m = std::min(kept.gap_m, gone.gap_m);
   kept.certain_separation_m = std::min(kept.certain_separation_m, gone.certain_separation_m);
-  kept.update();
-  std::copy(clusters_.begin() + static_cast<std::ptrdiff_t>(second) + 1,
-            clusters_.begin() + static_cast<std::ptrdiff_t>(count_),
-            clusters_.begin() + static_cast<std::ptrdiff_t>(second));
-  --count_;
+  update_mean(state, first);
+  for (std::size_t c = second; c + 1 < state.count; ++c) {
+    state.sums[c] = state.sums[c + 1];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      state.direction[axis][c] = state.direction[axis][c + 1];
+      state.center_m[axis][c] = state.center_m[axis][c + 1];
+    }
+  }
+  --state.count;
 }
 
-void ManifoldClusters::finish(ManifoldPoints& into) {
-  while (count_ > kMaxManifoldPoints) merge_nearest();
-  into.count = count_;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Cluster& cluster = clusters_[i];
-    into.point[i] = {cluster.direction, cluster.point_m, cluster.gap_m,
-                     std::max(cluster.gap_m, cluster.certain_separation_m)};
+void ManifoldClusters::add(const NodeContacts& contacts, std::size_t count) {
+  HWY_DYNAMIC_DISPATCH(add)(contacts, count, state_);
+}
+
+void ManifoldClusters::write(ManifoldPoints& into) {
+  for (std::size_t c = 0; c < state_.count; ++c) update_mean(state_, c);
+  while (state_.count > kMaxManifoldPoints) merge_nearest(state_);
+  into.count = state_.count;
+  for (std::size_t c = 0; c < state_.count; ++c) {
+    const auto at = [c](const std::array<float, ClusterState::kMost>(&of)[3]) {
+      return Vec3(static_cast<double>(of[0][c]), static_cast<double>(of[1][c]), static_cast<double>(of[2][c]));
+    };
+    const double gap_m = static_cast<double>(state_.sums[c].gap_m);
+    into.point[c] = {at(state_.direction).normalized(), at(state_.center_m), gap_m,
+                     std::max(gap_m, static_cast<double>(state_.sums[c].certain_separation_m))};
   }
 }
 
 }  // namespace poise::collision
+#endif

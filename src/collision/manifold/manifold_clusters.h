@@ -3,48 +3,56 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "collision/manifold/manifold_point.h"
 #include "poise/types.h"
 
 namespace poise::collision {
 
-/// One contact of two nodes, in the frame of a.
-struct NodeContact {
-  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
-  Vec3 point_m = Vec3::Zero();  ///< in the middle between the two surfaces
-  double gap_m = 0;
-  double certain_separation_m = 0;  ///< below zero the objects certainly penetrate
+/// Up to eight contacts of two nodes each, a figure an array; the frame of a.
+struct NodeContacts {
+  static constexpr std::size_t kLanes = 8;
+  alignas(32) float gap_m[kLanes]{};
+  alignas(32) float certain_separation_m[kLanes]{};  ///< below zero the objects certainly penetrate
+  alignas(32) float normal[3][kLanes]{};             ///< unit, from a to b
+  alignas(32) float point_m[3][kLanes]{};            ///< in the middle between the two surfaces
+};
+
+/// Clusters in progress, plain data for the kernels.
+struct ClusterState {
+  static constexpr std::size_t kMost = 2 * kMaxManifoldPoints;
+  /// Rows of four floats, added at once.
+  struct Sums {
+    alignas(16) float normal_m[4];      ///< sum of w n, and of w
+    alignas(16) float point_m2[4];      ///< sum of w p, and 0
+    float gap_m, certain_separation_m;  ///< least
+    float mean_weight_m;                ///< weight at which the means were made
+  };
+  float reach_m, inverse_square;
+  std::uint32_t count = 0;
+  std::array<Sums, kMost> sums;
+  std::array<float, kMost> direction[3], center_m[3];  ///< means
 };
 
 /// Clusters the contacts of a front into few contact points: each contact joins the nearest cluster in position and
-/// direction, or starts a new one while there is capacity, else it joins the nearest. Weights are w = reach - gap. The
-/// result depends on the order of contacts, which is that of the front.
+/// direction, or starts a new one; the nearest two are merged where there are too many. Weights are w = reach - gap.
+/// The result depends on the order of contacts, which is that of the front, and on nothing else: the same bits on any
+/// instruction set.
 class ManifoldClusters {
  public:
   /// Contacts count when their gap is below `reach_m`; those within `size_m` of a cluster may join it.
-  ManifoldClusters(double reach_m, double size_m) : reach_m_(reach_m), inverse_square_(1.0 / (size_m * size_m)) {}
-  void add(const NodeContact& contact);
-  /// Writes the manifold: at most kMaxManifoldPoints; the nearest clusters are merged until they fit.
-  void finish(ManifoldPoints& into);
+  ManifoldClusters(double reach_m, double size_m) {
+    state_.reach_m = static_cast<float>(reach_m);
+    state_.inverse_square = static_cast<float>(1.0 / (size_m * size_m));
+  }
+  /// Adds the first `count` contacts, 1 to 8.
+  void add(const NodeContacts& contacts, std::size_t count);
+  /// The manifold: at most kMaxManifoldPoints; the nearest clusters are merged until they fit.
+  void write(ManifoldPoints& into);
 
  private:
-  static constexpr std::size_t kRoom = 2 * kMaxManifoldPoints;
-  struct Cluster {
-    Vec3 normal_m = Vec3::Zero();  ///< sum of w n
-    Vec3 place_m2 = Vec3::Zero();  ///< sum of w p
-    double weight_m = 0;
-    Vec3 direction, point_m;                     ///< means, up to date
-    double gap_m = 0, certain_separation_m = 0;  ///< least
-    void update();
-  };
-  /// Squared distance of a contact and a cluster: 1 at a distance of size_m, or at an angle of 45 degrees.
-  [[nodiscard]] double apart(const Vec3& point_m, const Vec3& normal, const Cluster& cluster) const;
-  void merge_nearest();
-
-  double reach_m_, inverse_square_;
-  std::size_t count_ = 0;
-  std::array<Cluster, kRoom> clusters_;
+  ClusterState state_;
 };
 
 }  // namespace poise::collision

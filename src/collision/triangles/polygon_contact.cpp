@@ -410,6 +410,7 @@ void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonPro
                       LevelContact& found) {
   found.contact = make_polygon_contact(frame, progress.on_a, progress.on_b, progress.sums, found.contact, rotation_a);
   found.manifold_points = {};
+  found.points_due = false;
   if (progress.rests) {
     found.manifold_points = manifold_points_of(frame, rotation_a, progress.on_a, progress.on_b, progress.sums,
                                                found.contact, progress.points);

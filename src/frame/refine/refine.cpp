@@ -105,6 +105,9 @@ void refine_everything(const Refinement& refinement) {
         note_outcome(pair, units, outcome, tally);
         if (log != nullptr) log->note(worker, index, kind_of(outcome), SteadyClock::now());
       }
+      const RefineInput& input = refinement.input;
+      make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found[i],
+                      refinement.resources.pools);
       refinement.resources.pools[static_cast<std::size_t>(worker)].clear();
       pair.level.front = {};
     }
@@ -208,6 +211,20 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
     }
   });
   return full.take(0);
+}
+
+void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
+                      parallel::Executor& executor) {
+  const PairTable& table = input.table;
+  parallel::parallel_for(executor, table.chunks(), 1, [&](std::size_t first, std::size_t past, int) {
+    for (std::size_t chunk = first; chunk < past; ++chunk) {
+      if (table.known_of_chunk[chunk].refinable == 0) continue;
+      for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
+        make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), levels.progress[i], levels.found[i],
+                        pools);
+      }
+    }
+  });
 }
 
 void refine(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,

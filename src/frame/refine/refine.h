@@ -72,6 +72,11 @@ struct RefineResources {
 void refine(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,
             parallel::Executor& executor);
 
+/// After refinement: the manifold points of the pairs that the budget left before their deepest level. Work that the
+/// frame must do.
+void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
+                      parallel::Executor& executor);
+
 /// The first thing of the stage: all pairs as *coarse* left them.
 void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor);
 

@@ -14,6 +14,12 @@ collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed
   return frame;
 }
 
+void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
+                     collision::LevelContact& found, std::span<const collision::FrontPool> pools) {
+  if (progress.level.level == 0 || progress.apart() || progress.from_cache() || !found.points_due) return;
+  collision::make_points(frame_of(refiner, posed), pools, progress.level, found);
+}
+
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                      collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
   const Outcome outcome =
@@ -25,6 +31,7 @@ Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairPro
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                  collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
   while (progress.refinable() && !progress.full) refine_level(refiner, posed, progress, found, pools, worker);
+  make_points_due(refiner, posed, progress, found, pools);
   return !progress.full;
 }
 

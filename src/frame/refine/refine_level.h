@@ -51,6 +51,23 @@ Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::Front
   return Outcome::Completed;
 }
 
+/// The manifold points of a level, in bounded pieces; false when it was cut.
+template <class GoOn>
+bool complete_points(const PairRefiner& refiner, std::span<const collision::FrontPool> pools,
+                     const collision::PairFrame& frame, const collision::PairLevel& level,
+                     collision::LevelContact& found, GoOn&& go_on) {
+  collision::PointsProgress progress = collision::begin_points(frame, level);
+  std::uint32_t left = collision::points_units(level.front_entries);
+  for (;;) {
+    const std::uint32_t units = std::min(left, refiner.quantum_units);
+    if (!go_on(units)) return false;
+    if (collision::run_points(frame, pools, units, progress) == collision::Quantum::Complete) break;
+    left -= units;
+  }
+  collision::publish_points(progress, found);
+  return true;
+}
+
 /// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the
 /// pair is known by goes on in `level` and `found`, which are its own or copies of them. The front goes into the pool
 /// of `worker`.
@@ -79,7 +96,12 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
       return full ? Outcome::Full : Outcome::Cut;
     }
   }
-  collision::publish_level(frame, posed.a.rotation, pools, progress, level, found);
+  collision::publish_level(frame, posed.a.rotation, progress, level, found);
+  // A deeper level makes the points of this one needless; if none follows in this frame they are made in the end.
+  if (found.points_due && !level.refinable() && !complete_points(refiner, pools, frame, level, found, go_on)) {
+    pool.release(progress.mark);
+    return Outcome::Cut;
+  }
   if (!level.refinable() && refiner.contact != ContactModel::Paper) {
     // Nobody reads the front of a pair that is done but the paper's model.
     pool.release(progress.mark);
@@ -90,6 +112,10 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   }
   return Outcome::Completed;
 }
+
+/// Makes the manifold points of a pair that are due, if its deepest completed level counts. Its front is still there.
+void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
+                     collision::LevelContact& found, std::span<const collision::FrontPool> pools);
 
 /// The next level of a pair that nobody else refines, whatever that costs.
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
