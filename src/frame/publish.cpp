@@ -30,7 +30,7 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   if (progress.fresh()) {
     cached.level = progress.level.level;
     cached.apart = progress.level.apart;
-    cached.reach_m = pair.reach_m;
+    cached.reach_m = std::min(pair.reach_m, input.levels.found[i].reach_m);
     if (progress.level.apart && progress.level.front_entries == 0 && !progress.level.nearly && !progress.exact)
       cached.reach_m += wide_m(pair);
     cached.moved_m = 0;

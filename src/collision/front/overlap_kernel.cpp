@@ -75,6 +75,55 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, 
   return found;
 }
 
+// The entries whose own nodes overlap, in order; how many.
+std::uint32_t narrow(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
+                     std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  const hn::CappedTag<float, kTreeBranching> d;
+  const Spheres spheres_a(a);
+  const Spheres spheres_b(b);
+  std::uint32_t kept = 0;
+  alignas(32) float of_a[4][kTreeBranching];
+  alignas(32) float of_b[4][kTreeBranching];
+  alignas(32) float apart[kTreeBranching];
+  for (std::size_t first = 0; first < front.size(); first += kTreeBranching) {
+    const std::size_t count = std::min<std::size_t>(kTreeBranching, front.size() - first);
+    for (std::size_t k = 0; k < kTreeBranching; ++k) {
+      const FrontEntry entry = front[first + std::min(k, count - 1)];
+      of_a[0][k] = spheres_a.x[entry.a];
+      of_a[1][k] = spheres_a.y[entry.a];
+      of_a[2][k] = spheres_a.z[entry.a];
+      of_a[3][k] = spheres_a.radius[entry.a];
+      of_b[0][k] = spheres_b.x[entry.b];
+      of_b[1][k] = spheres_b.y[entry.b];
+      of_b[2][k] = spheres_b.z[entry.b];
+      of_b[3][k] = spheres_b.radius[entry.b];
+    }
+    for (std::size_t k = 0; k < kTreeBranching; k += hn::Lanes(d)) {
+      const auto x = hn::Load(d, of_b[0] + k);
+      const auto y = hn::Load(d, of_b[1] + k);
+      const auto z = hn::Load(d, of_b[2] + k);
+      const auto difference = [&](std::size_t row) HWY_ATTR {
+        const float* const turn = frame.rotation + 3 * row;
+        const auto moved = hn::Add(hn::Add(hn::Mul(hn::Set(d, turn[0]), x), hn::Mul(hn::Set(d, turn[1]), y)),
+                                   hn::Add(hn::Mul(hn::Set(d, turn[2]), z), hn::Set(d, frame.offset_m[row])));
+        return hn::Sub(moved, hn::Load(d, of_a[row] + k));
+      };
+      const auto dx = difference(0);
+      const auto dy = difference(1);
+      const auto dz = difference(2);
+      const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+      const auto reach =
+          hn::Add(hn::Add(hn::Load(d, of_b[3] + k), hn::Set(d, inflation_m)), hn::Load(d, of_a[3] + k));
+      hn::Store(hn::Sub(square, hn::Mul(reach, reach)), d, apart + k);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      out[kept] = front[first + k];
+      kept += apart[k] < 0 ? 1U : 0U;
+    }
+  }
+  return kept;
+}
+
 // Bits of the pairs of `rows` spheres of a and `columns` of b.
 HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
   constexpr std::uint64_t kFirstColumn = 0x0101010101010101U;
@@ -163,6 +212,7 @@ namespace poise::collision {
 
 HWY_EXPORT(expand);
 HWY_EXPORT(expand_twice);
+HWY_EXPORT(narrow);
 
 Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
                        std::span<const FrontEntry> front, std::span<FrontEntry> out) {
@@ -173,6 +223,11 @@ Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const Flo
                              const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
                              std::span<FrontEntry> out, std::span<FrontEntry> close) {
   return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, nearness, closeness_m, front, out, close);
+}
+
+std::uint32_t narrow_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
+                           std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+  return HWY_DYNAMIC_DISPATCH(narrow)(a, b, frame, inflation_m, front, out);
 }
 
 Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, const Nearness& nearness,

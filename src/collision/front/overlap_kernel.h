@@ -42,7 +42,12 @@ Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const Flo
                              const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
                              std::span<FrontEntry> out, std::span<FrontEntry> close);
 
-/// The same against the half-space normal . p <= offset, given in the frame of a: nodes with
+/// The entries whose two nodes overlap themselves, |o_a - o_b| < r_a + r_b + inflation_m, in order: what is left of a
+/// front that was searched farther. `out` has room for all. How many. Any instruction set gives the same bits.
+std::uint32_t narrow_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
+                           std::span<const FrontEntry> front, std::span<FrontEntry> out);
+
+/// An expansion against the half-space normal . p <= offset, given in the frame of a: nodes with
 /// normal . o - offset < r + inflation_m. The b of each entry stays 0.
 Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, const Nearness& nearness,
                              std::span<const FrontEntry> front, std::span<FrontEntry> out);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 
 #include "poise_assert.h"
 
@@ -20,6 +21,10 @@ constexpr double kNesting = 0.125;
 // Contacts nearer than this many skins (a quarter of the smaller body's radius, chosen) in similar directions form one
 // contact point.
 constexpr double kClusterSkins = 50;
+
+// Refinement follows what is nearer than the nearest surfaces for sure by this many skins (a tenth of the smaller body's
+// radius, chosen as for polygons).
+constexpr double kReachSkins = 10;
 
 // Entries whose contact points take as long as one expansion. Measured: bench_refinement.
 constexpr std::uint32_t kPointsOfUnit = 8;
@@ -45,16 +50,20 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
   // Bytes, because setting 8 KiB to zero takes longer than a level of a pair.
   alignas(FrontEntry) std::array<std::byte, kRoom * sizeof(FrontEntry)> bytes;
   const std::span<FrontEntry> close(reinterpret_cast<FrontEntry*>(bytes.data()), kRoom);
+  std::array<FrontEntry, kAtOnce> narrowed;
   Expansion all;
   while (all.consumed < run.size()) {
-    const auto part = run.subspan(all.consumed, std::min(kAtOnce, run.size() - all.consumed));
+    const auto whole = run.subspan(all.consumed, std::min(kAtOnce, run.size() - all.consumed));
+    const std::uint32_t kept =
+        narrow_front(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness.inflation_m, whole, narrowed);
+    const std::span<const FrontEntry> part(narrowed.data(), kept);
     const std::span<FrontEntry> left = room.subspan(all.hits);
     const Expansion made = expand(frame, part, left, close);
     add_close(frame, left.first(made.hits), close.first(made.close), sums);
-    all.consumed += made.consumed;
     all.hits += made.hits;
     all.nearly = all.nearly || made.nearly;
     if (made.consumed < part.size()) break;
+    all.consumed += static_cast<std::uint32_t>(whole.size());
   }
   return all;
 }
@@ -125,6 +134,10 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   return contact;
 }
 
+double narrowed_reach_m(const PairFrame& frame, double upper_m) {
+  return std::min(frame.margin_m, std::max(0.0, upper_m) + (getenv("KS") ? atof(getenv("KS")) : kReachSkins) * frame.skin_m);
+}
+
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool) {
   POISE_ASSERT(pair.refinable());
   LevelProgress progress;
@@ -176,12 +189,15 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
   pair.next_units = progress.entries;
   found.contact = make_contact(frame, progress.sums, rotation_a);
   pair.apart = !found.contact.present;
+  // Certain penetration is an upper bound of the separation, so what is farther away leaves the nearest surfaces in.
+  const bool narrows = frame.fitted && !pair.apart;
+  found.reach_m = narrows ? narrowed_reach_m(frame, found.contact.certain_separation_m) : frame.margin_m;
   found.manifold_points.count = 0;
-  found.points_due = !pair.apart && found.contact.estimated_separation_m < frame.margin_m;
+  found.points_due = !pair.apart && found.contact.estimated_separation_m < found.reach_m;
 }
 
-PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair) {
-  return {ManifoldClusters(frame.margin_m, kClusterSkins * frame.skin_m), pair.front};
+PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair, const LevelContact& found) {
+  return {ManifoldClusters(found.reach_m, kClusterSkins * frame.skin_m), pair.front};
 }
 
 std::uint32_t points_units(std::uint32_t front_entries) { return front_entries / kPointsOfUnit + 1; }
@@ -221,7 +237,7 @@ void publish_points(PointsProgress& progress, LevelContact& found) {
 }
 
 void make_points(const PairFrame& frame, std::span<const FrontPool> pools, const PairLevel& pair, LevelContact& found) {
-  PointsProgress progress = begin_points(frame, pair);
+  PointsProgress progress = begin_points(frame, pair, found);
   while (run_points(frame, pools, points_units(pair.front_entries), progress) != Quantum::Complete) {
   }
   publish_points(progress, found);

@@ -34,6 +34,7 @@ struct LevelContact {
   PairContact contact;             ///< used for impacts
   ManifoldPoints manifold_points;  ///< for resting contact
   bool points_due = false;         ///< manifold points are not made yet
+  double reach_m = 0;              ///< all that is nearer than this is in the front of the level
 };
 
 /// Both, for callers that refine a single pair.
@@ -73,6 +74,10 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
 /// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
 PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
+/// What a level searches whose upper bound of the separation is `upper_m`: points farther from touching than the nearest
+/// one by more than a tenth of the smaller body matter in a later step, when they are nearer.
+double narrowed_reach_m(const PairFrame& frame, double upper_m);
+
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
 
 /// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
@@ -92,7 +97,7 @@ struct PointsProgress {
   std::array<FrontEntry, NodeContacts::kLanes> block{};
   std::size_t in_block = 0;
 };
-PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair);
+PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair, const LevelContact& found);
 /// What the points of so many entries cost, in node-pair expansions.
 std::uint32_t points_units(std::uint32_t front_entries);
 /// Takes the entries that `units` pay for. Bounded, allocates nothing.

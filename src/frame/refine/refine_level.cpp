@@ -3,15 +3,28 @@
 
 namespace poise::simulation {
 
-collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed) {
+namespace {
+
+collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed, double reach_m) {
   const ActivePair& pair = posed.pair;
   const dynamics::BodyStore& bodies = refiner.scene.bodies;
   collision::PairFrame frame = collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b],
-                                                          posed.b, pair.reach_m, pair.skin_m);
+                                                          posed.b, reach_m, pair.skin_m);
   frame.nearness.wide_m = static_cast<float>(wide_m(pair));
   frame.fitted = refiner.contact == ContactModel::Fitted;
   frame.by_spheres = refiner.contact == ContactModel::Paper;
   return frame;
+}
+
+}  // namespace
+
+collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed) {
+  return frame_of(refiner, posed, posed.pair.reach_m);
+}
+
+collision::PairFrame frame_after(const PairRefiner& refiner, const PosedPair& posed, const collision::PairLevel& level,
+                                 const collision::LevelContact& found) {
+  return frame_of(refiner, posed, level.level > 0 ? found.reach_m : posed.pair.reach_m);
 }
 
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,

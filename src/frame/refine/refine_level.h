@@ -27,8 +27,10 @@ inline PosedPair posed(const PredictedMotion& motion, const ActivePair& pair) {
   return {pair, motion.poses[pair.a], motion.poses[pair.b]};
 }
 
-/// The frame of refinement of a pair.
+/// The frame of refinement of a pair, and that of what follows a level that has found something.
 collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed);
+collision::PairFrame frame_after(const PairRefiner& refiner, const PosedPair& posed, const collision::PairLevel& level,
+                                 const collision::LevelContact& found);
 
 /// How a level ended.
 enum class Outcome : std::uint8_t { Completed, Cut, Full };
@@ -37,7 +39,7 @@ enum class Outcome : std::uint8_t { Completed, Cut, Full };
 template <class GoOn>
 Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
                           collision::PairLevel& level, collision::LevelContact& found, GoOn&& go_on) {
-  const collision::PairFrame frame = frame_of(refiner, posed);
+  const collision::PairFrame frame = frame_after(refiner, posed, level, found);
   collision::PolygonProgress progress;
   collision::begin_polygons(frame, posed.a.rotation, level, found, progress);
   std::uint32_t left = level.next_units;
@@ -56,7 +58,7 @@ template <class GoOn>
 bool complete_points(const PairRefiner& refiner, std::span<const collision::FrontPool> pools,
                      const collision::PairFrame& frame, const collision::PairLevel& level,
                      collision::LevelContact& found, GoOn&& go_on) {
-  collision::PointsProgress progress = collision::begin_points(frame, level);
+  collision::PointsProgress progress = collision::begin_points(frame, level, found);
   std::uint32_t left = collision::points_units(level.front_entries);
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
@@ -75,7 +77,7 @@ template <class GoOn>
 Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
                        collision::PairLevel& level, collision::LevelContact& found, int worker, GoOn&& go_on) {
   if (level.next_is_polygons()) return complete_polygons(refiner, pools, posed, level, found, go_on);
-  collision::PairFrame frame = frame_of(refiner, posed);
+  collision::PairFrame frame = frame_after(refiner, posed, level, found);
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
     collision::set_expected_fit(refiner.scene.facts_of(posed.pair.a).deviation_m[next],
