@@ -72,7 +72,7 @@ struct Block {
     edges.push_back({a, b, a != 0, true, 1});
     directions.push_back(direction);
   }
-  System system() { return {bodies, rows, {}, {}, {}, inverse_inertia, coloring, scratch}; }
+  System system() { return {bodies, rows, {}, {}, inverse_inertia, coloring, scratch}; }
 };
 
 void step(Block& block, parallel::Executor& executor) {

@@ -68,14 +68,11 @@ class PairRows final : public solver::RowSource {
     row.a = manifold.a;
     row.b = manifold.b;
     row.pair = manifold.pair;
-    row.gap_m = solved_gap_m(solved_pair(input_, points_), manifold.pair);
+    row.gap_m = single.gap_m;
     row.restitution = manifold.restitution;
     row.friction = manifold.friction;
     row.a_to_b_m = input_.motion.poses[pair.b].position_m - input_.motion.poses[pair.a].position_m;
-    if (points.point_count > 1) {
-      row.point_begin = manifold.point_begin;
-      row.point_end = manifold.point_begin + manifold.point_count;
-    }
+    if (points.point_count > 1 && row.restitution > 0) list_overlaps(pair, manifold, k, row);
     if (progress.from_cache()) {
       row.direction = single.normal;
       row.arm_m = single.arm_m;
@@ -95,10 +92,27 @@ class PairRows final : public solver::RowSource {
                              inverse_inertia[pair.b])) {
       degenerate_.take(1);
     }
-    if (input_.terms.contact == ContactModel::Paper) fill_points(pair, progress, index, row);
+    if (input_.terms.contact == ContactModel::Paper) {
+      row.gap_m = solved_gap_m(solved_pair(input_, points_), manifold.pair);
+      fill_points(pair, progress, index, row);
+    }
   }
 
  private:
+  // The points of the manifold that certainly penetrate.
+  void list_overlaps(const ActivePair& pair, const solver::Manifold& manifold, std::size_t k,
+                     solver::ContactRow& row) const {
+    const collision::Pose& a = input_.motion.poses[pair.a];
+    const collision::Pose& b = input_.motion.poses[pair.b];
+    row.overlap_begin = row.overlap_end = static_cast<std::uint32_t>(k * collision::kMaxManifoldPoints);
+    for (std::uint32_t p = manifold.point_begin; p < manifold.point_begin + manifold.point_count; ++p) {
+      const solver::PlacedPoint point = solver::placed_point(a, b, points_.points[p]);
+      if (point.certain_separation_m > 0) continue;
+      velocities_.overlaps[row.overlap_end++] = {point.normal, point.arm_m.cross(point.normal),
+                                                 (point.arm_m - row.a_to_b_m).cross(point.normal)};
+    }
+  }
+
   // Sphere contacts of the paper's model, from the front of the pair.
   void fill_points(const ActivePair& pair, const PairProgress& progress, std::uint32_t index,
                    solver::ContactRow& row) const {
@@ -127,6 +141,7 @@ class PairRows final : public solver::RowSource {
 void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::Executor& executor) {
   const Manifolds& manifolds = input.manifolds;
   velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
+  velocities.overlaps.resize(collision::kMaxManifoldPoints * velocities.rows.size());
   velocities.scratch.activations.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> order = manifolds.coloring.order();
   parallel::parallel_for(executor, order.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -168,11 +183,14 @@ double solved_gap_m(const SolvedPair& solved, std::uint32_t pair) {
   return impact_point_of(solved.motion, solved.points, active, solved.manifolds.points[pair].slot).gap_m;
 }
 
-solver::System impact_system(const SolveInput& input, const PointCache& points, Velocities& velocities) {
-  return {velocities.bodies,        std::span(velocities.rows).first(input.manifolds.manifolds.size()),
-          velocities.points,        points.points,
-          input.motion.poses,       input.motion.inverse_inertia,
-          input.manifolds.coloring, velocities.scratch};
+solver::System impact_system(const SolveInput& input, Velocities& velocities) {
+  return {velocities.bodies,
+          std::span(velocities.rows).first(input.manifolds.manifolds.size()),
+          velocities.points,
+          velocities.overlaps,
+          input.motion.inverse_inertia,
+          input.manifolds.coloring,
+          velocities.scratch};
 }
 
 void fill_rows(const SolveInput& input, const PointCache& points, Velocities& velocities,
@@ -188,6 +206,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   const std::size_t most = input.table.capacity();
   velocities.applied_impulse_ns.reserve(most);
   velocities.rows.reserve(most);
+  velocities.overlaps.reserve(collision::kMaxManifoldPoints * most);
   velocities.scratch.activations.reserve(most);
   velocities.not_bouncing.reserve(most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());
@@ -206,7 +225,7 @@ solver::Convergence solve_impacts(const SolveInput& input, const PointCache& poi
   parallel::Tickets degenerate;
   const PairRows source(input, points, velocities, degenerate);
   deactivate_rows(input, velocities, executor);
-  solver::System system = impact_system(input, points, velocities);
+  solver::System system = impact_system(input, velocities);
   system.source = &source;
   const solver::Convergence ended = solver::solve_impacts(system, input.settings(), executor);
   report.degenerate = degenerate.take(0);

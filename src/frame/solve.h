@@ -31,6 +31,7 @@ struct Velocities {
   std::vector<solver::Acceleration> accelerations;   ///< one a slot
   parallel::LargeVector<Vec3> applied_impulse_ns;    ///< one a manifold: what b received from the contact solver
   parallel::LargeVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
+  parallel::LargeVector<solver::OverlapPoint> overlaps;  ///< of the rows
   std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
   SweptContacts swept;            ///< with backtracking
 
@@ -62,7 +63,7 @@ solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_it
 /// Fills all rows, after begin_solve; solve_impacts fills those that it needs. For the pair probe.
 void fill_rows(const SolveInput& input, const PointCache& points, Velocities& velocities, parallel::Executor& executor);
 /// What the solver of impacts works on, once there are rows.
-solver::System impact_system(const SolveInput& input, const PointCache& points, Velocities& velocities);
+solver::System impact_system(const SolveInput& input, Velocities& velocities);
 
 /// The impact point of a pair, where it was at the start of the step.
 solver::PlacedPoint impact_point_of(const PredictedMotion& motion, const PointCache& points, const ActivePair& pair,

@@ -28,9 +28,17 @@ struct PointContact {
   double gap_m = 0;
 };
 
-/// The constraint row of one pair: a single constraint along the wrench (l, t_a, t_b), see docs/method.md. Fields that
-/// every row needs come first, fields of impacts after them: most rows of a scene at rest have no impact.
-struct ContactRow {
+/// A direction along which two bodies push each other: (l, t_a, t_b), see docs/method.md.
+struct Wrench {
+  Vec3 direction = Vec3::Zero();                              ///< l
+  Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
+  Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
+  double effective_mass = 0;                                  ///< 1 / K; 0 when degenerate: it is inactive
+};
+
+/// The constraint row of one pair: a single constraint along the wrench. Fields that every row needs come first, fields
+/// of impacts after them: most rows of a scene at rest have no impact.
+struct ContactRow : Wrench {
   std::uint32_t a = 0, b = 0;  ///< solver bodies; a pair's order, not that of slots
   std::uint32_t pair = 0;      ///< index of the pair in canonical order
   bool bounces = false;        ///< closes fast enough to rebound: left to the impact phase
@@ -41,15 +49,10 @@ struct ContactRow {
   Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
 
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
-  std::uint32_t point_begin = 0,
-                point_end = 0;    ///< of the contact points of the pair's manifold, if it has more than one
-  Vec3 direction = Vec3::Zero();  ///< l
-  Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
-  Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
-  double inverse_mass_a = 0, inverse_mass_b = 0;
-  double effective_mass = 0;     ///< 1 / K; 0 when degenerate: the row is inactive
-  Vec3 arm_m = Vec3::Zero();     ///< mean contact point, from the centre of mass of a
-  Vec3 a_to_b_m = Vec3::Zero();  ///< between the centres of mass
+  std::uint32_t overlap_begin = 0,
+                overlap_end = 0;  ///< of the contact points that certainly penetrate, if the manifold has more than one
+  Vec3 arm_m = Vec3::Zero();      ///< mean contact point, from the centre of mass of a
+  Vec3 a_to_b_m = Vec3::Zero();   ///< between the centres of mass
 
   /// What impacts gave to b, N s. A row that was never filled has no direction, and gave nothing along it.
   [[nodiscard]] Vec3 impact_ns() const {
@@ -57,27 +60,36 @@ struct ContactRow {
   }
 };
 
-/// Fills turn, inverse masses and effective mass from l and t; true unless K is not positive and finite
-/// (then the row is left without effect).
-bool prepare_row(ContactRow& row, double inverse_mass_a, const Mat3& inverse_inertia_a, double inverse_mass_b,
+/// A contact point of a manifold that certainly penetrates, at the start of the step.
+struct OverlapPoint {
+  Vec3 normal = Vec3::UnitZ();                                ///< from a to b
+  Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< r x n about each centre of mass
+};
+
+/// Fills turn and effective mass from l and t; true unless K is not positive and finite (then the wrench is left
+/// without effect).
+bool prepare_row(Wrench& wrench, double inverse_mass_a, const Mat3& inverse_inertia_a, double inverse_mass_b,
                  const Mat3& inverse_inertia_b);
 
-/// Approach speed along the wrench: positive when the two close.
-inline double approach_mps(const ContactRow& row, const SolverBody& a, const SolverBody& b) {
-  return row.direction.dot(a.velocity_mps - b.velocity_mps) + row.moment_a_m.dot(a.spin_radps) -
-         row.moment_b_m.dot(b.spin_radps);
+/// Approach speed along a wrench or at a point: positive when the two close.
+inline double approach_mps(const Vec3& direction, const Vec3& moment_a_m, const Vec3& moment_b_m, const SolverBody& a,
+                           const SolverBody& b) {
+  return direction.dot(a.velocity_mps - b.velocity_mps) + moment_a_m.dot(a.spin_radps) - moment_b_m.dot(b.spin_radps);
+}
+inline double approach_mps(const Wrench& wrench, const SolverBody& a, const SolverBody& b) {
+  return approach_mps(wrench.direction, wrench.moment_a_m, wrench.moment_b_m, a, b);
 }
 
 /// Applies the impulse lambda along the wrench to b and its opposite to a. Bodies that are not dynamic stay as they
 /// are.
-inline void apply_impulse(const ContactRow& row, double lambda_ns, SolverBody& a, SolverBody& b) {
-  if (row.inverse_mass_a > 0) {
-    a.velocity_mps -= (lambda_ns * row.inverse_mass_a) * row.direction;
-    a.spin_radps -= lambda_ns * row.turn_a;
+inline void apply_impulse(const Wrench& wrench, double lambda_ns, SolverBody& a, SolverBody& b) {
+  if (a.inverse_mass > 0) {
+    a.velocity_mps -= (lambda_ns * a.inverse_mass) * wrench.direction;
+    a.spin_radps -= lambda_ns * wrench.turn_a;
   }
-  if (row.inverse_mass_b > 0) {
-    b.velocity_mps += (lambda_ns * row.inverse_mass_b) * row.direction;
-    b.spin_radps += lambda_ns * row.turn_b;
+  if (b.inverse_mass > 0) {
+    b.velocity_mps += (lambda_ns * b.inverse_mass) * wrench.direction;
+    b.spin_radps += lambda_ns * wrench.turn_b;
   }
 }
 

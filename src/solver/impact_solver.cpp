@@ -12,6 +12,12 @@ namespace {
 // answer half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
 bool meets_now(double gap_m, double closing_mps, double dt_s) { return gap_m <= 0.5 * closing_mps * dt_s; }
 
+// Fills a wrench between the bodies of a row.
+bool prepared(const System& system, const ContactRow& row, Wrench& wrench) {
+  return prepare_row(wrench, system.bodies[row.a].inverse_mass, system.inverse_inertia[row.a],
+                     system.bodies[row.b].inverse_mass, system.inverse_inertia[row.b]);
+}
+
 // DO eq. 1-3, contact by contact in canonical order, each with the approach speed taken anew.
 bool answer_points(const System& system, ContactRow& row, double dt_s, double still_mps) {
   SolverBody& a = system.bodies[row.a];
@@ -24,14 +30,11 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
         a.velocity_mps + a.spin_radps.cross(point.arm_a_m) - b.velocity_mps - b.spin_radps.cross(point.arm_b_m);
     const double closing = n.dot(velocity);
     if (closing <= still_mps || !meets_now(point.gap_m, closing, dt_s)) continue;
-    ContactRow single = row;
+    Wrench single;
     single.direction = n;
     single.moment_a_m = point.arm_a_m.cross(n);
     single.moment_b_m = point.arm_b_m.cross(n);
-    if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
-                     system.inverse_inertia[row.b])) {
-      continue;
-    }
+    if (!prepared(system, row, single)) continue;
     const double e = row.restitution * closing > still_mps ? row.restitution : 0.0;
     const double lambda = (1.0 + e) * closing * single.effective_mass;
     apply_impulse(single, lambda, a, b);
@@ -52,13 +55,11 @@ void apply_friction(const System& system, ContactRow& row, double lambda_ns) {
   slip -= slip.dot(normal) * normal;
   const double speed = slip.norm();
   if (!(speed > 0)) return;
-  ContactRow across = row;
+  Wrench across;
   across.direction = -slip / speed;
   across.moment_a_m = row.arm_m.cross(across.direction);
   across.moment_b_m = arm_b.cross(across.direction);
-  if (!prepare_row(across, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
-                   system.inverse_inertia[row.b]))
-    return;
+  if (!prepared(system, row, across)) return;
   const double applied_impulse_ns =
       std::min(speed * across.effective_mass, row.friction * lambda_ns * row.direction.norm());
   apply_impulse(across, applied_impulse_ns, a, b);
@@ -85,23 +86,19 @@ bool answer_wrench(const System& system, ContactRow& row, double dt_s, double st
 }
 
 // Solves contact points of the pair that certainly penetrate and would rebound: resting contact has no restitution.
-bool answer_places(const System& system, ContactRow& row, double still_mps) {
+bool answer_overlaps(const System& system, ContactRow& row, double still_mps) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
   bool solved = false;
-  for (std::uint32_t p = row.point_begin; p < row.point_end; ++p) {
-    const PlacedPoint point = placed_point(system.poses[row.a], system.poses[row.b], system.contact_points[p]);
-    if (point.certain_separation_m > 0) continue;
-    ContactRow single = row;
-    single.arm_m = point.arm_m;
-    single.direction = point.normal;
-    single.moment_a_m = point.arm_m.cross(point.normal);
-    single.moment_b_m = (point.arm_m - row.a_to_b_m).cross(point.normal);
-    const double closing = approach_mps(single, a, b);
+  for (std::uint32_t p = row.overlap_begin; p < row.overlap_end; ++p) {
+    const OverlapPoint& point = system.overlaps[p];
+    const double closing = approach_mps(point.normal, point.moment_a_m, point.moment_b_m, a, b);
     if (row.restitution * closing <= still_mps) continue;
-    if (!prepare_row(single, row.inverse_mass_a, system.inverse_inertia[row.a], row.inverse_mass_b,
-                     system.inverse_inertia[row.b]))
-      continue;
+    Wrench single;
+    single.direction = point.normal;
+    single.moment_a_m = point.moment_a_m;
+    single.moment_b_m = point.moment_b_m;
+    if (!prepared(system, row, single)) continue;
     const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
     apply_impulse(single, lambda, a, b);
     row.point_impulse_ns += lambda * point.normal;
@@ -154,11 +151,10 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       const bool here = row.points_begin < row.points_end
                             ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
                             : answer_wrench(system, row, settings.dt_s, still_mps);
-      const bool there =
-          row.restitution > 0 && row.point_begin < row.point_end && answer_places(system, row, still_mps);
+      const bool there = answer_overlaps(system, row, still_mps);
       if (!here && !there) return;
-      if (row.inverse_mass_a > 0) changed[row.a] = round;
-      if (row.inverse_mass_b > 0) changed[row.b] = round;
+      if (system.bodies[row.a].inverse_mass > 0) changed[row.a] = round;
+      if (system.bodies[row.b].inverse_mass > 0) changed[row.b] = round;
       if (solved.get() == 0) solved.set(1);
       if (stopping.converges()) change_ns[i] = row.total_ns - before_ns;
     });

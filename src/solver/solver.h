@@ -85,15 +85,14 @@ struct SolveScratch {
       change_ns;  ///< one a row, where iterations converge: by how much the last one changed its impulse
 };
 
-/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `contact_points` are those of
+/// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `overlaps` are those of
 /// the rows.
 struct System {
   std::span<SolverBody> bodies;
   std::span<ContactRow> rows;
   std::span<const PointContact> points;
-  std::span<const ContactPoint> contact_points;
-  std::span<const collision::Pose> poses;  ///< one a body; read for contact points only
-  std::span<const Mat3> inverse_inertia;   ///< one a body, world frame; read for point contacts and friction only
+  std::span<const OverlapPoint> overlaps;
+  std::span<const Mat3> inverse_inertia;  ///< one a body, world frame; read for points and friction only
   const Coloring& coloring;
   SolveScratch& scratch;
   const RowSource* source = nullptr;  ///< of rows that are not ready; null: all rows are

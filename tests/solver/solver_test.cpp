@@ -51,7 +51,7 @@ struct Bench {
     std::vector<ContactRow> ordered;
     for (const std::uint32_t i : coloring.order()) ordered.push_back(rows[i]);
     rows = ordered;
-    return {bodies, rows, points, {}, {}, inverse_inertia, coloring, scratch};
+    return {bodies, rows, points, {}, inverse_inertia, coloring, scratch};
   }
   Convergence impacts() { return solve_impacts(system(), settings, *executor); }
   double energy() const {

@@ -112,8 +112,7 @@ std::uint32_t narrow(const SphereTree& a, const SphereTree& b, const FloatFrame&
       const auto dy = difference(1);
       const auto dz = difference(2);
       const auto square = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-      const auto reach =
-          hn::Add(hn::Add(hn::Load(d, of_b[3] + k), hn::Set(d, inflation_m)), hn::Load(d, of_a[3] + k));
+      const auto reach = hn::Add(hn::Add(hn::Load(d, of_b[3] + k), hn::Set(d, inflation_m)), hn::Load(d, of_a[3] + k));
       hn::Store(hn::Sub(square, hn::Mul(reach, reach)), d, apart + k);
     }
     for (std::size_t k = 0; k < count; ++k) {

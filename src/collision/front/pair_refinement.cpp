@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdlib>
 
 #include "poise_assert.h"
 
@@ -22,8 +21,8 @@ constexpr double kNesting = 0.125;
 // contact point.
 constexpr double kClusterSkins = 50;
 
-// Refinement follows what is nearer than the nearest surfaces for sure by this many skins (a tenth of the smaller body's
-// radius, chosen as for polygons).
+// Refinement follows what is nearer than the nearest surfaces for sure by this many skins (a tenth of the smaller
+// body's radius, chosen as for polygons).
 constexpr double kReachSkins = 10;
 
 // Entries whose contact points take as long as one expansion. Measured: bench_refinement.
@@ -135,7 +134,7 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
 }
 
 double narrowed_reach_m(const PairFrame& frame, double upper_m) {
-  return std::min(frame.margin_m, std::max(0.0, upper_m) + (getenv("KS") ? atof(getenv("KS")) : kReachSkins) * frame.skin_m);
+  return std::min(frame.margin_m, std::max(0.0, upper_m) + kReachSkins * frame.skin_m);
 }
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool) {

@@ -74,8 +74,8 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
 /// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
 PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
-/// What a level searches whose upper bound of the separation is `upper_m`: points farther from touching than the nearest
-/// one by more than a tenth of the smaller body matter in a later step, when they are nearer.
+/// What a level searches whose upper bound of the separation is `upper_m`: points farther from touching than the
+/// nearest one by more than a tenth of the smaller body matter in a later step, when they are nearer.
 double narrowed_reach_m(const PairFrame& frame, double upper_m);
 
 LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
