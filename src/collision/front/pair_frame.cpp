@@ -59,9 +59,9 @@ void set_expected_fit(double deviation_a_m, double deviation_b_m, double gap_m, 
       frame.nearness.inflation_m - static_cast<float>(frame.margin_m - std::clamp(gap_m, 0.0, frame.margin_m));
 }
 
-Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out,
-                 std::span<FrontEntry> close) {
-  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness, frame.closeness_m, front, out,
+Expansion expand(const PairFrame& frame, const Nearness& nearness, std::span<const FrontEntry> front,
+                 std::span<FrontEntry> out, std::span<FrontEntry> close) {
+  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, nearness, frame.closeness_m, front, out,
                             close);
 }
 

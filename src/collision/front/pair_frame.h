@@ -45,8 +45,9 @@ void set_expected_fit(double deviation_a_m, double deviation_b_m, double gap_m, 
 
 /// Expands part of a front of the pair by one level on both sides.
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out);
-/// The same for two trees, with a second list of those that are nearer than the frame's closeness_m.
-Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out,
-                 std::span<FrontEntry> close);
+/// The same for two trees, with a second list of those that are nearer than the frame's closeness_m. `nearness` may be
+/// less than the frame's.
+Expansion expand(const PairFrame& frame, const Nearness& nearness, std::span<const FrontEntry> front,
+                 std::span<FrontEntry> out, std::span<FrontEntry> close);
 
 }  // namespace poise::collision

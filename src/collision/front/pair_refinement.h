@@ -35,6 +35,7 @@ struct LevelContact {
   ManifoldPoints manifold_points;  ///< for resting contact
   bool points_due = false;         ///< manifold points are not made yet
   double reach_m = 0;              ///< all that is nearer than this is in the front of the level
+  bool narrowed = false;           ///< and much that is farther away
 };
 
 /// Both, for callers that refine a single pair.
@@ -46,7 +47,8 @@ struct LevelProgress {
   std::uint32_t offset = 0;  ///< entries of it that are done
   SegmentRef first, last;    ///< of the new front
   std::uint32_t entries = 0;
-  bool nearly = false;  ///< as PairLevel::nearly
+  bool nearly = false;   ///< as PairLevel::nearly
+  bool narrows = false;  ///< the front that is read holds much that is too far away
   ContactSums sums;
   FrontPool::Mark mark{};  ///< of the worker's pool when the level was begun
 };
@@ -74,11 +76,7 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
 /// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
 PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
-/// What a level searches whose upper bound of the separation is `upper_m`: points farther from touching than the
-/// nearest one by more than a tenth of the smaller body matter in a later step, when they are nearer.
-double narrowed_reach_m(const PairFrame& frame, double upper_m);
-
-LevelProgress begin_level(const PairLevel& pair, const FrontPool& pool);
+LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool);
 
 /// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,

@@ -8,8 +8,8 @@ namespace {
 collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed, double reach_m) {
   const ActivePair& pair = posed.pair;
   const dynamics::BodyStore& bodies = refiner.scene.bodies;
-  collision::PairFrame frame = collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b],
-                                                          posed.b, reach_m, pair.skin_m);
+  collision::PairFrame frame =
+      collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b], posed.b, reach_m, pair.skin_m);
   frame.nearness.wide_m = static_cast<float>(wide_m(pair));
   frame.fitted = refiner.contact == ContactModel::Fitted;
   frame.by_spheres = refiner.contact == ContactModel::Paper;

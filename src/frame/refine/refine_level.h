@@ -85,7 +85,7 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
                                 level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
   }
   collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
-  collision::LevelProgress progress = collision::begin_level(level, pool);
+  collision::LevelProgress progress = collision::begin_level(level, found, pool);
   std::uint32_t left = level.front_entries;
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
