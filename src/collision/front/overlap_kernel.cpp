@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 
 #include "collision/front/overlap_kernel.h"
 
@@ -32,9 +33,22 @@ struct Near {
   std::uint64_t bits = 0, close = 0, wide = 0;
 };
 
-template <bool kTwice>
-HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, NodeIndex first_b,
-                         const FloatFrame& frame, const Nearness& nearness, float closeness) {
+// Of each sphere of b the sphere of a that is nearest, and how near.
+struct Nearest {
+  alignas(32) float square_m2[kTreeBranching];  // |o_a - o_b|^2 - (r_a + r_b)^2
+  alignas(32) float row[kTreeBranching];
+};
+
+// What an expansion does beside the tests of the front itself.
+struct Lists {
+  bool close = false;    // a second list of what is close
+  bool nearest = false;  // a list of the nearest children of each entry
+};
+
+template <Lists kLists>
+HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, std::uint32_t rows, const Spheres& b, NodeIndex first_b,
+                         const FloatFrame& frame, const Nearness& nearness, float closeness,
+                         [[maybe_unused]] Nearest& nearest) {
   const hn::CappedTag<float, kTreeBranching> d;
   const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
   Near found;
@@ -53,6 +67,8 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, 
     const auto inflated = hn::Add(radius, hn::Set(d, nearness.inflation_m));
     const auto wide = hn::Set(d, nearness.wide_m);
     const auto closer = hn::Add(radius, hn::Set(d, closeness));
+    [[maybe_unused]] auto least = hn::Set(d, std::numeric_limits<float>::max());
+    [[maybe_unused]] auto row_of_least = hn::Zero(d);
     for (std::size_t i = 0; i < kTreeBranching; ++i) {
       const auto dx = hn::Sub(moved_x, hn::Set(d, a.x[first_a + i]));
       const auto dy = hn::Sub(moved_y, hn::Set(d, a.y[first_a + i]));
@@ -66,21 +82,34 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, const Spheres& b, 
       };
       found.bits |= bits_of(reach);
       found.wide |= bits_of(hn::Add(reach, wide));
-      if constexpr (kTwice) {
+      if constexpr (kLists.close) {
         const auto near = hn::Add(closer, hn::Set(d, a.radius[first_a + i]));
         found.close |= bits_of(hn::Max(near, hn::Zero(d)));
       }
+      if constexpr (kLists.nearest) {
+        const auto both = hn::Add(radius, hn::Set(d, a.radius[first_a + i]));
+        const auto beyond = hn::Sub(square, hn::Mul(both, both));
+        const auto nearer = hn::And(hn::Lt(beyond, least),
+                                    hn::Lt(hn::Set(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(rows))));
+        least = hn::IfThenElse(nearer, beyond, least);
+        row_of_least = hn::IfThenElse(nearer, hn::Set(d, static_cast<float>(i)), row_of_least);
+      }
+    }
+    if constexpr (kLists.nearest) {
+      hn::Store(least, d, nearest.square_m2 + j);
+      hn::Store(row_of_least, d, nearest.row + j);
     }
   }
   return found;
 }
 
 // The entries whose own nodes overlap, in order; how many.
-std::uint32_t narrow(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
-                     std::span<const FrontEntry> front, std::span<FrontEntry> out) {
+std::uint32_t narrow(const TreePair& trees, float inflation_m, std::span<const FrontEntry> front,
+                     std::span<FrontEntry> out) {
   const hn::CappedTag<float, kTreeBranching> d;
-  const Spheres spheres_a(a);
-  const Spheres spheres_b(b);
+  const Spheres spheres_a(trees.a);
+  const Spheres spheres_b(trees.b);
+  const FloatFrame& frame = trees.frame;
   std::uint32_t kept = 0;
   alignas(32) float of_a[4][kTreeBranching];
   alignas(32) float of_b[4][kTreeBranching];
@@ -133,7 +162,17 @@ HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
 struct Block {
   Near found;
   FrontEntry first;
+  std::uint32_t columns = 0;
 };
+
+// The nearest children of a block.
+HWY_INLINE FrontEntry nearest_of(const Nearest& nearest, const Block& block) {
+  std::uint32_t column = 0;
+  for (std::uint32_t j = 1; j < block.columns; ++j) {
+    if (nearest.square_m2[j] < nearest.square_m2[column]) column = j;
+  }
+  return {block.first.a + static_cast<NodeIndex>(nearest.row[column]), block.first.b + column};
+}
 
 // Writes the pairs of a block in order; contact points of `out` beyond them may be overwritten, but none beyond the
 // block's own 64.
@@ -150,22 +189,22 @@ HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEn
   return hits;
 }
 
-template <bool kTwice>
-HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
-                                   const Nearness& nearness, float closeness, std::span<const FrontEntry> front,
-                                   std::span<FrontEntry> out, std::span<FrontEntry> close) {
+template <Lists kLists>
+HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearness, float closeness,
+                                   std::span<const FrontEntry> front, const ExpansionLists& lists) {
   // Tests of many entries first, then their lists: tests without a branch run into each other, while a list's length,
   // which no processor foresees, holds up what comes after it.
   constexpr std::size_t kBlocks = 32;
   constexpr std::size_t kPairs = std::size_t{kTreeBranching} * kTreeBranching;
-  const Spheres spheres_a(a);
-  const Spheres spheres_b(b);
-  const NodeIndex* const children_a = a.first_child.data();
-  const NodeIndex* const children_b = b.first_child.data();
-  const std::uint8_t* const counts_a = a.child_count.data();
-  const std::uint8_t* const counts_b = b.child_count.data();
-  const FloatFrame moved = frame;
+  const Spheres spheres_a(trees.a);
+  const Spheres spheres_b(trees.b);
+  const NodeIndex* const children_a = trees.a.first_child.data();
+  const NodeIndex* const children_b = trees.b.first_child.data();
+  const std::uint8_t* const counts_a = trees.a.child_count.data();
+  const std::uint8_t* const counts_b = trees.b.child_count.data();
+  const FloatFrame moved = trees.frame;
   std::array<Block, kBlocks> blocks;
+  std::array<Nearest, kLists.nearest ? kBlocks : 1> nearest;
   Expansion result;
   while (result.consumed < front.size()) {
     const std::size_t count = std::min(kBlocks, front.size() - result.consumed);
@@ -175,16 +214,22 @@ HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, con
       const std::uint32_t rows = std::max<std::uint32_t>(counts_a[entry.a], 1);
       const std::uint32_t columns = std::max<std::uint32_t>(counts_b[entry.b], 1);
       const std::uint64_t used = used_bits(rows, columns);
-      const Near found = overlaps<kTwice>(spheres_a, first.a, spheres_b, first.b, moved, nearness, closeness);
-      blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first};
+      const Near found = overlaps<kLists>(spheres_a, first.a, rows, spheres_b, first.b, moved, nearness, closeness,
+                                          nearest[kLists.nearest ? k : 0]);
+      blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first, columns};
     }
     for (std::size_t k = 0; k < count; ++k) {
-      if (out.size() - result.hits < kPairs) return result;
-      result.nearly = result.nearly || blocks[k].found.wide != blocks[k].found.bits;
-      result.hits += list_hits(blocks[k].found.bits, blocks[k].first, out.data() + result.hits);
-      if constexpr (kTwice) {
-        if (close.size() - result.close < kPairs) return result;
-        result.close += list_hits(blocks[k].found.close, blocks[k].first, close.data() + result.close);
+      const Block& block = blocks[k];
+      result.nearly = result.nearly || block.found.wide != block.found.bits;
+      if (lists.front.size() - result.hits < kPairs) return result;
+      result.hits += list_hits(block.found.bits, block.first, lists.front.data() + result.hits);
+      if constexpr (kLists.close) {
+        if (lists.close.size() - result.close < kPairs) return result;
+        result.close += list_hits(block.found.close, block.first, lists.close.data() + result.close);
+      }
+      if constexpr (kLists.nearest) {
+        lists.nearest[result.nearest] = nearest_of(nearest[k], block);
+        result.nearest += block.found.bits != 0 ? 1U : 0U;
       }
       ++result.consumed;
     }
@@ -192,15 +237,19 @@ HWY_INLINE Expansion expand_blocks(const SphereTree& a, const SphereTree& b, con
   return result;
 }
 
-Expansion expand(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
-                 std::span<const FrontEntry> front, std::span<FrontEntry> out) {
-  return expand_blocks<false>(a, b, frame, nearness, 0, front, out, {});
+Expansion expand(const TreePair& trees, const Nearness& nearness, std::span<const FrontEntry> front,
+                 std::span<FrontEntry> out) {
+  return expand_blocks<Lists{}>(trees, nearness, 0, front, {out, {}, {}});
 }
 
-Expansion expand_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
-                       float closeness, std::span<const FrontEntry> front, std::span<FrontEntry> out,
-                       std::span<FrontEntry> close) {
-  return expand_blocks<true>(a, b, frame, nearness, closeness, front, out, close);
+Expansion expand_close(const TreePair& trees, const Nearness& nearness, float closeness,
+                       std::span<const FrontEntry> front, const ExpansionLists& lists) {
+  return expand_blocks<Lists{true, false}>(trees, nearness, closeness, front, lists);
+}
+
+Expansion expand_nearest(const TreePair& trees, const Nearness& nearness, float closeness,
+                         std::span<const FrontEntry> front, const ExpansionLists& lists) {
+  return expand_blocks<Lists{true, true}>(trees, nearness, closeness, front, lists);
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE
@@ -210,23 +259,24 @@ HWY_AFTER_NAMESPACE();
 namespace poise::collision {
 
 HWY_EXPORT(expand);
-HWY_EXPORT(expand_twice);
+HWY_EXPORT(expand_close);
+HWY_EXPORT(expand_nearest);
 HWY_EXPORT(narrow);
 
-Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
-                       std::span<const FrontEntry> front, std::span<FrontEntry> out) {
-  return HWY_DYNAMIC_DISPATCH(expand)(a, b, frame, nearness, front, out);
+Expansion expand_front(const TreePair& trees, const Nearness& nearness, std::span<const FrontEntry> front,
+                       std::span<FrontEntry> out) {
+  return HWY_DYNAMIC_DISPATCH(expand)(trees, nearness, front, out);
 }
 
-Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
-                             const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
-                             std::span<FrontEntry> out, std::span<FrontEntry> close) {
-  return HWY_DYNAMIC_DISPATCH(expand_twice)(a, b, frame, nearness, closeness_m, front, out, close);
+Expansion expand_front(const TreePair& trees, const Nearness& nearness, float closeness_m,
+                       std::span<const FrontEntry> front, const ExpansionLists& lists) {
+  if (lists.nearest.empty()) return HWY_DYNAMIC_DISPATCH(expand_close)(trees, nearness, closeness_m, front, lists);
+  return HWY_DYNAMIC_DISPATCH(expand_nearest)(trees, nearness, closeness_m, front, lists);
 }
 
-std::uint32_t narrow_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
-                           std::span<const FrontEntry> front, std::span<FrontEntry> out) {
-  return HWY_DYNAMIC_DISPATCH(narrow)(a, b, frame, inflation_m, front, out);
+std::uint32_t narrow_front(const TreePair& trees, float inflation_m, std::span<const FrontEntry> front,
+                           std::span<FrontEntry> out) {
+  return HWY_DYNAMIC_DISPATCH(narrow)(trees, inflation_m, front, out);
 }
 
 Expansion expand_plane_front(const SphereTree& a, const float (&normal)[3], float offset_m, const Nearness& nearness,

@@ -22,30 +22,44 @@ struct Nearness {
   float wide_m = 0;       ///< >= 0: nodes that miss each other by less count as nearly overlapping
 };
 
+/// Two trees, and where b is in the frame of a.
+struct TreePair {
+  const SphereTree& a;
+  const SphereTree& b;
+  const FloatFrame& frame;
+};
+
 /// Result of an expansion.
 struct Expansion {
-  std::uint32_t consumed = 0;  ///< entries of the input that were expanded; fewer than given when the output was full
-  std::uint32_t hits = 0;      ///< entries written
-  std::uint32_t close = 0;     ///< entries written to the second list
+  std::uint32_t consumed = 0;  ///< entries of the input that were expanded; fewer than given when a list was full
+  std::uint32_t hits = 0;      ///< overlapping pairs of children: entries of the new front
+  std::uint32_t close = 0;     ///< entries of the second list
+  std::uint32_t nearest = 0;   ///< entries of the third
   bool nearly = false;         ///< some two nodes that do not overlap would overlap with wide_m more
+};
+
+/// Where an expansion lists what it finds, each in order.
+struct ExpansionLists {
+  std::span<FrontEntry> front;    ///< all that overlap: kTreeBranching^2 free entries for each block
+  std::span<FrontEntry> close;    ///< those of them with |o_a - o_b| < r_a + r_b + closeness_m: likewise
+  std::span<FrontEntry> nearest;  ///< of each expanded entry with any, the children with the least
+                                  ///< |o_a - o_b|^2 - (r_a + r_b)^2: an entry each; empty: none are listed
 };
 
 /// Expands each entry of a front into the overlapping pairs of its nodes' children (a leaf stands for itself), in
 /// order. Two nodes overlap when |o_a - o_b| < r_a + r_b + inflation_m. Needs kTreeBranching^2 free entries for each
 /// block. Any instruction set gives the same bits.
-Expansion expand_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, const Nearness& nearness,
-                       std::span<const FrontEntry> front, std::span<FrontEntry> out);
+Expansion expand_front(const TreePair& trees, const Nearness& nearness, std::span<const FrontEntry> front,
+                       std::span<FrontEntry> out);
 
-/// The same, and those of them with |o_a - o_b| < r_a + r_b + closeness_m once more in a list of their own, in order;
-/// it needs the same capacity.
-Expansion expand_front_twice(const SphereTree& a, const SphereTree& b, const FloatFrame& frame,
-                             const Nearness& nearness, float closeness_m, std::span<const FrontEntry> front,
-                             std::span<FrontEntry> out, std::span<FrontEntry> close);
+/// The same with more lists.
+Expansion expand_front(const TreePair& trees, const Nearness& nearness, float closeness_m,
+                       std::span<const FrontEntry> front, const ExpansionLists& lists);
 
 /// The entries whose two nodes overlap themselves, |o_a - o_b| < r_a + r_b + inflation_m, in order: what is left of a
 /// front that was searched farther. `out` has room for all. How many. Any instruction set gives the same bits.
-std::uint32_t narrow_front(const SphereTree& a, const SphereTree& b, const FloatFrame& frame, float inflation_m,
-                           std::span<const FrontEntry> front, std::span<FrontEntry> out);
+std::uint32_t narrow_front(const TreePair& trees, float inflation_m, std::span<const FrontEntry> front,
+                           std::span<FrontEntry> out);
 
 /// An expansion against the half-space normal . p <= offset, given in the frame of a: nodes with
 /// normal . o - offset < r + inflation_m. The b of each entry stays 0.

@@ -60,14 +60,13 @@ void set_expected_fit(double deviation_a_m, double deviation_b_m, double gap_m, 
 }
 
 Expansion expand(const PairFrame& frame, const Nearness& nearness, std::span<const FrontEntry> front,
-                 std::span<FrontEntry> out, std::span<FrontEntry> close) {
-  return expand_front_twice(frame.a->tree, frame.b->tree, frame.rounded, nearness, frame.closeness_m, front, out,
-                            close);
+                 const ExpansionLists& lists) {
+  return expand_front(frame.trees(), nearness, frame.closeness_m, front, lists);
 }
 
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out) {
   if (!frame.with_plane()) {
-    return expand_front(frame.a->tree, frame.b->tree, frame.rounded, frame.nearness, front, out);
+    return expand_front(frame.trees(), frame.nearness, front, out);
   }
   const float normal[3] = {static_cast<float>(frame.plane_normal.x()), static_cast<float>(frame.plane_normal.y()),
                            static_cast<float>(frame.plane_normal.z())};

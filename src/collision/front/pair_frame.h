@@ -32,6 +32,7 @@ struct PairFrame {
   FloatFrame rounded{};
   Nearness nearness{};  ///< margin and a bound of the rounding of single precision; wide_m is the caller's
 
+  [[nodiscard]] TreePair trees() const { return {a->tree, b->tree, rounded}; }
   [[nodiscard]] bool with_plane() const { return b->kind == ShapeKind::Plane; }
 };
 
@@ -45,9 +46,9 @@ void set_expected_fit(double deviation_a_m, double deviation_b_m, double gap_m, 
 
 /// Expands part of a front of the pair by one level on both sides.
 Expansion expand(const PairFrame& frame, std::span<const FrontEntry> front, std::span<FrontEntry> out);
-/// The same for two trees, with a second list of those that are nearer than the frame's closeness_m. `nearness` may be
+/// The same for two trees, with more lists; what is nearer than the frame's closeness_m is close. `nearness` may be
 /// less than the frame's.
 Expansion expand(const PairFrame& frame, const Nearness& nearness, std::span<const FrontEntry> front,
-                 std::span<FrontEntry> out, std::span<FrontEntry> close);
+                 const ExpansionLists& lists);
 
 }  // namespace poise::collision

@@ -27,6 +27,9 @@ constexpr double kReachSkins = 10;
 // A front that was searched farther than this share of what matters is looked through again before it is expanded: a
 // test of eight entries takes half as long as the expansion of one.
 constexpr double kNarrowed = 0.8;
+// Contact points of a front come from all its entries, or where more than this were expanded into it from the nearest
+// children of each: they stand closer to each other than contact points.
+constexpr std::uint32_t kSampledEntries = 16;
 
 // Entries whose contact points take as long as one expansion. Measured: bench_refinement.
 constexpr std::uint32_t kPointsOfUnit = 8;
@@ -44,6 +47,11 @@ PairContact impact_contact(const SphereContact& touch, const Vec3& arm_m, double
   return contact;
 }
 
+// Entries that are expanded between two looks at what they have found.
+constexpr std::size_t kAtOnce = 16;
+// Entries that are expanded into one list of the nearest.
+constexpr std::uint32_t kSampledRun = 64;
+
 // What to search where the separation is `upper_m` at most: what is farther from touching matters in a later step, when
 // it is nearer.
 double narrowed_reach_m(const PairFrame& frame, double upper_m) {
@@ -58,8 +66,7 @@ double reach_of(const PairFrame& frame, const ContactSums& sums) {
 // Expands a run and sums up what is close, in parts whose lists of close entries stay small. Each part is searched no
 // farther than those before it let expect.
 Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, std::span<FrontEntry> room,
-                       LevelProgress& progress) {
-  constexpr std::size_t kAtOnce = 16;
+                       std::span<FrontEntry> nearest, LevelProgress& progress) {
   constexpr std::size_t kRoom = kAtOnce * kTreeBranching * kTreeBranching;
   // Bytes, because setting 8 KiB to zero takes longer than a level of a pair.
   alignas(FrontEntry) std::array<std::byte, kRoom * sizeof(FrontEntry)> bytes;
@@ -71,14 +78,14 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
     Nearness nearness = frame.nearness;
     nearness.inflation_m -= static_cast<float>(frame.margin_m - reach_of(frame, progress.sums));
     std::span<const FrontEntry> part = whole;
-    if (progress.narrows) {
-      part = std::span(narrowed).first(
-          narrow_front(frame.a->tree, frame.b->tree, frame.rounded, nearness.inflation_m, whole, narrowed));
-    }
-    const std::span<FrontEntry> left = room.subspan(all.hits);
-    const Expansion made = expand(frame, nearness, part, left, close);
-    add_close(frame, left.first(made.hits), close.first(made.close), progress.sums);
+    if (progress.narrows)
+      part = std::span(narrowed).first(narrow_front(frame.trees(), nearness.inflation_m, whole, narrowed));
+    // Where nobody reads the front, what is near is listed over and over again in the same place.
+    const std::span<FrontEntry> near = progress.last ? room : room.subspan(all.hits);
+    const Expansion made = expand(frame, nearness, part, {near, close, nearest.subspan(all.nearest)});
+    add_close(frame, near.first(made.hits), close.first(made.close), progress.sums);
     all.hits += made.hits;
+    all.nearest += made.nearest;
     all.nearly = all.nearly || made.nearly;
     if (made.consumed < part.size()) break;
     all.consumed += static_cast<std::uint32_t>(whole.size());
@@ -86,23 +93,46 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
   return all;
 }
 
-// Expands up to `units` entries of one run into one segment; entries expanded, or none when there is no room.
-std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run, FrontPool& pool, int worker,
-                         std::span<FrontPool> pools, LevelProgress& progress) {
-  const std::span<FrontEntry> room = pool.room();
-  const Expansion made =
-      frame.fitted && !frame.with_plane() ? expand_close(frame, run, room, progress) : expand(frame, run, room);
-  progress.nearly = progress.nearly || made.nearly;
-  if (made.hits == 0) return made.consumed;
-  if (!frame.fitted || frame.with_plane()) add_to_sums(frame, room.first(made.hits), progress.sums);
-  const SegmentRef ref = segment_ref(worker, pool.keep(made.hits));
-  if (progress.last.none()) {
-    progress.first = ref;
+// A segment of the first entries in the room of a pool.
+void append(std::uint32_t entries, int worker, std::span<FrontPool> pools, SegmentChain& chain) {
+  if (entries == 0) return;
+  const SegmentRef ref = segment_ref(worker, pools[static_cast<std::size_t>(worker)].keep(entries));
+  if (chain.last.none()) {
+    chain.first = ref;
   } else {
-    pools[segment_worker(progress.last)].segment(segment_index(progress.last)).next = ref;
+    pools[segment_worker(chain.last)].segment(segment_index(chain.last)).next = ref;
   }
-  progress.last = ref;
-  progress.entries += made.hits;
+  chain.last = ref;
+  chain.entries += entries;
+}
+
+// Expands a run of entries into one segment of a list; entries expanded, or fewer when there is no room.
+std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run, int worker,
+                         std::span<FrontPool> pools, LevelProgress& progress) {
+  FrontPool& pool = pools[static_cast<std::size_t>(worker)];
+  const std::span<FrontEntry> room = pool.room();
+  if (!frame.fitted || frame.with_plane()) {
+    const Expansion made = expand(frame, run, room);
+    add_to_sums(frame, room.first(made.hits), progress.sums);
+    progress.nearly = progress.nearly || made.nearly;
+    append(made.hits, worker, pools, progress.front);
+    return made.consumed;
+  }
+  std::array<FrontEntry, kSampledRun> nearest;
+  const Expansion made =
+      expand_close(frame, run, room, progress.sampled ? std::span(nearest) : std::span<FrontEntry>(), progress);
+  progress.nearly = progress.nearly || made.nearly;
+  if (progress.last && progress.sampled) {
+    progress.front.entries += made.hits;
+  } else {
+    append(made.hits, worker, pools, progress.front);
+  }
+  if (made.nearest > 0) {
+    const std::span<FrontEntry> left = pool.room();
+    if (left.size() < made.nearest) return 0;
+    std::copy_n(nearest.begin(), made.nearest, left.begin());
+    append(made.nearest, worker, pools, progress.nearest);
+  }
   return made.consumed;
 }
 
@@ -152,9 +182,11 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   return contact;
 }
 
-LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool) {
+LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool, bool last) {
   POISE_ASSERT(pair.refinable());
   LevelProgress progress;
+  progress.sampled = pair.front_entries > kSampledEntries;
+  progress.last = last && progress.sampled;
   progress.narrows = pair.level > 0 && found.narrowed;
   progress.reading = pair.front;
   progress.mark = pool.mark();
@@ -164,16 +196,15 @@ LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, cons
 
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
                     LevelProgress& progress) {
-  FrontPool& pool = pools[static_cast<std::size_t>(worker)];
   if (progress.reading.none()) {
-    return expand_run(frame, kRoots, pool, worker, pools, progress) == 1 ? Quantum::Complete : Quantum::Full;
+    return expand_run(frame, kRoots, worker, pools, progress) == 1 ? Quantum::Complete : Quantum::Full;
   }
   while (units > 0) {
     const FrontPool& source = pools[segment_worker(progress.reading)];
     const FrontSegment segment = source.segment(segment_index(progress.reading));
-    const std::uint32_t wanted = std::min(units, segment.count - progress.offset);
+    const std::uint32_t wanted = std::min({units, segment.count - progress.offset, kSampledRun});
     const auto run = source.entries(segment).subspan(progress.offset, wanted);
-    if (expand_run(frame, run, pool, worker, pools, progress) < wanted) return Quantum::Full;
+    if (expand_run(frame, run, worker, pools, progress) < wanted) return Quantum::Full;
     units -= wanted;
     progress.offset += wanted;
     if (progress.offset == segment.count) {
@@ -199,9 +230,13 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
                    LevelContact& found) {
   ++pair.level;
   pair.nearly = progress.nearly;
-  pair.front = progress.first;
-  pair.front_entries = progress.entries;
-  pair.next_units = progress.entries;
+  pair.front = progress.front.first;
+  pair.front_entries = progress.front.entries;
+  pair.next_units = progress.front.entries;
+  const SegmentChain& points =
+      progress.sampled && frame.fitted && !frame.with_plane() ? progress.nearest : progress.front;
+  pair.points = points.first;
+  pair.point_entries = points.entries;
   found.contact = make_contact(frame, progress.sums, rotation_a);
   pair.apart = !found.contact.present;
   // Certain penetration is an upper bound of the separation, so what is farther away leaves the nearest surfaces in.
@@ -213,7 +248,7 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
 }
 
 PointsProgress begin_points(const PairFrame& frame, const PairLevel& pair, const LevelContact& found) {
-  return {ManifoldClusters(found.reach_m, kClusterSkins * frame.skin_m), pair.front};
+  return {ManifoldClusters(found.reach_m, kClusterSkins * frame.skin_m), pair.points};
 }
 
 std::uint32_t points_units(std::uint32_t front_entries) { return front_entries / kPointsOfUnit + 1; }
@@ -254,7 +289,7 @@ void publish_points(PointsProgress& progress, LevelContact& found) {
 
 void make_points(const PairFrame& frame, std::span<const FrontPool> pools, const PairLevel& pair, LevelContact& found) {
   PointsProgress progress = begin_points(frame, pair, found);
-  while (run_points(frame, pools, points_units(pair.front_entries), progress) != Quantum::Complete) {
+  while (run_points(frame, pools, points_units(pair.point_entries), progress) != Quantum::Complete) {
   }
   publish_points(progress, found);
 }

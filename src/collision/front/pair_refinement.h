@@ -17,13 +17,15 @@ namespace poise::collision {
 /// The deepest completed level of a pair in this frame and its result.
 struct PairLevel {
   Level level = 0;
-  Level deepest = 0;                ///< deepest level that refines the pair further
-  bool polygons = false;            ///< the deepest level is that of the polygons, after all levels of the trees
-  bool apart = false;               ///< no two nodes of this level are nearer than the margin
-  bool nearly = false;              ///< some that were not would be with PairFrame::nearness.wide_m more
-  SegmentRef front;                 ///< none at level 0: the two roots
+  Level deepest = 0;      ///< deepest level that refines the pair further
+  bool polygons = false;  ///< the deepest level is that of the polygons, after all levels of the trees
+  bool apart = false;     ///< no two nodes of this level are nearer than the margin
+  bool nearly = false;    ///< some that were not would be with PairFrame::nearness.wide_m more
+  SegmentRef front;       ///< none at level 0: the two roots
+  SegmentRef points;      ///< entries that the contact points come from: the front, or the nearest of a large one
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
-  std::uint32_t next_units = 1;     ///< what the next level costs, in node-pair expansions
+  std::uint32_t point_entries = 0;
+  std::uint32_t next_units = 1;  ///< what the next level costs, in node-pair expansions
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
@@ -41,14 +43,21 @@ struct LevelContact {
 /// Both, for callers that refine a single pair.
 struct SinglePair : PairLevel, LevelContact {};
 
+/// Segments in the making.
+struct SegmentChain {
+  SegmentRef first, last;
+  std::uint32_t entries = 0;
+};
+
 /// A level in progress: expanded by one worker at a time in bounded pieces.
 struct LevelProgress {
-  SegmentRef reading;        ///< of the front being expanded
-  std::uint32_t offset = 0;  ///< entries of it that are done
-  SegmentRef first, last;    ///< of the new front
-  std::uint32_t entries = 0;
-  bool nearly = false;   ///< as PairLevel::nearly
-  bool narrows = false;  ///< the front that is read holds much that is too far away
+  SegmentRef reading;           ///< of the front being expanded
+  std::uint32_t offset = 0;     ///< entries of it that are done
+  SegmentChain front, nearest;  ///< new
+  bool sampled = false;         ///< the front is large: contact points come from the nearest children of its entries
+  bool last = false;            ///< nothing will read the new front
+  bool nearly = false;          ///< as PairLevel::nearly
+  bool narrows = false;         ///< the front that is read holds much that is too far away
   ContactSums sums;
   FrontPool::Mark mark{};  ///< of the worker's pool when the level was begun
 };
@@ -76,7 +85,8 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
 /// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
 PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
-LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool);
+/// `last`: no level and no contact model will read the front that it makes.
+LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool, bool last = false);
 
 /// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,

@@ -109,7 +109,7 @@ void refine_everything(const Refinement& refinement) {
       make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found[i],
                       refinement.resources.pools);
       refinement.resources.pools[static_cast<std::size_t>(worker)].clear();
-      pair.level.front = {};
+      pair.level.front = pair.level.points = {};
     }
   });
 }

@@ -53,7 +53,7 @@ void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgre
   pool.clear();
   refine_pair(refiner, posed, progress, found, {&pool, 1}, 0);
   pool.clear();
-  progress.level.front = {};
+  progress.level.front = progress.level.points = {};
   progress.level.front_entries = 0;
 }
 

@@ -59,7 +59,7 @@ bool complete_points(const PairRefiner& refiner, std::span<const collision::Fron
                      const collision::PairFrame& frame, const collision::PairLevel& level,
                      collision::LevelContact& found, GoOn&& go_on) {
   collision::PointsProgress progress = collision::begin_points(frame, level, found);
-  std::uint32_t left = collision::points_units(level.front_entries);
+  std::uint32_t left = collision::points_units(level.point_entries);
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
     if (!go_on(units)) return false;
@@ -85,7 +85,8 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
                                 level.level > 0 ? found.contact.estimated_separation_m : 0.0, frame);
   }
   collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
-  collision::LevelProgress progress = collision::begin_level(level, found, pool);
+  const bool last = level.level + 1U == level.deepest && refiner.contact != ContactModel::Paper;
+  collision::LevelProgress progress = collision::begin_level(level, found, pool, last);
   std::uint32_t left = level.front_entries;
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
@@ -107,7 +108,7 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   if (!level.refinable() && refiner.contact != ContactModel::Paper) {
     // Nobody reads the front of a pair that is done but the paper's model.
     pool.release(progress.mark);
-    level.front = {};
+    level.front = level.points = {};
   }
   if (level.next_is_polygons() && level.refinable()) {
     level.next_units = collision::polygon_units(*frame.a, *frame.b, pools, level.front);

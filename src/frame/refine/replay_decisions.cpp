@@ -119,7 +119,7 @@ class Replay {
     if (keeps_fronts()) return;
     make_points_due(input_.refiner(), posed(input_.motion, input_.table.pairs[index]), levels_.progress[index],
                     levels_.found[index], pools_);
-    levels_.progress[index].level.front = {};
+    levels_.progress[index].level.front = levels_.progress[index].level.points = {};
     for (std::size_t w = 0; w < pools_.size(); ++w) {
       if (worker < 0 || w == static_cast<std::size_t>(worker)) pools_[w].clear();
     }
