@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,6 +15,17 @@ namespace poise::collision {
 struct FrontEntry {
   NodeIndex a = 0;
   NodeIndex b = 0;
+};
+
+/// Memory for entries on the stack. Not set to zero beforehand: that would take longer than a level of a pair.
+template <std::size_t kEntries>
+class EntryBuffer {
+ public:
+  // An aggregate that needs no destructor: it begins to live with the bytes (C++20, implicit-lifetime types).
+  [[nodiscard]] std::span<FrontEntry> entries() { return {reinterpret_cast<FrontEntry*>(bytes_.data()), kEntries}; }
+
+ private:
+  alignas(FrontEntry) std::array<std::byte, kEntries * sizeof(FrontEntry)> bytes_;
 };
 
 /// Reference to a segment of a FrontPool.

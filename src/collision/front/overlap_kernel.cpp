@@ -30,7 +30,7 @@ struct Spheres {
 
 // Bit 8 i + j is set when sphere first_a + i of a comes as near to sphere first_b + j of b as each limit says.
 struct Near {
-  std::uint64_t bits = 0, close = 0, wide = 0;
+  std::uint64_t bits, close, wide;
 };
 
 // Of each sphere of b the sphere of a that is nearest, and how near.
@@ -43,6 +43,7 @@ struct Nearest {
 struct Lists {
   bool close = false;    // a second list of what is close
   bool nearest = false;  // a list of the nearest children of each entry
+  bool wide = false;     // nodes that nearly overlap are told
 };
 
 template <Lists kLists>
@@ -51,7 +52,7 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, std::uint32_t rows
                          [[maybe_unused]] Nearest& nearest) {
   const hn::CappedTag<float, kTreeBranching> d;
   const auto at = [&](int i) HWY_ATTR { return hn::Set(d, frame.rotation[i]); };
-  Near found;
+  Near found{0, 0, 0};
   for (std::size_t j = 0; j < kTreeBranching; j += hn::Lanes(d)) {
     const auto x = hn::LoadU(d, b.x + first_b + j);
     const auto y = hn::LoadU(d, b.y + first_b + j);
@@ -65,11 +66,11 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, std::uint32_t rows
     const auto moved_z = row(6);
     const auto radius = hn::LoadU(d, b.radius + first_b + j);
     const auto inflated = hn::Add(radius, hn::Set(d, nearness.inflation_m));
-    const auto wide = hn::Set(d, nearness.wide_m);
-    const auto closer = hn::Add(radius, hn::Set(d, closeness));
+    [[maybe_unused]] const auto wide = hn::Set(d, nearness.wide_m);
+    [[maybe_unused]] const auto closer = hn::Add(radius, hn::Set(d, closeness));
     [[maybe_unused]] auto least = hn::Set(d, std::numeric_limits<float>::max());
     [[maybe_unused]] auto row_of_least = hn::Zero(d);
-    for (std::size_t i = 0; i < kTreeBranching; ++i) {
+    for (std::size_t i = 0; i < rows; ++i) {
       const auto dx = hn::Sub(moved_x, hn::Set(d, a.x[first_a + i]));
       const auto dy = hn::Sub(moved_y, hn::Set(d, a.y[first_a + i]));
       const auto dz = hn::Sub(moved_z, hn::Set(d, a.z[first_a + i]));
@@ -81,7 +82,7 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, std::uint32_t rows
         return std::uint64_t{stored[0]} << (kTreeBranching * i + j);
       };
       found.bits |= bits_of(reach);
-      found.wide |= bits_of(hn::Add(reach, wide));
+      if constexpr (kLists.wide) found.wide |= bits_of(hn::Add(reach, wide));
       if constexpr (kLists.close) {
         const auto near = hn::Add(closer, hn::Set(d, a.radius[first_a + i]));
         found.close |= bits_of(hn::Max(near, hn::Zero(d)));
@@ -89,8 +90,7 @@ HWY_INLINE Near overlaps(const Spheres& a, NodeIndex first_a, std::uint32_t rows
       if constexpr (kLists.nearest) {
         const auto both = hn::Add(radius, hn::Set(d, a.radius[first_a + i]));
         const auto beyond = hn::Sub(square, hn::Mul(both, both));
-        const auto nearer = hn::And(hn::Lt(beyond, least),
-                                    hn::Lt(hn::Set(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(rows))));
+        const auto nearer = hn::Lt(beyond, least);
         least = hn::IfThenElse(nearer, beyond, least);
         row_of_least = hn::IfThenElse(nearer, hn::Set(d, static_cast<float>(i)), row_of_least);
       }
@@ -158,11 +158,13 @@ HWY_INLINE std::uint64_t used_bits(std::uint32_t rows, std::uint32_t columns) {
   return (kFirstColumn * ((1U << columns) - 1U)) & (~std::uint64_t{0} >> (kTreeBranching * (kTreeBranching - rows)));
 }
 
-// The pairs of an entry's children that overlap, as bits.
+// The pairs of an entry's children that overlap, as bits. Not set to zero before they are known: that takes longer than
+// the tests of a few entries.
 struct Block {
   Near found;
-  FrontEntry first;
-  std::uint32_t columns = 0;
+  NodeIndex first_a, first_b;
+  std::uint32_t columns;
+  [[nodiscard]] FrontEntry first() const { return {first_a, first_b}; }
 };
 
 // The nearest children of a block.
@@ -171,7 +173,7 @@ HWY_INLINE FrontEntry nearest_of(const Nearest& nearest, const Block& block) {
   for (std::uint32_t j = 1; j < block.columns; ++j) {
     if (nearest.square_m2[j] < nearest.square_m2[column]) column = j;
   }
-  return {block.first.a + static_cast<NodeIndex>(nearest.row[column]), block.first.b + column};
+  return {block.first_a + static_cast<NodeIndex>(nearest.row[column]), block.first_b + column};
 }
 
 // Writes the pairs of a block in order; contact points of `out` beyond them may be overwritten, but none beyond the
@@ -203,7 +205,7 @@ HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearne
   const std::uint8_t* const counts_a = trees.a.child_count.data();
   const std::uint8_t* const counts_b = trees.b.child_count.data();
   const FloatFrame moved = trees.frame;
-  std::array<Block, kBlocks> blocks;
+  std::array<Block, kBlocks> blocks;  // NOLINT(cppcoreguidelines-pro-type-member-init): see Block
   std::array<Nearest, kLists.nearest ? kBlocks : 1> nearest;
   Expansion result;
   while (result.consumed < front.size()) {
@@ -216,16 +218,16 @@ HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearne
       const std::uint64_t used = used_bits(rows, columns);
       const Near found = overlaps<kLists>(spheres_a, first.a, rows, spheres_b, first.b, moved, nearness, closeness,
                                           nearest[kLists.nearest ? k : 0]);
-      blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first, columns};
+      blocks[k] = {{used & found.bits, used & found.close, used & found.wide}, first.a, first.b, columns};
     }
     for (std::size_t k = 0; k < count; ++k) {
       const Block& block = blocks[k];
-      result.nearly = result.nearly || block.found.wide != block.found.bits;
+      if constexpr (kLists.wide) result.nearly = result.nearly || block.found.wide != block.found.bits;
       if (lists.front.size() - result.hits < kPairs) return result;
-      result.hits += list_hits(block.found.bits, block.first, lists.front.data() + result.hits);
+      result.hits += list_hits(block.found.bits, block.first(), lists.front.data() + result.hits);
       if constexpr (kLists.close) {
         if (lists.close.size() - result.close < kPairs) return result;
-        result.close += list_hits(block.found.close, block.first, lists.close.data() + result.close);
+        result.close += list_hits(block.found.close, block.first(), lists.close.data() + result.close);
       }
       if constexpr (kLists.nearest) {
         lists.nearest[result.nearest] = nearest_of(nearest[k], block);
@@ -239,17 +241,20 @@ HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearne
 
 Expansion expand(const TreePair& trees, const Nearness& nearness, std::span<const FrontEntry> front,
                  std::span<FrontEntry> out) {
-  return expand_blocks<Lists{}>(trees, nearness, 0, front, {out, {}, {}});
+  return expand_blocks<Lists{.wide = true}>(trees, nearness, 0, front, {out, {}, {}});
 }
 
-Expansion expand_close(const TreePair& trees, const Nearness& nearness, float closeness,
+Expansion expand_lists(const TreePair& trees, const Nearness& nearness, float closeness,
                        std::span<const FrontEntry> front, const ExpansionLists& lists) {
-  return expand_blocks<Lists{true, false}>(trees, nearness, closeness, front, lists);
-}
-
-Expansion expand_nearest(const TreePair& trees, const Nearness& nearness, float closeness,
-                         std::span<const FrontEntry> front, const ExpansionLists& lists) {
-  return expand_blocks<Lists{true, true}>(trees, nearness, closeness, front, lists);
+  if (nearness.wide_m > 0) {
+    return lists.nearest.empty()
+               ? expand_blocks<Lists{.close = true, .wide = true}>(trees, nearness, closeness, front, lists)
+               : expand_blocks<Lists{.close = true, .nearest = true, .wide = true}>(trees, nearness, closeness, front,
+                                                                                    lists);
+  }
+  return lists.nearest.empty()
+             ? expand_blocks<Lists{.close = true}>(trees, nearness, closeness, front, lists)
+             : expand_blocks<Lists{.close = true, .nearest = true}>(trees, nearness, closeness, front, lists);
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE
@@ -259,8 +264,7 @@ HWY_AFTER_NAMESPACE();
 namespace poise::collision {
 
 HWY_EXPORT(expand);
-HWY_EXPORT(expand_close);
-HWY_EXPORT(expand_nearest);
+HWY_EXPORT(expand_lists);
 HWY_EXPORT(narrow);
 
 Expansion expand_front(const TreePair& trees, const Nearness& nearness, std::span<const FrontEntry> front,
@@ -270,8 +274,7 @@ Expansion expand_front(const TreePair& trees, const Nearness& nearness, std::spa
 
 Expansion expand_front(const TreePair& trees, const Nearness& nearness, float closeness_m,
                        std::span<const FrontEntry> front, const ExpansionLists& lists) {
-  if (lists.nearest.empty()) return HWY_DYNAMIC_DISPATCH(expand_close)(trees, nearness, closeness_m, front, lists);
-  return HWY_DYNAMIC_DISPATCH(expand_nearest)(trees, nearness, closeness_m, front, lists);
+  return HWY_DYNAMIC_DISPATCH(expand_lists)(trees, nearness, closeness_m, front, lists);
 }
 
 std::uint32_t narrow_front(const TreePair& trees, float inflation_m, std::span<const FrontEntry> front,

@@ -67,19 +67,19 @@ double reach_of(const PairFrame& frame, const ContactSums& sums) {
 // farther than those before it let expect.
 Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, std::span<FrontEntry> room,
                        std::span<FrontEntry> nearest, LevelProgress& progress) {
-  constexpr std::size_t kRoom = kAtOnce * kTreeBranching * kTreeBranching;
-  // Bytes, because setting 8 KiB to zero takes longer than a level of a pair.
-  alignas(FrontEntry) std::array<std::byte, kRoom * sizeof(FrontEntry)> bytes;
-  const std::span<FrontEntry> close(reinterpret_cast<FrontEntry*>(bytes.data()), kRoom);
-  std::array<FrontEntry, kAtOnce> narrowed;
+  EntryBuffer<kAtOnce * kTreeBranching * kTreeBranching> close_buffer;
+  EntryBuffer<kAtOnce> narrowed_buffer;
+  const std::span<FrontEntry> close = close_buffer.entries();
+  const std::span<FrontEntry> narrowed = narrowed_buffer.entries();
   Expansion all;
   while (all.consumed < run.size()) {
     const auto whole = run.subspan(all.consumed, std::min(kAtOnce, run.size() - all.consumed));
     Nearness nearness = frame.nearness;
     nearness.inflation_m -= static_cast<float>(frame.margin_m - reach_of(frame, progress.sums));
+    // Bodies that are near for sure are not separated, nearly or not.
+    if (nearness.inflation_m < frame.nearness.inflation_m) nearness.wide_m = 0;
     std::span<const FrontEntry> part = whole;
-    if (progress.narrows)
-      part = std::span(narrowed).first(narrow_front(frame.trees(), nearness.inflation_m, whole, narrowed));
+    if (progress.narrows) part = narrowed.first(narrow_front(frame.trees(), nearness.inflation_m, whole, narrowed));
     // Where nobody reads the front, what is near is listed over and over again in the same place.
     const std::span<FrontEntry> near = progress.last ? room : room.subspan(all.hits);
     const Expansion made = expand(frame, nearness, part, {near, close, nearest.subspan(all.nearest)});
@@ -118,9 +118,9 @@ std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run
     append(made.hits, worker, pools, progress.front);
     return made.consumed;
   }
-  std::array<FrontEntry, kSampledRun> nearest;
-  const Expansion made =
-      expand_close(frame, run, room, progress.sampled ? std::span(nearest) : std::span<FrontEntry>(), progress);
+  EntryBuffer<kSampledRun> nearest_buffer;
+  const std::span<FrontEntry> nearest = nearest_buffer.entries();
+  const Expansion made = expand_close(frame, run, room, progress.sampled ? nearest : std::span<FrontEntry>(), progress);
   progress.nearly = progress.nearly || made.nearly;
   if (progress.last && progress.sampled) {
     progress.front.entries += made.hits;
