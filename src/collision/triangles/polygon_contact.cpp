@@ -10,15 +10,20 @@
 namespace poise::collision {
 namespace {
 
-// Triangles of a leaf that are looked at together: as many as a leaf of a well-built tree has, and a bound of a piece's
-// length.
-constexpr std::uint32_t kBlock = 64;
+constexpr std::uint32_t kBlock = TriangleBlock::kMost;
 // Work of a block in node-pair expansions (docs/method.md): of meeting two leaves, and of their triangles. Later
 // entries of a front are mostly beyond the reach that the first ones leave, so they count one. Measured: 40 to 110 ns a
 // unit so counted.
 constexpr std::uint32_t kUnitsPerBlock = 2;
 constexpr std::uint32_t kTrianglesPerUnit = 8;
 constexpr std::uint32_t kFirstEntries = 64;
+// Work of what a block does in node-pair expansions, for the length of a piece: to place a triangle, to test the boxes
+// of two, to look at two whose boxes meet, and at two whose planes do not part them. Measured on the meshes of
+// bench_tree_query.
+constexpr double kPlaceUnits = 2;
+constexpr double kBoxUnits = 1.0 / 16;
+constexpr double kPlaneUnits = 1;
+constexpr double kFeatureUnits = 10;
 // B is displaced by this share of the smaller radius, in a direction that no scene is aligned with, so that no faces
 // and edges coincide exactly.
 constexpr double kSleepingPair = 1e-9;
@@ -97,45 +102,23 @@ Ball common_part(const Ball& first, double second_radius_m, const Vec3& toward, 
   return {first.center_m + to_plane / apart * toward, std::sqrt(std::max(0.0, radius2))};
 }
 
-// A placed triangle and the box of its part that counts.
-struct Boxed {
-  PlacedTriangle triangle;
-  Vec3 low_m, high_m;
-};
-
 // One block of one entry of a front.
 class Block {
  public:
   Block(const PairFrame& frame, FrontEntry entry, PolygonProgress& progress)
       : frame_(frame), entry_(entry), progress_(progress), sums_(progress.sums) {}
 
-  void meshes(std::span<const std::uint32_t> triangles_a, std::span<const std::uint32_t> triangles_b) {
-    beneath_m_ = progress_.rests ? points_beneath_m(frame_) : 0.0;
-    const double reach = farthest_m();
-    const double spare = kSpare * (frame_.a->bounding_radius_m + frame_.b->bounding_radius_m);
-    const Sphere leaf_a = frame_.a->tree.sphere(entry_.a);
-    const Sphere leaf_b = frame_.b->tree.sphere(entry_.b);
-    const Ball ball_a{leaf_a.center_m, leaf_a.radius_m + spare};
-    const Ball ball_b{progress_.on_b.point(leaf_b.center_m), leaf_b.radius_m + spare};
-    const Vec3 between = ball_b.center_m - ball_a.center_m;
-    const double apart = between.norm();
-    if (apart > ball_a.radius_m + ball_b.radius_m + reach) return;
-    // Two points that face each other within reach lie one in each leaf, and each within reach of the other leaf.
-    std::array<Boxed, kBlock> a;
-    const std::size_t count_a =
-        near(progress_.on_a, triangles_a, common_part(ball_a, ball_b.radius_m + reach, between, apart), a);
-    if (count_a == 0) return;
-    std::array<Boxed, kBlock> b;
-    const std::size_t count_b =
-        near(progress_.on_b, triangles_b, common_part(ball_b, ball_a.radius_m + reach, -between, apart), b);
-    for (std::size_t i = 0; i < count_a; ++i) {
-      const Vec3 low = a[i].low_m.array() - reach;
-      const Vec3 high = a[i].high_m.array() + reach;
-      for (std::size_t j = 0; j < count_b; ++j) {
-        if ((low.array() > b[j].high_m.array()).any() || (high.array() < b[j].low_m.array()).any()) continue;
-        two_triangles(a[i].triangle, b[j].triangle);
-      }
+  // False where the piece ended within the block.
+  bool meshes(std::span<const std::uint32_t> triangles_a, std::span<const std::uint32_t> triangles_b,
+              double most_work) {
+    TriangleBlock& block = progress_.triangles;
+    if (!block.in_progress && !place_block(triangles_a, triangles_b, block)) return true;
+    while (block.rows < block.count_a) {
+      block.in_progress = progress_.work >= most_work;
+      if (block.in_progress) return false;
+      run_row(block.a[block.rows++], block);
     }
+    return true;
   }
 
   // The ball of the other side against the triangles of this one.
@@ -144,7 +127,7 @@ class Block {
     const Sphere ball = of_b ? frame_.b->tree.sphere(entry_.b) : frame_.a->tree.sphere(entry_.a);
     const Vec3 center = of_b ? progress_.on_b.point(ball.center_m) : ball.center_m;
     sinks_m_ = ball.radius_m + progress_.reach_m(frame_);
-    std::array<Boxed, kBlock> placed;
+    std::array<BoxedTriangle, kBlock>& placed = progress_.triangles.a;
     const std::size_t count = near(on, triangles, {center, ball.radius_m + farthest_m()}, placed);
     for (std::size_t i = 0; i < count; ++i) triangle_and_ball(on, placed[i].triangle, center, ball.radius_m, of_b);
   }
@@ -184,9 +167,45 @@ class Block {
     if (!feature.resting && feature.gap_m < progress_.reach_m(frame_)) add_feature(feature, sums_);
   }
 
+  // Places the triangles of both leaves that may meet; are there any?
+  bool place_block(std::span<const std::uint32_t> triangles_a, std::span<const std::uint32_t> triangles_b,
+                   TriangleBlock& block) {
+    block.rows = 0;
+    block.beneath_m = progress_.rests ? points_beneath_m(frame_) : 0.0;
+    const double reach = farthest_m();
+    const double spare = kSpare * (frame_.a->bounding_radius_m + frame_.b->bounding_radius_m);
+    const Sphere leaf_a = frame_.a->tree.sphere(entry_.a);
+    const Sphere leaf_b = frame_.b->tree.sphere(entry_.b);
+    const Ball ball_a{leaf_a.center_m, leaf_a.radius_m + spare};
+    const Ball ball_b{progress_.on_b.point(leaf_b.center_m), leaf_b.radius_m + spare};
+    const Vec3 between = ball_b.center_m - ball_a.center_m;
+    const double apart = between.norm();
+    if (apart > ball_a.radius_m + ball_b.radius_m + reach) return false;
+    // Two points that face each other within reach lie one in each leaf, and each within reach of the other leaf.
+    block.count_a =
+        near(progress_.on_a, triangles_a, common_part(ball_a, ball_b.radius_m + reach, between, apart), block.a);
+    if (block.count_a == 0) return false;
+    block.count_b =
+        near(progress_.on_b, triangles_b, common_part(ball_b, ball_a.radius_m + reach, -between, apart), block.b);
+    return block.count_b > 0;
+  }
+
+  // One triangle of a against those of b.
+  void run_row(const BoxedTriangle& a, const TriangleBlock& block) {
+    const double reach = farthest_m();
+    const Vec3 low = a.low_m.array() - reach;
+    const Vec3 high = a.high_m.array() + reach;
+    progress_.work += kBoxUnits * static_cast<double>(block.count_b);
+    for (std::size_t j = 0; j < block.count_b; ++j) {
+      const BoxedTriangle& b = block.b[j];
+      if ((low.array() > b.high_m.array()).any() || (high.array() < b.low_m.array()).any()) continue;
+      two_triangles(a.triangle, b.triangle);
+    }
+  }
+
   // Places the triangles that meet a ball; how many.
-  static std::size_t near(const PlacedSurface& on, std::span<const std::uint32_t> triangles, const Ball& ball,
-                          std::array<Boxed, kBlock>& out) {
+  std::size_t near(const PlacedSurface& on, std::span<const std::uint32_t> triangles, const Ball& ball,
+                   std::array<BoxedTriangle, kBlock>& out) {
     const Vec3 body = on.rotation.transpose() * (ball.center_m - on.offset_m);
     const double radius2 = ball.radius_m * ball.radius_m;
     std::size_t count = 0;
@@ -206,7 +225,7 @@ class Block {
       if (std::abs(t.normal[0] * dx + t.normal[1] * dy + t.normal[2] * dz) > radius) continue;
       const geometry::TriangleCorners& corners = on.surface->bvh.corners(triangle);
       if ((geometry::closest_on_triangle(body, corners) - body).squaredNorm() > radius2) continue;
-      Boxed& boxed = out[count++];
+      BoxedTriangle& boxed = out[count++];
       place(on, triangle, boxed.triangle);
       const auto& corner = boxed.triangle.corner_m;
       boxed.low_m =
@@ -214,16 +233,20 @@ class Block {
       boxed.high_m =
           corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).cwiseMin(Vec3(ball.center_m.array() + ball.radius_m));
     }
+    progress_.work += kPlaceUnits * static_cast<double>(count);
     return count;
   }
 
   void two_triangles(const PlacedTriangle& a, const PlacedTriangle& b) {
     const double apart = farthest_m();
-    const double reach = std::max(apart, beneath_m_);
+    const double beneath_m = progress_.triangles.beneath_m;
+    const double reach = std::max(apart, beneath_m);
     const PlaneSides sides = plane_sides(a, b);
+    progress_.work += kPlaneUnits;
     if (beyond(sides, reach)) return;
     const MetPairs::Answer met = progress_.met.meet(a.index, b.index);
     if (met == MetPairs::Answer::Met) return;
+    progress_.work += kFeatureUnits;
     const bool unlisted = met == MetPairs::Answer::NoRoom;
     const auto counts = [&](const Vec3& on_a, const Vec3& on_b) {
       return !unlisted || (owns(progress_.on_a, frame_.a->tree, entry_.a, a.index, on_a) &&
@@ -235,7 +258,7 @@ class Block {
     }
     if (reach <= 0) return;
     FeatureList features;
-    const std::size_t count = facing_features(progress_.on_a, a, progress_.on_b, b, sides, apart, features, beneath_m_);
+    const std::size_t count = facing_features(progress_.on_a, a, progress_.on_b, b, sides, apart, features, beneath_m);
     for (std::size_t k = 0; k < count; ++k) {
       if (features[k].gap_m < apart && counts(features[k].point_a_m, features[k].point_b_m))
         note(features[k], a.index, b.index);
@@ -277,8 +300,7 @@ class Block {
   FrontEntry entry_;
   PolygonProgress& progress_;
   PolygonSums& sums_;
-  double beneath_m_ = 0;  // how far two features of meshes may have passed each other
-  double sinks_m_ = 0;    // how deep the centre of a ball may lie beneath a face
+  double sinks_m_ = 0;  // how deep the centre of a ball may lie beneath a face
 };
 
 // Blocks of an entry; none where one of its leaves has no surface.
@@ -290,24 +312,28 @@ Blocks blocks_of(const PairFrame& frame, FrontEntry entry) {
   return {blocks_of(count_of(*frame.a, entry.a)), blocks_of(count_of(*frame.b, entry.b))};
 }
 
-// Does one block; its units.
-std::uint32_t run_block(const PairFrame& frame, FrontEntry entry, std::uint32_t number, PolygonProgress& progress) {
+// Does one block; false where the piece ended within it.
+bool run_block(const PairFrame& frame, FrontEntry entry, std::uint32_t number, double most_work,
+               PolygonProgress& progress) {
   Block block(frame, entry, progress);
   const Blocks blocks = blocks_of(frame, entry);
   std::span<const std::uint32_t> a;
   std::span<const std::uint32_t> b;
   if (frame.a->surface != nullptr) a = block_of(frame.a->surface->triangles_of(entry.a), number / blocks.b);
   if (frame.b->surface != nullptr) b = block_of(frame.b->surface->triangles_of(entry.b), number % blocks.b);
+  if (!progress.triangles.in_progress)
+    progress.work +=
+        block_units(std::max<std::size_t>(a.size(), 1), std::max<std::size_t>(b.size(), 1), progress.place);
+  if (!frame.with_plane() && frame.a->surface != nullptr && frame.b->surface != nullptr)
+    return block.meshes(a, b, most_work);
   if (frame.with_plane()) {
     block.plane(a);
   } else if (frame.b->surface == nullptr) {
     block.ball(a, true);
-  } else if (frame.a->surface == nullptr) {
-    block.ball(b, false);
   } else {
-    block.meshes(a, b);
+    block.ball(b, false);
   }
-  return block_units(std::max<std::size_t>(a.size(), 1), std::max<std::size_t>(b.size(), 1), progress.place);
+  return true;
 }
 
 // The sum over the blocks of an entry: whole blocks, and the last ones, which are smaller. One where there are none.
@@ -384,7 +410,7 @@ double PolygonProgress::points_reach_m(const PairFrame& frame) const {
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
                      PolygonProgress& progress) {
   constexpr FrontEntry kRoots[1] = {{0, 0}};
-  for (std::uint32_t done = 0; done < units;) {
+  for (progress.work = 0; progress.work < units;) {
     FrontSegment segment{0, 1, {}};
     std::span<const FrontEntry> entries = kRoots;
     if (!progress.roots) {
@@ -394,7 +420,13 @@ Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, s
     }
     const FrontEntry entry = entries[progress.offset];
     const std::uint32_t blocks = blocks_of(frame, entry).count();
-    done += blocks == 0 ? 1 : run_block(frame, entry, progress.block++, progress);
+    if (blocks == 0) {
+      progress.work += 1;
+    } else {
+      if (!run_block(frame, entry, progress.block, units, progress)) return Quantum::More;
+      progress.triangles.in_progress = false;
+      ++progress.block;
+    }
     if (progress.block < blocks) continue;
     progress.block = 0;
     ++progress.place;

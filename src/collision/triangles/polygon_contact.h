@@ -29,7 +29,23 @@ class MetPairs {
   std::size_t count_ = 0;
 };
 
-/// The polygon level of a pair in progress: one worker, in bounded pieces. About 32 KB, on the stack.
+/// A triangle of a placed surface and the box of its part that counts.
+struct BoxedTriangle {
+  PlacedTriangle triangle;
+  Vec3 low_m, high_m;
+};
+
+/// Triangles of two leaves that are looked at together, those of a against those of b row by row.
+struct TriangleBlock {
+  static constexpr std::uint32_t kMost = 64;  ///< of each: as many as a leaf of a well-built tree has
+  std::array<BoxedTriangle, kMost> a, b;
+  std::size_t count_a = 0, count_b = 0;
+  std::size_t rows = 0;      ///< of a that are done
+  double beneath_m = 0;      ///< how far two features may have passed each other
+  bool in_progress = false;  ///< a piece ended within it
+};
+
+/// The polygon level of a pair in progress: one worker, in bounded pieces. About 64 KB, on the stack.
 struct PolygonProgress {
   SegmentRef reading;        ///< of the front of leaves
   bool roots = false;        ///< the front is the two roots
@@ -42,6 +58,8 @@ struct PolygonProgress {
   MetPairs met;
   bool rests = true;  ///< the manifold of the pair is wanted
   PointList points;
+  TriangleBlock triangles;  ///< of the block
+  double work = 0;          ///< of this piece so far, in node-pair expansions
 
   /// Facing features beyond this distance do not count for an impact.
   [[nodiscard]] double reach_m(const PairFrame& frame) const;
@@ -60,7 +78,8 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
 void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
                     PolygonProgress& progress, bool rests = true);
 
-/// Goes on for about `units`: at most one block of triangles more. Bounded, allocates nothing. More or Complete.
+/// Goes on for about `units`: at most one triangle of a against a block of b's more. Bounded, allocates nothing. More
+/// or Complete.
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
                      PolygonProgress& progress);
 

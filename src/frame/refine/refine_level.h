@@ -46,7 +46,8 @@ Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::Front
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
     if (collision::run_polygons(frame, pools, units, progress) == collision::Quantum::Complete) break;
-    left -= units;
+    // What a front of leaves costs is estimated; where it costs more, another piece like this one is to come.
+    left = left > units ? left - units : refiner.quantum_units;
     if (!go_on(std::min(left, refiner.quantum_units))) return Outcome::Cut;
   }
   collision::publish_polygons(frame, posed.a.rotation, progress, level, found);
