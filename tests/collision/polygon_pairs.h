@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "collision/shapes.h"
@@ -19,6 +20,7 @@ struct PolygonAnswer {
   SinglePair level;
   PolygonSums sums;
   std::uint32_t units = 0, quanta = 0;
+  double longest = 0;  ///< work of the longest piece, in units
   PairContact contact;
 };
 
@@ -41,9 +43,12 @@ inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPo
   answer.units = polygon_units(*frame.a, *frame.b, pools, pair.front);
   PolygonProgress progress;
   begin_polygons(frame, Mat3::Identity(), pair, pair, progress, rests);
-  do {
+  Quantum quantum = Quantum::More;
+  while (quantum == Quantum::More) {
+    quantum = run_polygons(frame, pools, units, progress);
     ++answer.quanta;
-  } while (run_polygons(frame, pools, units, progress) == Quantum::More);
+    answer.longest = std::max(answer.longest, progress.work);
+  }
   publish_polygons(frame, Mat3::Identity(), progress, pair, pair);
   answer.sums = progress.sums;
   answer.contact = pair.contact;
