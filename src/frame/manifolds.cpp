@@ -62,23 +62,35 @@ void take_over_impulses(std::span<const solver::ContactPoint> old,
 }
 
 // Points that this frame has found, fixed to the bodies of their pair.
+void place_points(const ManifoldsInput& input, std::size_t i, std::span<solver::ContactPoint> points) {
+  const ActivePair& pair = input.table.pairs[i];
+  const collision::LevelContact& found = input.levels.found[i];
+  const PlacedPair where = placed_pair(input, pair);
+  collision::PairContact coarsest;
+  const collision::PairContact& contact =
+      contact_of(input.scene, input.motion, pair, input.levels.progress[i], found, coarsest);
+  points[0] = keep(where, collision::impact_point(contact, where.a.rotation));
+  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.point[k - 1]);
+}
+
 void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& made, PointCache& cache) {
   // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
   constexpr double kSameOfSkin = 50;
   const ActivePair& pair = input.table.pairs[i];
-  const collision::LevelContact& found = input.levels.found[i];
   const std::span<solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
   const std::span<solver::AccumulatedImpulse> impulses = cache.impulses_of(made.slot, made.point_count);
+  const std::size_t olds = pair.cached.point_count;
+  if (olds == 0) {
+    place_points(input, i, points);
+    std::fill(impulses.begin(), impulses.end(), solver::AccumulatedImpulse{});
+    return;
+  }
   std::array<solver::ContactPoint, kPointsOfPair> old;
   std::array<solver::AccumulatedImpulse, kPointsOfPair> old_impulses;
-  const std::size_t olds = pair.cached.point_count;
   const auto first = static_cast<std::ptrdiff_t>(PointCache::begin(made.slot));
   std::copy_n(cache.points.begin() + first, olds, old.begin());
   std::copy_n(cache.impulses.begin() + first, olds, old_impulses.begin());
-  const PlacedPair where = placed_pair(input, pair);
-  const collision::PairContact contact = contact_of(input.scene, input.motion, pair, input.levels.progress[i], found);
-  points[0] = keep(where, collision::impact_point(contact, where.a.rotation));
-  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.point[k - 1]);
+  place_points(input, i, points);
   std::fill(impulses.begin(), impulses.end(), solver::AccumulatedImpulse{});
   take_over_impulses(manifold_of(std::span<const solver::ContactPoint>(old).first(olds)),
                      manifold_of(std::span<const solver::AccumulatedImpulse>(old_impulses).first(olds)),
@@ -247,18 +259,23 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
 
 }  // namespace
 
-collision::PairContact contact_of(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair,
-                                  const PairProgress& progress, const collision::LevelContact& found) {
+const collision::PairContact& contact_of(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair,
+                                         const PairProgress& progress, const collision::LevelContact& found,
+                                         collision::PairContact& coarsest) {
   if (progress.level.level > 0 || progress.exact) return found.contact;
   const auto placed = [&](std::uint32_t slot) {
     return collision::PlacedRoot{scene.bodies.shape[slot].get(), motion.body_bounds[slot].root_center_m,
                                  motion.poses[slot].position_m};
   };
   const Shape& shape_b = *scene.bodies.shape[pair.b];
-  if (shape_b.kind == ShapeKind::Tree) return collision::coarsest_contact(placed(pair.a), placed(pair.b));
-  const Vec3 normal = motion.poses[pair.b].rotation * shape_b.plane_normal;
-  const double height = normal.dot(motion.poses[pair.b].position_m) + shape_b.plane_offset_m;
-  return collision::coarsest_plane_contact(placed(pair.a), normal, height);
+  if (shape_b.kind == ShapeKind::Tree) {
+    coarsest = collision::coarsest_contact(placed(pair.a), placed(pair.b));
+  } else {
+    const Vec3 normal = motion.poses[pair.b].rotation * shape_b.plane_normal;
+    const double height = normal.dot(motion.poses[pair.b].position_m) + shape_b.plane_offset_m;
+    coarsest = collision::coarsest_plane_contact(placed(pair.a), normal, height);
+  }
+  return coarsest;
 }
 
 void make_manifolds(const ManifoldsInput& input, PointCache& points, Manifolds& manifolds, FrameReport& report,

@@ -79,8 +79,9 @@ class PairRows final : public solver::RowSource {
       row.moment_a_m = row.arm_m.cross(row.direction);
       row.moment_b_m = (row.arm_m - row.a_to_b_m).cross(row.direction);
     } else {
-      const collision::PairContact contact =
-          contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found[manifold.pair]);
+      collision::PairContact coarsest;
+      const collision::PairContact& contact =
+          contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found[manifold.pair], coarsest);
       row.direction = contact.direction;
       row.arm_m = contact.arm_m;
       row.moment_a_m = contact.moment_a_m;
@@ -178,8 +179,10 @@ double solved_gap_m(const SolvedPair& solved, std::uint32_t pair) {
   const ActivePair& active = solved.table.pairs[pair];
   const PairProgress& progress = solved.levels.progress[pair];
   // The paper's model solves the spheres themselves; the others solve the surfaces that are likely inside them.
-  if (solved.contact == ContactModel::Paper && !progress.from_cache())
-    return contact_of(solved.scene, solved.motion, active, progress, solved.levels.found[pair]).spheres_m;
+  if (solved.contact == ContactModel::Paper && !progress.from_cache()) {
+    collision::PairContact coarsest;
+    return contact_of(solved.scene, solved.motion, active, progress, solved.levels.found[pair], coarsest).spheres_m;
+  }
   return impact_point_of(solved.motion, solved.points, active, solved.manifolds.points[pair].slot).gap_m;
 }
 
