@@ -48,13 +48,12 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   return cached;
 }
 
-// Does the pair of the k-th row touch? Impulses make a touch of what is separated.
-bool touches(const PublishInput& input, const PointCache& points, std::size_t k) {
-  const std::uint32_t place = input.manifolds.coloring.order()[k];
-  if (!input.velocities.applied_impulse_ns[place].isZero(0)) return true;
-  const solver::ContactRow* row = input.velocities.row(input.manifolds, k);
+// Does the pair of a manifold touch? Impulses make a touch of what is separated.
+bool touches(const PublishInput& input, const PointCache& points, std::size_t m) {
+  if (!input.velocities.applied_impulse_ns[m].isZero(0)) return true;
+  const solver::ContactRow* row = input.velocities.row(input.manifolds, m);
   if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
-  const std::uint32_t index = input.manifolds.manifolds[place].pair;
+  const std::uint32_t index = input.manifolds.manifolds[m].pair;
   const PairPoints& made = input.manifolds.points[index];
   const CachedPair& cached = input.table.pairs[index].cached;
   // The gap that *manifolds* has computed says it, but where the bodies have moved since by more, or rounding decides.
@@ -67,12 +66,11 @@ bool touches(const PublishInput& input, const PointCache& points, std::size_t k)
   return solved_gap_m(input.solved_pair(points), index) <= 0;
 }
 
-// What the body in the lower slot gave the other in the step, by contact and impacts of the k-th row.
-Vec3 touch_impulse_ns(const PublishInput& input, std::size_t k) {
-  const std::uint32_t index = input.manifolds.coloring.order()[k];
-  const ActivePair& pair = input.table.pairs[input.manifolds.manifolds[index].pair];
-  Vec3 impulse_ns = input.velocities.applied_impulse_ns[index];
-  if (const solver::ContactRow* row = input.velocities.row(input.manifolds, k)) impulse_ns += row->impact_ns();
+// What the body in the lower slot gave the other in the step, by contact and impacts of a manifold.
+Vec3 touch_impulse_ns(const PublishInput& input, std::size_t m) {
+  const ActivePair& pair = input.table.pairs[input.manifolds.manifolds[m].pair];
+  Vec3 impulse_ns = input.velocities.applied_impulse_ns[m];
+  if (const solver::ContactRow* row = input.velocities.row(input.manifolds, m)) impulse_ns += row->impact_ns();
   return pair.a == pair.low() ? impulse_ns : Vec3(-impulse_ns);
 }
 
@@ -209,13 +207,13 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   const Manifolds& manifolds = input.manifolds;
   parallel::parallel_for(executor, manifolds.manifolds.size(), kPairGrain,
                          [&](std::size_t begin, std::size_t end, int) {
-                           for (std::size_t k = begin; k < end; ++k) {
-                             if (!touches(input, cache.points, k)) continue;
-                             const std::uint32_t i = manifolds.manifolds[manifolds.coloring.order()[k]].pair;
+                           for (std::size_t m = begin; m < end; ++m) {
+                             if (!touches(input, cache.points, m)) continue;
+                             const std::uint32_t i = manifolds.manifolds[m].pair;
                              next[i].touching = true;
                              touch_changed[i] ^= 1U;
                              if (touch_changed[i] != 0 || input.persist_events)
-                               publication.touch_ns[i] = touch_impulse_ns(input, k);
+                               publication.touch_ns[i] = touch_impulse_ns(input, m);
                            }
                          });
   for (const SweptHit& hit : input.velocities.swept.hits) {
@@ -235,18 +233,13 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
 std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,
                                    ContactListing listing) {
   const Manifolds& manifolds = input.manifolds;
-  // The rows stand in the order of the colouring, the contacts in that of the pairs.
-  constexpr std::uint32_t kNotListed = 0xffffffffU;
-  std::vector<std::uint32_t> row_of(manifolds.manifolds.size(), kNotListed);
-  for (std::uint32_t k = 0; k < manifolds.manifolds.size(); ++k) {
-    if (listing == ContactListing::Solved || touches(input, points, k)) row_of[manifolds.coloring.order()[k]] = k;
-  }
   std::vector<Contact> contacts;
-  for (std::size_t m = 0; m < row_of.size(); ++m) {
+  for (std::size_t m = 0; m < manifolds.manifolds.size(); ++m) {
+    if (listing != ContactListing::Solved && !touches(input, points, m)) continue;
     const std::uint32_t pair = manifolds.manifolds[m].pair;
-    if (row_of[m] == kNotListed || was_removed(removed, input.table.pairs[pair])) continue;
-    contacts.push_back(contact_at(input, points, pair, input.velocities.row(manifolds, row_of[m]),
-                                  input.velocities.applied_impulse_ns[m]));
+    if (was_removed(removed, input.table.pairs[pair])) continue;
+    contacts.push_back(
+        contact_at(input, points, pair, input.velocities.row(manifolds, m), input.velocities.applied_impulse_ns[m]));
   }
   add_swept_contacts(input, removed, contacts);
   return contacts;

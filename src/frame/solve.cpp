@@ -144,11 +144,27 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
   velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
   velocities.overlaps.resize(collision::kMaxManifoldPoints * velocities.rows.size());
   velocities.scratch.activations.resize(manifolds.manifolds.size());
+  velocities.row_of.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> order = manifolds.coloring.order();
   parallel::parallel_for(executor, order.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const solver::Manifold& manifold = manifolds.manifolds[order[k]];
       velocities.scratch.activations[k] = {manifold.a, manifold.b, manifold.fast, false};
+      velocities.row_of[order[k]] = static_cast<std::uint32_t>(k);
+    }
+  });
+}
+
+// Fills the rows that the first round looks at. In the order of the pairs, in which all that a row is made of lies side
+// by side; in the order of the rows nearly every read would wait for memory.
+void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velocities& velocities,
+                    parallel::Executor& executor) {
+  parallel::parallel_for(executor, manifolds.manifolds.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t m = begin; m < end; ++m) {
+      if (!manifolds.manifolds[m].fast) continue;
+      const std::uint32_t row = velocities.row_of[m];
+      source.fill(row);
+      velocities.scratch.activations[row].ready = true;
     }
   });
 }
@@ -209,6 +225,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   const std::size_t most = input.table.capacity();
   velocities.applied_impulse_ns.reserve(most);
   velocities.rows.reserve(most);
+  velocities.row_of.reserve(most);
   velocities.overlaps.reserve(collision::kMaxManifoldPoints * most);
   velocities.scratch.activations.reserve(most);
   velocities.not_bouncing.reserve(most);
@@ -228,6 +245,7 @@ solver::Convergence solve_impacts(const SolveInput& input, const PointCache& poi
   parallel::Tickets degenerate;
   const PairRows source(input, points, velocities, degenerate);
   deactivate_rows(input, velocities, executor);
+  fill_fast_rows(input.manifolds, source, velocities, executor);
   solver::System system = impact_system(input, velocities);
   system.source = &source;
   const solver::Convergence ended = solver::solve_impacts(system, input.settings(), executor);

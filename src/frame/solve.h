@@ -32,6 +32,7 @@ struct Velocities {
   parallel::LargeVector<Vec3> applied_impulse_ns;    ///< one a manifold: what b received from the contact solver
   parallel::LargeVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
   parallel::LargeVector<solver::OverlapPoint> overlaps;  ///< of the rows
+  parallel::LargeVector<std::uint32_t> row_of;           ///< one a manifold, where there may be impacts: its row
   std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
   SweptContacts swept;            ///< with backtracking
 
@@ -41,9 +42,11 @@ struct Velocities {
   parallel::LargeVector<solver::Manifold> not_bouncing;  // scratch: the manifolds, where some bounce
   bool bounced = false;                                  // scratch: some do
 
-  /// What impacts did to the k-th row in the order of the colouring; null where there was none.
-  [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t k) const {
-    return manifolds.impacts && scratch.activations[k].ready ? &rows[k] : nullptr;
+  /// What impacts did to a manifold; null where there was none.
+  [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t manifold) const {
+    if (!manifolds.impacts) return nullptr;
+    const std::uint32_t row = row_of[manifold];
+    return scratch.activations[row].ready ? &rows[row] : nullptr;
   }
 };
 

@@ -25,9 +25,9 @@ constexpr std::array<Column, Reference::kColumns> kColumnsOfState = {
     &BodyStore::wx_radps, &BodyStore::wy_radps, &BodyStore::wz_radps, &BodyStore::fx_n,   &BodyStore::fy_n,
     &BodyStore::fz_n,     &BodyStore::tx_nm,    &BodyStore::ty_nm,    &BodyStore::tz_nm};
 
-double size_of_impulse(const Manifolds& manifolds, const Velocities& velocities, std::size_t k) {
-  const solver::ContactRow* row = velocities.row(manifolds, k);
-  const Vec3& applied_ns = velocities.applied_impulse_ns[manifolds.coloring.order()[k]];
+double size_of_impulse(const Manifolds& manifolds, const Velocities& velocities, std::size_t manifold) {
+  const solver::ContactRow* row = velocities.row(manifolds, manifold);
+  const Vec3& applied_ns = velocities.applied_impulse_ns[manifold];
   return row != nullptr ? (row->impact_ns() + applied_ns).norm() : applied_ns.norm();
 }
 
@@ -57,13 +57,10 @@ std::vector<ComparedPair> compared_pairs(const WorldState& world, const Referenc
     pairs[i].a = run.table.pairs[i].a;
     pairs[i].b = run.table.pairs[i].b;
   }
-  const auto pair_of = [](const Manifolds& manifolds, std::size_t k) {
-    return manifolds.manifolds[manifolds.coloring.order()[k]].pair;
-  };
-  for (std::size_t k = 0; k < run.manifolds.manifolds.size(); ++k)
-    pairs[pair_of(run.manifolds, k)].run_ns = size_of_impulse(run.manifolds, run.velocities, k);
-  for (std::size_t k = 0; k < full.manifolds.manifolds.size(); ++k)
-    pairs[pair_of(full.manifolds, k)].reference_ns = size_of_impulse(full.manifolds, full.velocities, k);
+  for (std::size_t m = 0; m < run.manifolds.manifolds.size(); ++m)
+    pairs[run.manifolds.manifolds[m].pair].run_ns = size_of_impulse(run.manifolds, run.velocities, m);
+  for (std::size_t m = 0; m < full.manifolds.manifolds.size(); ++m)
+    pairs[full.manifolds.manifolds[m].pair].reference_ns = size_of_impulse(full.manifolds, full.velocities, m);
   const parallel::LargeVector<collision::Pose>& poses = run.motion.poses;
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, pairs.size(), 1, [&](std::size_t begin, std::size_t end, int) {
