@@ -35,7 +35,7 @@ class Problems {
   /// so that thousands of wrong names take at most a second; after that there are no suggestions.
   std::string suggest(std::string_view name, const std::vector<std::string_view>& names);
   /// Whether another suggestion is possible: enough comparisons are left for two names of the maximum length.
-  [[nodiscard]] bool suggests() const { return letters_left_ > 10000; }
+  [[nodiscard]] bool suggests() const { return letters_left_ > std::uint64_t{100} * 100; }
 
  private:
   void keep(std::string message);

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
+#include <vector>
 
 #include "collision/instruction_sets.h"
 #include "collision/shapes.h"
@@ -96,6 +99,124 @@ TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) 
   const Fronts expected = all_fronts();
   EXPECT_GT(expected.size(), 1000U);
   on_every_instruction_set([&] { EXPECT_EQ(all_fronts(), expected); });
+}
+
+double squared_beyond(const PairFrame& frame, FrontEntry entry) {
+  const Sphere a = frame.a->tree.sphere(entry.a);
+  const Sphere b = frame.b->tree.sphere(entry.b);
+  const double both = a.radius_m + b.radius_m;
+  return (frame.rotation * b.center_m + frame.offset_m - a.center_m).squaredNorm() - both * both;
+}
+
+TEST(OverlapKernel, ListsTheNearestChildrenOfEachEntryThatHasAny) {
+  std::mt19937_64 random(7);
+  const ShapePtr worm = make_worm(300);
+  int several = 0;
+  int none = 0;
+  for (int round = 0; round < 100; ++round) {
+    const PairFrame frame =
+        make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.01, 0.001);
+    std::vector<FrontEntry> front = {{0, 0}};
+    for (Level level = 1; level <= worm->tree.depth(); ++level) {
+      std::vector<FrontEntry> next(64 * front.size());
+      std::vector<FrontEntry> close(64 * front.size());
+      std::vector<FrontEntry> nearest(front.size());
+      const Expansion all = expand(frame, frame.nearness, front, {next, close, nearest});
+      next.resize(all.hits);
+      std::size_t listed = 0;
+      for (const FrontEntry& entry : front) {
+        FrontEntry out[64];
+        const Expansion made = expand(frame, std::span(&entry, 1), out);
+        if (made.hits == 0) {
+          ++none;
+          continue;
+        }
+        if (made.hits > 1) ++several;
+        ASSERT_LT(listed, all.nearest);
+        double least = 1e300;
+        bool among = false;
+        const FrontEntry& found = nearest[listed++];
+        for (const FrontEntry& child : std::span(out, made.hits)) {
+          least = std::min(least, squared_beyond(frame, child));
+          among = among || (child.a == found.a && child.b == found.b);
+        }
+        EXPECT_TRUE(among);
+        EXPECT_NEAR(squared_beyond(frame, found), least, 1e-6);
+      }
+      EXPECT_EQ(listed, all.nearest);
+      front = next;
+    }
+  }
+  EXPECT_GT(several, 300);
+  EXPECT_GT(none, 10);
+}
+
+TEST(OverlapKernel, ANarrowedFrontHoldsTheEntriesThatOverlapThemselves) {
+  std::mt19937_64 random(8);
+  const ShapePtr worm = make_worm(300);
+  int kept = 0;
+  int gone = 0;
+  for (int round = 0; round < 100; ++round) {
+    const PairFrame frame =
+        make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.2, 0.001);
+    std::vector<FrontEntry> front = {{0, 0}};
+    for (Level level = 1; level <= worm->tree.depth(); ++level) {
+      std::vector<FrontEntry> next(64 * front.size());
+      next.resize(expand(frame, front, next).hits);
+      front = next;
+    }
+    const float inflation = frame.nearness.inflation_m - 0.15F;
+    std::vector<FrontEntry> narrowed(front.size());
+    narrowed.resize(narrow_front(frame.trees(), inflation, front, narrowed));
+    std::size_t at = 0;
+    for (const FrontEntry& entry : front) {
+      const Sphere a = worm->tree.sphere(entry.a);
+      const Sphere b = worm->tree.sphere(entry.b);
+      const double beyond = (frame.rotation * b.center_m + frame.offset_m - a.center_m).norm() - a.radius_m -
+                            b.radius_m - static_cast<double>(inflation);
+      const bool is_kept = at < narrowed.size() && narrowed[at].a == entry.a && narrowed[at].b == entry.b;
+      if (is_kept) ++at;
+      ++(is_kept ? kept : gone);
+      if (std::abs(beyond) > 1e-5) {
+        EXPECT_EQ(is_kept, beyond < 0);
+      }
+    }
+    EXPECT_EQ(at, narrowed.size()) << "in the order of the front";
+  }
+  EXPECT_GT(kept, 1000);
+  EXPECT_GT(gone, 1000);
+}
+
+TEST(OverlapKernel, EveryInstructionSetListsAndNarrowsAlike) {
+  const ShapePtr worm = make_worm(300);
+  const auto all_lists = [&] {
+    std::mt19937_64 random(9);
+    std::vector<NodeIndex> all;
+    for (int round = 0; round < 50; ++round) {
+      PairFrame frame = make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.1, 0.001);
+      frame.closeness_m = frame.nearness.inflation_m - 0.05F;
+      std::vector<FrontEntry> front = {{0, 0}};
+      for (Level level = 1; level <= worm->tree.depth(); ++level) {
+        std::vector<FrontEntry> lists[3] = {std::vector<FrontEntry>(64 * front.size()),
+                                            std::vector<FrontEntry>(64 * front.size()),
+                                            std::vector<FrontEntry>(front.size())};
+        const Expansion made = expand(frame, frame.nearness, front, {lists[0], lists[1], lists[2]});
+        lists[0].resize(made.hits);
+        lists[1].resize(made.close);
+        lists[2].resize(made.nearest);
+        std::vector<FrontEntry> narrowed(made.hits);
+        narrowed.resize(narrow_front(frame.trees(), frame.closeness_m, lists[0], narrowed));
+        for (const auto& list : {lists[0], lists[1], lists[2], narrowed}) {
+          for (const FrontEntry& entry : list) all.insert(all.end(), {entry.a, entry.b});
+        }
+        front = lists[0];
+      }
+    }
+    return all;
+  };
+  const std::vector<NodeIndex> expected = all_lists();
+  EXPECT_GT(expected.size(), 10000U);
+  on_every_instruction_set([&] { EXPECT_EQ(all_lists(), expected); });
 }
 
 TEST(OverlapKernel, APlaceBeyondTheRoomIsNeverWritten) {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+
 #include "collision/shapes.h"
 
 namespace poise::collision {
@@ -75,6 +78,57 @@ TEST(PairRefinement, NeverLosesATouchAndKnowsItsDepthAtTheLeaves) {
   }
   EXPECT_GT(touching, 50);
   EXPECT_GT(apart, 50);
+}
+
+// With fitted spheres a level is searched no farther than what the one before has found lets expect. Where spheres are
+// the object, the gap of two cores is exact at the leaves.
+TEST(PairRefinement, ANarrowedSearchLosesNothingThatIsNearTheNearestSurfaces) {
+  constexpr double kMargin = 0.4;
+  constexpr double kSkin = 0.001;
+  constexpr double kReach = 10 * kSkin;
+  std::mt19937_64 random(13);
+  const ShapePtr worm = make_worm(200);
+  std::size_t left_out = 0;
+  int touching = 0;
+  for (int round = 0; round < 60; ++round) {
+    PairFrame frame = make_pair_frame(*worm, random_pose(random, 0.6), *worm, random_pose(random, 0.6), kMargin, kSkin);
+    const PairFrame whole = frame;
+    frame.fitted = true;
+    const double exact = least_leaf_gap(frame);
+    if (exact >= kMargin) continue;
+    ++touching;
+    auto pools = make_pools(1);
+    SinglePair pair = start(frame);
+    double searched = kMargin;
+    while (pair.refinable()) {
+      set_expected_fit(0, 0, pair.level > 0 ? pair.contact.estimated_separation_m : 0.0, frame);
+      ASSERT_TRUE(refine_once(frame, pools, 0, 512, pair));
+      ASSERT_FALSE(pair.apart);
+      EXPECT_LE(pair.reach_m, searched);
+      EXPECT_GE(pair.reach_m, std::min(kMargin, std::max(0.0, exact) + kReach) - 1e-6);
+      searched = pair.reach_m;
+      PairFrame next = make_pair_frame(*frame.a, {}, *frame.b, {frame.offset_m, frame.rotation}, searched, kSkin);
+      next.fitted = true;
+      frame = next;
+    }
+    EXPECT_NEAR(pair.contact.certain_separation_m, exact, 1e-5);
+    EXPECT_NEAR(pair.reach_m, std::min(kMargin, std::max(0.0, exact) + kReach), 1e-5);
+    std::set<std::pair<NodeIndex, NodeIndex>> front;
+    for_each_segment(pools, pair.front, [&](auto entries) {
+      for (const FrontEntry entry : entries) front.insert({entry.a, entry.b});
+    });
+    for (const NodeIndex a : worm->tree.nodes_at(worm->tree.depth())) {
+      for (const NodeIndex b : worm->tree.nodes_at(worm->tree.depth())) {
+        const double gap = sphere_contact(whole, {a, b}).gap_m;
+        if (gap < pair.reach_m - 1e-6) {
+          EXPECT_TRUE(front.contains({a, b})) << gap << " of " << pair.reach_m;
+        }
+        if (gap < kMargin && !front.contains({a, b})) ++left_out;
+      }
+    }
+  }
+  EXPECT_GT(touching, 20);
+  EXPECT_GT(left_out, 10000U);
 }
 
 TEST(PairRefinement, PiecesOfAnySizeOnAnyWorkersGiveTheSameBits) {
