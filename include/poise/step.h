@@ -167,11 +167,12 @@ struct FrameReport {
   Degraded degraded;                  ///< the work left out so that it fits
   Nanoseconds lateness{0};            ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
-  Nanoseconds off_cpu{0};          ///< wall time minus thread CPU time minus own waits, of the calling thread
-  Nanoseconds waited{0};           ///< time in which the calling thread waited for refinement on other workers
-  Nanoseconds longest_job{0};      ///< longest bounded piece of refinement
-  Nanoseconds longest_overrun{0};  ///< largest excess of a piece over its forecast, or of refinement over its cut
-  double cut_margin = 1;           ///< factor from point forecast to reserve
+  Nanoseconds off_cpu{0};      ///< wall time minus thread CPU time minus own waits, of the calling thread
+  Nanoseconds waited{0};       ///< time in which the calling thread waited for refinement on other workers
+  Nanoseconds longest_job{0};  ///< longest bounded piece of refinement, with the time that the system took from it
+  BodyId longest_job_a, longest_job_b;  ///< the pair that it was of
+  Nanoseconds longest_overrun{0};       ///< largest excess of a piece over its forecast, or of refinement over its cut
+  double cut_margin = 1;                ///< factor from point forecast to reserve
 
   // Counted work
   std::size_t bodies = 0;           ///< dynamic bodies, sleeping ones included

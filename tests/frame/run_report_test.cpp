@@ -186,5 +186,21 @@ TEST(RunFigures, AveragesLevelsOverContactPairsAndAddsUpFullCapacities) {
   EXPECT_FALSE(run_figures({}, {true}).level_mean);
 }
 
+TEST(RunFigures, NamesTheLongestPieceOfRefinementWithItsPair) {
+  std::vector<RunFrame> frames(5, frame_of(milliseconds(10)));
+  EXPECT_FALSE(run_figures(frames, {true}).longest_job) << "none has taken any time";
+  frames[1].report.longest_job = std::chrono::microseconds(40);
+  frames[3].report.longest_job = std::chrono::microseconds(70);
+  frames[3].report.longest_job_a = {4, 0};
+  frames[3].report.longest_job_b = {9, 2};
+  frames[4].report.longest_job = std::chrono::microseconds(60);
+  const RunFigures figures = run_figures(frames, {true});
+  ASSERT_TRUE(figures.longest_job);
+  EXPECT_EQ(figures.longest_job->frame, 3U);
+  EXPECT_EQ(figures.longest_job->body_a, 4U);
+  EXPECT_EQ(figures.longest_job->body_b, 9U);
+  EXPECT_DOUBLE_EQ(figures.longest_job_ms_max, 0.07);
+}
+
 }  // namespace
 }  // namespace poise::simulation

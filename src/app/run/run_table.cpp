@@ -120,6 +120,15 @@ void refinement(const simulation::RunFigures& f, Out out) {
   } else if (w.frames_with_pairs_left == 0) {
     fmt::format_to(out, "               every pair was refined to its end in every frame\n");
   }
+  if (f.longest_job) {
+    fmt::format_to(out, "               longest piece {:.3f} ms: bodies {} and {} in frame {}\n", f.longest_job_ms_max,
+                   f.longest_job->body_a, f.longest_job->body_b, f.longest_job->frame);
+  }
+  if (f.misses && f.misses->overrun > 0) {
+    fmt::format_to(out,
+                   "               a piece that ends too late is one of shapes too dear for this deadline: give them a "
+                   "shallower tree (depth), a simpler mesh, or no polygons\n");
+  }
   if (f.tail.frames > 0) {
     fmt::format_to(out, "reserve        held in {:.2f} % of frames, {:.2f} times what was needed\n",
                    100 * f.tail.coverage, f.tail.reserve_over_actual);

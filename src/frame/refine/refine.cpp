@@ -124,7 +124,12 @@ void sum_tallies(const RefineInput& input, const CompletedLevels& levels, Foreca
     report.jobs_discarded += tally.discarded;
     report.pairs_separated += tally.separated;
     report.fronts_full += tally.full;
-    report.longest_job = std::max(report.longest_job, tally.longest);
+    if (tally.longest > report.longest_job) {
+      const ActivePair& pair = input.table.pairs[tally.longest_pair];
+      report.longest_job = tally.longest;
+      report.longest_job_a = input.scene.bodies.id_of(pair.low());
+      report.longest_job_b = input.scene.bodies.id_of(pair.high());
+    }
     report.longest_overrun = std::max(report.longest_overrun, tally.overrun);
   }
   constexpr std::uint64_t kLeastUnits = 100;

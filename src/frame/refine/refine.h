@@ -36,6 +36,7 @@ struct RefineInput {
 struct WorkerTally {
   std::uint64_t units = 0;
   std::uint64_t jobs = 0, discarded = 0, separated = 0, full = 0;
+  std::uint32_t longest_pair = 0;  ///< in the pair table: of the longest piece
   Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0}, cpu_before{0};
   SteadyClock::time_point begun{}, ended{};
 };

@@ -141,7 +141,10 @@ bool OpenRefinement::operator()(int worker) {
   const auto note_piece = [&] {
     now = SteadyClock::now();
     tally.busy += now - piece_begun;
-    tally.longest = std::max(tally.longest, now - piece_begun);
+    if (now - piece_begun > tally.longest) {
+      tally.longest = now - piece_begun;
+      tally.longest_pair = item;
+    }
     tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
     piece_begun = now;
   };

@@ -193,6 +193,10 @@ void add_figures(const RunDocument& d, Json& json) {
   json["release_delay_ms"] = of(f.release_delay_ms);
   json["off_cpu_ms_max"] = f.off_cpu_ms_max;
   json["longest_job_ms_max"] = f.longest_job_ms_max;
+  if (f.longest_job) {
+    json["longest_job"] = {
+        {"frame", f.longest_job->frame}, {"body_a", f.longest_job->body_a}, {"body_b", f.longest_job->body_b}};
+  }
 }
 
 Json document_json(const RunDocument& d) {

@@ -154,7 +154,11 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.degraded.pairs_reused += report.degraded.pairs_reused;
     if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
-    figures.longest_job_ms_max = std::max(figures.longest_job_ms_max, ms(report.longest_job));
+    if (ms(report.longest_job) > figures.longest_job_ms_max) {
+      figures.longest_job_ms_max = ms(report.longest_job);
+      figures.longest_job = {static_cast<std::uint64_t>(&frame - frames.data()), report.longest_job_a.slot,
+                             report.longest_job_b.slot};
+    }
   }
   if (frames.empty()) return;
   const auto mean = [n = static_cast<double>(frames.size())](std::uint64_t sum) {

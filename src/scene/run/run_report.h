@@ -120,6 +120,12 @@ struct SweptFigures {
   std::uint64_t pairs = 0, hits = 0, cut = 0;
 };
 
+/// The longest piece of refinement: where a scene has a shape that is too dear for its deadline.
+struct LongestJob {
+  std::uint64_t frame = 0;               ///< of the measured frames
+  std::uint32_t body_a = 0, body_b = 0;  ///< slots: bodies count from 0 in the order of the scene
+};
+
 struct RunFigures {
   std::uint64_t frames = 0;  ///< without warm-up
   std::uint64_t warm_up_frames = 0;
@@ -138,7 +144,8 @@ struct RunFigures {
   std::array<StageFigures, 8> stages;
   double off_cpu_ms_max = 0;
   double longest_job_ms_max = 0;
-  std::optional<double> level_mean;  ///< over contact pairs of all frames by their trees; undefined without one
+  std::optional<LongestJob> longest_job;  ///< undefined on the work clock
+  std::optional<double> level_mean;       ///< over contact pairs of all frames by their trees; undefined without one
   std::array<std::uint64_t, kMaxTreeDepth + 1> level_histogram{};  ///< contact pairs by the level of their trees
   std::uint64_t polygon_contacts = 0;  ///< contact pairs by polygons; not in the histogram and the mean
   double contacts_mean = 0;
