@@ -249,6 +249,8 @@ class Events {
     }
     solver::SolverBody body_a;
     solver::SolverBody body_b;
+    body_a.inverse_mass = bodies.inverse_mass[pair.a];
+    body_b.inverse_mass = bodies.inverse_mass[pair.b];
     body_a.velocity_mps = a.velocity_mps;
     body_a.spin_radps = a.stands.rotation.spin_radps;
     body_b.velocity_mps = b.velocity_mps;
