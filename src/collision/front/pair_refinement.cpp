@@ -29,7 +29,7 @@ constexpr double kReachSkins = 10;
 constexpr double kNarrowed = 0.8;
 // Contact points of a front come from all its entries, or where more than this were expanded into it from the nearest
 // children of each: they stand closer to each other than contact points.
-constexpr std::uint32_t kSampledEntries = 16;
+constexpr std::uint32_t kSampledEntries = 64;
 
 // Entries whose contact points take as long as one expansion. Measured: bench_refinement.
 constexpr std::uint32_t kPointsOfUnit = 8;
