@@ -60,7 +60,7 @@ std::uint32_t refine(const PairFrame& frame, std::span<FrontPool> pools, SingleP
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   while (pair.refinable()) {
     expansions += pair.front_entries;
-    LevelProgress progress = begin_level(pair, pair, pools[0]);
+    LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 512, progress) == Quantum::More) {
     }
     publish_level(frame, Mat3::Identity(), progress, pair, pair);

@@ -66,8 +66,7 @@ void PairStages::close_gaps() {
 }
 
 void PairStages::solve() {
-  solver::solve_impacts(impact_system(solve_input(), frame_.velocities), solve_input().settings(),
-                        *world_.executor);
+  solver::solve_impacts(impact_system(solve_input(), frame_.velocities), solve_input().settings(), *world_.executor);
 }
 
 }  // namespace poise::simulation

@@ -28,7 +28,7 @@ SinglePair start(const PairFrame& frame) {
 // Refines one level, `units` expansions at a time, on the given worker.
 bool refine_once(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
                  SinglePair& pair) {
-  LevelProgress progress = begin_level(pair, pair, pools[static_cast<std::size_t>(worker)]);
+  LevelProgress progress = begin_level(pair, pools[static_cast<std::size_t>(worker)]);
   for (;;) {
     const Quantum quantum = run_quantum(frame, pools, worker, units, progress);
     if (quantum == Quantum::Full) return false;

@@ -34,7 +34,7 @@ inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPo
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   allow_polygons(*frame.a, *frame.b, kMaxTreeDepth, pair);
   while (pair.refinable() && !pair.next_is_polygons()) {
-    LevelProgress progress = begin_level(pair, pair, pools[0]);
+    LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, units, progress) == Quantum::More) {
     }
     publish_level(frame, Mat3::Identity(), progress, pair, pair);

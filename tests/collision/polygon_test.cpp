@@ -31,7 +31,7 @@ int levels_with_a_front(const PairFrame& frame, std::span<FrontPool> pools) {
   pair.deepest = deepest_level(*frame.a, *frame.b, kMaxTreeDepth);
   int levels = 0;
   while (pair.refinable()) {
-    LevelProgress progress = begin_level(pair, pair, pools[0]);
+    LevelProgress progress = begin_level(pair, pools[0]);
     while (run_quantum(frame, pools, 0, 64, progress) == Quantum::More) {
     }
     publish_level(frame, Mat3::Identity(), progress, pair, pair);

@@ -87,6 +87,9 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
 
 /// `last`: no level and no contact model will read the front that it makes.
 LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool, bool last = false);
+inline LevelProgress begin_level(const SinglePair& pair, const FrontPool& pool) {
+  return begin_level(pair, pair, pool);
+}
 
 /// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
