@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The broad phase on loose piles of equal balls and of balls of many sizes: microseconds for all pairs.
+// The broad phase on loose piles of equal balls and of balls of many sizes: microseconds for all pairs. And on a crowd.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -61,6 +61,22 @@ BENCHMARK(find_pairs)
     ->ArgsProduct({{2000, 20000}, {0, 4}, {1, 2}})
     ->UseManualTime()
     ->Unit(benchmark::kMicrosecond);
+
+// All in one place, so that each overlaps all others: the time for one body must not grow with their number.
+void find_pairs_of_a_crowd(benchmark::State& state) {
+  constexpr std::uint32_t kMostPartners = 16;
+  const auto count = static_cast<std::size_t>(state.range(0));
+  const auto executor = parallel::make_executor(ExecutorKind::Tbb, 1);
+  auto bounds = pile(count, 0);
+  for (MotionBound& bound : bounds) bound.center_m = Vec3::Zero();
+  BroadPhase broad;
+  std::size_t pairs = 0;
+  for (auto _ : state) pairs = broad.find(bounds, {}, kMostPartners, *executor).pairs.size();
+  state.counters["pairs_per_body"] = static_cast<double>(pairs) / static_cast<double>(count);
+  state.counters["time_per_body"] = benchmark::Counter(
+      static_cast<double>(count), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(find_pairs_of_a_crowd)->ArgName("bodies")->Arg(2000)->Arg(20000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace poise::collision

@@ -113,5 +113,56 @@ TEST(BroadPhase, PartnersBeyondTheLimitAreCountedNotLostInSilence) {
   for (const int count : partners) EXPECT_GE(count, 10);
 }
 
+TEST(BroadPhase, OfTooManyPartnersTheNearestAreKept) {
+  // Balls in a row, of which only the first moves: each of the others is a little farther away than the one before.
+  std::vector<MotionBound> bounds(40);
+  for (std::uint32_t i = 0; i < 40; ++i) bounds[i] = {Vec3(0.02 * i, 0, 0), 1, i, 1, 0xffffffffU, i == 0};
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  BroadPhase broad;
+  const auto result = broad.find(bounds, {}, 10, *executor);
+  std::vector<CandidatePair> nearest;
+  for (std::uint32_t i = 1; i <= 10; ++i) nearest.push_back({0, i});
+  EXPECT_EQ((std::vector<CandidatePair>{result.pairs.begin(), result.pairs.end()}), nearest);
+  EXPECT_EQ(result.discarded, 29U);
+}
+
+TEST(BroadPhase, InACrowdEachLooksAtBoundedlyManyAndKeepsNeighbours) {
+  // All bounds overlap all others: 8,000 within one cell.
+  constexpr std::uint32_t kCrowd = 8000;
+  constexpr std::uint32_t kMost = 8;
+  std::mt19937_64 random(3);
+  std::vector<MotionBound> bounds(kCrowd);
+  for (std::uint32_t i = 0; i < kCrowd; ++i)
+    bounds[i] = {Vec3(10.5, 10.5, 10.5) + random_vector(random, 0.2), 1, i, 1, 0xffffffffU, true};
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, 2);
+  BroadPhase broad;
+  const auto result = broad.find(bounds, {}, kMost, *executor);
+  EXPECT_LE(result.pairs.size(), std::size_t{kCrowd} * kMost);
+  EXPECT_GT(result.pairs.size(), std::size_t{kCrowd - 100} * kMost);
+  EXPECT_EQ(result.pairs.size() + result.discarded, std::size_t{kCrowd} * (kCrowd - 1) / 2);
+  double mean_m = 0;
+  for (const CandidatePair& pair : result.pairs)
+    mean_m += (bounds[pair.low].center_m - bounds[pair.high].center_m).norm();
+  mean_m /= static_cast<double>(result.pairs.size());
+  // The eight nearest of all 8,000 are 0.02 m away, eight that are chosen blindly 0.2 m.
+  EXPECT_LT(mean_m, 0.05);
+  // Bodies in the very same place are no harder.
+  for (MotionBound& bound : bounds) bound.center_m = Vec3::Zero();
+  EXPECT_LE(broad.find(bounds, {}, kMost, *executor).pairs.size(), std::size_t{kCrowd} * kMost);
+}
+
+TEST(BroadPhase, OneBodyFarAwayPutsNoOthersTogether) {
+  std::mt19937_64 random(5);
+  auto bounds = random_bounds(random, 2000, 15, 0);
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  const std::size_t near = BroadPhase{}.find(bounds, {}, kMany, *executor).looked_at;
+  for (const double far : {1e2, 1e4, 65536.0 * 2, 1e8}) {
+    bounds.back().center_m = Vec3(far, -far, 2 * far);
+    BroadPhase broad;
+    EXPECT_EQ(found(broad, bounds, {}, *executor), brute_force(bounds, {}));
+    EXPECT_LT(broad.find(bounds, {}, kMany, *executor).looked_at, near + near / 10) << far;
+  }
+}
+
 }  // namespace
 }  // namespace poise::collision

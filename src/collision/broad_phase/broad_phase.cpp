@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "collision/broad_phase/broad_phase_cells.h"
+#include "geometry/primitives/bounds.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::collision {
@@ -24,12 +27,6 @@ int grid_of(double radius_m) {
 
 }  // namespace
 
-std::uint64_t BroadPhase::bucket(const Cell& cell) const {
-  const Grid& grid = grids_[static_cast<std::size_t>(cell.grid)];
-  const auto along = [&](std::int32_t at, int axis) { return static_cast<std::uint64_t>(at - grid.least[axis]); };
-  return (grid.base + along(cell.x, 0) + grid.row * along(cell.y, 1) + grid.layer * along(cell.z, 2)) & mask_;
-}
-
 void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor) {
   const std::size_t n = bounds.size();
   cell_of_.resize(n);
@@ -39,6 +36,7 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
   for (std::size_t i = 0; i < n; ++i) {
     cell_of_[i].grid = grid_of(bounds[i].radius_m);
     Grid& grid = grids_[static_cast<std::size_t>(cell_of_[i].grid)];
+    grid.used = true;
     grid.widest_m = std::max(grid.widest_m, 2.0 * bounds[i].radius_m);
   }
   for (Grid& grid : grids_) grid.cells_per_m = 1.0 / std::max(grid.widest_m, kLeastCellM);
@@ -51,39 +49,12 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
       cell_of_[i].z = cell_of(center.z(), scale);
     }
   });
-  struct Range {
-    std::int64_t least[3], most[3];
-  };
-  Range ranges[kGrids];
-  for (const Cell& cell : cell_of_) {
-    Grid& grid = grids_[static_cast<std::size_t>(cell.grid)];
-    Range& range = ranges[cell.grid];
-    const std::int64_t at[3] = {cell.x, cell.y, cell.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      range.least[axis] = grid.used ? std::min(range.least[axis], at[axis]) : at[axis];
-      range.most[axis] = grid.used ? std::max(range.most[axis], at[axis]) : at[axis];
-    }
-    grid.used = true;
-  }
   used_grids_.clear();
-  std::uint64_t base = 0;
   for (int g = 0; g < kGrids; ++g) {
-    Grid& grid = grids_[static_cast<std::size_t>(g)];
-    if (!grid.used) continue;
-    used_grids_.push_back(g);
-    std::uint64_t size[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      grid.least[axis] = ranges[g].least[axis] - 1;  // a free border: searches reach one cell beyond
-      grid.most[axis] = ranges[g].most[axis] + 1;
-      size[axis] = static_cast<std::uint64_t>(ranges[g].most[axis] - ranges[g].least[axis] + 3);
-    }
-    grid.row = size[0];
-    grid.layer = size[0] * size[1];
-    grid.base = base;
-    base += grid.layer * size[2];
+    if (grids_[static_cast<std::size_t>(g)].used) used_grids_.push_back(g);
   }
-  const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(4 * n, 64));
-  mask_ = buckets - 1;
+  const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(4 * n, kBlockCells));
+  block_mask_ = buckets / kBlockCells - 1;
   bucket_begin_.assign(buckets + 1, 0);
   for (std::size_t i = 0; i < n; ++i) {
     bucket_of_[i] = static_cast<std::uint32_t>(bucket(cell_of_[i]));
@@ -97,49 +68,108 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
   // Each begin has moved on to its bucket's end, which is the next one's begin.
   std::copy_backward(bucket_begin_.begin(), bucket_begin_.end() - 1, bucket_begin_.end());
   bucket_begin_[0] = 0;
+  sort_crowds();
+}
+
+// Where more lie in one place than a search looks at, those that follow each other are near each other: along a Morton
+// curve through the bucket's box.
+void BroadPhase::sort_crowds() {
+  const std::uint32_t crowd = most_tests(0);
+  for (std::size_t b = 0; b + 1 < bucket_begin_.size(); ++b) {
+    if (bucket_begin_[b + 1] - bucket_begin_[b] <= crowd) continue;
+    const auto begin = entries_.begin() + bucket_begin_[b];
+    const auto end = entries_.begin() + bucket_begin_[b + 1];
+    geometry::Bounds box;
+    for (auto entry = begin; entry != end; ++entry) box.add(entry->center_m);
+    const Vec3 scale = (box.high - box.low).unaryExpr([](double size_m) { return size_m > 0 ? 1023.0 / size_m : 0.0; });
+    const auto place = [&](const Entry& entry) {
+      std::uint32_t code = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<std::uint32_t>((entry.center_m[axis] - box.low[axis]) * scale[axis]);
+        for (std::uint32_t bit = 0; bit < 10; ++bit)
+          code |= (at >> bit & 1U) << (3 * bit + static_cast<std::uint32_t>(axis));
+      }
+      return code;
+    };
+    std::vector<std::pair<std::uint32_t, Entry>> placed;
+    for (auto entry = begin; entry != end; ++entry) placed.emplace_back(place(*entry), *entry);
+    std::sort(placed.begin(), placed.end(), [](const auto& x, const auto& y) {
+      return std::pair(x.first, x.second.bound) < std::pair(y.first, y.second.bound);
+    });
+    std::transform(placed.begin(), placed.end(), begin, [](const auto& entry) { return entry.second; });
+  }
+}
+
+// The cells that each grid uses.
+void BroadPhase::find_ranges() {
+  for (const int g : used_grids_) {
+    std::fill_n(grids_[static_cast<std::size_t>(g)].least, 3, std::numeric_limits<std::int64_t>::max());
+    std::fill_n(grids_[static_cast<std::size_t>(g)].most, 3, std::numeric_limits<std::int64_t>::min());
+  }
+  for (const Cell& cell : cell_of_) {
+    Grid& grid = grids_[static_cast<std::size_t>(cell.grid)];
+    const std::int64_t at[3] = {cell.x, cell.y, cell.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      grid.least[axis] = std::min(grid.least[axis], at[axis]);
+      grid.most[axis] = std::max(grid.most[axis], at[axis]);
+    }
+  }
 }
 
 void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                         std::uint32_t max_partners, Collector& found) const {
   const Entry& self = entries_[entry];
   const MotionBound& bound = bounds[self.bound];
-  std::uint32_t partners = 0;
-  const auto keep = [&](std::uint32_t slot) {
-    if (partners++ < max_partners) {
-      found.add(bound.slot, slot);
-    } else {
-      ++found.discarded;
-    }
-  };
+  found.partners.clear();
+  std::uint32_t room = most_tests(max_partners);
   const auto test = [&](std::uint32_t e) {
     const Entry& other = entries_[e];
     const double reach = self.radius_m + other.radius_m;
-    if ((other.center_m - self.center_m).squaredNorm() >= reach * reach) return;
+    const double square = (other.center_m - self.center_m).squaredNorm();
+    if (square >= reach * reach) return;
     const MotionBound& partner = bounds[other.bound];
     if (!bound.dynamic && !partner.dynamic) return;
     if (!meet(bound.group, bound.collides_with, partner.group, partner.collides_with)) return;
-    keep(partner.slot);
+    found.partners.push_back({std::sqrt(square) - reach, partner.slot});
   };
   // Own grid: half of the neighbourhood, and of the own cell the entries behind this one, so that a pair is found once.
   const Cell own = self.cell;
   const auto shifted = [](const Cell& cell, int dx, int dy, int dz) {
     return Cell{cell.x + dx, cell.y + dy, cell.z + dz, cell.grid};
   };
-  visit_row(own, 2, [&](std::uint32_t e) {
-    if (entries_[e].cell.x != own.x || e > entry) test(e);
-  });
-  visit_row(shifted(own, -1, 1, 0), 3, test);
-  for (int dy = -1; dy <= 1; ++dy) visit_row(shifted(own, -1, dy, 1), 3, test);
-  // Coarser grids: a ball reaches at most half a cell of its own and half of theirs, so again one cell around.
+  const auto behind = static_cast<std::uint32_t>(entry + 1);
+  const std::uint32_t own_end = bucket_begin_[bucket(own) + 1];
+  const std::uint32_t looked_at = std::min(own_end - behind, room);
+  for (std::uint32_t e = behind; e < behind + looked_at; ++e) {
+    if (entries_[e].cell == own) test(e);
+  }
+  room -= looked_at;
+  found.discarded += own_end - behind - looked_at;
+  const auto visit = [&](const Cell& first, std::int32_t count) {
+    found.discarded += visit_row(first, count, room, test);
+  };
+  visit(shifted(own, 1, 0, 0), 1);
+  visit(shifted(own, -1, 1, 0), 3);
+  for (int dy = -1; dy <= 1; ++dy) visit(shifted(own, -1, dy, 1), 3);
+  // Coarser grids: the cells that hold the centre of any ball that it can meet. Rounding must lose none of them.
+  constexpr double kRounding = 1e-9;
   for (const int g : used_grids_) {
     if (g <= own.grid) continue;
-    const double scale = grids_[static_cast<std::size_t>(g)].cells_per_m;
-    const Cell home{cell_of(self.center_m.x(), scale), cell_of(self.center_m.y(), scale),
-                    cell_of(self.center_m.z(), scale), g};
-    for (int dz = -1; dz <= 1; ++dz) {
-      for (int dy = -1; dy <= 1; ++dy) visit_row(shifted(home, -1, dy, dz), 3, test);
+    const Grid& grid = grids_[static_cast<std::size_t>(g)];
+    const double reach = self.radius_m + 0.5 * grid.widest_m;
+    const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * kRounding * self.center_m.cwiseAbs();
+    const Vec3 low = self.center_m - around;
+    const Vec3 high = self.center_m + around;
+    const std::int32_t first_x = cell_of(low.x(), grid.cells_per_m);
+    const std::int32_t count = cell_of(high.x(), grid.cells_per_m) - first_x + 1;
+    const std::int32_t last_y = cell_of(high.y(), grid.cells_per_m);
+    const std::int32_t last_z = cell_of(high.z(), grid.cells_per_m);
+    for (std::int32_t z = cell_of(low.z(), grid.cells_per_m); z <= last_z; ++z) {
+      for (std::int32_t y = cell_of(low.y(), grid.cells_per_m); y <= last_y; ++y) visit({first_x, y, z, g}, count);
     }
   }
+  found.looked_at += most_tests(max_partners) - room;
+  found.keep_nearest(bound.slot, max_partners);
   if (!bound.dynamic) return;
   for (const PlaneBound& plane : planes) {
     if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
@@ -149,23 +179,32 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
 
 std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                                 std::span<const SweptBound> swept, std::uint32_t max_partners,
-                                parallel::Executor& executor, std::size_t& discarded) {
+                                parallel::Executor& executor, Result& result) {
   parallel::Tickets points;
   parallel::Tickets lost;
-  parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
-    Collector found{found_, points};
+  parallel::Tickets looked_at;
+  scratch_.resize(static_cast<std::size_t>(executor.concurrency()));
+  const auto collector = [&](int worker) {
+    return Collector{found_, points, scratch_[static_cast<std::size_t>(worker)].partners};
+  };
+  parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int worker) {
+    Collector found = collector(worker);
     for (std::size_t entry = begin; entry < end; ++entry) search(entry, bounds, planes, max_partners, found);
     found.flush();
     if (found.discarded > 0) lost.take(found.discarded);
+    looked_at.take(found.looked_at);
   });
   if (!swept.empty()) {
-    parallel::parallel_for(executor, swept.size(), 1, [&](std::size_t begin, std::size_t end, int) {
-      Collector found{found_, points};
-      for (std::size_t own = begin; own < end; ++own) search_along(own, bounds, planes, swept, found);
+    find_ranges();
+    sort_swept(swept);
+    parallel::parallel_for(executor, swept.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
+      Collector found = collector(worker);
+      for (std::size_t place = begin; place < end; ++place) search_along(place, bounds, planes, swept, found);
       found.flush();
     });
   }
-  discarded = lost.take(0);
+  result.discarded = lost.take(0);
+  result.looked_at = looked_at.take(0);
   return points.take(0);
 }
 
@@ -195,10 +234,10 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
   if (bounds.empty() && swept.empty()) return result;
   sort_into_cells(bounds, executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
-  std::size_t count = collect(bounds, planes, swept, max_partners, executor, result.discarded);
+  std::size_t count = collect(bounds, planes, swept, max_partners, executor, result);
   if (count > found_.size()) {
     found_.resize(count + count / 2);
-    count = collect(bounds, planes, swept, max_partners, executor, result.discarded);
+    count = collect(bounds, planes, swept, max_partners, executor, result);
   }
   sort_pairs(count, executor);
   result.pairs = std::span<const CandidatePair>(sorted_).first(count);

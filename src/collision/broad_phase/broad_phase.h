@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -43,22 +44,27 @@ struct CandidatePair {
   friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
 };
 
-/// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table whose
-/// cells in a row lie side by side. Invariant: buffers only grow, so that a scene that was seen once needs no
+/// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table that holds
+/// blocks of neighbouring cells side by side. Invariant: buffers only grow, so that a scene that was seen once needs no
 /// allocation.
 class BroadPhase {
  public:
   struct Result {
     std::span<const CandidatePair> pairs;  ///< sorted by (low, high), each once; valid until the next call
     std::size_t discarded = 0;             ///< candidate partners discarded beyond max_partners
+    std::size_t looked_at = 0;             ///< bounds that the searches looked at: what the grid cost
   };
   /// At least one of a pair is dynamic, and each is in a group that the other collides with. Each bound has at most
-  /// `max_partners` partners found by its own search. The same result on any number of threads. Linear in bounds and
-  /// pairs. `swept` bodies are not in the grid: each searches the cells along its path, or all entries if these are
-  /// fewer, and keeps every partner on it; swept bodies are compared with each other directly. Without swept bodies
-  /// this costs nothing.
+  /// `max_partners` partners found by its own search, the nearest of those that it looked at. The same result on any
+  /// number of threads. Linear in bounds and pairs, also where many lie in one place: there a search looks at no more
+  /// than most_tests(max_partners) others and counts the rest as discarded. `swept` bodies are not in the grid: each
+  /// searches the cells along its path, or all entries if these are fewer, and keeps every partner on it; swept bodies
+  /// whose paths are near along the axis on which they are spread most are compared with each other. Without swept
+  /// bodies this costs nothing.
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
               parallel::Executor& executor, std::span<const SweptBound> swept = {});
+  /// Bounds that the search of one looks at, at most. Far more than cells hold where bounds do not overlap.
+  static std::uint32_t most_tests(std::uint32_t max_partners) { return std::max(4096U, 16 * max_partners); }
 
  private:
   struct Cell {
@@ -75,26 +81,43 @@ class BroadPhase {
   struct Grid {
     double widest_m = 0;
     double cells_per_m = 1;
-    std::int64_t least[3] = {0, 0, 0}, most[3] = {0, 0, 0};  ///< cells, with a free border around those in use
-    std::uint64_t row = 1, layer = 1, base = 0;
+    std::int64_t least[3] = {0, 0, 0}, most[3] = {0, 0, 0};  ///< cells in use; set if bodies are swept
     bool used = false;
+  };
+  struct Partner {
+    double gap_m = 0;  // between the bounds, negative
+    std::uint32_t slot = 0;
+  };
+  // Of one worker; workers write into no cache line of another.
+  struct alignas(64) Scratch {
+    std::vector<Partner> partners;
   };
   struct Collector;
   struct Way;
+  // What a swept body covers along the axis on which swept bodies are spread most.
+  struct Stretch {
+    double low_m = 0, high_m = 0;
+    std::uint32_t swept = 0;
+  };
 
   void sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
+  void sort_crowds();
+  void find_ranges();
+  void sort_swept(std::span<const SweptBound> swept);
   void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
               std::uint32_t max_partners, Collector& found) const;
-  void search_along(std::size_t own, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
+  void search_along(std::size_t place, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                     std::span<const SweptBound> swept, Collector& found) const;
   template <class Visit>
   void visit_along(const Way& way, int grid, Visit&& visit) const;
+  // Calls visit for the entries of `count` cells in a row along x, for at most `room`, which it lowers; how many more
+  // there may be.
   template <class Visit>
-  void visit_row(const Cell& first, std::int32_t count, Visit&& visit) const;
+  std::size_t visit_row(const Cell& first, std::int32_t count, std::uint32_t& room, Visit&& visit) const;
   [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
   std::size_t collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                       std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor,
-                      std::size_t& discarded);
+                      Result& result);
   void sort_pairs(std::size_t count, parallel::Executor& executor);
 
   static constexpr int kGrids = 64;
@@ -104,7 +127,9 @@ class BroadPhase {
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> bucket_of_;
   std::vector<std::uint32_t> bucket_begin_;
-  std::uint64_t mask_ = 0;
+  std::uint64_t block_mask_ = 0;
+  std::vector<Scratch> scratch_;    // one a worker
+  std::vector<Stretch> stretches_;  // of the swept bodies, by low_m
   std::vector<CandidatePair> found_;
   std::vector<CandidatePair> sorted_;
   std::vector<std::uint32_t> low_begin_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "collision/broad_phase/broad_phase.h"
 #include "collision/broad_phase/broad_phase_cells.h"
@@ -62,6 +63,7 @@ void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) cons
     }
     return;
   }
+  std::uint32_t room = std::numeric_limits<std::uint32_t>::max();
   for (std::int64_t layer = first_layer; layer <= last_layer; ++layer) {
     // The part of the way from which a ball with its centre in this layer can be met.
     double begin = 0;
@@ -85,14 +87,31 @@ void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) cons
       for (std::int64_t y = first[1]; y <= last[1]; ++y) {
         visit_row({static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z),
                    grid_index},
-                  static_cast<std::int32_t>(last[0] - first[0] + 1), visit);
+                  static_cast<std::int32_t>(last[0] - first[0] + 1), room, visit);
       }
     }
   }
 }
 
-void BroadPhase::search_along(std::size_t own, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                              std::span<const SweptBound> swept, Collector& found) const {
+void BroadPhase::sort_swept(std::span<const SweptBound> swept) {
+  geometry::Bounds box;
+  for (const SweptBound& bound : swept) box.add(bound.start.center_m);
+  int axis = 0;
+  (box.high - box.low).maxCoeff(&axis);
+  stretches_.clear();
+  for (std::uint32_t i = 0; i < swept.size(); ++i) {
+    const Way way(swept[i]);
+    stretches_.push_back({way.box.low[axis] - way.radius_m, way.box.high[axis] + way.radius_m, i});
+  }
+  std::sort(stretches_.begin(), stretches_.end(), [](const Stretch& x, const Stretch& y) {
+    return x.low_m != y.low_m ? x.low_m < y.low_m : x.swept < y.swept;
+  });
+}
+
+void BroadPhase::search_along(std::size_t place, std::span<const MotionBound> bounds,
+                              std::span<const PlaneBound> planes, std::span<const SweptBound> swept,
+                              Collector& found) const {
+  const std::uint32_t own = stretches_[place].swept;
   const MotionBound& self = swept[own].start;
   const Way way(swept[own]);
   const auto offer = [&](const MotionBound& other) {
@@ -104,8 +123,9 @@ void BroadPhase::search_along(std::size_t own, std::span<const MotionBound> boun
       if (way.meets(entries_[e].center_m, entries_[e].radius_m)) offer(bounds[entries_[e].bound]);
     });
   }
-  for (std::size_t other = own + 1; other < swept.size(); ++other) {
-    if (way.meets(Way(swept[other]))) offer(swept[other].start);
+  for (std::size_t k = place + 1; k < stretches_.size() && stretches_[k].low_m < stretches_[place].high_m; ++k) {
+    const SweptBound& other = swept[stretches_[k].swept];
+    if (way.meets(Way(other))) offer(other.start);
   }
   if (!self.dynamic) return;
   for (const PlaneBound& plane : planes) {
