@@ -24,7 +24,7 @@ struct Block {
   SolveScratch scratch;
   std::vector<Manifold> pairs;
   std::vector<ContactPoint> points;
-  std::vector<AccumulatedImpulse> impulses;
+  std::vector<ContactForce> forces;
   std::vector<Vec3> applied_impulse_ns;
   std::vector<collision::Pose> poses;
   ContactSolver solver;
@@ -65,7 +65,7 @@ struct Block {
       const Vec3 on_b = -0.5 * directions[i];
       points.push_back({directions[i], poses[pair.b].position_m + on_b - poses[pair.a].position_m, on_b, 0});
     }
-    impulses.resize(points.size());
+    forces.resize(points.size());
     applied_impulse_ns.resize(pairs.size());
   }
   void connect(std::uint32_t a, std::uint32_t b, const Vec3& direction) {
@@ -79,7 +79,7 @@ void step(Block& block, parallel::Executor& executor) {
   const SolveSettings settings{1.0 / 60, Vec3(0, 0, -9.81), 2, {}};
   solve_impacts(block.system(), settings, executor);
   block.solver.solve({block.bodies, block.accelerations, block.inverse_inertia, block.poses, block.pairs, block.points,
-                      block.impulses, block.applied_impulse_ns, block.coloring},
+                      block.forces, block.applied_impulse_ns, block.coloring},
                      settings, executor);
   for (SolverBody& body : block.bodies) body.moved_m = body.turned_rad = Vec3::Zero();
 }

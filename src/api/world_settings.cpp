@@ -66,9 +66,6 @@ Status World::set_settings(const WorldSettings& settings) {
   state.settings = settings;
   if (before.sleeping && !settings.sleeping) state.sleeping = {};
   state.sleeping.on = settings.sleeping;
-  // Impulses are cached by the substep.
-  if (settings.substeps != before.substeps)
-    state.cache.points.scale_impulses(static_cast<double>(before.substeps) / settings.substeps);
   if (settings.contact != before.contact) {
     for (std::uint32_t slot = 0; slot < state.bodies.slot_count(); ++slot) state.body_changes.displaced.push_back(slot);
   }

@@ -8,7 +8,7 @@ namespace {
 
 static_assert(Contact::kMostPoints == collision::kMaxManifoldPoints);
 
-// Makes the impulses of the points in the last substep those of the whole step.
+// Makes the mean forces of the points in the last substep their impulses in the whole step.
 void share_out(const Vec3& whole_ns, std::span<ContactPoint> points) {
   Vec3 borne = Vec3::Zero();
   double load = 0;
@@ -37,12 +37,12 @@ void list_points(const ListedPair& listed, double sign, Contact& contact) {
   const collision::Pose& b = listed.motion.poses[listed.pair.b];
   for (std::size_t k = 0; k < count; ++k) {
     const solver::PlacedPoint placed = solver::placed_point(a, b, listed.points.points[begin + k]);
-    const solver::AccumulatedImpulse& load = listed.points.impulses[begin + k];
+    const solver::ContactForce& load = listed.points.forces[begin + k];
     ContactPoint& point = contact.point_slots[k];
     point.point_m = a.position_m + placed.arm_m;
     point.normal = sign * placed.normal;
     point.separation_m = placed.gap_m;
-    point.impulse_ns = sign * (load.impulse_ns * placed.normal + load.friction_ns);
+    point.impulse_ns = sign * (load.normal_n * placed.normal + load.friction_n);
   }
   contact.point_count = static_cast<std::uint8_t>(count);
   share_out(contact.impulse_ns, std::span(contact.point_slots).first(count));

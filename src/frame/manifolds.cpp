@@ -39,11 +39,11 @@ std::span<T> manifold_of(std::span<T> points) {
   return points.size() > 1 ? points.subspan(1) : points;
 }
 
-// Warm starting: new points take over the impulses of the old ones that are nearest to them and have nearly the same
+// Warm starting: new points take over the forces of the old ones that are nearest to them and have nearly the same
 // normal.
-void take_over_impulses(std::span<const solver::ContactPoint> old,
-                        std::span<const solver::AccumulatedImpulse> old_impulses, double size_m,
-                        std::span<const solver::ContactPoint> points, std::span<solver::AccumulatedImpulse> impulses) {
+void take_over_forces(std::span<const solver::ContactPoint> old, std::span<const solver::ContactForce> old_forces,
+                      double size_m, std::span<const solver::ContactPoint> points,
+                      std::span<solver::ContactForce> forces) {
   constexpr double kLike = 0.7;
   std::array<bool, kPointsOfPair> taken{};
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -57,7 +57,7 @@ void take_over_impulses(std::span<const solver::ContactPoint> old,
     }
     if (nearest == old.size()) continue;
     taken[nearest] = true;
-    impulses[i] = old_impulses[nearest];
+    forces[i] = old_forces[nearest];
   }
 }
 
@@ -78,24 +78,24 @@ void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& 
   constexpr double kSameOfSkin = 50;
   const ActivePair& pair = input.table.pairs[i];
   const std::span<solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
-  const std::span<solver::AccumulatedImpulse> impulses = cache.impulses_of(made.slot, made.point_count);
+  const std::span<solver::ContactForce> forces = cache.forces_of(made.slot, made.point_count);
   const std::size_t olds = pair.cached.point_count;
   if (olds == 0) {
     place_points(input, i, points);
-    std::fill(impulses.begin(), impulses.end(), solver::AccumulatedImpulse{});
+    std::fill(forces.begin(), forces.end(), solver::ContactForce{});
     return;
   }
   std::array<solver::ContactPoint, kPointsOfPair> old;
-  std::array<solver::AccumulatedImpulse, kPointsOfPair> old_impulses;
+  std::array<solver::ContactForce, kPointsOfPair> old_forces;
   const auto first = static_cast<std::ptrdiff_t>(PointCache::begin(made.slot));
   std::copy_n(cache.points.begin() + first, olds, old.begin());
-  std::copy_n(cache.impulses.begin() + first, olds, old_impulses.begin());
+  std::copy_n(cache.forces.begin() + first, olds, old_forces.begin());
   place_points(input, i, points);
-  std::fill(impulses.begin(), impulses.end(), solver::AccumulatedImpulse{});
-  take_over_impulses(manifold_of(std::span<const solver::ContactPoint>(old).first(olds)),
-                     manifold_of(std::span<const solver::AccumulatedImpulse>(old_impulses).first(olds)),
-                     kSameOfSkin * pair.skin_m, manifold_of(std::span<const solver::ContactPoint>(points)),
-                     manifold_of(impulses));
+  std::fill(forces.begin(), forces.end(), solver::ContactForce{});
+  take_over_forces(manifold_of(std::span<const solver::ContactPoint>(old).first(olds)),
+                   manifold_of(std::span<const solver::ContactForce>(old_forces).first(olds)),
+                   kSameOfSkin * pair.skin_m, manifold_of(std::span<const solver::ContactPoint>(points)),
+                   manifold_of(forces));
 }
 
 // May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says
@@ -132,8 +132,8 @@ void update_separations(const ManifoldsInput& input, std::size_t i, PairPoints& 
   }
   made.solved = made.nearest_m < pair.margin_m;
   if (made.solved || (from_cache && !pair.cached.solved)) return;
-  // It is not solved: no impulse to start from.
-  for (solver::AccumulatedImpulse& impulse : cache.impulses_of(made.slot, made.point_count)) impulse = {};
+  // It is not solved: no force to start from.
+  for (solver::ContactForce& force : cache.forces_of(made.slot, made.point_count)) force = {};
 }
 
 Material mixed(const SceneView& scene, const ActivePair& pair) {

@@ -91,7 +91,6 @@ class Step {
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();
-    scale_impulses(world_.settings.substeps, substeps());
     const SolveInput solved = solve_input();
     make_manifolds(
         {world_.scene(), terms_, frame_.motion, frame_.table, frame_.levels, solver::still_mps(solved.settings())},
@@ -104,7 +103,6 @@ class Step {
     PublishInput published = publish_input(world_);
     published.persist_events = input_.persist_events;
     publish(published, world_.cache, world_.events, frame_.publication, executor_);
-    scale_impulses(substeps(), world_.settings.substeps);
     ++world_.contacts_version;
     ++world_.frame;
   }
@@ -153,11 +151,6 @@ class Step {
   // Substeps of this frame.
   [[nodiscard]] int substeps() const {
     return frame_.levels.substeps > 0 ? frame_.levels.substeps : world_.settings.substeps;
-  }
-
-  // Impulses are cached by the substep.
-  void scale_impulses(int from, int to) {
-    if (from != to) world_.cache.points.scale_impulses(static_cast<double>(from) / to);
   }
 
   [[nodiscard]] SolveInput solve_input() const {

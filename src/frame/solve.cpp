@@ -265,7 +265,7 @@ solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_it
                                      input.motion.poses,
                                      velocities.bounced ? velocities.not_bouncing : input.manifolds.manifolds,
                                      points.points,
-                                     points.impulses,
+                                     points.forces,
                                      velocities.applied_impulse_ns,
                                      input.manifolds.coloring,
                                      velocities.point_count};

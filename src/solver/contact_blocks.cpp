@@ -40,17 +40,17 @@ void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t la
 }
 
 template <class T>
-void fill_point(const ContactSystem& system, const Manifold& pair, double per_unit, std::size_t index, std::size_t lane,
-                PointLanes<T>& into) {
+void fill_point(const ContactSystem& system, const Manifold& pair, double per_newton, std::size_t index,
+                std::size_t lane, PointLanes<T>& into) {
   const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[index]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
   into.gap[lane] = static_cast<T>(now.gap_m);
   into.certain[lane] = static_cast<T>(now.certain_separation_m + pair.slop_m);
   into.mass[lane] = 1;
-  const AccumulatedImpulse& impulse = system.impulses[index];
-  into.impulse[lane] = static_cast<T>(per_unit * impulse.impulse_ns);
-  set(Vec3(per_unit * impulse.friction_ns), lane, into.friction_impulse);
+  const ContactForce& force = system.forces[index];
+  into.impulse[lane] = static_cast<T>(per_newton * force.normal_n);
+  set(Vec3(per_newton * force.friction_n), lane, into.friction_impulse);
 }
 
 }  // namespace
@@ -69,8 +69,8 @@ void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
     const std::size_t bytes = pair.point_count * sizeof(ContactPoint);
     for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(bytes_at + at);
     hwy::Prefetch(bytes_at + bytes - 1);
-    hwy::Prefetch(&system.impulses[pair.point_begin]);
-    hwy::Prefetch(&system.impulses[pair.point_begin + pair.point_count - 1U]);
+    hwy::Prefetch(&system.forces[pair.point_begin]);
+    hwy::Prefetch(&system.forces[pair.point_begin + pair.point_count - 1U]);
     for (const std::uint32_t body : {pair.a, pair.b}) {
       hwy::Prefetch(&system.bodies[body]);
       hwy::Prefetch(&system.poses[body]);
@@ -79,12 +79,12 @@ void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
   }
 }
 
-void prefetch_impulses(const ContactSystem& system, const ContactBlock& block) {
+void prefetch_forces(const ContactSystem& system, const ContactBlock& block) {
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
     if (pair.point_count == 0) continue;
-    hwy::Prefetch(&system.impulses[pair.point_begin]);
-    hwy::Prefetch(&system.impulses[pair.point_begin + pair.point_count - 1U]);
+    hwy::Prefetch(&system.forces[pair.point_begin]);
+    hwy::Prefetch(&system.forces[pair.point_begin + pair.point_count - 1U]);
     hwy::Prefetch(&system.applied_impulse_ns[block.pair[lane]]);
   }
 }
@@ -101,7 +101,7 @@ ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat
 }
 
 template <class T>
-void fill_block(const ContactSystem& system, double still_mps, ContactBlock& block, PairLanes<T>& shared,
+void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes) {
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
@@ -122,11 +122,12 @@ void fill_block(const ContactSystem& system, double still_mps, ContactBlock& blo
     const SolverBody& a = system.bodies[pair.a];
     const SolverBody& b = system.bodies[pair.b];
     // Without an external acceleration a warm start would add energy.
-    const double per_unit = a.pulled || b.pulled ? a.inverse_mass + b.inverse_mass : 0.0;
+    const double per_newton = a.pulled || b.pulled ? terms.substep_s * (a.inverse_mass + b.inverse_mass) : 0.0;
     for (std::size_t p = 0; p < pair.point_count; ++p)
-      fill_point(system, pair, per_unit, pair.point_begin + p, lane, manifold_points[p]);
+      fill_point(system, pair, per_newton, pair.point_begin + p, lane, manifold_points[p]);
   }
-  prepare_block(block, shared, start, static_cast<T>(still_mps), manifold_points, lanes.scaled_inverse_inertias.data());
+  prepare_block(block, shared, start, static_cast<T>(terms.still_mps), manifold_points,
+                lanes.scaled_inverse_inertias.data());
 }
 
 template <class T>
@@ -140,19 +141,20 @@ void add_totals(const ContactBlock& block, Lanes<T>& lanes) {
 }
 
 template <class T>
-void write_back_block(const ContactSystem& system, const ContactBlock& block, const PairLanes<T>& shared,
-                      Lanes<T>& lanes) {
+void write_back_block(const ContactSystem& system, double substep_s, const ContactBlock& block,
+                      const PairLanes<T>& shared, Lanes<T>& lanes) {
   const std::span<const PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
     const double unit_ns = static_cast<double>(shared.reduced_mass[lane]);
+    const double unit_n = unit_ns / substep_s;
     Vec3 sum = Vec3::Zero();
     Vec3 moment_a = Vec3::Zero();
     for (std::size_t p = 0; p < pair.point_count; ++p) {
       const PointLanes<T>& point = manifold_points[p];
-      AccumulatedImpulse& impulse = system.impulses[pair.point_begin + p];
-      impulse.impulse_ns = unit_ns * static_cast<double>(point.impulse[lane]);
-      impulse.friction_ns = unit_ns * get(point.friction_impulse, lane);
+      ContactForce& force = system.forces[pair.point_begin + p];
+      force.normal_n = unit_n * static_cast<double>(point.impulse[lane]);
+      force.friction_n = unit_n * get(point.friction_impulse, lane);
       const Vec3 given = unit_ns * get(point.total, lane);
       sum += given;
       moment_a += get(point.arm, lane).cross(given);
@@ -178,11 +180,13 @@ void write_back_block(const ContactSystem& system, const ContactBlock& block, co
 
 template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
-template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<float>&, Lanes<float>&);
-template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<double>&, Lanes<double>&);
+template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&, Lanes<float>&);
+template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&, Lanes<double>&);
 template void add_totals(const ContactBlock&, Lanes<float>&);
 template void add_totals(const ContactBlock&, Lanes<double>&);
-template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<float>&, Lanes<float>&);
-template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<double>&, Lanes<double>&);
+template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<float>&,
+                               Lanes<float>&);
+template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<double>&,
+                               Lanes<double>&);
 
 }  // namespace poise::solver

@@ -29,36 +29,44 @@ struct Lanes {
 template <class T>
 ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat3& inverse_inertia);
 
+/// What all blocks of a step share.
+struct BlockTerms {
+  double still_mps = 0;  ///< what closes more slowly does not rebound
+  double substep_s = 0;
+};
+
 /// Fills a block, whose `begin`, `count`, `manifold_points` and `first` are set, and its lanes from its pairs.
 template <class T>
-void fill_block(const ContactSystem& system, double still_mps, ContactBlock& block, PairLanes<T>& shared,
+void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes);
 
 /// Prefetches what fill_block and write_back_block read of a block's pairs, a few blocks ahead: pairs of one colour lie
 /// far apart in memory.
 void prefetch_pairs(const ContactSystem& system, const ContactBlock& block);
 void prefetch_points(const ContactSystem& system, const ContactBlock& block);
-void prefetch_impulses(const ContactSystem& system, const ContactBlock& block);
+void prefetch_forces(const ContactSystem& system, const ContactBlock& block);
 
 /// Adds the impulses of a substep to the totals of the step.
 template <class T>
 void add_totals(const ContactBlock& block, Lanes<T>& lanes);
 
 /// Applies the total impulses of the step to the bodies of a block, in double precision and at one point for both
-/// bodies, and stores the accumulated impulses that warm start the next step.
+/// bodies, and stores the forces of the last substep, which warm start the next step.
 template <class T>
-void write_back_block(const ContactSystem& system, const ContactBlock& block, const PairLanes<T>& shared,
-                      Lanes<T>& lanes);
+void write_back_block(const ContactSystem& system, double substep_s, const ContactBlock& block,
+                      const PairLanes<T>& shared, Lanes<T>& lanes);
 
 extern template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 extern template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
-extern template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<float>&, Lanes<float>&);
-extern template void fill_block(const ContactSystem&, double, ContactBlock&, PairLanes<double>&, Lanes<double>&);
+extern template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&,
+                                Lanes<float>&);
+extern template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&,
+                                Lanes<double>&);
 extern template void add_totals(const ContactBlock&, Lanes<float>&);
 extern template void add_totals(const ContactBlock&, Lanes<double>&);
-extern template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<float>&,
+extern template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<float>&,
                                       Lanes<float>&);
-extern template void write_back_block(const ContactSystem&, const ContactBlock&, const PairLanes<double>&,
+extern template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<double>&,
                                       Lanes<double>&);
 
 }  // namespace poise::solver

@@ -15,10 +15,11 @@ struct ContactPoint {
   double certainty_m = 0;       ///< the gap that is certain is larger by this, >= 0
 };
 
-/// Impulse that a contact point applied in the last substep, world frame: the warm start of the next step.
-struct AccumulatedImpulse {
-  double impulse_ns = 0;            ///< along the normal, >= 0
-  Vec3 friction_ns = Vec3::Zero();  ///< across it
+/// Mean force of a contact point over the last substep, world frame: the warm start of the next step. A force and not
+/// an impulse, because steps and substeps may have another length from frame to frame.
+struct ContactForce {
+  double normal_n = 0;             ///< along the normal, >= 0
+  Vec3 friction_n = Vec3::Zero();  ///< across it
 };
 
 /// A contact point at the current poses, world frame.

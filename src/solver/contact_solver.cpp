@@ -423,14 +423,14 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   iteration(executor, [&](std::size_t i) {
     if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
     if (i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
-    fill_block(system, still_mps(settings), blocks[i], all.pairs[i], all);
+    fill_block(system, {still_mps(settings), h_s}, blocks[i], all.pairs[i], all);
     warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
   if (limit.mixed) energy.begin(system, blocks);
   const auto give = [&](std::size_t i) {
     if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) prefetch_impulses(system, blocks[i + kAhead]);
-    write_back_block(system, blocks[i], all.pairs[i], all);
+    if (i + kAhead < blocks.size()) prefetch_forces(system, blocks[i + kAhead]);
+    write_back_block(system, h_s, blocks[i], all.pairs[i], all);
   };
   SubstepTerms<T> terms = terms_of<T>(settings, limit.most > 1);
   Convergence ended;

@@ -33,9 +33,8 @@ struct ContactSystem {
   std::span<const collision::Pose> poses;       ///< one a body
   std::span<const Manifold> pairs;
   std::span<const ContactPoint> points;
-  std::span<AccumulatedImpulse> impulses;  ///< one a contact point: in, the accumulated impulses of the last step (warm
-                                           ///< start); out, those of this one
-  std::span<Vec3> applied_impulse_ns;      ///< out, one a pair: the impulse that b received in the step
+  std::span<ContactForce> forces;  ///< one a contact point: in, those of the last step (warm start); out, of this one
+  std::span<Vec3> applied_impulse_ns;  ///< out, one a pair: the impulse that b received in the step
   const Coloring& coloring;
   std::uint64_t point_count = 0;  ///< of all pairs
 };

@@ -20,7 +20,7 @@ solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint
 
 void PointCache::reserve(std::size_t slots) {
   points.reserve(slots * kPointsOfPair);
-  impulses.reserve(slots * kPointsOfPair);
+  forces.reserve(slots * kPointsOfPair);
   free.reserve(slots);
 }
 
@@ -29,18 +29,11 @@ void PointCache::reserve_slots(std::size_t count) {
   const std::size_t first = points.size() / kPointsOfPair;
   const std::size_t more = count - free.size();
   points.resize((first + more) * kPointsOfPair);
-  impulses.resize(points.size());
+  forces.resize(points.size());
   free.reserve(first + more);
   // The lowest of the new ones is taken first, after those that were released.
   free.insert(free.begin(), more, 0);
   for (std::size_t k = 0; k < more; ++k) free[k] = static_cast<std::uint32_t>(first + more - 1 - k);
-}
-
-void PointCache::scale_impulses(double factor) {
-  for (solver::AccumulatedImpulse& impulse : impulses) {
-    impulse.impulse_ns *= factor;
-    impulse.friction_ns *= factor;
-  }
 }
 
 }  // namespace poise::simulation

@@ -29,11 +29,11 @@ solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint
 inline constexpr std::size_t kPointsOfPair = collision::kMaxManifoldPoints + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
-/// Contact points and their accumulated impulses, in slots of kPointsOfPair. A pair keeps its slot for as long as it is
+/// Contact points and their forces, in slots of kPointsOfPair. A pair keeps its slot for as long as it is
 /// cached. Invariant: a slot is either free or one pair's.
 struct PointCache {
   parallel::LargeVector<solver::ContactPoint> points;
-  parallel::LargeVector<solver::AccumulatedImpulse> impulses;
+  parallel::LargeVector<solver::ContactForce> forces;
   std::vector<std::uint32_t> free;
 
   /// Memory for at least `slots` slots; pages of those that are never used stay untouched.
@@ -47,16 +47,13 @@ struct PointCache {
   void release(std::uint32_t slot) {
     if (slot != kNoSlot) free.push_back(slot);
   }
-  /// Multiplies all accumulated impulses: they are stored by the substep, and mean the same with fewer substeps after
-  /// this.
-  void scale_impulses(double factor);
 
   [[nodiscard]] static std::size_t begin(std::uint32_t slot) { return slot * kPointsOfPair; }
   [[nodiscard]] std::span<solver::ContactPoint> points_of(std::uint32_t slot, std::size_t count) {
     return std::span(points).subspan(begin(slot), count);
   }
-  [[nodiscard]] std::span<solver::AccumulatedImpulse> impulses_of(std::uint32_t slot, std::size_t count) {
-    return std::span(impulses).subspan(begin(slot), count);
+  [[nodiscard]] std::span<solver::ContactForce> forces_of(std::uint32_t slot, std::size_t count) {
+    return std::span(forces).subspan(begin(slot), count);
   }
 };
 
@@ -74,7 +71,7 @@ struct CachedPair {
   bool touching = false;
   bool apart = false;   ///< nothing was nearer than reach_m
   bool solved = false;  ///< in the last step the solver had a manifold of it
-  double reach_m = 0;   ///< all that was nearer than this is in the points; 0: only the impulses are cached
+  double reach_m = 0;   ///< all that was nearer than this is in the points; 0: only the forces are cached
   double moved_m = 0;   ///< upper bound of the change of any separation since
   double nearest_m = 0,
          impact_gap_m = 0;  ///< least separation of its points, and that of the first, when they were last computed

@@ -25,7 +25,7 @@ struct OldWord {
 /// Only words without another meaning in this project: "place", "patch" and "visit" have others.
 constexpr std::array kOldWords{
     OldWord{"RestPlace", Match::Any, "ContactPoint"},
-    OldWord{"RestLoad", Match::Any, "AccumulatedImpulse"},
+    OldWord{"RestLoad", Match::Any, "ContactForce"},
     OldWord{"RestPair", Match::Any, "Manifold"},
     OldWord{"RestSystem", Match::Any, "ContactSystem"},
     OldWord{"RestSolver", Match::Any, "ContactSolver"},

@@ -68,6 +68,23 @@ TEST(OverlapKernel, RoundingFarFromTheOriginLosesNoOverlap) {
   }
 }
 
+// Calls visit(front) for the front of each level of two worms, from that of the roots to that of the leaves.
+template <class Visit>
+void for_each_front(const PairFrame& frame, Visit&& visit) {
+  std::vector<FrontEntry> front = {{0, 0}};
+  visit(front);
+  for (Level level = 1; level <= frame.a->tree.depth(); ++level) {
+    std::vector<FrontEntry> next(64 * front.size());
+    next.resize(expand(frame, front, next).hits);
+    front = next;
+    visit(front);
+  }
+}
+
+PairFrame random_frame(std::mt19937_64& random, const Shape& worm, double margin_m) {
+  return make_pair_frame(worm, random_pose(random, 0.5), worm, random_pose(random, 0.5), margin_m, 0.001);
+}
+
 TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) {
   const ShapePtr worm = make_worm(300);
   using Fronts = std::vector<std::pair<NodeIndex, NodeIndex>>;
@@ -75,10 +92,8 @@ TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) 
     std::mt19937_64 random(6);
     Fronts all;
     for (int round = 0; round < 100; ++round) {
-      const PairFrame frame =
-          make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.01, 0.001);
-      std::vector<FrontEntry> front = {{0, 0}};
-      for (Level level = 1; level <= worm->tree.depth(); ++level) {
+      const PairFrame frame = random_frame(random, *worm, 0.01);
+      for_each_front(frame, [&](std::span<const FrontEntry> front) {
         std::vector<FrontEntry> next(64 * front.size());
         next.resize(expand(frame, front, next).hits);
         // Entry by entry the same lists must result, one after the other.
@@ -90,9 +105,8 @@ TEST(OverlapKernel, EveryInstructionSetGivesTheSameFrontInTheOrderOfItsEntries) 
         }
         const auto same = [](const FrontEntry& x, const FrontEntry& y) { return x.a == y.a && x.b == y.b; };
         EXPECT_TRUE(std::equal(next.begin(), next.end(), one_by_one.begin(), one_by_one.end(), same));
-        front = next;
         for (const FrontEntry& entry : front) all.emplace_back(entry.a, entry.b);
-      }
+      });
     }
     return all;
   };
@@ -114,15 +128,12 @@ TEST(OverlapKernel, ListsTheNearestChildrenOfEachEntryThatHasAny) {
   int several = 0;
   int none = 0;
   for (int round = 0; round < 100; ++round) {
-    const PairFrame frame =
-        make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.01, 0.001);
-    std::vector<FrontEntry> front = {{0, 0}};
-    for (Level level = 1; level <= worm->tree.depth(); ++level) {
+    const PairFrame frame = random_frame(random, *worm, 0.01);
+    for_each_front(frame, [&](std::span<const FrontEntry> front) {
       std::vector<FrontEntry> next(64 * front.size());
       std::vector<FrontEntry> close(64 * front.size());
       std::vector<FrontEntry> nearest(front.size());
       const Expansion all = expand(frame, frame.nearness, front, {next, close, nearest});
-      next.resize(all.hits);
       std::size_t listed = 0;
       for (const FrontEntry& entry : front) {
         FrontEntry out[64];
@@ -144,8 +155,7 @@ TEST(OverlapKernel, ListsTheNearestChildrenOfEachEntryThatHasAny) {
         EXPECT_NEAR(squared_beyond(frame, found), least, 1e-6);
       }
       EXPECT_EQ(listed, all.nearest);
-      front = next;
-    }
+    });
   }
   EXPECT_GT(several, 300);
   EXPECT_GT(none, 10);
@@ -157,14 +167,10 @@ TEST(OverlapKernel, ANarrowedFrontHoldsTheEntriesThatOverlapThemselves) {
   int kept = 0;
   int gone = 0;
   for (int round = 0; round < 100; ++round) {
-    const PairFrame frame =
-        make_pair_frame(*worm, random_pose(random, 0.5), *worm, random_pose(random, 0.5), 0.2, 0.001);
-    std::vector<FrontEntry> front = {{0, 0}};
-    for (Level level = 1; level <= worm->tree.depth(); ++level) {
-      std::vector<FrontEntry> next(64 * front.size());
-      next.resize(expand(frame, front, next).hits);
-      front = next;
-    }
+    const PairFrame frame = random_frame(random, *worm, 0.2);
+    std::vector<FrontEntry> front;
+    for_each_front(frame,
+                   [&](std::span<const FrontEntry> of_level) { front.assign(of_level.begin(), of_level.end()); });
     const float inflation = frame.nearness.inflation_m - 0.15F;
     std::vector<FrontEntry> narrowed(front.size());
     narrowed.resize(narrow_front(frame.trees(), inflation, front, narrowed));

@@ -109,6 +109,7 @@ TEST(PairRefinement, ANarrowedSearchLosesNothingThatIsNearTheNearestSurfaces) {
       searched = pair.reach_m;
       PairFrame next = make_pair_frame(*frame.a, {}, *frame.b, {frame.offset_m, frame.rotation}, searched, kSkin);
       next.fitted = true;
+      next.fast = frame.fast;
       frame = next;
     }
     EXPECT_NEAR(pair.contact.certain_separation_m, exact, 1e-5);

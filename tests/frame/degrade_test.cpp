@@ -173,28 +173,6 @@ TEST(Degrade, APileAtRestStaysAtRestWhileSubstepsComeAndGo) {
   EXPECT_NEAR(stage.at(stage.bodies.back()).position_m.z(), 5.5, 0.02);
 }
 
-TEST(Degrade, ImpulsesAreCachedByTheSubstepAndScaledWithIt) {
-  Stage stage(falling(1), 0);
-  stage.jacks(60, 4);
-  for (int i = 0; i < 90; ++i) stage.world.step(easy());
-  WorldState& world = WorldAccess::of(stage.world);
-  const auto before = world.cache.points.impulses;
-  const std::uint64_t hash = stage.world.state_hash();
-  simulation::degrade(refine_input(world, hopeless()), {1, 0}, world.outputs.levels);
-  EXPECT_EQ(world.outputs.levels.substeps, 1);
-  world.cache.points.scale_impulses(2);
-  double most_ns = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_EQ(world.cache.points.impulses[i].impulse_ns, 2 * before[i].impulse_ns);
-    EXPECT_EQ(world.cache.points.impulses[i].friction_ns, Vec3(2 * before[i].friction_ns));
-    most_ns = std::max(most_ns, before[i].impulse_ns);
-  }
-  EXPECT_GT(most_ns, 0) << "there are no impulses";
-  EXPECT_NE(stage.world.state_hash(), hash);
-  world.cache.points.scale_impulses(0.5);
-  EXPECT_EQ(stage.world.state_hash(), hash);
-}
-
 TEST(Degrade, TheLeastSeenAreReusedFirst) {
   WorldSettings settings = falling(1);
   Stage stage(settings, 0.2);

@@ -27,6 +27,7 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
   frame.b = &b;
   frame.margin_m = margin_m;
   frame.skin_m = skin_m;
+  frame.fast = is_fast(margin_m, skin_m);
   const Mat3 to_a = pose_a.rotation.transpose();
   if (frame.with_plane()) {
     const Vec3 normal = pose_b.rotation * b.plane_normal;

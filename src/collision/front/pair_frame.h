@@ -24,6 +24,7 @@ struct PairFrame {
   double plane_height_m = 0;  ///< b is a plane: its surface is plane_normal . p = plane_height_m in the frame of a
   double margin_m = 0;        ///< gaps below this make contacts: the largest approach in the step
   double skin_m = 0;          ///< gaps below this count as touching
+  bool fast = false;          ///< as is_fast says of the pair, at each of its levels
   bool fitted = false;        ///< contacts come from the fitted spheres of the nodes
   bool by_spheres = false;    ///< the spheres themselves are the surface, whatever they protrude
   double width_m = 1;         ///< of the weights of fitted spheres, > 0; see set_expected_fit
@@ -35,6 +36,13 @@ struct PairFrame {
   [[nodiscard]] TreePair trees() const { return {a->tree, b->tree, rounded}; }
   [[nodiscard]] bool with_plane() const { return b->kind == ShapeKind::Plane; }
 };
+
+/// May the surfaces of a pair come much nearer in the step, by a fifth of the smaller body's radius? Then little of
+/// what is near matters: its levels narrow the search.
+inline bool is_fast(double margin_m, double skin_m) {
+  constexpr double kFastSkins = 40;
+  return margin_m >= kFastSkins * skin_m;
+}
 
 PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
                           double skin_m);

@@ -21,14 +21,15 @@ constexpr double kNesting = 0.125;
 // contact point.
 constexpr double kClusterSkins = 50;
 
-// Refinement follows what is nearer than the nearest surfaces for sure by this many skins (a tenth of the smaller
-// body's radius, chosen as for polygons).
+// A level of a fast pair is searched this many skins (a twentieth of the radius) beyond what the nearest surfaces are
+// apart at most. Chosen: docs/performance.md, "What was tried and lost".
 constexpr double kReachSkins = 10;
 // A front that was searched farther than this share of what matters is looked through again before it is expanded: a
 // test of eight entries takes half as long as the expansion of one.
 constexpr double kNarrowed = 0.8;
-// Contact points of a front come from all its entries, or where more than this were expanded into it from the nearest
-// children of each: they stand closer to each other than contact points.
+// Contact points of a front come from all its entries. Of a pair that looks farther than kReachSkins, where more than
+// this were expanded into the front, they come from the nearest children of each: these stand closer to each other than
+// contact points. A pair at rest looks two skins far.
 constexpr std::uint32_t kSampledEntries = 64;
 
 // Entries whose contact points take as long as one expansion. Measured: bench_refinement.
@@ -55,6 +56,7 @@ constexpr std::uint32_t kSampledRun = 64;
 // What to search where the separation is `upper_m` at most: what is farther from touching matters in a later step, when
 // it is nearer.
 double narrowed_reach_m(const PairFrame& frame, double upper_m) {
+  if (!frame.fast) return frame.margin_m;
   return std::min(frame.margin_m, std::max(0.0, upper_m) + kReachSkins * frame.skin_m);
 }
 
@@ -122,7 +124,7 @@ std::uint32_t expand_run(const PairFrame& frame, std::span<const FrontEntry> run
   const std::span<FrontEntry> nearest = nearest_buffer.entries();
   const Expansion made = expand_close(frame, run, room, progress.sampled ? nearest : std::span<FrontEntry>(), progress);
   progress.nearly = progress.nearly || made.nearly;
-  if (progress.last && progress.sampled) {
+  if (progress.last) {
     progress.front.entries += made.hits;
   } else {
     append(made.hits, worker, pools, progress.front);
@@ -182,16 +184,20 @@ PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, doub
   return contact;
 }
 
-LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool, bool last) {
+LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool) {
   POISE_ASSERT(pair.refinable());
   LevelProgress progress;
-  progress.sampled = pair.front_entries > kSampledEntries;
-  progress.last = last && progress.sampled;
   progress.narrows = pair.level > 0 && found.narrowed;
   progress.reading = pair.front;
   progress.mark = pool.mark();
   progress.nearly = pair.nearly;
   return progress;
+}
+
+void sample_points(const PairFrame& frame, const PairLevel& pair, bool last, LevelProgress& progress) {
+  const bool far = frame.margin_m >= kReachSkins * frame.skin_m;
+  progress.sampled = frame.fitted && !frame.with_plane() && far && pair.front_entries > kSampledEntries;
+  progress.last = last && progress.sampled;
 }
 
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,
@@ -233,8 +239,7 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
   pair.front = progress.front.first;
   pair.front_entries = progress.front.entries;
   pair.next_units = progress.front.entries;
-  const SegmentChain& points =
-      progress.sampled && frame.fitted && !frame.with_plane() ? progress.nearest : progress.front;
+  const SegmentChain& points = progress.sampled ? progress.nearest : progress.front;
   pair.points = points.first;
   pair.point_entries = points.entries;
   found.contact = make_contact(frame, progress.sums, rotation_a);

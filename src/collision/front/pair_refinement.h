@@ -24,8 +24,8 @@ struct PairLevel {
   SegmentRef front;       ///< none at level 0: the two roots
   SegmentRef points;      ///< entries that the contact points come from: the front, or the nearest of a large one
   std::uint32_t front_entries = 1;  ///< = expansions that the next level of the trees costs
-  std::uint32_t point_entries = 0;
-  std::uint32_t next_units = 1;  ///< what the next level costs, in node-pair expansions
+  std::uint32_t point_entries = 0;  ///< of `points`
+  std::uint32_t next_units = 1;     ///< what the next level costs, in node-pair expansions
   [[nodiscard]] bool refinable() const { return !apart && level < deepest; }
   [[nodiscard]] bool next_is_polygons() const { return polygons && level + 1 == deepest; }
   [[nodiscard]] bool by_polygons() const { return polygons && level == deepest; }
@@ -54,8 +54,8 @@ struct LevelProgress {
   SegmentRef reading;           ///< of the front being expanded
   std::uint32_t offset = 0;     ///< entries of it that are done
   SegmentChain front, nearest;  ///< new
-  bool sampled = false;         ///< the front is large: contact points come from the nearest children of its entries
-  bool last = false;            ///< nothing will read the new front
+  bool sampled = false;         ///< see sample_points
+  bool last = false;            ///< likewise: the new front is only counted
   bool nearly = false;          ///< as PairLevel::nearly
   bool narrows = false;         ///< the front that is read holds much that is too far away
   ContactSums sums;
@@ -85,11 +85,14 @@ PairContact coarsest_contact(const PlacedRoot& a, const PlacedRoot& b);
 /// The same of a root sphere and the half-space normal . x <= height, world frame. The centre of mass stays above it.
 PairContact coarsest_plane_contact(const PlacedRoot& a, const Vec3& normal, double height_m);
 
-/// `last`: no level and no contact model will read the front that it makes.
-LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool, bool last = false);
+LevelProgress begin_level(const PairLevel& pair, const LevelContact& found, const FrontPool& pool);
 inline LevelProgress begin_level(const SinglePair& pair, const FrontPool& pool) {
   return begin_level(pair, pair, pool);
 }
+/// Before the first piece of a level: where the pair looks far and its front is large, contact points come from the
+/// nearest children of each entry. `last`: no level and no contact model will read the new front, which is then only
+/// counted.
+void sample_points(const PairFrame& frame, const PairLevel& pair, bool last, LevelProgress& progress);
 
 /// Expands at most `units` entries into the pool of `worker`. Bounded, allocates nothing.
 Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int worker, std::uint32_t units,

@@ -53,9 +53,9 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
       std::size_t end = first;
       for (; end < round.size(); ++end) {
         PairProgress& pair = all[round[end].pair];
-        // Polygons make no front.
+        // All pairs of children of each entry, and the nearest of them once more. Polygons make no front.
         const std::uint64_t could_make =
-            pair.level.next_is_polygons() ? 0 : std::uint64_t{round[end].units} * kTreeBranching * kTreeBranching;
+            pair.level.next_is_polygons() ? 0 : std::uint64_t{round[end].units} * (kTreeBranching * kTreeBranching + 1);
         if (worst + could_make > room && end > first) break;
         pair.full = worst + could_make > room;
         if (!pair.full) worst += could_make;
@@ -74,7 +74,9 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
         const PairProgress& pair = all[chosen.pair];
         const bool cached =
             !pair.level.by_polygons() && (pair.level.refinable() || input.terms.contact == ContactModel::Paper);
-        if (!pair.full && cached) room -= std::min<std::uint64_t>(room, pair.level.front_entries);
+        if (pair.full || !cached) continue;
+        const bool sampled = pair.level.points.bits != pair.level.front.bits;
+        room -= std::min<std::uint64_t>(room, pair.level.front_entries + (sampled ? pair.level.point_entries : 0U));
       }
       first = end;
     }

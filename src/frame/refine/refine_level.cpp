@@ -11,6 +11,7 @@ collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed
   collision::PairFrame frame =
       collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b], posed.b, reach_m, pair.skin_m);
   frame.nearness.wide_m = static_cast<float>(wide_m(pair));
+  frame.fast = collision::is_fast(pair.reach_m, pair.skin_m);
   frame.fitted = refiner.contact == ContactModel::Fitted;
   frame.by_spheres = refiner.contact == ContactModel::Paper;
   return frame;

@@ -87,7 +87,8 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   }
   collision::FrontPool& pool = pools[static_cast<std::size_t>(worker)];
   const bool last = level.level + 1U == level.deepest && refiner.contact != ContactModel::Paper;
-  collision::LevelProgress progress = collision::begin_level(level, found, pool, last);
+  collision::LevelProgress progress = collision::begin_level(level, found, pool);
+  collision::sample_points(frame, level, last, progress);
   std::uint32_t left = level.front_entries;
   for (;;) {
     const std::uint32_t units = std::min(left, refiner.quantum_units);
