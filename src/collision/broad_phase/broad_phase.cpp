@@ -125,39 +125,43 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
   const auto test = [&](std::uint32_t e) {
     const Entry& other = entries_[e];
     const double reach = self.radius_m + other.radius_m;
-    const double square = (other.center_m - self.center_m).squaredNorm();
-    if (square >= reach * reach) return;
+    const double beyond_m2 = (other.center_m - self.center_m).squaredNorm() - reach * reach;
+    if (beyond_m2 >= 0) return;
     const MotionBound& partner = bounds[other.bound];
     if (!bound.dynamic && !partner.dynamic) return;
     if (!meet(bound.group, bound.collides_with, partner.group, partner.collides_with)) return;
-    found.partners.push_back({std::sqrt(square) - reach, partner.slot});
+    found.partners.push_back({beyond_m2, partner.slot});
   };
   // Own grid: half of the neighbourhood, and of the own cell the entries behind this one, so that a pair is found once.
+  // The next cell of the row mostly follows in the same block.
   const Cell own = self.cell;
   const auto shifted = [](const Cell& cell, int dx, int dy, int dz) {
     return Cell{cell.x + dx, cell.y + dy, cell.z + dz, cell.grid};
   };
   const auto behind = static_cast<std::uint32_t>(entry + 1);
-  const std::uint32_t own_end = bucket_begin_[bucket(own) + 1];
+  const bool next_follows = (own.x & (kBlockRow - 1)) != kBlockRow - 1;
+  const std::uint32_t own_end = bucket_begin_[bucket(own) + (next_follows ? 2 : 1)];
   const std::uint32_t looked_at = std::min(own_end - behind, room);
   for (std::uint32_t e = behind; e < behind + looked_at; ++e) {
-    if (entries_[e].cell == own) test(e);
+    const Cell& cell = entries_[e].cell;
+    const std::int32_t next = cell.x - own.x;
+    if (cell.y == own.y && cell.z == own.z && cell.grid == own.grid && (next == 0 || next == 1)) test(e);
   }
   room -= looked_at;
   found.discarded += own_end - behind - looked_at;
   const auto visit = [&](const Cell& first, std::int32_t count) {
     found.discarded += visit_row(first, count, room, test);
   };
-  visit(shifted(own, 1, 0, 0), 1);
+  if (!next_follows) visit(shifted(own, 1, 0, 0), 1);
   visit(shifted(own, -1, 1, 0), 3);
   for (int dy = -1; dy <= 1; ++dy) visit(shifted(own, -1, dy, 1), 3);
   // Coarser grids: the cells that hold the centre of any ball that it can meet. Rounding must lose none of them.
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-15;
   for (const int g : used_grids_) {
     if (g <= own.grid) continue;
     const Grid& grid = grids_[static_cast<std::size_t>(g)];
     const double reach = self.radius_m + 0.5 * grid.widest_m;
-    const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * kRounding * self.center_m.cwiseAbs();
+    const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * self.center_m.cwiseAbs();
     const Vec3 low = self.center_m - around;
     const Vec3 high = self.center_m + around;
     const std::int32_t first_x = cell_of(low.x(), grid.cells_per_m);

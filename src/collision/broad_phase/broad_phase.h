@@ -85,7 +85,7 @@ class BroadPhase {
     bool used = false;
   };
   struct Partner {
-    double gap_m = 0;  // between the bounds, negative
+    double beyond_m2 = 0;  // squared distance of the centres less that at which the balls would touch
     std::uint32_t slot = 0;
   };
   // Of one worker; workers write into no cache line of another.

@@ -44,7 +44,7 @@ struct BroadPhase::Collector {
       discarded += partners.size() - max_partners;
       const auto end = partners.begin() + max_partners;
       std::nth_element(partners.begin(), end, partners.end(), [](const Partner& x, const Partner& y) {
-        return x.gap_m != y.gap_m ? x.gap_m < y.gap_m : x.slot < y.slot;
+        return x.beyond_m2 != y.beyond_m2 ? x.beyond_m2 < y.beyond_m2 : x.slot < y.slot;
       });
       partners.erase(end, partners.end());
     }
@@ -66,9 +66,9 @@ inline constexpr std::uint64_t kBlockCells = std::uint64_t{kBlockRow} * 4 * 4;
 
 inline std::uint64_t BroadPhase::bucket(const Cell& cell) const {
   const auto block = [](std::int32_t at, int bits) { return static_cast<std::uint64_t>(at >> bits); };
-  std::uint64_t hash = block(cell.x, 4) * 0x9e3779b97f4a7c15U + block(cell.y, 2) * 0xc2b2ae3d27d4eb4fU +
-                       block(cell.z, 2) * 0x165667b19e3779f9U + static_cast<std::uint64_t>(cell.grid);
-  hash = (hash ^ (hash >> 32U)) * 0xd6e8feb86659fd93U;
+  const std::uint64_t hash = block(cell.x, 4) * 0x9e3779b97f4a7c15U + block(cell.y, 2) * 0xc2b2ae3d27d4eb4fU +
+                             block(cell.z, 2) * 0x165667b19e3779f9U +
+                             static_cast<std::uint64_t>(cell.grid) * 0x27d4eb2f165667c5U;
   const auto inside = static_cast<std::uint64_t>((cell.z & 3) << 6 | (cell.y & 3) << 4 | (cell.x & 15));
   return ((hash >> 32U) & block_mask_) * kBlockCells + inside;
 }
