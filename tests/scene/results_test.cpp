@@ -134,6 +134,11 @@ TEST(RunDocument, HasTheMembersOfItsSchemaWithFullPrecision) {
   }
   for (const char* name : {"p50", "p90", "p95", "p99", "p99_9", "max"})
     EXPECT_EQ(json.at("frame_ms").at(name), 10) << name;
+  for (const char* stage :
+       {"predict", "broad_phase", "coarse", "refine", "manifolds", "solve", "integrate", "publish", "total"}) {
+    EXPECT_TRUE(json.at("stage_ms").contains(stage)) << stage;
+  }
+  EXPECT_EQ(json.at("stage_ms").size(), 9U);
   for (const char* name : {"count", "rate", "infeasible", "machine", "overrun", "forecast"}) {
     EXPECT_TRUE(json.at("misses").at(name).is_number()) << name;
   }

@@ -125,9 +125,10 @@ void refinement(const simulation::RunFigures& f, Out out) {
                    f.longest_job->body_a, f.longest_job->body_b, f.longest_job->frame);
   }
   if (f.misses && f.misses->overrun > 0) {
-    fmt::format_to(out,
-                   "               a piece that ends too late is one of shapes too dear for this deadline: give them a "
-                   "shallower tree (depth), a simpler mesh, or no polygons\n");
+    fmt::format_to(
+        out,
+        "               if it is the same pair in every run, its shapes are too dear for this deadline: give them a "
+        "shallower tree (depth), a simpler mesh, or no polygons; if not, the machine held a thread up\n");
   }
   if (f.tail.frames > 0) {
     fmt::format_to(out, "reserve        held in {:.2f} % of frames, {:.2f} times what was needed\n",
@@ -138,8 +139,8 @@ void refinement(const simulation::RunFigures& f, Out out) {
 void degraded(const simulation::RunFigures& f, Out out) {
   if (f.degraded.infeasible_forecast == 0 && f.degraded.frames == 0) return;
   fmt::format_to(out,
-                 "degraded       {} frames were forecast not to fit; {} with fewer sweeps, {} with fewer substeps, {} "
-                 "pairs answered as they did before\n",
+                 "degraded       {} frames were forecast not to fit; {} with fewer iterations, {} with fewer substeps, "
+                 "{} pairs reused what they had found\n",
                  f.degraded.infeasible_forecast, f.degraded.fewer_iterations, f.degraded.fewer_substeps,
                  f.degraded.pairs_reused);
 }

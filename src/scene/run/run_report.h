@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "frame/stage_list.h"
 #include "poise/step.h"
 #include "scene/run/percentiles.h"
 #include "scene/run/reference_run.h"
@@ -141,7 +142,7 @@ struct RunFigures {
   std::optional<double> refinement_used_all;  ///< the same over all frames with time available
   TailFigures tail;
   DegradedFigures degraded;
-  std::array<StageFigures, 8> stages;
+  std::array<StageFigures, kStages.size() + 1> stages;  ///< and last the whole frame, "total"
   double off_cpu_ms_max = 0;
   double longest_job_ms_max = 0;
   std::optional<LongestJob> longest_job;  ///< undefined on the work clock
