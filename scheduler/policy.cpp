@@ -67,10 +67,10 @@ double cue_weight(const Policy& policy, const PairCues& cues) {
 
 double best_gain_per_work(const Policy& policy, const PairChain& chain, double angle_radpm) {
   double best = 0;
-  double work = policy.job_overhead_units;
+  double work = chain.begun ? 0 : policy.job_overhead_units;
   double front = static_cast<double>(chain.front_entries);
   for (std::size_t level = chain.level + std::size_t{1}; level < chain.error_m.size(); ++level) {
-    work += front;
+    work += std::max(front, 1.0);
     front *= policy.front_growth;
     const double fall_m = static_cast<double>(chain.error_m[chain.level]) - static_cast<double>(chain.error_m[level]);
     best = std::max(best, fall_m / work);

@@ -58,6 +58,14 @@ class PriorityBands {
     return kNone;
   }
 
+  /// The highest band that may have an item, or 0 if there is none: other workers may take it meanwhile. Any thread.
+  [[nodiscard]] std::uint32_t highest() const {
+    for (std::uint32_t word = kBands / 64; word-- > 0;) {
+      const std::uint64_t bits = filled_[word].load(std::memory_order_relaxed);
+      if (bits != 0) return 64 * word + static_cast<std::uint32_t>(63 - std::countl_zero(bits));
+    }
+    return 0;
+  }
   /// Whether all bands are empty. One thread, while no worker runs.
   [[nodiscard]] bool empty() const {
     return std::all_of(std::begin(heads_), std::end(heads_),

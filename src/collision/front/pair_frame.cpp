@@ -20,12 +20,17 @@ constexpr double kEpsilon = static_cast<double>(std::numeric_limits<float>::epsi
 
 }  // namespace
 
+void set_margin(double margin_m, PairFrame& frame) {
+  frame.margin_m = margin_m;
+  frame.nearness.inflation_m = static_cast<float>(margin_m + kRoundings * (frame.size_m + margin_m) * kEpsilon);
+  frame.closeness_m = frame.nearness.inflation_m - static_cast<float>(margin_m);
+}
+
 PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
                           double skin_m) {
   PairFrame frame;
   frame.a = &a;
   frame.b = &b;
-  frame.margin_m = margin_m;
   frame.skin_m = skin_m;
   frame.fast = is_fast(margin_m, skin_m);
   const Mat3 to_a = pose_a.rotation.transpose();
@@ -44,10 +49,8 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
       frame.rounded.offset_m[row] = static_cast<float>(frame.offset_m[row]);
     }
   }
-  const double size =
-      a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() + std::abs(frame.plane_height_m) + margin_m;
-  frame.nearness.inflation_m = static_cast<float>(margin_m + kRoundings * size * kEpsilon);
-  frame.closeness_m = frame.nearness.inflation_m - static_cast<float>(margin_m);
+  frame.size_m = a.bounding_radius_m + b.bounding_radius_m + frame.offset_m.norm() + std::abs(frame.plane_height_m);
+  set_margin(margin_m, frame);
   return frame;
 }
 

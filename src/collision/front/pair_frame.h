@@ -22,7 +22,8 @@ struct PairFrame {
   Vec3 offset_m = Vec3::Zero();      ///< centre of mass of b in the frame of a
   Vec3 plane_normal = Vec3::Zero();  ///< b is a plane: its normal in the frame of a
   double plane_height_m = 0;  ///< b is a plane: its surface is plane_normal . p = plane_height_m in the frame of a
-  double margin_m = 0;        ///< gaps below this make contacts: the largest approach in the step
+  double size_m = 0;          ///< of both shapes and their distance, for bounds of the rounding
+  double margin_m = 0;        ///< gaps below this make contacts: the largest approach in the step; see set_margin
   double skin_m = 0;          ///< gaps below this count as touching
   bool fast = false;          ///< as is_fast says of the pair, at each of its levels
   bool fitted = false;        ///< contacts come from the fitted spheres of the nodes
@@ -43,6 +44,9 @@ inline bool is_fast(double margin_m, double skin_m) {
   constexpr double kFastSkins = 40;
   return margin_m >= kFastSkins * skin_m;
 }
+
+/// What the levels of a pair that follow look for; `fast` stays as it is.
+void set_margin(double margin_m, PairFrame& frame);
 
 PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin_m,
                           double skin_m);

@@ -20,7 +20,7 @@ namespace poise::collision {
 inline constexpr float kInverseAngle = 1.0F / 0.586F;
 
 void update_mean(ClusterState& state, std::size_t cluster);
-void merge_nearest(ClusterState& state);
+void join_clusters(ClusterState& state, std::size_t first, std::size_t second);
 
 }  // namespace poise::collision
 #endif
@@ -94,6 +94,50 @@ HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& s
   }
 }
 
+// The two clusters that are nearest to each other, the first such two in order.
+void merge_nearest(ClusterState& state) {
+  static_assert(ClusterState::kMost == kLanes);
+  const hn::CappedTag<float, kLanes> d;
+  alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+  alignas(32) float leasts[kLanes];  // of each cluster, how far the nearest one before it is away
+  alignas(32) float firsts[kLanes];  // and which that is
+  for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
+    auto least = hn::Set(d, std::numeric_limits<float>::max());
+    auto first = hn::Zero(d);
+    const auto index = hn::Load(d, kIndices + k);
+    const auto at = [&](const std::array<float, kLanes>& of) HWY_ATTR { return hn::LoadU(d, of.data() + k); };
+    for (std::size_t i = 0; i + 1 < state.count; ++i) {
+      const auto square = [&](const std::array<float, kLanes>& of) HWY_ATTR {
+        const auto difference = hn::Sub(hn::Set(d, of[i]), at(of));
+        return hn::Mul(difference, difference);
+      };
+      const auto place =
+          hn::Add(hn::Add(square(state.center_m[0]), square(state.center_m[1])), square(state.center_m[2]));
+      const auto turn =
+          hn::Add(hn::Add(square(state.direction[0]), square(state.direction[1])), square(state.direction[2]));
+      const auto distance =
+          hn::Add(hn::Mul(place, hn::Set(d, state.inverse_square)), hn::Mul(turn, hn::Set(d, kInverseAngle)));
+      const auto row = hn::Set(d, static_cast<float>(i));
+      const auto nearer = hn::And(hn::Lt(distance, least), hn::Gt(index, row));
+      least = hn::IfThenElse(nearer, distance, least);
+      first = hn::IfThenElse(nearer, row, first);
+    }
+    hn::Store(least, d, leasts + k);
+    hn::Store(first, d, firsts + k);
+  }
+  std::size_t second = 1;
+  for (std::size_t j = 2; j < state.count; ++j) {
+    if (leasts[j] < leasts[second] || (leasts[j] == leasts[second] && firsts[j] < firsts[second])) second = j;
+  }
+  join_clusters(state, static_cast<std::size_t>(firsts[second]), second);
+}
+
+// The manifold of a state.
+void fit(ClusterState& state) {
+  for (std::size_t c = 0; c < state.count; ++c) update_mean(state, c);
+  while (state.count > kMaxManifoldPoints) merge_nearest(state);
+}
+
 // to += of, four floats.
 HWY_INLINE void add_row(const float* of, float* to) {
   const hn::CappedTag<float, 4> d;
@@ -155,23 +199,8 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace poise::collision {
-namespace {
-
-float apart(const ClusterState& state, std::size_t first, std::size_t second) {
-  float place = 0;
-  float turn = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float moved = state.center_m[axis][first] - state.center_m[axis][second];
-    const float turned = state.direction[axis][first] - state.direction[axis][second];
-    place += moved * moved;
-    turn += turned * turned;
-  }
-  return place * state.inverse_square + turn * kInverseAngle;
-}
-
-}  // namespace
-
 HWY_EXPORT(add);
+HWY_EXPORT(fit);
 
 void update_mean(ClusterState& state, std::size_t cluster) {
   ClusterState::Sums& sums = state.sums[cluster];
@@ -184,19 +213,7 @@ void update_mean(ClusterState& state, std::size_t cluster) {
   }
 }
 
-void merge_nearest(ClusterState& state) {
-  std::size_t first = 0;
-  std::size_t second = 1;
-  float least = std::numeric_limits<float>::max();
-  for (std::size_t i = 0; i < state.count; ++i) {
-    for (std::size_t j = i + 1; j < state.count; ++j) {
-      const float distance = apart(state, i, j);
-      if (distance >= least) continue;
-      least = distance;
-      first = i;
-      second = j;
-    }
-  }
+void join_clusters(ClusterState& state, std::size_t first, std::size_t second) {
   ClusterState::Sums& kept = state.sums[first];
   const ClusterState::Sums& gone = state.sums[second];
   for (std::size_t k = 0; k < 4; ++k) kept.normal_m[k] += gone.normal_m[k];
@@ -219,8 +236,7 @@ void ManifoldClusters::add(const NodeContacts& contacts, std::size_t count) {
 }
 
 void ManifoldClusters::write(ManifoldPoints& into) {
-  for (std::size_t c = 0; c < state_.count; ++c) update_mean(state_, c);
-  while (state_.count > kMaxManifoldPoints) merge_nearest(state_);
+  HWY_DYNAMIC_DISPATCH(fit)(state_);
   into.count = state_.count;
   for (std::size_t c = 0; c < state_.count; ++c) {
     const auto at = [c](const std::array<float, ClusterState::kMost>(&of)[3]) {

@@ -19,6 +19,7 @@ namespace poise::simulation {
 struct OpenRefinement {
   /// One job of one worker: the best that there is, if the forecast lets it begin. False: nothing more for this worker.
   bool operator()(int worker);
+  class Job;
 
   /// One refinement: all that it reads, and what it publishes into.
   struct Run {
@@ -32,10 +33,13 @@ struct OpenRefinement {
     double solved_share = 1;     ///< of the pairs not found separated
     DecisionLog* log = nullptr;  ///< of a step that is recorded
   };
-  /// A level that is being worked out; it becomes the pair's when the job commits.
+  /// What a job has found out of a pair, and the level that is being worked out; it becomes the pair's when the job
+  /// commits.
   struct alignas(64) Hand {
-    collision::PairLevel level;
+    PairProgress progress;
     collision::LevelContact found;
+    collision::PairLevel level;
+    collision::LevelContact next;
   };
   std::optional<Run> run;
   parallel::Shared<std::int64_t> contacts{0};  ///< pairs not found separated

@@ -21,8 +21,11 @@ struct Refinement {
   CompletedLevels& levels;
   parallel::Executor& executor;
 
-  Outcome refine_next(std::uint32_t index, int worker) const {
-    return refine_level(input.refiner(), posed(input.motion, input.table.pairs[index]), levels.progress[index],
+  [[nodiscard]] collision::PairFrame frame_of_pair(std::uint32_t index) const {
+    return frame_of(input.refiner(), posed(input.motion, input.table.pairs[index]));
+  }
+  Outcome refine_next(std::uint32_t index, collision::PairFrame& frame, int worker) const {
+    return refine_level(input.refiner(), posed(input.motion, input.table.pairs[index]), frame, levels.progress[index],
                         levels.found[index], resources.pools, worker);
   }
 };
@@ -66,8 +69,12 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
             for (std::size_t i = begin; i < past; ++i) {
               PairProgress& pair = all[slice[i].pair];
               const std::uint64_t units = pair.level.next_units;
-              const Outcome outcome = pair.full ? Outcome::Full : refinement.refine_next(slice[i].pair, worker);
-              note_outcome(pair, units, outcome, refinement.levels.tallies[static_cast<std::size_t>(worker)]);
+              Outcome outcome = Outcome::Full;
+              if (!pair.full) {
+                collision::PairFrame frame = refinement.frame_of_pair(slice[i].pair);
+                outcome = refinement.refine_next(slice[i].pair, frame, worker);
+              }
+              note_outcome(pair.apart(), units, outcome, refinement.levels.tallies[static_cast<std::size_t>(worker)]);
             }
           });
       for (const scheduler::Candidate& chosen : slice) {
@@ -101,10 +108,11 @@ void refine_everything(const Refinement& refinement) {
       PairProgress& pair = refinement.levels.progress[i];
       if (!pair.refinable()) continue;
       const auto index = static_cast<std::uint32_t>(i);
+      collision::PairFrame frame = refinement.frame_of_pair(index);
       while (pair.refinable() && !pair.full) {
         const std::uint64_t units = pair.level.next_units;
-        const Outcome outcome = refinement.refine_next(index, worker);
-        note_outcome(pair, units, outcome, tally);
+        const Outcome outcome = refinement.refine_next(index, frame, worker);
+        note_outcome(pair.apart(), units, outcome, tally);
         if (log != nullptr) log->note(worker, index, kind_of(outcome), SteadyClock::now());
       }
       const RefineInput& input = refinement.input;
@@ -155,7 +163,7 @@ scheduler::FrameFacts frame_facts(const RefineInput& input) {
 }
 
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
-                std::uint32_t index) {
+                std::uint32_t index, bool begun) {
   const ActivePair& pair = input.table.pairs[index];
   std::array<float, kPolygonBin + 1> error_m{};
   const auto& error_a = input.scene.facts_of(pair.a).error_m;
@@ -165,9 +173,12 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
   for (std::size_t level = 0; progress.cached == CacheUse::Points && level < progress.cached_level; ++level)
     error_m[level] = error_m[progress.cached_level];
   if (progress.level.polygons) error_m[progress.level.deepest] = 0;
-  const scheduler::PairChain chain{pair.id(), progress.level.level,
-                                   std::span(error_m).first(progress.level.deepest + 1U), progress.level.next_units,
-                                   user_data_of(input.scene, pair)};
+  const scheduler::PairChain chain{pair.id(),
+                                   progress.level.level,
+                                   std::span(error_m).first(progress.level.deepest + 1U),
+                                   progress.level.next_units,
+                                   user_data_of(input.scene, pair),
+                                   begun};
   return scheduler::score(input.policy, facts, chain, input.table.cues[index], index);
 }
 
@@ -176,11 +187,11 @@ RefinementStep::Kind kind_of(Outcome outcome) {
   return outcome == Outcome::Cut ? RefinementStep::Kind::Cut : RefinementStep::Kind::Full;
 }
 
-void note_outcome(const PairProgress& progress, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
+void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally& tally) {
   if (outcome == Outcome::Completed) {
     ++tally.jobs;
     tally.units += units;
-    if (progress.level.apart) ++tally.separated;
+    if (apart) ++tally.separated;
   } else {
     ++tally.discarded;
     if (outcome == Outcome::Full) ++tally.full;

@@ -89,12 +89,13 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
 /// What a policy may know of the frame.
 scheduler::FrameFacts frame_facts(const RefineInput& input);
 
-/// What decides when the next level of an active pair has its turn.
+/// What decides when the next level of an active pair has its turn. `begun`: a job that holds the pair may go on with
+/// it.
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
-                std::uint32_t index);
+                std::uint32_t index, bool begun = false);
 
-/// Counts a level that has ended.
-void note_outcome(const PairProgress& progress, std::uint64_t units, Outcome outcome, WorkerTally& tally);
+/// Counts a level that has ended. `apart`: it has found the pair separated.
+void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally& tally);
 RefinementStep::Kind kind_of(Outcome outcome);
 
 /// Under a deadline: in the order of the policy until the time before the reserve is over.

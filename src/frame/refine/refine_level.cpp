@@ -3,29 +3,15 @@
 
 namespace poise::simulation {
 
-namespace {
-
-collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed, double reach_m) {
+collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed) {
   const ActivePair& pair = posed.pair;
   const dynamics::BodyStore& bodies = refiner.scene.bodies;
-  collision::PairFrame frame =
-      collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b], posed.b, reach_m, pair.skin_m);
+  collision::PairFrame frame = collision::make_pair_frame(*bodies.shape[pair.a], posed.a, *bodies.shape[pair.b],
+                                                          posed.b, pair.reach_m, pair.skin_m);
   frame.nearness.wide_m = static_cast<float>(wide_m(pair));
-  frame.fast = collision::is_fast(pair.reach_m, pair.skin_m);
   frame.fitted = refiner.contact == ContactModel::Fitted;
   frame.by_spheres = refiner.contact == ContactModel::Paper;
   return frame;
-}
-
-}  // namespace
-
-collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed) {
-  return frame_of(refiner, posed, posed.pair.reach_m);
-}
-
-collision::PairFrame frame_after(const PairRefiner& refiner, const PosedPair& posed, const collision::PairLevel& level,
-                                 const collision::LevelContact& found) {
-  return frame_of(refiner, posed, level.level > 0 ? found.reach_m : posed.pair.reach_m);
 }
 
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
@@ -34,17 +20,23 @@ void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const P
   collision::make_points(frame_of(refiner, posed), pools, progress.level, found);
 }
 
-Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
-                     collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
+Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
+                     PairProgress& progress, collision::LevelContact& found, std::span<collision::FrontPool> pools,
+                     int worker) {
   const Outcome outcome =
-      complete_level(refiner, pools, posed, progress.level, found, worker, [](std::uint64_t) { return true; });
+      complete_level(refiner, pools, posed, frame, progress.level, found, worker, [](std::uint64_t) { return true; });
   if (outcome == Outcome::Full) progress.full = true;
   return outcome;
 }
 
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                  collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
-  while (progress.refinable() && !progress.full) refine_level(refiner, posed, progress, found, pools, worker);
+  if (progress.refinable() && !progress.full) {
+    collision::PairFrame frame = frame_of(refiner, posed);
+    do {
+      refine_level(refiner, posed, frame, progress, found, pools, worker);
+    } while (progress.refinable() && !progress.full);
+  }
   make_points_due(refiner, posed, progress, found, pools);
   return !progress.full;
 }

@@ -27,10 +27,13 @@ inline PosedPair posed(const PredictedMotion& motion, const ActivePair& pair) {
   return {pair, motion.poses[pair.a], motion.poses[pair.b]};
 }
 
-/// The frame of refinement of a pair, and that of what follows a level that has found something.
+/// The frame of refinement of a pair, for all its levels.
 collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed);
-collision::PairFrame frame_after(const PairRefiner& refiner, const PosedPair& posed, const collision::PairLevel& level,
-                                 const collision::LevelContact& found);
+/// What the next level looks for, by what the last one has found.
+inline void look_after(const ActivePair& pair, const collision::PairLevel& level, const collision::LevelContact& found,
+                       collision::PairFrame& frame) {
+  collision::set_margin(level.level > 0 ? found.reach_m : pair.reach_m, frame);
+}
 
 /// How a level ended.
 enum class Outcome : std::uint8_t { Completed, Cut, Full };
@@ -38,8 +41,8 @@ enum class Outcome : std::uint8_t { Completed, Cut, Full };
 /// The polygons of a pair, in bounded pieces, as below.
 template <class GoOn>
 Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
-                          collision::PairLevel& level, collision::LevelContact& found, GoOn&& go_on) {
-  const collision::PairFrame frame = frame_after(refiner, posed, level, found);
+                          const collision::PairFrame& frame, collision::PairLevel& level,
+                          collision::LevelContact& found, GoOn&& go_on) {
   collision::PolygonProgress progress;
   collision::begin_polygons(frame, posed.a.rotation, level, found, progress);
   std::uint32_t left = level.next_units;
@@ -72,13 +75,14 @@ bool complete_points(const PairRefiner& refiner, std::span<const collision::Fron
 }
 
 /// One whole level of a pair, in bounded pieces; `go_on(units)` is asked before each piece after the first. What the
-/// pair is known by goes on in `level` and `found`, which are its own or copies of them. The front goes into the pool
-/// of `worker`.
+/// pair is known by goes on in `level` and `found`, which are its own or copies of them; `frame` is that of frame_of.
+/// The front goes into the pool of `worker`.
 template <class GoOn>
 Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
-                       collision::PairLevel& level, collision::LevelContact& found, int worker, GoOn&& go_on) {
-  if (level.next_is_polygons()) return complete_polygons(refiner, pools, posed, level, found, go_on);
-  collision::PairFrame frame = frame_after(refiner, posed, level, found);
+                       collision::PairFrame& frame, collision::PairLevel& level, collision::LevelContact& found,
+                       int worker, GoOn&& go_on) {
+  look_after(posed.pair, level, found, frame);
+  if (level.next_is_polygons()) return complete_polygons(refiner, pools, posed, frame, level, found, go_on);
   if (frame.fitted) {
     const std::size_t next = level.level + 1U;
     collision::set_expected_fit(refiner.scene.facts_of(posed.pair.a).deviation_m[next],
@@ -122,9 +126,10 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
                      collision::LevelContact& found, std::span<const collision::FrontPool> pools);
 
-/// The next level of a pair that nobody else refines, whatever that costs.
-Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
-                     collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
+/// The next level of a pair that nobody else refines, whatever that costs. `frame` is that of frame_of.
+Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
+                     PairProgress& progress, collision::LevelContact& found, std::span<collision::FrontPool> pools,
+                     int worker);
 
 /// Brings a pair to its deepest level, whatever that costs; false when its front did not fit.
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
@@ -100,76 +102,124 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   report.off_cpu = std::min(report.waited, held_up);
 }
 
-bool OpenRefinement::operator()(int worker) {
-  // Until commit() this writes what is this worker's own and nothing else.
-  const auto w = static_cast<std::size_t>(worker);
-  const RefineInput& input = run->input;
-  const scheduler::FrameBudget& budget = run->budget;
-  CompletedLevels& levels = run->levels;
-  WorkerTally tally = levels.tallies[w];
-  SteadyClock::time_point now = SteadyClock::now();
-  if (tally.begun == SteadyClock::time_point{}) {
-    tally.begun = now;
-    tally.cpu_before = thread_cpu_time();
+// A job brings one pair to its next level, and goes on with the one after that as long as no other pair has more to
+// gain for the time it takes.
+class OpenRefinement::Job {
+ public:
+  Job(OpenRefinement& open, int worker)
+      : open_(open), run_(*open.run), worker_(worker), tally_(run_.levels.tallies[static_cast<std::size_t>(worker)]) {
+    now_ = SteadyClock::now();
+    if (tally_.begun != SteadyClock::time_point{}) return;
+    tally_.begun = now_;
+    tally_.cpu_before = thread_cpu_time();
   }
-  const auto admits = [&](std::uint64_t units) {
-    return budget.admits(now, units, solved_of(run->solved_share, contacts.get()));
-  };
-  const auto end = [&](bool more) {
-    tally.ended = now;
-    if (!more) tally.off_cpu = std::max(Nanoseconds(0), now - tally.begun - (thread_cpu_time() - tally.cpu_before));
-    levels.tallies[w] = tally;
-    return more;
-  };
-  const std::uint32_t item = run->bands.take();
-  std::uint64_t piece_units = 0;
-  const bool begins =
-      item != scheduler::PriorityBands::kNone &&
-      admits(piece_units = std::min<std::uint64_t>(levels.progress[item].level.next_units, input.policy.quantum_units));
-  if (!begins) {
-    if (!run->executor.commit(worker)) return false;
-    if (item != scheduler::PriorityBands::kNone) cut.set(1);
-    return end(false);
-  }
-  const PairProgress& pair = levels.progress[item];
-  collision::PairLevel& level = hands[w].level;
-  collision::LevelContact& found = hands[w].found;
-  level = pair.level;
-  if (level.level > 0) found = levels.found[item];
-  const std::uint64_t units = level.next_units;
-  SteadyClock::time_point piece_begun = now;
-  const auto note_piece = [&] {
-    now = SteadyClock::now();
-    tally.busy += now - piece_begun;
-    if (now - piece_begun > tally.longest) {
-      tally.longest = now - piece_begun;
-      tally.longest_pair = item;
+
+  bool run() {
+    item_ = run_.bands.take();
+    const bool there = item_ != scheduler::PriorityBands::kNone;
+    if (!there || !admits(run_.levels.progress[item_].level.next_units)) {
+      if (!run_.executor.commit(worker_)) return false;
+      if (there) open_.cut.set(1);
+      return end(false);
     }
-    tally.overrun = std::max(tally.overrun, now - piece_begun - budget.job_cost(piece_units));
-    piece_begun = now;
-  };
-  const Outcome outcome = complete_level(input.refiner(), run->pools, posed(input.motion, input.table.pairs[item]),
-                                         level, found, worker, [&](std::uint64_t next_units) {
-                                           note_piece();
-                                           piece_units = next_units;
-                                           return admits(next_units);
-                                         });
-  note_piece();
-  if (!run->executor.commit(worker)) return false;
-  PairProgress& mine = levels.progress[item];
-  if (outcome == Outcome::Completed) {
-    mine.level = level;
-    levels.found[item] = found;
+    refine();
+    // Until here this has written what is this worker's own and nothing else.
+    return run_.executor.commit(worker_) && publish();
   }
-  if (outcome == Outcome::Full) mine.full = true;
-  note_outcome(mine, units, outcome, tally);
-  if (run->log != nullptr) run->log->note(worker, item, kind_of(outcome), now);
-  if (outcome == Outcome::Completed && mine.level.apart) contacts.add(-1);
-  if (outcome == Outcome::Completed && mine.refinable()) {
-    run->bands.put(item, scheduler::band_of(input.policy, score_of(input, run->facts, mine, item)));
+
+ private:
+  [[nodiscard]] std::uint64_t piece_of(std::uint64_t units) const {
+    return std::min<std::uint64_t>(units, run_.input.policy.quantum_units);
   }
-  if (outcome == Outcome::Cut) cut.set(1);
-  return end(outcome != Outcome::Cut);
-}
+  [[nodiscard]] bool admits(std::uint64_t units) {
+    piece_units_ = piece_of(units);
+    return run_.budget.admits(now_, piece_units_, solved_of(run_.solved_share, open_.contacts.get()));
+  }
+  bool end(bool more) {
+    tally_.ended = now_;
+    if (!more) tally_.off_cpu = std::max(Nanoseconds(0), now_ - tally_.begun - (thread_cpu_time() - tally_.cpu_before));
+    run_.levels.tallies[static_cast<std::size_t>(worker_)] = tally_;
+    return more;
+  }
+  void note_piece(SteadyClock::time_point begun) {
+    now_ = SteadyClock::now();
+    const Nanoseconds took = now_ - begun;
+    tally_.busy += took;
+    if (took > tally_.longest) {
+      tally_.longest = took;
+      tally_.longest_pair = item_;
+    }
+    tally_.overrun = std::max(tally_.overrun, took - run_.budget.job_cost(piece_units_));
+  }
+
+  // Levels of the pair, in this worker's own memory.
+  void refine() {
+    const RefineInput& input = run_.input;
+    Hand& hand = open_.hands[static_cast<std::size_t>(worker_)];
+    const PosedPair placed = posed(input.motion, input.table.pairs[item_]);
+    hand.progress = run_.levels.progress[item_];
+    if (hand.progress.level.level > 0) hand.found = run_.levels.found[item_];
+    collision::PairFrame frame = frame_of(input.refiner(), placed);
+    for (;;) {
+      // A level that is cut leaves the one before it as it was.
+      hand.level = hand.progress.level;
+      hand.next = hand.found;
+      const std::uint64_t units = hand.level.next_units;
+      SteadyClock::time_point piece_begun = now_;
+      ended_ = complete_level(input.refiner(), run_.pools, placed, frame, hand.level, hand.next, worker_,
+                              [&](std::uint64_t next_units) {
+                                note_piece(piece_begun);
+                                piece_begun = now_;
+                                return admits(next_units);
+                              });
+      note_piece(piece_begun);
+      note_outcome(hand.level.apart, units, ended_, tally_);
+      if (ended_ != Outcome::Completed) return;
+      completed_at_[completed_++] = now_;
+      hand.progress.level = hand.level;
+      std::swap(hand.found, hand.next);
+      if (!hand.progress.refinable() || !goes_on(hand.progress)) return;
+    }
+  }
+  [[nodiscard]] bool goes_on(const PairProgress& progress) {
+    const RefineInput& input = run_.input;
+    const std::uint32_t band = scheduler::band_of(input.policy, score_of(input, run_.facts, progress, item_, true));
+    return band >= run_.bands.highest() && admits(progress.level.next_units);
+  }
+
+  bool publish() {
+    const RefineInput& input = run_.input;
+    const Hand& hand = open_.hands[static_cast<std::size_t>(worker_)];
+    PairProgress& pair = run_.levels.progress[item_];
+    if (completed_ > 0) {
+      pair.level = hand.progress.level;
+      run_.levels.found[item_] = hand.found;
+      if (pair.level.apart) open_.contacts.add(-1);
+    }
+    if (run_.log != nullptr) {
+      for (std::size_t k = 0; k < completed_; ++k)
+        run_.log->note(worker_, item_, RefinementStep::Kind::Completed, completed_at_[k]);
+      if (ended_ != Outcome::Completed) run_.log->note(worker_, item_, kind_of(ended_), now_);
+    }
+    if (ended_ == Outcome::Full) pair.full = true;
+    if (ended_ == Outcome::Cut) open_.cut.set(1);
+    if (ended_ == Outcome::Completed && pair.refinable())
+      run_.bands.put(item_, scheduler::band_of(input.policy, score_of(input, run_.facts, pair, item_)));
+    return end(ended_ != Outcome::Cut);
+  }
+
+  OpenRefinement& open_;
+  Run& run_;
+  const int worker_;
+  WorkerTally tally_;
+  SteadyClock::time_point now_;
+  std::uint32_t item_ = scheduler::PriorityBands::kNone;
+  std::uint64_t piece_units_ = 0;
+  Outcome ended_ = Outcome::Completed;  // of the last level
+  std::size_t completed_ = 0;
+  std::array<SteadyClock::time_point, kPolygonBin + 1> completed_at_;
+};
+
+bool OpenRefinement::operator()(int worker) { return Job(*this, worker).run(); }
 
 }  // namespace poise::simulation

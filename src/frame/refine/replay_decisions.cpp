@@ -87,11 +87,12 @@ class Replay {
     PairProgress& pair = levels_.progress[index];
     if (!pair.refinable()) return false;
     const std::uint64_t units = pair.level.next_units;
-    const Outcome outcome = refine_level(input_.refiner(), posed(input_.motion, input_.table.pairs[index]), pair,
-                                         levels_.found[index], pools_, worker);
+    const PosedPair placed = posed(input_.motion, input_.table.pairs[index]);
+    collision::PairFrame frame = frame_of(input_.refiner(), placed);
+    const Outcome outcome = refine_level(input_.refiner(), placed, frame, pair, levels_.found[index], pools_, worker);
     if (outcome != Outcome::Completed) return false;
     --left_[index];
-    note_outcome(pair, units, outcome, levels_.tallies[static_cast<std::size_t>(worker)]);
+    note_outcome(pair.apart(), units, outcome, levels_.tallies[static_cast<std::size_t>(worker)]);
     return true;
   }
 
