@@ -58,7 +58,7 @@ Nanoseconds FrameBudget::reserve(std::uint64_t contacts) const {
 
 TimePoint FrameBudget::cut(std::uint64_t contacts) const {
   const Count at = difference(deadline.time_since_epoch().count(), host_work.count());
-  return TimePoint(Nanoseconds(difference(at, reserve(contacts).count())));
+  return std::max(earliest_cut, TimePoint(Nanoseconds(difference(at, reserve(contacts).count()))));
 }
 
 Nanoseconds FrameBudget::job_cost(std::uint64_t units) const {

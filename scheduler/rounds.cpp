@@ -32,7 +32,12 @@ void RoundSelector::add(const Candidate& candidate) {
 
 std::span<const Candidate> RoundSelector::next_round() {
   round_.clear();
-  while (!heap_.empty() && round_.size() < round_pairs_) {
+  // The rest is for what this round makes possible: were all of it spent at once, the first level of many pairs would
+  // come before the second of any, frame after frame.
+  const std::uint64_t left = budget_ - charged_;
+  const std::uint64_t share = left - left / 2;
+  const std::uint64_t begun = charged_;
+  while (!heap_.empty() && round_.size() < round_pairs_ && charged_ - begun < share) {
     std::pop_heap(heap_.begin(), heap_.end(), later);
     const Candidate best = heap_.back();
     heap_.pop_back();

@@ -54,6 +54,7 @@ struct PairExplanation {
     Separated,  ///< cached as separated for the whole step
     Points,     ///< cached contact points
     Expired,    ///< cached contact points that have expired
+    Parted,     ///< cached as separated, which has expired
   };
   BodyId a, b;               ///< in the order of slots
   scheduler::PairCues cues;  ///< valid for pairs that could be refined when refinement began

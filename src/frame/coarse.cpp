@@ -15,8 +15,8 @@ namespace {
 // Refinement looks this much of the smaller body beyond what may touch in the step, so that what it finds holds while
 // the bodies move so far.
 constexpr double kReachOfSize = 6e-3;
-// Cached points that are too old to be sure of are still used until the bodies have moved this much of the smaller one.
-// Measured on a frictionless pile whose budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up
+// What is cached and too old to be sure of is still used until the bodies have moved this much of the smaller one: the
+// points of a contact, or that there is none. Both are nearer to the truth than level 0. Measured on a frictionless pile whose budget goes off for 60 frames: at a tenth it sinks by a fifth and is thrown up
 // again, at a half it stays within 2 % of its height.
 constexpr double kHoldOfSize = 0.5;
 // Where no two nodes come within this much of the smaller body more, a pair that was found separated stays so for that
@@ -104,8 +104,8 @@ void use_cached(const CoarseInput& input, ActivePair& pair, PairProgress& progre
   if (!caches || cached.reach_m == 0) return;
   if (cached.moved_m + pair.margin_m <= cached.reach_m) {
     progress.cached = cached.apart ? CacheUse::Separated : CacheUse::Points;
-  } else if (!cached.apart && cached.level > 0 && cached.moved_m <= kHoldOfSize * size_m) {
-    progress.cached = CacheUse::Expired;
+  } else if (cached.level > 0 && cached.moved_m <= kHoldOfSize * size_m) {
+    progress.cached = cached.apart ? CacheUse::Parted : CacheUse::Expired;
   }
 }
 
@@ -160,7 +160,7 @@ void fill_cues(const CoarseInput& input, const ViewQuery& view_query, const Acti
 void count_known(const ActivePair& pair, const PairProgress& progress, bool swept, KnownCount& known) {
   // What backtracking will know of a pair is not known yet.
   if (progress.refinable() || swept) ++known.refinable;
-  if (pair.cached.slot == kNoSlot && (!progress.apart() || swept)) ++known.without_slot;
+  if (pair.cached.slot == kNoSlot && (!progress.apart() || progress.refinable() || swept)) ++known.without_slot;
   if (progress.apart()) return;
   ++known.present;
   if (progress.cached != CacheUse::None) return;

@@ -14,6 +14,7 @@ enum class CacheUse : std::uint8_t {
   Separated,  ///< it cannot touch in this step
   Points,     ///< it can touch at its cached points only
   Expired,    ///< its cached points are too old to be sure of, and better than level 0
+  Parted,     ///< likewise that it is separated
 };
 
 /// Where a pair's contact of this frame comes from.
@@ -22,7 +23,7 @@ enum class ContactState : std::uint8_t {
   Cached,           ///< the contact points of an earlier frame
   Refined,          ///< the deepest level that this frame completed
   Exact,            ///< made by backtracking: never refined
-  CachedSeparated,  ///< no contact: an earlier frame found it separated
+  CachedSeparated,  ///< no contact: an earlier frame found it separated, for sure or not
   Separated,        ///< no contact: this frame found it separated
 };
 
@@ -33,16 +34,17 @@ enum class ContactState : std::uint8_t {
 ///   stage   from             event                                                to
 ///   coarse  -                nothing cached, or not sure enough                    Coarsest
 ///   coarse  -                cached as separated, for sure                         CachedSeparated
+///   coarse  -                cached as separated, not sure any more (Parted)       CachedSeparated
 ///   coarse  -                cached points, for sure (Points) or not (Expired)     Cached
 ///   coarse  Coarsest         a fast body, surfaces touch (backtracking)            Exact
 ///   coarse  Coarsest         a fast body, surfaces apart (backtracking)            Separated
-///   refine  Coarsest         the frame does not fit: reused as separated           CachedSeparated
 ///   refine  Coarsest         the frame does not fit: reused with its points        Cached
 ///   refine  Coarsest         a level completes, nodes are near                     Refined
 ///   refine  Cached           a level at least as deep as the cached one completes  Refined
 ///   refine  Cached           a shallower level completes, nodes are near           Cached (still; refinement goes on)
+///   refine  CachedSeparated  (Parted) likewise, at least as deep or shallower      Refined, or CachedSeparated still
 ///   refine  Refined          a deeper level completes, nodes are near              Refined
-///   refine  Coarsest, Cached, Refined   a level completes, no nodes are near       Separated
+///   refine  any that is refined          a level completes, no nodes are near      Separated
 ///
 /// `full` (its front did not fit into the pool) stops refinement and changes no state. After refine no state changes.
 struct PairProgress {
@@ -53,8 +55,8 @@ struct PairProgress {
   Level cached_level = 0;  ///< that found out what is cached
 
   [[nodiscard]] ContactState state() const {
-    if (cached == CacheUse::Separated) return ContactState::CachedSeparated;
     if (level.apart) return ContactState::Separated;
+    if (apart()) return ContactState::CachedSeparated;
     if (exact) return ContactState::Exact;
     if (from_cache()) return ContactState::Cached;
     return level.level > 0 ? ContactState::Refined : ContactState::Coarsest;
@@ -62,10 +64,13 @@ struct PairProgress {
   [[nodiscard]] bool has_cached_points() const { return cached == CacheUse::Points || cached == CacheUse::Expired; }
   /// Refinement found out more than what is cached.
   [[nodiscard]] bool fresh() const {
-    return level.level > 0 && (!has_cached_points() || level.apart || level.level >= cached_level);
+    const bool knows = has_cached_points() || cached == CacheUse::Parted;
+    return level.level > 0 && (!knows || level.apart || level.level >= cached_level);
   }
   [[nodiscard]] bool from_cache() const { return has_cached_points() && !fresh(); }
-  [[nodiscard]] bool apart() const { return cached == CacheUse::Separated || level.apart; }
+  [[nodiscard]] bool apart() const {
+    return level.apart || cached == CacheUse::Separated || (cached == CacheUse::Parted && !fresh());
+  }
   [[nodiscard]] Level solved_level() const { return from_cache() ? cached_level : level.level; }
   [[nodiscard]] bool by_polygons() const { return level.polygons && solved_level() == level.deepest; }
   [[nodiscard]] bool refinable() const {

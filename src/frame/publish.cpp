@@ -19,7 +19,7 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   const PairProgress& progress = input.levels.progress[i];
   const PairPoints& points = input.manifolds.points[i];
   CachedPair cached = pair.cached;
-  cached.frames_waited = progress.solved_level() > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
+  cached.frames_waited = progress.level.level > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
   cached.touching = false;
   cached.slot = points.slot;
   cached.solved = points.solved;

@@ -126,6 +126,8 @@ const char* cache_use_word(PairExplanation::CacheUse use) {
       return "points";
     case PairExplanation::CacheUse::Expired:
       return "expired";
+    case PairExplanation::CacheUse::Parted:
+      return "parted";
   }
   return "-";
 }

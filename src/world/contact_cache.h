@@ -64,7 +64,7 @@ struct PointCache {
 /// (or the first, if it is the only one) are the manifold.
 struct CachedPair {
   std::uint32_t low = 0, high = 0;  ///< body slots
-  std::uint32_t frames_waited = 0;  ///< since a level beyond level 0 was completed
+  std::uint32_t frames_waited = 0;  ///< since a level was completed, or nothing was left to complete
   std::uint32_t slot = kNoSlot;     ///< of its points in the PointCache; which one is not part of the state
   std::uint8_t point_count = 0;
   Level level = 0;  ///< that found it out

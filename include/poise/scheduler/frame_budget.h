@@ -24,6 +24,7 @@ struct FrameBudget {
   Nanoseconds tail_fixed{0};       ///< point forecast of the tail without contacts
   double tail_per_contact_ns = 0;  ///< point forecast for each contact
   double margin = 1;               ///< factor from point forecast to reserve
+  TimePoint earliest_cut = TimePoint::min();  ///< refinement may go on until here, whatever the reserve
   double unit_cost_ns = 40;        ///< of one unit (Poise: a node-pair expansion) on one thread, nanoseconds
   double job_overhead_ns = 150;
 

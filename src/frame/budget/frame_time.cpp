@@ -46,6 +46,12 @@ void count_pairs(const RefineInput& input, const CompletedLevels& levels, Foreca
 // iterates beyond once a substep; the rest is refinement's. After that it may use what is left. Chosen.
 constexpr double kShareOfIterations = 0.5;
 
+// What pairs cost as long as nothing is known of them they cost in every frame; what is found out of them they cost
+// once. So this much of a frame belongs to refinement wherever it has that much to do. Chosen.
+constexpr double kShareOfRefinement = 0.2;
+// A level of a pair, with all that goes with it, on one thread.
+constexpr double kLevelNs = 1000;
+
 double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
 
 // With a margin, what a point iteration costs.
@@ -79,6 +85,29 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
   work.point_iterations = static_cast<std::uint64_t>(iterations_reserved(forecasts, work, substeps, left) * substeps);
   plan.budget = scheduler::make_frame_budget(step.budget.deadline, host, forecasts.tail, forecasts.margin, work,
                                              forecasts.unit_cost_ns);
+}
+
+// What refinement is to have, if there is work for so long.
+Nanoseconds refinement_wanted(const RefineInput& input, const CompletedLevels& levels, SteadyClock::time_point now) {
+  const double share_ns = kShareOfRefinement * ns_of(input.step.budget.deadline - now);
+  const double all_ns = kLevelNs * levels.known.refinable;
+  return Nanoseconds(static_cast<std::int64_t>(std::min(share_ns, all_ns)));
+}
+
+// Makes room for refinement where the reserve leaves less than it is to have: with fewer substeps, or out of the
+// margin.
+void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts,
+               CompletedLevels& levels, Degraded& degraded, FramePlan& plan) {
+  const SteadyClock::time_point wanted = now + refinement_wanted(input, levels, now);
+  const int least = forecasts.times.iterations_a_substep > 0 ? 1 : input.substeps;
+  int substeps = levels.substeps > 0 ? levels.substeps : input.substeps;
+  while (--substeps >= least && plan.budget.cut(plan.expected) < wanted) {
+    set_budget(input.step, substeps, host, now, forecasts, plan);
+    levels.substeps = degraded.substeps = substeps;
+  }
+  if (plan.budget.cut(plan.expected) >= wanted) return;
+  plan.budget.earliest_cut =
+      std::min(wanted, input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected));
 }
 
 }  // namespace
@@ -154,6 +183,7 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
     if (degraded.pairs_reused > 0) count_pairs(input, levels, forecasts, plan);
     set_budget(step, levels.substeps > 0 ? levels.substeps : input.substeps, host, now, forecasts, plan);
   }
+  make_room(input, host, now, forecasts, levels, report.degraded, plan);
   report.host_reserved = host;
   report.tail_work = forecasts.times.tail_work;
   report.reserve_at_cut = plan.budget.reserve(plan.expected);
@@ -204,8 +234,7 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   report.reserve_at_cut += Nanoseconds(static_cast<std::int64_t>(report.cut_margin * ns_of(report.tail_left_over)));
   forecasts.margin.observe(report.tail_actual, report.tail_forecast);
   report.tail_beyond_clip = scheduler::beyond_clip(report.tail_actual, report.tail_forecast);
-  const std::uint64_t known = counts.levels.known.present;
-  const std::uint64_t present = known - std::min<std::uint64_t>(known, report.pairs_separated);
+  const std::int64_t present = counts.levels.present;
   if (present > 0) {
     forecasts.solved_share +=
         0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - forecasts.solved_share);

@@ -37,7 +37,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   scheduler::RoundSelector& rounds = refinement.resources.rounds;
   parallel::LargeVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
-    return scheduler::Candidate{score_of(input, refinement.facts, all[index], index), index,
+    return scheduler::Candidate{score_of(input, refinement.facts, all[index], index, all[index].level.level > 0), index,
                                 all[index].level.next_units};
   };
   rounds.begin_frame(budget_units, all.size(), input.policy.round_pairs);
@@ -169,9 +169,13 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
   const auto& error_a = input.scene.facts_of(pair.a).error_m;
   const auto& error_b = input.scene.facts_of(pair.b).error_m;
   for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
-  // Levels up to the cached one bring nothing that is not known.
-  for (std::size_t level = 0; progress.cached == CacheUse::Points && level < progress.cached_level; ++level)
-    error_m[level] = error_m[progress.cached_level];
+  // What is known of a deeper level, and how far the bodies have moved since. Shallower levels bring nothing more.
+  if (progress.has_cached_points() || progress.cached == CacheUse::Parted) {
+    const float moved_m = progress.cached == CacheUse::Points ? 0.0F : static_cast<float>(pair.cached.moved_m);
+    const float known_m = error_m[progress.cached_level] + moved_m;
+    for (std::size_t level = 0; level < progress.cached_level; ++level)
+      error_m[level] = std::min(error_m[level], known_m);
+  }
   if (progress.level.polygons) error_m[progress.level.deepest] = 0;
   const scheduler::PairChain chain{pair.id(),
                                    progress.level.level,

@@ -72,6 +72,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
                                        forecasts.solved_share, resources.log});
   open.hands.resize(levels.tallies.size());
   open.contacts.set(plan.present);
+  levels.present = plan.present;
   open.cut.set(0);
   const scheduler::FrameBudget& budget = open.run->budget;
   const SteadyClock::time_point first_cut = budget.cut(plan.expected);
@@ -86,7 +87,8 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
   report.jobs_discarded += report.jobs_abandoned;
   const SteadyClock::time_point end = SteadyClock::now();
-  const std::uint64_t left = expected_solved(forecasts, open.contacts.get());
+  levels.present = open.contacts.get();
+  const std::uint64_t left = expected_solved(forecasts, levels.present);
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = budget.tail_forecast(left);
   report.tail_work.contacts = left;
@@ -192,9 +194,10 @@ class OpenRefinement::Job {
     const Hand& hand = open_.hands[static_cast<std::size_t>(worker_)];
     PairProgress& pair = run_.levels.progress[item_];
     if (completed_ > 0) {
+      const bool was_apart = pair.apart();
       pair.level = hand.progress.level;
       run_.levels.found[item_] = hand.found;
-      if (pair.level.apart) open_.contacts.add(-1);
+      if (pair.apart() != was_apart) open_.contacts.add(was_apart ? 1 : -1);
     }
     if (run_.log != nullptr) {
       for (std::size_t k = 0; k < completed_; ++k)

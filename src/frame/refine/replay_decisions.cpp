@@ -19,6 +19,8 @@ PairExplanation::CacheUse cached_of(CacheUse cached) {
       return PairExplanation::CacheUse::Points;
     case CacheUse::Expired:
       return PairExplanation::CacheUse::Expired;
+    case CacheUse::Parted:
+      return PairExplanation::CacheUse::Parted;
     case CacheUse::None:
       break;
   }
