@@ -15,7 +15,6 @@ constexpr std::array kWeights{
     PolicyField{"eccentricity", &Policy::eccentricity, 0, kMostExponent},
     PolicyField{"closing", &Policy::closing, 0, kMostExponent},
     PolicyField{"waiting", &Policy::waiting, 0, kMostExponent},
-    PolicyField{"lasting", &Policy::lasting, 0, kMostExponent},
     PolicyField{"importance", &Policy::importance, 0, kMostExponent},
     PolicyField{"host", &Policy::host, 0, kMostExponent},
 };
@@ -61,7 +60,6 @@ double cue_weight(const Policy& policy, const PairCues& cues) {
                    policy.eccentricity);
   weight *= raised(1.0 + bounded(cues.closing_mps, kMostFactor) / policy.closing_scale_mps, policy.closing);
   weight *= raised(1.0 + static_cast<double>(cues.frames_waited), policy.waiting);
-  weight *= raised(1.0 + bounded(cues.lasting_frames, kMostFactor), policy.lasting);
   weight *= raised(bounded(cues.importance, kMostFactor), policy.importance);
   weight *= raised(bounded(static_cast<double>(cues.host), kMostHostFactor), policy.host);
   return weight;

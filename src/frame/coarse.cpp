@@ -22,8 +22,6 @@ constexpr double kHoldOfSize = 0.5;
 // Where no two nodes come within this much of the smaller body more, a pair that was found separated stays so for that
 // much longer.
 constexpr double kWideOfSize = 4 * kReachOfSize;
-// What is found of two bodies that rest against each other counts as lasting for so many frames. Chosen: half a second.
-constexpr double kMostLasting = 30;
 constexpr std::size_t kCandidateGrain = 128;
 
 // Goes through the cached pairs of the last step beside this frame's, both in canonical order, and marks those that it
@@ -125,15 +123,6 @@ bool roots_near(const BodyBounds& a, const BodyBounds& b, double margin_m) {
   return (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
 }
 
-// For how many frames what is found of a pair will hold if its bodies go on moving as they do.
-double lasting_frames(const CoarseInput& input, const ActivePair& pair) {
-  const BodyBounds& a = input.motion.body_bounds[pair.a];
-  const BodyBounds& b = input.motion.body_bounds[pair.b];
-  const double moving_m = (a.velocity_mps - b.velocity_mps).norm() * input.terms.dt_s + a.own_m + b.own_m;
-  const double held_m = kReachOfSize * (pair.skin_m / kSkin);
-  return held_m < kMostLasting * moving_m ? held_m / moving_m : kMostLasting;
-}
-
 // What the viewer sees of a pair that is known by its root spheres alone.
 PairView pair_view_of(const CoarseInput& input, const ActivePair& pair) {
   const BodyBounds& a = input.motion.body_bounds[pair.a];
@@ -152,7 +141,6 @@ PairView pair_view_of(const CoarseInput& input, const ActivePair& pair) {
   pair_view.closing_mps = pair_view.normal.dot(a.velocity_mps - b.velocity_mps);
   pair_view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
   pair_view.frames_waited = pair.cached.frames_waited;
-  pair_view.lasting_frames = lasting_frames(input, pair);
   return pair_view;
 }
 

@@ -40,7 +40,6 @@ scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, c
   cues.closing_mps = std::max(0.0, pair.closing_mps);
   cues.importance = pair.importance;
   cues.frames_waited = pair.frames_waited;
-  cues.lasting_frames = pair.lasting_frames;
   const View& view = view_query.view;
   if (!view.present) return cues;
   const Vec3 ray = pair.point_m - view.position_m;

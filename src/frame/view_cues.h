@@ -14,7 +14,6 @@ struct PairView {
   double closing_mps = 0;
   double importance = 1;
   std::uint32_t frames_waited = 0;
-  double lasting_frames = 0;  ///< scheduler::PairCues
 };
 
 /// A view with what all questions about it share. Made of a view by itself, so that who asks once need not name it.

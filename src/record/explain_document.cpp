@@ -232,7 +232,6 @@ Json pair_json(const ExplainedFrame& e, const PairExplanation& pair) {
             {"eccentricity_rad", c.eccentricity_rad},
             {"closing_mps", c.closing_mps},
             {"frames_waited", c.frames_waited},
-            {"lasting_frames", c.lasting_frames},
             {"importance", c.importance}}},
           {"cached", cache_use_word(pair.cached)},
           {"cached_level", pair.cached_level},

@@ -30,7 +30,6 @@ struct PairCues {
   double eccentricity_rad = 0;                   ///< angle between gaze and pair, [0, pi]
   double closing_mps = 0;                        ///< approach speed of the two centres, >= 0
   double importance = 1;                         ///< >= 0
-  double lasting_frames = 0;                     ///< for how long the result of a refinement is expected to hold, >= 0
   std::uint32_t frames_waited = 0;               ///< frames since the pair was last refined
   float host = 1;                                ///< HostFactor::factor
 };
@@ -77,7 +76,6 @@ struct Policy {
   double eccentricity = 1;  ///< 1 / (1 + E / eccentricity_e2_rad)
   double closing = 1;       ///< 1 + closing speed / closing_scale_mps
   double waiting = 1;       ///< 1 + frames since the pair was last refined
-  double lasting = 1;       ///< 1 + frames that the result is expected to hold: in each it need not be found anew
   double importance = 1;    ///< the factor that the scene gives to the two bodies
   double host = 1;          ///< the host's own cue, `cue`
 

@@ -27,10 +27,9 @@ bool reusable(const RefineInput& input, const PairProgress& progress, std::size_
 }
 
 double seen(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
-  // How long a pair has waited, or how long a result would hold, says nothing about how well it is seen.
+  // How long a pair has waited says nothing about how well it is seen.
   scheduler::PairCues now = cues;
   now.frames_waited = 0;
-  now.lasting_frames = 0;
   // Nor does what a host thinks of it; and a replay, which has the number of these pairs, chooses them without the
   // host.
   now.host = 1;

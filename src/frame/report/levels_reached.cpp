@@ -14,8 +14,7 @@ double radius_m(const WorldState& world, BodyId body) {
   return shape->kind == ShapeKind::Plane ? 1e30 : static_cast<double>(shape->tree.radius_m[0]);
 }
 
-// What a viewer can notice of an error at a contact: the cues of the policy but for how long the pair has
-// waited and how long a result would hold.
+// What a viewer can notice of an error at a contact: the cues of the policy but for how long the pair has waited.
 double weight_of(const WorldState& world, const View& view, const Contact& contact) {
   PairView pair_view;
   pair_view.point_m = contact.point_m;
@@ -24,7 +23,7 @@ double weight_of(const WorldState& world, const View& view, const Contact& conta
   pair_view.importance = world.bodies.importance[contact.a.slot] * world.bodies.importance[contact.b.slot];
   const scheduler::PairCues cues = cues_of(view, pair_view);
   scheduler::Policy plain;
-  plain.waiting = plain.lasting = 0;
+  plain.waiting = 0;
   return scheduler::cue_weight(plain, cues) * cues.angle_radpm;
 }
 
