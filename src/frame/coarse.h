@@ -24,6 +24,7 @@ struct CoarseInput {
   const PairFilter& filter;
   const View& view;
   const scheduler::Policy& policy;
+  bool ranked = true;  ///< refinement goes by scores: without a limit there is nothing to choose, and no cues are asked
 };
 
 /// A candidate pair whose coarsest spheres are nearer than its margin.
@@ -69,7 +70,7 @@ struct PairTable {
 
   parallel::LargeVector<ActivePair> pairs;
   parallel::LargeVector<PairProgress> start;        ///< where refinement begins
-  parallel::LargeVector<scheduler::PairCues> cues;  ///< of those that can be refined
+  parallel::LargeVector<scheduler::PairCues> cues;  ///< of those that can be refined, if these are ranked
   std::vector<KnownCount> known_of_chunk;           ///< per chunk, and their sums at the end
   std::vector<std::uint8_t> still_active;           ///< one a cached pair of the last step: it is active in this one
   std::vector<SweptPair> swept;                     ///< with backtracking: pairs with a fast body, in canonical order

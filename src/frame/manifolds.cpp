@@ -174,7 +174,7 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
     if (!progress.from_cache()) write_points(input, i, made, cache);
     update_separations(input, i, made, cache);
   }
-  if (!progress.apart() && progress.refinable()) ++count.left;
+  if (progress.refinable()) ++count.left;
   if (progress.cached == CacheUse::Separated) ++count.cached_separations;
   if (!made.solved) return;
   const solver::Manifold manifold = make_manifold(input, i, made);

@@ -121,7 +121,7 @@ class Step {
                     frame_.candidates, executor_);
     report_.times.broad_phase += laps_.lap();
     find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter,
-                       input_.view, world_.settings.policy},
+                       input_.view, world_.settings.policy, ranked()},
                       frame_.table, world_.pools, executor_);
     report_.pairs_discarded = frame_.candidates.discarded;
     report_.candidate_pairs = frame_.candidates.pairs.size();
@@ -130,6 +130,12 @@ class Step {
     report_.cues_refused = frame_.table.known_of_chunk.back().refused_cues;
     report_.swept_pairs = frame_.table.swept.size();
     report_.times.coarse += laps_.lap();
+  }
+
+  // Does anything go by the priority of pairs?
+  [[nodiscard]] bool ranked() const {
+    if (input_.replay != nullptr) return input_.explain != nullptr;
+    return input_.budget.kind != Budget::Kind::Unlimited || terms_.contact == ContactModel::Paper;
   }
 
   void refine_pairs() {

@@ -189,7 +189,7 @@ FullFrame run_full(const WorldState& world, const StepInput& input, std::span<co
   terms.contact = ContactModel::Fitted;
   FrameReport report;
   find_active_pairs({scene, terms, motion, world.outputs.candidates, world.cache.previous_pairs, world.pair_filter,
-                     input.view, world.settings.policy},
+                     input.view, world.settings.policy, false},
                     reference.table, pools, executor);
   // The contact cache belongs to the run, not to the reference.
   for (PairProgress& pair : reference.table.start) pair.cached = CacheUse::None;

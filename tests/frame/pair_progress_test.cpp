@@ -19,6 +19,7 @@ TEST(PairProgress, BeginsWhereTheCacheSays) {
   EXPECT_EQ(pair_with(CacheUse::Separated, 3).state(), ContactState::CachedSeparated);
   EXPECT_EQ(pair_with(CacheUse::Points, 3).state(), ContactState::Cached);
   EXPECT_EQ(pair_with(CacheUse::Expired, 3).state(), ContactState::Cached);
+  EXPECT_EQ(pair_with(CacheUse::Parted, 3).state(), ContactState::CachedSeparated);
 }
 
 TEST(PairProgress, ALevelReplacesTheCachedPointsOnceItIsAsDeep) {
@@ -32,8 +33,18 @@ TEST(PairProgress, ALevelReplacesTheCachedPointsOnceItIsAsDeep) {
   }
 }
 
+TEST(PairProgress, WhatHasPartedIsApartUntilALevelAsDeepFindsItNear) {
+  PairProgress pair = pair_with(CacheUse::Parted, 3);
+  for (Level level = 0; level <= 5; ++level) {
+    pair.level.level = level;
+    EXPECT_EQ(pair.apart(), level < 3) << int{level};
+    EXPECT_EQ(pair.state(), level < 3 ? ContactState::CachedSeparated : ContactState::Refined) << int{level};
+    EXPECT_EQ(pair.refinable(), level < 5) << int{level};
+  }
+}
+
 TEST(PairProgress, NoNodesNearIsSeparatedAtAnyLevel) {
-  for (const CacheUse cached : {CacheUse::None, CacheUse::Points, CacheUse::Expired}) {
+  for (const CacheUse cached : {CacheUse::None, CacheUse::Points, CacheUse::Expired, CacheUse::Parted}) {
     PairProgress pair = pair_with(cached, 3);
     pair.level.level = 1;
     pair.level.apart = true;

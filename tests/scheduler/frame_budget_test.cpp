@@ -32,6 +32,13 @@ TEST(FrameBudget, TheCutIsTheDeadlineLessHostWorkLessReserve) {
   EXPECT_EQ(budget.cut(1000), kStart + milliseconds(4));
 }
 
+TEST(FrameBudget, TheReserveTakesNothingOfWhatRefinementHasForSure) {
+  FrameBudget budget = plain_budget();
+  budget.earliest_cut = kStart + milliseconds(8) - microseconds(500);
+  EXPECT_EQ(budget.cut(0), kStart + milliseconds(8));
+  EXPECT_EQ(budget.cut(1000), kStart + milliseconds(8) - microseconds(500));
+}
+
 TEST(FrameBudget, APairFoundApartGivesItsResponseTimeBack) {
   const FrameBudget budget = plain_budget();
   EXPECT_EQ(budget.cut(99) - budget.cut(100), microseconds(1));

@@ -33,6 +33,22 @@ TEST(PriorityBands, ServeTheHighestBandFirstAndTheLastComerWithinIt) {
   EXPECT_EQ(order, (std::vector<std::uint32_t>{4, 2, 5, 1, 3, 0}));
 }
 
+TEST(PriorityBands, TellTheHighestBandThatHasAnItem) {
+  PriorityBands bands;
+  bands.reset(3);
+  EXPECT_EQ(bands.highest(), 0U);
+  bands.put(0, 5);
+  bands.put(1, 200);
+  EXPECT_EQ(bands.highest(), 200U);
+  bands.take();
+  bands.put(2, 70);
+  bands.take();
+  EXPECT_LE(bands.highest(), 70U) << "a band may be told that has just become empty";
+  bands.take();
+  bands.take();
+  EXPECT_EQ(bands.highest(), 0U);
+}
+
 TEST(PriorityBands, TakeBackAnItemInAnotherBand) {
   PriorityBands bands;
   bands.reset(2);

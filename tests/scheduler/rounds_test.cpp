@@ -29,11 +29,27 @@ TEST(Rounds, ChargeWhatTheyAdmitAndLetSmallerOnesPass) {
   rounds.add({3.0, 1, 6});
   rounds.add({2.0, 2, 6});
   rounds.add({1.0, 3, 4});
-  const auto round = rounds.next_round();
-  ASSERT_EQ(round.size(), 2U);
-  EXPECT_EQ(round[0].pair, 1U);
-  EXPECT_EQ(round[1].pair, 3U);
+  const auto first = rounds.next_round();
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].pair, 1U);
+  const auto second = rounds.next_round();
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].pair, 3U);
   EXPECT_EQ(rounds.charged_units(), 10U);
+}
+
+TEST(Rounds, LeaveHalfOfWhatIsLeftToWhatTheyMakePossible) {
+  RoundSelector rounds;
+  rounds.begin_frame(16, 32);
+  for (std::uint32_t pair = 0; pair < 32; ++pair) rounds.add({1.0, pair, 1});
+  EXPECT_EQ(rounds.next_round().size(), 8U);
+  rounds.add({2.0, 32, 4});
+  const auto round = rounds.next_round();
+  ASSERT_EQ(round.size(), 1U) << "a deeper level of a pair of the first round";
+  EXPECT_EQ(round[0].pair, 32U);
+  std::size_t admitted = 0;
+  for (auto next = rounds.next_round(); !next.empty(); next = rounds.next_round()) admitted += next.size();
+  EXPECT_EQ(admitted, 4U) << "nothing of the budget is left over";
 }
 
 TEST(Rounds, AFrameForgetsTheOneBefore) {

@@ -11,6 +11,9 @@ namespace {
 // How far two bodies may have moved against each other since, in radii of the smaller one: beyond it, what touched is
 // elsewhere.
 constexpr double kReusePoints = 1.0;
+// A pair that was apart must not sink in so far that it cannot be told from one that passes through. Chosen, as
+// kHoldOfSize in coarse.cpp.
+constexpr double kReuseApart = 0.5;
 
 bool reusable(const RefineInput& input, const PairProgress& progress, std::size_t index) {
   const ActivePair& pair = input.table.pairs[index];
@@ -20,8 +23,7 @@ bool reusable(const RefineInput& input, const PairProgress& progress, std::size_
   const BodyBounds& a = input.motion.body_bounds[pair.a];
   const BodyBounds& b = input.motion.body_bounds[pair.b];
   const double radius_m = b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m);
-  // A pair that was apart must not sink in so far that it cannot be told from one that passes through.
-  if (cached.apart) return false;
+  if (cached.apart) return cached.moved_m <= kReuseApart * radius_m;
   // Balls roll, and the normal that they met with rolls along.
   return cached.level > 0 && cached.point_count > 0 && cached.moved_m <= kReusePoints * radius_m;
 }
@@ -64,7 +66,7 @@ void use_substeps(const RefineInput& input, int substeps, CompletedLevels& level
 }
 
 void reuse(const ActivePair& pair, PairProgress& progress, KnownCount& known) {
-  progress.cached = pair.cached.apart ? CacheUse::Separated : CacheUse::Expired;
+  progress.cached = pair.cached.apart ? CacheUse::Parted : CacheUse::Expired;
   --known.unknown;
   if (pair.cached.apart) --known.present;
 }

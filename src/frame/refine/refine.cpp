@@ -74,7 +74,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
                 collision::PairFrame frame = refinement.frame_of_pair(slice[i].pair);
                 outcome = refinement.refine_next(slice[i].pair, frame, worker);
               }
-              note_outcome(pair.apart(), units, outcome, refinement.levels.tallies[static_cast<std::size_t>(worker)]);
+              note_outcome(pair.level.apart, units, outcome, refinement.levels.tallies[static_cast<std::size_t>(worker)]);
             }
           });
       for (const scheduler::Candidate& chosen : slice) {
@@ -112,7 +112,7 @@ void refine_everything(const Refinement& refinement) {
       while (pair.refinable() && !pair.full) {
         const std::uint64_t units = pair.level.next_units;
         const Outcome outcome = refinement.refine_next(index, frame, worker);
-        note_outcome(pair.apart(), units, outcome, tally);
+        note_outcome(pair.level.apart, units, outcome, tally);
         if (log != nullptr) log->note(worker, index, kind_of(outcome), SteadyClock::now());
       }
       const RefineInput& input = refinement.input;

@@ -94,7 +94,7 @@ class Replay {
     const Outcome outcome = refine_level(input_.refiner(), placed, frame, pair, levels_.found[index], pools_, worker);
     if (outcome != Outcome::Completed) return false;
     --left_[index];
-    note_outcome(pair.apart(), units, outcome, levels_.tallies[static_cast<std::size_t>(worker)]);
+    note_outcome(pair.level.apart, units, outcome, levels_.tallies[static_cast<std::size_t>(worker)]);
     return true;
   }
 
