@@ -169,7 +169,7 @@ std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools,
   begin_polygons(frame, Mat3::Identity(), pair, pair, progress);
   while (run_polygons(frame, pools, 512, progress) == Quantum::More) {
   }
-  publish_polygons(frame, Mat3::Identity(), progress, pair, pair);
+  publish_polygons(progress, pair, pair);
   return pair.front_entries;
 }
 

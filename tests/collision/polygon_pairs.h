@@ -49,7 +49,7 @@ inline PolygonAnswer solve_by_polygons(const PairFrame& frame, std::span<FrontPo
     ++answer.quanta;
     answer.longest = std::max(answer.longest, progress.work);
   }
-  publish_polygons(frame, Mat3::Identity(), progress, pair, pair);
+  publish_polygons(progress, pair, pair);
   answer.sums = progress.sums;
   answer.contact = pair.contact;
   return answer;

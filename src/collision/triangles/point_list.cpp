@@ -47,6 +47,17 @@ void PointList::add(const FoundPoint& point) {
   point_[count_++] = point;
 }
 
+void PointList::remove_below(double gap_m) {
+  least_gap_m_ = std::numeric_limits<double>::infinity();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (point_[i].gap_m < gap_m) continue;
+    least_gap_m_ = std::min(least_gap_m_, point_[i].gap_m);
+    point_[count++] = point_[i];
+  }
+  count_ = count;
+}
+
 bool PointList::overlaps_only_along(const Vec3& normal) const {
   for (std::size_t i = 0; i < count_; ++i) {
     if (point_[i].gap_m < 0 && point_[i].normal.dot(normal) < kOneWay) return false;

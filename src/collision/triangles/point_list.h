@@ -42,6 +42,8 @@ class PointList {
   }
 
   void add(const FoundPoint& point);
+  /// Forgets all with gaps below `gap_m`.
+  void remove_below(double gap_m);
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Of all that were added; infinite where there are none.
   [[nodiscard]] double least_gap_m() const { return least_gap_m_; }

@@ -9,7 +9,10 @@
 #include "collision/front/pair_frame.h"
 #include "collision/front/pair_refinement.h"
 #include "collision/triangles/point_list.h"
+#include "collision/triangles/polygon_points.h"
 #include "collision/triangles/polygon_sums.h"
+#include "collision/triangles/surface_descent.h"
+#include "collision/triangles/triangle_pair.h"
 
 namespace poise::collision {
 
@@ -29,38 +32,52 @@ class MetPairs {
   std::size_t count_ = 0;
 };
 
-/// A triangle of a placed surface and the box of its part that counts.
-struct BoxedTriangle {
-  PlacedTriangle triangle;
-  Vec3 low_m, high_m;
+/// Triangles of a surface that were placed lately. Each has one slot, so results depend on the triangle alone.
+class PlacedTriangles {
+ public:
+  PlacedTriangles() { index_.fill(ShapeSurface::kNone); }
+  const PlacedTriangle& get(const PlacedSurface& on, std::uint32_t triangle) {
+    const std::size_t slot = triangle % kSlots;
+    if (index_[slot] != triangle) {
+      place(on, triangle, placed_[slot]);
+      index_[slot] = triangle;
+    }
+    return placed_[slot];
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 64;
+  std::array<std::uint32_t, kSlots> index_;
+  std::array<PlacedTriangle, kSlots> placed_;
 };
 
-/// Triangles of two leaves that are looked at together, those of a against those of b row by row.
-struct TriangleBlock {
-  static constexpr std::uint32_t kMost = 64;  ///< of each: as many as a leaf of a well-built tree has
-  std::array<BoxedTriangle, kMost> a, b;
-  std::size_t count_a = 0, count_b = 0;
-  std::size_t rows = 0;      ///< of a that are done
-  double beneath_m = 0;      ///< how far two features may have passed each other
-  bool in_progress = false;  ///< a piece ended within it
-};
+/// What a polygon level does next.
+enum class PolygonStage : std::uint8_t { Triangles, Contact, Deeper, Points, Done };
 
-/// The polygon level of a pair in progress: one worker, in bounded pieces. About 64 KB, on the stack.
+/// The polygon level of a pair in progress: one worker, in bounded pieces. About 70 KB, on the stack.
 struct PolygonProgress {
-  SegmentRef reading;        ///< of the front of leaves
+  SegmentRef reading;        ///< of the front of leaves; two meshes need no front
   bool roots = false;        ///< the front is the two roots
   std::uint32_t offset = 0;  ///< entries of it that are done
   std::uint32_t block = 0;   ///< blocks of the entry that are done
-  std::uint32_t place = 0;   ///< of the entry in the whole front
   PlacedSurface on_a, on_b;
-  double most_m = 0;  ///< the surfaces are not farther apart than this, or than the margin
+  SurfaceDescent descent;  ///< of two meshes
+  PlacedTriangles placed_a, placed_b;
+  double most_m = 0;            ///< the surfaces are not farther apart than this, or than the margin
+  double beneath_m = 0;         ///< how far two features may have passed each other
+  std::uint32_t looked_at = 0;  ///< pairs of triangles near each other
   PolygonSums sums;
   MetPairs met;
   bool rests = true;  ///< the manifold of the pair is wanted
   PointList points;
-  TriangleBlock triangles;  ///< of the block
-  double work = 0;          ///< of this piece so far, in node-pair expansions
+  PolygonStage stage = PolygonStage::Triangles;
+  Mat3 rotation_a = Mat3::Identity();
+  PairContact contact;  ///< of the leaves, then of the polygons
+  DeeperSearch deeper;
+  ManifoldPoints manifold_points;
+  double work = 0;  ///< of this piece so far, in node-pair expansions
 
+  [[nodiscard]] bool meshes() const { return on_a.surface != nullptr && on_b.surface != nullptr; }
   /// Facing features beyond this distance do not count for an impact.
   [[nodiscard]] double reach_m(const PairFrame& frame) const;
   /// The same for contact points of resting contact.
@@ -78,13 +95,12 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
 void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
                     PolygonProgress& progress, bool rests = true);
 
-/// Goes on for about `units`: at most one triangle of a against a block of b's more. Bounded, allocates nothing. More
-/// or Complete.
+/// Goes on for about `units`: at most one pair of triangles, or 64 against a ball or a plane, more. Bounded, allocates
+/// nothing. More or Complete.
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
                      PolygonProgress& progress);
 
 /// Stores the complete level and its manifold in the pair. The front stays that of the leaves.
-void publish_polygons(const PairFrame& frame, const Mat3& rotation_a, PolygonProgress& progress, PairLevel& pair,
-                      LevelContact& found);
+void publish_polygons(const PolygonProgress& progress, PairLevel& pair, LevelContact& found);
 
 }  // namespace poise::collision

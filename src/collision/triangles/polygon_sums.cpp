@@ -12,8 +12,8 @@ namespace {
 // told apart in docs/method.md (1e-4 of the size), so that two corners count together only where nothing could say
 // which is first.
 constexpr double kSoftness = 1e-4;
-// Twenty halvings: what weighs a millionth is left out.
-constexpr double kHalvings = 20;
+// Ten halvings: what weighs a thousandth is left out.
+constexpr double kHalvings = 10;
 // A curve whose area vector is smaller than this share of what its parts iteration encloses nothing; far above
 // rounding.
 constexpr double kEnclosing = 1e-9;
@@ -21,7 +21,8 @@ constexpr double kEnclosing = 1e-9;
 constexpr double kOpen = 1e-6;
 // Of a sum of normals: shorter means that they oppose each other.
 constexpr double kOpposed = 1e-3;
-constexpr int kClimbingSteps = 32;
+constexpr int kClimbingSteps = 16;
+constexpr int kAskedNeighbors = 3;
 constexpr std::size_t kClimbs = 2;
 // Of the faces at a crossing: how many are looked at, how near their normals must be to the gradient's (the cosine),
 // from where on two are one, and what share of the gradient's depth theirs must be below. Chosen: round surfaces keep
@@ -86,16 +87,26 @@ double climbed(const PlacedSurface& placed, const PlacedSurface& other, const Ve
   const auto height = [&](std::uint32_t v) { return up.dot(placed.point(placed.surface->vertices_m[v])); };
   double top = height(vertex);
   for (int step = 0; step < kClimbingSteps; ++step) {
-    std::uint32_t next = vertex;
-    for (const std::uint32_t neighbor : placed.surface->neighbors_of(vertex)) {
-      const double there = height(neighbor);
-      if (there > top && inside(other, placed.point(placed.surface->vertices_m[neighbor]))) {
-        top = there;
+    // The highest neighbour is asked first; most often it is inside.
+    double below = std::numeric_limits<double>::infinity();
+    bool higher = false;
+    for (int asked = 0; asked < kAskedNeighbors && !higher; ++asked) {
+      double best = top;
+      std::uint32_t next = vertex;
+      for (const std::uint32_t neighbor : placed.surface->neighbors_of(vertex)) {
+        const double there = height(neighbor);
+        if (there <= best || there >= below) continue;
+        best = there;
         next = neighbor;
       }
+      if (next == vertex) return top;
+      below = best;
+      higher = inside(other, placed.point(placed.surface->vertices_m[next]));
+      if (!higher) continue;
+      top = best;
+      vertex = next;
     }
-    if (next == vertex) break;
-    vertex = next;
+    if (!higher) break;
   }
   return top;
 }

@@ -13,10 +13,14 @@ constexpr double kLean = 1e-7;
 // The same for resting contact: faces that lie on each other may lean by this and still have their rims crossed.
 // Chosen.
 constexpr double kRestingLean = 0.1;
+// Twice the angle of that sine, and more than rounding.
+constexpr double kLeanOfBoth = 0.2004;
 // Sine of the angle under which two edges count as parallel; their ends speak for them. Where the direction square to
 // both is let lean it must not be rounding alone that it comes from.
 constexpr double kParallel = 1e-6;
 constexpr double kRestingParallel = 1e-4;
+// In a groove a corner beneath one face may be so many times its depth past the rim.
+constexpr double kPastRim = 2;
 // Two points nearer than this share of their coordinates have no direction between them.
 constexpr double kCoincidingPoints = 1e-13;
 
@@ -31,9 +35,9 @@ struct Side {
 Side side_of(const PlacedSurface& on, const PlacedTriangle& t, std::size_t k) {
   Side side;
   side.from_m = t.corner_m[k];
-  side.along = t.corner_m[(k + 1) % 3] - side.from_m;
-  side.length_m = side.along.norm();
-  side.into = t.normal.cross(side.along);
+  side.along = t.along_m[k];
+  side.length_m = t.length_m[k];
+  side.into = t.into_m[k];
   side.into_beyond.setZero();
   side.outward = t.normal;
   const std::uint32_t beyond = on.surface->triangles[t.index].across[k];
@@ -75,6 +79,30 @@ bool leaves(const PlacedSurface& on, const Side& side, const Vec3& direction) {
 std::uint32_t vertex_of(const PlacedSurface& on, const PlacedTriangle& t, std::size_t k) {
   return on.surface->triangles[t.index].vertex[k];
 }
+
+// Of two triangles, what can face each other at all. A corner lies over a face where it is no farther from the face's
+// axis than both triangles are wide, or a little past its rim in a groove. Two sides or corners face each other along a
+// direction in the cones of both; from a's axis they are as far as that direction leans beside the gap. Bounds: cos x
+// >= 1 - x^2 / 2, sin x <= x.
+struct Facing {
+  bool corners_and_faces, cones;
+  Facing(const PlacedTriangle& a, const PlacedTriangle& b, double most_gap_m, double past_rim_m) {
+    const Vec3 between = b.center_m - a.center_m;
+    const double length2 = between.squaredNorm();
+    const double wide_m = (a.radius_m + b.radius_m) * (1 + 1e-6);
+    const auto aside2 = [&](const PlacedTriangle& t) {
+      const double along = t.normal.dot(between);
+      return length2 - along * along;
+    };
+    const double aside2_a = aside2(a);
+    const double over_m = wide_m + past_rim_m;
+    corners_and_faces = aside2_a <= over_m * over_m || aside2(b) <= over_m * over_m;
+    const double lean = double{a.spread_rad} + 0.5 * kLeanOfBoth;
+    const double angle = double{b.spread_rad} + 0.5 * kLeanOfBoth + lean;
+    const double leaning_m = wide_m + lean * most_gap_m;
+    cones = -a.normal.dot(b.normal) >= 1 - 0.5 * angle * angle && aside2_a <= leaning_m * leaning_m;
+  }
+};
 
 // What the search for facing features writes to; swapped where b's features are looked at from b.
 class Finder {
@@ -170,7 +198,7 @@ class Finder {
       const Side side = side_of(on, t, k);
       const double past = -side.into.dot(point_m - side.from_m);
       if (past <= 0) continue;
-      if (past > 2 * beneath_m * side.length_m || !(up * t.normal.dot(side.into_beyond) > kLean * side.length_m))
+      if (past > kPastRim * beneath_m * side.length_m || !(up * t.normal.dot(side.into_beyond) > kLean * side.length_m))
         return false;
     }
     return true;
@@ -269,16 +297,21 @@ void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& 
   const ShapeSurface::Triangle& t = placed.surface->triangles[triangle];
   for (std::size_t k = 0; k < 3; ++k) out.corner_m[k] = placed.point(placed.surface->vertices_m[t.vertex[k]]);
   out.normal = placed.rotation * t.normal;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.along_m[k] = out.corner_m[(k + 1) % 3] - out.corner_m[k];
+    out.into_m[k] = out.normal.cross(out.along_m[k]);
+    out.length_m[k] = out.along_m[k].norm();
+  }
   out.center_m = placed.point(t.center_m);
   out.radius_m = t.radius_m;
   out.index = triangle;
   out.features = t.features;
+  out.spread_rad = t.spread_rad;
 }
 
 bool over_face(const PlacedTriangle& t, const Vec3& point_m) {
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3& from = t.corner_m[k];
-    if (t.normal.cross(t.corner_m[(k + 1) % 3] - from).dot(point_m - from) < 0) return false;
+    if (t.into_m[k].dot(point_m - t.corner_m[k]) < 0) return false;
   }
   return true;
 }
@@ -298,6 +331,31 @@ bool beyond(const PlaneSides& sides, double reach_m) {
            (above[0] < -reach_m && above[1] < -reach_m && above[2] < -reach_m);
   };
   return apart(sides.a_above_b) || apart(sides.b_above_a);
+}
+
+bool beside(const PlacedTriangle& a, const PlacedTriangle& b, double reach_m) {
+  const auto past_a_side = [reach_m](const PlacedTriangle& t, const PlacedTriangle& other) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double least = -reach_m * t.length_m[k];
+      const auto past = [&](const Vec3& corner) { return t.into_m[k].dot(corner - t.corner_m[k]) < least; };
+      if (past(other.corner_m[0]) && past(other.corner_m[1]) && past(other.corner_m[2])) return true;
+    }
+    return false;
+  };
+  return past_a_side(a, b) || past_a_side(b, a);
+}
+
+double past_rim_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const PlaneSides& sides, double beneath_m) {
+  double deepest_m = 0;
+  const auto look = [&](bool solid, const std::array<double, 3>& above) {
+    for (const double height : above) {
+      const double depth_m = solid ? -height : std::abs(height);
+      if (depth_m <= beneath_m) deepest_m = std::max(deepest_m, depth_m);
+    }
+  };
+  look(on_b.surface->solid, sides.a_above_b);
+  look(on_a.surface->solid, sides.b_above_a);
+  return kPastRim * deepest_m;
 }
 
 std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
@@ -354,9 +412,12 @@ std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, 
                             const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out,
                             double beneath_m) {
   Finder finder(on_a, a, on_b, b, reach_m, out, beneath_m);
-  finder.corners_over_faces(sides);
-  finder.edges();
-  finder.corners();
+  const Facing facing(a, b, std::max(reach_m, beneath_m), past_rim_m(on_a, on_b, sides, beneath_m));
+  if (facing.corners_and_faces) finder.corners_over_faces(sides);
+  if (facing.cones) {
+    finder.edges();
+    finder.corners();
+  }
   return finder.count();
 }
 

@@ -22,11 +22,15 @@ struct PlacedSurface {
 /// A triangle of a placed surface.
 struct PlacedTriangle {
   std::array<Vec3, 3> corner_m;
+  std::array<Vec3, 3> along_m;     ///< sides: from corner k to the next
+  std::array<Vec3, 3> into_m;      ///< normal x along_m: in the face, square to the side
+  std::array<double, 3> length_m;  ///< of the sides
   Vec3 normal;
   Vec3 center_m;  ///< of a ball around it
   double radius_m;
   std::uint32_t index;
   std::uint8_t features;  ///< as in ShapeSurface::Triangle
+  float spread_rad;       ///< likewise
 
   [[nodiscard]] bool stands_for_vertex(std::size_t k) const { return (features & (ShapeSurface::kVertex0 << k)) != 0; }
   [[nodiscard]] bool stands_for_edge(std::size_t k) const { return (features & (ShapeSurface::kEdge0 << k)) != 0; }
@@ -65,6 +69,10 @@ struct PlaneSides {
 PlaneSides plane_sides(const PlacedTriangle& a, const PlacedTriangle& b);
 /// Does one of the triangles lie wholly on one side of the other's plane, and farther than `reach_m` from it?
 bool beyond(const PlaneSides& sides, double reach_m);
+/// Does one of the triangles lie beyond a side of the other, in its plane, and farther than `reach_m` from it?
+bool beside(const PlacedTriangle& a, const PlacedTriangle& b, double reach_m);
+/// Features beneath a face may lie past its rim by this: as far as kPastRim of their depth, up to `beneath_m` deep.
+double past_rim_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const PlaneSides& sides, double beneath_m);
 
 /// Where two triangles pass through each other: from -> to, along normal_a x normal_b.
 struct CrossingSegment {

@@ -53,7 +53,7 @@ Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::Front
     left = left > units ? left - units : refiner.quantum_units;
     if (!go_on(std::min(left, refiner.quantum_units))) return Outcome::Cut;
   }
-  collision::publish_polygons(frame, posed.a.rotation, progress, level, found);
+  collision::publish_polygons(progress, level, found);
   return Outcome::Completed;
 }
 

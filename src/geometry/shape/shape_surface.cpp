@@ -118,6 +118,43 @@ void set_edges(ShapeSurface& surface, std::span<const EdgeUse> uses) {
   }
 }
 
+// An angle of at least that between two unit vectors, from the chord c between them: 2 asin(c / 2) < 1.05 c up to c
+// = 1.
+double widest_angle_rad(const Vec3& u, const Vec3& v) {
+  const double chord = (u - v).norm();
+  return u.isZero(0) || v.isZero(0) || chord > 1 ? double{ShapeSurface::kAnyDirection} : 1.05 * chord;
+}
+
+// A plane that supports the surface at a corner or a side leans from a face no more than the steepest of the faces
+// around does, so the angles between the normals bound the directions.
+void set_spreads(ShapeSurface& surface) {
+  if (!surface.solid) return;
+  std::vector<std::uint32_t> owner(surface.vertices_m.size(), ShapeSurface::kNone);
+  std::vector<double> spread(surface.triangles.size(), 0);
+  for (std::uint32_t index = 0; index < surface.triangles.size(); ++index) {
+    const SurfaceTriangle& t = surface.triangles[index];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if ((t.features & (ShapeSurface::kVertex0 << k)) != 0) owner[t.vertex[k]] = index;
+      if ((t.features & (ShapeSurface::kEdge0 << k)) == 0) continue;
+      const double there = t.across[k] == ShapeSurface::kNone
+                               ? double{ShapeSurface::kAnyDirection}
+                               : widest_angle_rad(t.normal, surface.triangles[t.across[k]].normal);
+      spread[index] = std::max(spread[index], there);
+    }
+  }
+  for (const SurfaceTriangle& t : surface.triangles) {
+    for (const std::uint32_t vertex : t.vertex) {
+      const std::uint32_t at = owner[vertex];
+      if (at == ShapeSurface::kNone) continue;
+      spread[at] = std::max(spread[at], widest_angle_rad(surface.triangles[at].normal, t.normal));
+    }
+  }
+  for (std::size_t i = 0; i < spread.size(); ++i) {
+    surface.triangles[i].spread_rad =
+        static_cast<float>(std::min(spread[i] * (1 + 1e-6), double{ShapeSurface::kAnyDirection}));
+  }
+}
+
 void set_neighbors(ShapeSurface& surface, std::span<const EdgeUse> uses) {
   std::vector<std::uint32_t>& begin = surface.neighbor_begin;
   begin.assign(surface.vertices_m.size() + 1, 0);
@@ -185,6 +222,7 @@ ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidi
   set_vertex_normals(surface);
   const std::vector<EdgeUse> uses = edge_uses(there.triangles);
   set_edges(surface, uses);
+  set_spreads(surface);
   set_neighbors(surface, uses);
   set_leaves(tree, surface);
   return surface;

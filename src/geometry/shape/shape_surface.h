@@ -19,7 +19,8 @@ struct ShapeSurface {
   static constexpr std::uint32_t kNone = 0xffffffffU;
   // Bits of Triangle::features.
   static constexpr std::uint8_t kVertex0 = 1;  ///< the triangle owns corner 0; shifted left for corners 1 and 2
-  static constexpr std::uint8_t kEdge0 = 8;    ///< it owns the side from corner 0 to 1; shifted left for the next two
+  static constexpr float kAnyDirection = 10;
+  static constexpr std::uint8_t kEdge0 = 8;  ///< it owns the side from corner 0 to 1; shifted left for the next two
 
   /// A triangle and a ball around it.
   struct Triangle {
@@ -31,6 +32,9 @@ struct ShapeSurface {
     double radius_m = 0;
     /// Corners and sides that this triangle owns; each is owned by at most one triangle of the mesh.
     std::uint8_t features = 0;
+    /// Directions in which an owned side, or an owned corner's edges, can be touched lie within this angle of the
+    /// normal (radians, rounded up); kAnyDirection where that is not known.
+    float spread_rad = kAnyDirection;
   };
 
   explicit ShapeSurface(geometry::TriangleBvh searched) : bvh(std::move(searched)) {}
