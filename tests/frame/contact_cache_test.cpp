@@ -7,7 +7,7 @@
 
 #include "dynamics/rotation.h"
 #include "frame/run_frame.h"
-#include "frame/world_access.h"
+#include "verify/world_access.h"
 #include "scenes.h"
 
 namespace poise {

@@ -8,7 +8,7 @@
 #include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
 #include "frame/scenes.h"
-#include "frame/world_access.h"
+#include "verify/world_access.h"
 #include "parallel/busy_thread.h"
 
 // Each test disturbs a frame, and the report must name the cause. Durations are measured, never assumed, and frames are
