@@ -232,7 +232,7 @@ void fall_asleep(const FallAsleepInput& input, const SleepAccess& access, FrameR
   if (!access.sleeping.on) return;
   SleepingState& sleep = access.sleeping;
   // The memory that an island will need, before it sleeps.
-  for (parallel::LargeVector<CachedPair>* cached :
+  for (CachedPairList* cached :
        {&sleep.sleeping_pairs, &sleep.next_awake, &sleep.next_sleeping_pairs})
     cached->reserve(access.cache.pairs.capacity());
   sleep.parent.reserve(access.bodies.slot_count());

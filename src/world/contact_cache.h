@@ -81,11 +81,13 @@ struct CachedPair {
   [[nodiscard]] double changed_m() const { return 2.0 * (moved_m - looked_m); }
 };
 
+using CachedPairList = parallel::UnsetVector<CachedPair>;
+
 /// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step and
 /// `previous_pairs` those that this step began with.
 struct ContactCache {
-  parallel::LargeVector<CachedPair> pairs;
-  parallel::LargeVector<CachedPair> previous_pairs;
+  CachedPairList pairs;
+  CachedPairList previous_pairs;
   PointCache points;
 };
 

@@ -19,10 +19,10 @@ struct SleepingState {
   bool any_wake_requested = false;
   std::vector<std::uint32_t>
       changed_statics;  ///< static bodies that the caller moved, changed or removed since the last step
-  parallel::LargeVector<CachedPair> sleeping_pairs;  ///< cached pairs of which a body sleeps, sorted by slots
+  CachedPairList sleeping_pairs;  ///< cached pairs of which a body sleeps, sorted by slots
   std::size_t woken = 0;                             ///< since the last report
 
-  parallel::LargeVector<CachedPair> next_awake, next_sleeping_pairs;  // scratch
+  CachedPairList next_awake, next_sleeping_pairs;  // scratch
   std::vector<std::uint32_t> parent;                                  // scratch: the union-find forest
   std::vector<std::uint8_t> restless;                                 // scratch: islands of which a body moves
 };
