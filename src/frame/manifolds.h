@@ -41,7 +41,7 @@ struct SolvedCount {
 
 /// Output of *manifolds*. Invariant: buffers only grow.
 struct Manifolds {
-  parallel::LargeVector<PairPoints> points;           ///< one a pair
+  parallel::UnsetVector<PairPoints> points;           ///< one a pair
   parallel::UnsetVector<solver::Manifold> manifolds;  ///< of the solved pairs, in canonical order
   parallel::UnsetVector<solver::Coloring::Edge> edges;          ///< one a manifold
   solver::Coloring coloring;                          ///< of the edges

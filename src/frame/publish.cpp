@@ -145,7 +145,7 @@ bool precedes(const ContactEvent& x, const ContactEvent& y) {
 // Contacts end of cached pairs that are no longer active, and their slots are released.
 void end_inactive(const PublishInput& input, ContactCache& cache, Publication& publication,
                   parallel::Executor& executor) {
-  const std::vector<std::uint8_t>& active = input.table.still_active;
+  const parallel::UnsetVector<std::uint8_t>& active = input.table.still_active;
   std::vector<std::uint32_t>& free = cache.points.free;
   const std::size_t free_before = free.size();
   parallel::select(
@@ -168,7 +168,7 @@ void end_inactive(const PublishInput& input, ContactCache& cache, Publication& p
 // Events of the pairs of this step.
 void list_active(const PublishInput& input, const CachedPairList& pairs, Publication& publication,
                  parallel::Executor& executor) {
-  const std::vector<std::uint8_t>& changed = publication.touch_changed;
+  const parallel::UnsetVector<std::uint8_t>& changed = publication.touch_changed;
   parallel::UnsetVector<ContactEvent>& events = publication.of_active;
   parallel::select(
       executor, changed.size(), kPairGrain, publication.counts,
@@ -223,7 +223,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
     list->reserve(cache.pairs.capacity() + next.capacity());
   events.events.reserve(publication.of_active.capacity());
   next.resize(table.size());
-  std::vector<std::uint8_t>& touch_changed = publication.touch_changed;
+  parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
   publication.touch_ns.reserve(table.capacity());
   publication.touch_ns.resize(table.size());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "parallel/executor.h"
+#include "parallel/large_pages.h"
 
 namespace poise::parallel {
 
@@ -30,6 +31,18 @@ void for_ranges(Executor& executor, const Ranges& ranges, Body&& body) {
                [&](std::size_t k, std::size_t, int) { body(k, ranges.begin(k), ranges.end(k)); });
 }
 
+/// list.resize(n), but what that adds is set in parallel.
+template <class T>
+void resize(Executor& executor, UnsetVector<T>& list, std::size_t n) {
+  const std::size_t before = list.size();
+  list.resize(n);
+  if (n <= before) return;
+  for_ranges(executor, {n - before, 64}, [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::fill(list.begin() + static_cast<std::ptrdiff_t>(before + begin),
+              list.begin() + static_cast<std::ptrdiff_t>(before + end), T{});
+  });
+}
+
 /// Calls write(i, position) for the items of [0, n) that keep(i) is true of, with their position among them, in
 /// parallel; before that room(count) with their number, on the calling thread. keep is called twice an item and must
 /// return the same. `counts` is scratch.
@@ -37,6 +50,7 @@ template <class Keep, class Room, class Write>
 void select(Executor& executor, std::size_t n, std::size_t least, std::vector<std::size_t>& counts, Keep&& keep,
             Room&& room, Write&& write) {
   const Ranges ranges(n, least);
+  counts.reserve(Ranges::kMost);
   counts.assign(ranges.count, 0);
   for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     std::size_t count = 0;

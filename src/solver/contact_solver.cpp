@@ -222,6 +222,7 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
   }
   blocks.resize(block_begin.back());
   const parallel::Ranges ranges(blocks.size(), kLeast);
+  lanes_of_range.reserve(parallel::Ranges::kMost);
   lanes_of_range.assign(ranges.count, 0);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     std::size_t color = 0;
