@@ -39,7 +39,7 @@ struct Counted {
   }
   [[nodiscard]] io::SpanRow row(bool settled, const char* stage) const {
     const auto median = [](const std::vector<double>& of) { return simulation::percentile(of, 0.5); };
-    return {settled,         stage,         median(work_ms), median(serial_ms), median(span_ms), median(on_cores_ms),
+    return {settled,       stage,         median(work_ms), median(serial_ms), median(span_ms), median(on_cores_ms),
             median(loops), work_ms.size()};
   }
 };

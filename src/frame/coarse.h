@@ -68,11 +68,11 @@ struct PairTable {
   [[nodiscard]] std::size_t capacity() const { return pairs.capacity(); }
 
   parallel::UnsetVector<ActivePair> pairs;
-  parallel::UnsetVector<PairProgress> start;        ///< where refinement begins
-  parallel::UnsetVector<scheduler::PairCues> cues;  ///< of those that can be refined
-  std::vector<KnownCount> known_of_chunk;           ///< per chunk, and their sums at the end
-  parallel::UnsetVector<std::uint8_t> still_active;           ///< one a cached pair of the last step: it is active in this one
-  std::vector<SweptPair> swept;                     ///< with backtracking: pairs with a fast body, in canonical order
+  parallel::UnsetVector<PairProgress> start;         ///< where refinement begins
+  parallel::UnsetVector<scheduler::PairCues> cues;   ///< of those that can be refined
+  std::vector<KnownCount> known_of_chunk;            ///< per chunk, and their sums at the end
+  parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is active in this one
+  std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order
 
   parallel::UnsetVector<PairRecord> records;  // scratch: of each chunk of candidates, from where that begins
 };

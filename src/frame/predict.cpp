@@ -67,12 +67,9 @@ void list_bounds(const PredictInput& input, PredictedMotion& motion, parallel::E
       },
       [&](std::size_t count) { motion.bounds.resize(count); },
       [&](std::size_t i, std::size_t position) {
-        motion.bounds[position] = {motion.body_bounds[i].position_m,
-                                   motion.body_bounds[i].bound_m,
-                                   static_cast<std::uint32_t>(i),
-                                   bodies.group[i],
-                                   bodies.collides_with[i],
-                                   bodies.dynamic[i] != 0 || wakes(bodies, i)};
+        motion.bounds[position] = {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m,
+                                   static_cast<std::uint32_t>(i),    bodies.group[i],
+                                   bodies.collides_with[i],          bodies.dynamic[i] != 0 || wakes(bodies, i)};
       });
   parallel::select(
       executor, slots, kPredictGrain, motion.counts,

@@ -29,7 +29,7 @@ struct PublishInput {
 /// Output of *publish* beside the contact cache and the events.
 struct Publication {
   parallel::UnsetVector<std::uint8_t> touch_changed;  ///< one a pair: its contact began or ended
-  parallel::UnsetVector<Vec3> touch_ns;     ///< one a pair: the impulse that an event of it tells, if there is one
+  parallel::UnsetVector<Vec3> touch_ns;  ///< one a pair: the impulse that an event of it tells, if there is one
 
   parallel::UnsetVector<ContactEvent> of_active, of_inactive;  // scratch: events, each list in canonical order
   std::vector<std::size_t> counts;                             // scratch

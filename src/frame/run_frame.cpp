@@ -32,8 +32,8 @@ class Laps {
 
 // Pairs of bodies that were removed since the last step start anew, also where their slots are used again; their
 // contacts end.
-void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, ContactCache& cache,
-                    ContactEvents& events, parallel::Executor& executor) {
+void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, ContactCache& cache, ContactEvents& events,
+                    parallel::Executor& executor) {
   std::vector<BodyId>& removed = changes.removed;
   if (removed.empty()) return;
   std::sort(removed.begin(), removed.end());
@@ -60,8 +60,7 @@ void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, Con
       [&](std::size_t i, std::size_t position) { free[free_before + position] = cache.pairs[i].slot; });
   const std::size_t ended_before = events.of_removed.size();
   parallel::select(
-      executor, count, kCachedGrain, counts,
-      [&](std::size_t i) { return is_of_removed(i) && cache.pairs[i].touching; },
+      executor, count, kCachedGrain, counts, [&](std::size_t i) { return is_of_removed(i) && cache.pairs[i].touching; },
       [&](std::size_t ended) { events.of_removed.resize(ended_before + ended); },
       [&](std::size_t i, std::size_t position) {
         events.of_removed[ended_before + position] = {ContactEvent::Kind::End, body_of(cache.pairs[i].low),
@@ -86,14 +85,15 @@ void forget_displaced(BodyChanges& changes, ContactCache& cache, parallel::Execu
   const auto is_displaced = [&](std::uint32_t slot) {
     return std::binary_search(displaced.begin(), displaced.end(), slot);
   };
-  parallel::for_ranges(executor, {cache.pairs.size(), kCachedGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      CachedPair& pair = cache.pairs[i];
-      if (!is_displaced(pair.low) && !is_displaced(pair.high)) continue;
-      pair.reach_m = 0;
-      pair.apart = false;
-    }
-  });
+  parallel::for_ranges(executor, {cache.pairs.size(), kCachedGrain},
+                       [&](std::size_t, std::size_t begin, std::size_t end) {
+                         for (std::size_t i = begin; i < end; ++i) {
+                           CachedPair& pair = cache.pairs[i];
+                           if (!is_displaced(pair.low) && !is_displaced(pair.high)) continue;
+                           pair.reach_m = 0;
+                           pair.apart = false;
+                         }
+                       });
   displaced.clear();
 }
 
@@ -110,13 +110,13 @@ class Step {
         laps_(report.started) {}
 
   void run() {
-    if (world_.settings.sleeping) wake_near_changes(world_.sleep_access());
+    if (world_.settings.sleeping) wake_near_changes(world_.sleep_access(), executor_);
     forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
     forget_displaced(world_.body_changes, world_.cache, executor_);
     // What sleeps and has a moving body near it wakes, so that none is met as if it were static.
     do {
       find_pairs();
-    } while (world_.settings.sleeping && wake_touched(frame_.table, world_.sleep_access()));
+    } while (world_.settings.sleeping && wake_touched(frame_.table, world_.sleep_access(), executor_));
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();

@@ -16,6 +16,27 @@ parallel::Ranges ranges_of(std::size_t edges, const parallel::Executor& executor
   return {edges, alone ? std::max<std::size_t>(edges, 1) : std::max(Coloring::kTiledEdges / 4, edges / kEdgeRanges)};
 }
 
+// From how many items of each bin there are in each range of items to where they begin in a list of all, bin by bin and
+// within a bin range by range. Goes through the counts in the order of memory.
+template <std::size_t kCount>
+void begin_bins(std::vector<std::array<std::uint32_t, kCount>>& counts, std::array<std::uint32_t, kCount + 1>& begin) {
+  begin.fill(0);
+  for (const auto& of_range : counts) {
+    for (std::size_t bin = 0; bin < kCount; ++bin) begin[bin] += of_range[bin];
+  }
+  std::uint32_t sum = 0;
+  for (std::uint32_t& bin : begin) bin = std::exchange(sum, sum + bin);
+  std::array<std::uint32_t, kCount> next;
+  std::copy_n(begin.begin(), kCount, next.begin());
+  for (auto& of_range : counts) {
+    for (std::size_t bin = 0; bin < kCount; ++bin) {
+      const std::uint32_t count = of_range[bin];
+      of_range[bin] = next[bin];
+      next[bin] += count;
+    }
+  }
+}
+
 }  // namespace
 
 // The bin of an edge: the first colour that is free at both bodies, where it is then used, and the rank, the highest
@@ -48,17 +69,12 @@ void Coloring::sort_into_tiles(std::span<const Edge> edges, const parallel::Rang
       const Edge& edge = edges[i];
       const std::uint32_t a = (edge.dynamic_a ? edge.a : edge.b) >> body_shift_;
       const std::uint32_t b = (edge.dynamic_b ? edge.b : edge.a) >> body_shift_;
-      const std::uint32_t tile = std::min(a, b) * kBodyRanges + std::max(a, b);
+      const std::size_t tile = std::min(a, b) * kBodyRanges + std::max(a, b);
       tile_of_[i] = static_cast<std::uint16_t>(tile);
       ++counts[tile];
     }
   });
-  std::uint32_t sum = 0;
-  for (std::size_t tile = 0; tile < kTiles; ++tile) {
-    tile_begin_[tile] = sum;
-    for (TileCounts& counts : tile_counts_) counts[tile] = std::exchange(sum, sum + counts[tile]);
-  }
-  tile_begin_[kTiles] = sum;
+  begin_bins<kTiles>(tile_counts_, tile_begin_);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     TileCounts& next = tile_counts_[range];
     for (std::size_t i = begin; i < end; ++i) by_tile_[next[tile_of_[i]]++] = static_cast<std::uint32_t>(i);
@@ -73,9 +89,8 @@ void Coloring::plan_phases() {
   for (std::uint16_t tile = 0; tile < kTiles; ++tile) {
     if (size(tile) > 0) waiting_.push_back(tile);
   }
-  std::sort(waiting_.begin(), waiting_.end(), [&](std::uint16_t x, std::uint16_t y) {
-    return std::pair(size(y), x) < std::pair(size(x), y);
-  });
+  std::sort(waiting_.begin(), waiting_.end(),
+            [&](std::uint16_t x, std::uint16_t y) { return std::pair(size(y), x) < std::pair(size(x), y); });
   phase_tiles_.clear();
   phase_begin_.assign(1, 0);
   while (!waiting_.empty()) {
@@ -109,16 +124,12 @@ void Coloring::sort_by_color(const parallel::Ranges& ranges, parallel::Executor&
     counts.fill(0);
     for (std::size_t i = begin; i < end; ++i) ++counts[bin_of_[i]];
   });
+  std::array<std::uint32_t, kBins + 1> bin_begin;
+  begin_bins<kBins>(bin_counts_, bin_begin);
   begin_.resize(kColors + 2);
-  colors_ = 0;
-  std::uint32_t sum = 0;
-  for (std::uint32_t bin = 0; bin < kBins; ++bin) {
-    if (bin % kRanks == 0) begin_[bin / kRanks] = sum;
-    const std::uint32_t before = sum;
-    for (BinCounts& counts : bin_counts_) counts[bin] = std::exchange(sum, sum + counts[bin]);
-    if (sum > before && bin / kRanks < kColors) colors_ = bin / kRanks + 1;
-  }
-  begin_[kColors + 1] = sum;
+  for (std::size_t color = 0; color < begin_.size(); ++color) begin_[color] = bin_begin[color * kRanks];
+  colors_ = kColors;
+  while (colors_ > 0 && begin_[colors_] == begin_[colors_ - 1]) --colors_;
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     BinCounts& next = bin_counts_[range];
     for (std::size_t i = begin; i < end; ++i) order_[next[bin_of_[i]]++] = static_cast<std::uint32_t>(i);

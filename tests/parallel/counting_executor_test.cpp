@@ -89,8 +89,8 @@ TEST(CountStretches, DividesSerialWorkAtTheBordersAndCountsNoLostTime) {
   });
   time.work(3);
   const CountedAt end = executor.now();
-  const std::vector<CountedWork> counted =
-      count_stretches(executor.loops(), start, end, std::vector<steady_clock::time_point>{start.wall, border, end.wall});
+  const std::vector<CountedWork> counted = count_stretches(
+      executor.loops(), start, end, std::vector<steady_clock::time_point>{start.wall, border, end.wall});
   ASSERT_EQ(counted.size(), 2U);
   EXPECT_EQ(counted[0].work.count(), 4);
   EXPECT_EQ(counted[0].loops, 0U);

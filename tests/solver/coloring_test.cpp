@@ -51,7 +51,6 @@ TEST(Coloring, RowsBeyondTheLastColourGoToTheEndInOrder) {
   for (std::size_t k = Coloring::kColors; k < edges.size(); ++k) EXPECT_EQ(coloring.order()[k], k);
 }
 
-
 // Pairs of bodies that are `near` slots apart at most, or of any.
 std::vector<Coloring::Edge> many_edges(std::uint32_t bodies, std::size_t count, std::uint32_t near) {
   std::mt19937 random(7);

@@ -141,7 +141,7 @@ class BroadPhase {
   std::vector<std::array<double, kGrids>> widest_of_range_;  // scratch: per range of bounds and grid; negative: unused
   std::vector<SegmentCounts> segment_counts_;                // scratch: one a range of items
   std::array<std::size_t, kSegments + 1> segment_begin_{};
-  int segment_shift_ = 0;                 // a key's segment is the key without so many bits
+  int segment_shift_ = 0;                  // a key's segment is the key without so many bits
   std::vector<std::uint32_t> by_segment_;  // scratch: bounds, segment by segment of their buckets
   std::uint64_t block_mask_ = 0;
   std::vector<Scratch> scratch_;    // one a worker
