@@ -99,8 +99,8 @@ TEST(BroadPhase, AnyNumberOfThreadsGivesTheSamePairs) {
 
 TEST(BroadPhase, OfManyBoundsExactlyTheOverlappingPairsAreFoundInOrder) {
   std::mt19937_64 random(5);
-  const std::vector<MotionBound> bounds = random_bounds(random, 6000, 12, 2);
-  const std::vector<PlaneBound> planes = {{Vec3::UnitZ(), -11, 0, 7, 7}};
+  const std::vector<MotionBound> bounds = random_bounds(random, 6000, 6, 2);
+  const std::vector<PlaneBound> planes = {{Vec3::UnitZ(), -5, 0, 7, 7}};
   const std::vector<CandidatePair> expected = brute_force(bounds, planes);
   ASSERT_GT(expected.size(), bounds.size());
   const auto executor = parallel::make_executor(ExecutorKind::Threads, 3);

@@ -57,8 +57,8 @@ std::vector<Coloring::Edge> many_edges(std::uint32_t bodies, std::size_t count, 
   std::vector<Coloring::Edge> edges;
   while (edges.size() < count) {
     Coloring::Edge edge;
-    edge.a = random() % bodies;
-    edge.b = (edge.a + 1 + random() % near) % bodies;
+    edge.a = static_cast<std::uint32_t>(random() % bodies);
+    edge.b = static_cast<std::uint32_t>((edge.a + 1 + random() % near) % bodies);
     edge.dynamic_a = edge.a % 50 != 0;
     edge.dynamic_b = edge.b % 50 != 0;
     edge.rank = static_cast<std::uint8_t>(random() % Coloring::kRanks);
