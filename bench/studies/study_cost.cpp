@@ -123,6 +123,7 @@ int study_cost(const StudyTimingOptions& o) {
 }
 
 int study_scaling(const StudyTimingOptions& o) {
+  if (o.span) return study_span(o);
   const Status sound = check_timing_options(o);
   if (!sound) return refuse("scaling", kExitBadUsage, sound.error().message);
   const Status writable = can_write({o.json, o.markdown});

@@ -74,19 +74,28 @@ void add_study_scaling_options(CLI::App& command, StudyTimingOptions& o) {
                   "Numbers of threads (default 1 2 4 8 16 as far as the machine has them)")
       ->check(CLI::Range(1, 256))
       ->type_name("N...");
-  command.add_option("--bodies", o.bodies, "Population (default 4000)")
+  command.add_option("--bodies", o.bodies, "Population (default 4000; 20000 with --span)")
       ->expected(1)
       ->check(CLI::Range(std::uint64_t{1}, kMaxSceneBodies))
       ->type_name("N");
-  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames, "Frames that are timed for each number (default 40)");
-  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames, "Frames before them (default 400)");
+  add_whole(command, "--frames", o.frames, 1, kMaxSceneFrames,
+            "Frames that are timed for each number (default 40; 60 in each state with --span)");
+  add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames,
+            "Frames before them (default 400; 600 before the settled ones with --span)");
+  command.add_flag("--span", o.span,
+                   "Count work and critical path of whole frames on one thread instead, stage by stage");
+  add_whole(command, "--skip", o.skip, 0, kMaxSceneFrames, "With --span: frames before the falling ones (default 100)");
   add_shared(command, o, true);
   command.footer(
       "Example:\n"
-      "  poise study scaling --threads 1 2 --markdown scaling.md\n\n"
+      "  poise study scaling --threads 1 2 --markdown scaling.md\n"
+      "  poise study scaling --span --markdown span.md\n\n"
       "A World for each number of threads, all in the same state; they step in turn, so that what the machine does "
       "meanwhile meets all of them alike. Each timed frame starts\n"
-      "anew and has time for every level of every pair, in the order of the policy.");
+      "anew and has time for every level of every pair, in the order of the policy.\n"
+      "With --span one thread does all work and times each chunk of each parallel loop, and what is between loops. The "
+      "span is what is left on any number of cores: the\n"
+      "serial parts and the longest chunk of each loop.");
 }
 
 void add_study_free_options(CLI::App& command, StudyTimingOptions& o) {
@@ -108,6 +117,7 @@ void add_study_free_options(CLI::App& command, StudyTimingOptions& o) {
 Status check_timing_options(const StudyTimingOptions& o) {
   if (o.json == "-" && o.markdown == "-")
     return bad_input("only one of --json and --markdown can go to the standard output");
+  if (o.span && !o.thread_counts.empty()) return bad_input("--threads has no meaning with --span: one thread counts");
 #ifndef POISE_APP_HAVE_TBB
   if (o.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
 #endif

@@ -19,6 +19,7 @@ struct StudyTimingOptions {
   std::vector<std::uint64_t> bodies, thread_counts;
   std::optional<std::uint64_t> frames, skip, settle, rounds, threads;
   std::optional<double> deadline_ms;
+  bool span = false;
   std::string executor;
   std::string json, markdown;
   TreeCacheOptions tree_cache;
@@ -36,11 +37,14 @@ void add_study_free_options(CLI::App& command, StudyTimingOptions& options);
 int study_cost(const StudyTimingOptions& options);
 /// Compares frames of a settled scene with and without cached data of earlier frames.
 int study_cache(const StudyTimingOptions& options);
-/// Measures refinement on several numbers of threads.
+/// Measures refinement on several numbers of threads; with `span`, counts the critical path of frames instead.
 int study_scaling(const StudyTimingOptions& options);
 /// Counts the instructions of a step with each feature off and on; kExitRequirementFailed if a feature that is off
 /// executes code of its own.
 int study_free(const StudyTimingOptions& options);
+
+/// What study_scaling does with `span`.
+int study_span(const StudyTimingOptions& options);
 
 /// Shared by these studies: checking contradictory options, the scene to run, and the machine and build.
 Status check_timing_options(const StudyTimingOptions& options);

@@ -132,6 +132,42 @@ std::string scaling_markdown(const ScalingDocument& document) {
   return text + "\n" + by_text(document.by);
 }
 
+std::string span_json(const SpanDocument& document) {
+  Json json = {{"schema", "poise.span/1"},
+               {"scene", document.scene},
+               {"bodies", document.bodies},
+               {"cores", document.cores},
+               {"rows", Json::array()}};
+  for (const SpanRow& row : document.rows) {
+    json["rows"].push_back({{"state", row.settled ? "settled" : "falling"},
+                            {"stage", row.stage},
+                            {"work_ms_p50", row.work_ms},
+                            {"serial_ms_p50", row.serial_ms},
+                            {"span_ms_p50", row.span_ms},
+                            {"on_cores_ms_p50", row.on_cores_ms},
+                            {"work_over_span", row.parallelism()},
+                            {"work_over_on_cores", row.times_faster()},
+                            {"loops_p50", row.loops},
+                            {"frames", row.frames}});
+  }
+  json.update(by_json(document.by));
+  return text_of(json);
+}
+
+std::string span_markdown(const SpanDocument& document) {
+  std::string text = fmt::format(
+      "{}, {} bodies, every pair to its deepest level: work of one thread, and its critical path; medians of frames, "
+      "CPU time\n\n| state | stage | work, ms | serial, ms | span, ms | on {} cores, ms | work / span | work / on {} "
+      "cores | loops |\n|---|---|---:|---:|---:|---:|---:|---:|---:|\n",
+      document.scene, document.bodies, document.cores, document.cores);
+  for (const SpanRow& row : document.rows) {
+    text += fmt::format("| {} | {} | {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.1f} | {:.1f} | {:.0f} |\n",
+                        row.settled ? "settled" : "falling", row.stage, row.work_ms, row.serial_ms, row.span_ms,
+                        row.on_cores_ms, row.parallelism(), row.times_faster(), row.loops);
+  }
+  return text + "\n" + by_text(document.by);
+}
+
 std::string free_json(const FreeDocument& document) {
   Json json = {{"schema", "poise.free/1"},
                {"counted_by", document.counted_by},

@@ -81,6 +81,30 @@ struct ScalingDocument {
 std::string scaling_json(const ScalingDocument& document);
 std::string scaling_markdown(const ScalingDocument& document);
 
+/// Work and critical path of one stage in one state: medians over frames, each figure by itself.
+struct SpanRow {
+  bool settled = false;
+  std::string stage;
+  double work_ms = 0;
+  double serial_ms = 0;    ///< of it outside parallel loops
+  double span_ms = 0;      ///< serial, and the longest chunk of each loop
+  double on_cores_ms = 0;  ///< serial, and the time of each loop on SpanDocument::cores
+  double loops = 0;
+  std::uint64_t frames = 0;
+  [[nodiscard]] double parallelism() const { return span_ms > 0 ? work_ms / span_ms : 0; }
+  [[nodiscard]] double times_faster() const { return on_cores_ms > 0 ? work_ms / on_cores_ms : 0; }
+};
+struct SpanDocument {
+  std::string scene;
+  std::uint64_t bodies = 0;
+  int cores = 16;
+  std::vector<SpanRow> rows;  ///< stages of a state are consecutive; the last one is "all of these"
+  MeasuredBy by;
+};
+/// `poise.span/1`, and a table for docs.
+std::string span_json(const SpanDocument& document);
+std::string span_markdown(const SpanDocument& document);
+
 /// Instructions of one feature in a step, off and on.
 struct FreeRow {
   std::string feature, off_options, on_options;

@@ -307,7 +307,7 @@ std::uint64_t World::state_hash() const {
   mix(bodies.alive);
   mix(bodies.group);
   mix(bodies.collides_with);
-  const auto mix_pairs = [&](const parallel::LargeVector<simulation::CachedPair>& pairs) {
+  const auto mix_pairs = [&](const simulation::CachedPairList& pairs) {
     for (const simulation::CachedPair& pair : pairs) {
       // Field by field: padding has no defined bits.
       const std::uint64_t words[8] = {std::uint64_t{pair.low} << 32U | pair.high,

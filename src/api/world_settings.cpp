@@ -62,7 +62,8 @@ Status World::set_settings(const WorldSettings& settings) {
   state.settle();
   // Listed while what they were made from still stands.
   static_cast<void>(contacts());
-  if (settings.gravity_mps2 != before.gravity_mps2 || !settings.sleeping) simulation::wake_all(state.sleep_access());
+  if (settings.gravity_mps2 != before.gravity_mps2 || !settings.sleeping)
+    simulation::wake_all(state.sleep_access(), *state.executor);
   state.settings = settings;
   if (before.sleeping && !settings.sleeping) state.sleeping = {};
   state.sleeping.on = settings.sleeping;
@@ -83,7 +84,7 @@ Status World::set_policy(const scheduler::Policy& policy) {
 
 void World::set_pair_filter(const PairFilter& filter) {
   state_->settle();
-  simulation::wake_all(state_->sleep_access());
+  simulation::wake_all(state_->sleep_access(), *state_->executor);
   state_->pair_filter = filter;
 }
 

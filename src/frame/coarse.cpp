@@ -7,6 +7,7 @@
 #include "frame/ccd/swept.h"
 #include "frame/host_cues.h"
 #include "frame/view_cues.h"
+#include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -32,7 +33,7 @@ constexpr std::size_t kCandidateGrain = 128;
 // meets.
 class CachedPairs {
  public:
-  CachedPairs(std::span<const CachedPair> cached, std::vector<std::uint8_t>& still_active, std::uint32_t low,
+  CachedPairs(std::span<const CachedPair> cached, parallel::UnsetVector<std::uint8_t>& still_active, std::uint32_t low,
               std::uint32_t high)
       : begin_(cached.begin()),
         at_(std::lower_bound(cached.begin(), cached.end(), std::pair(low, high), before)),
@@ -54,7 +55,7 @@ class CachedPairs {
   using Key = std::pair<std::uint32_t, std::uint32_t>;
   static bool before(const CachedPair& pair, const Key& key) { return Key(pair.low, pair.high) < key; }
   std::span<const CachedPair>::iterator begin_, at_, end_;
-  std::vector<std::uint8_t>& still_active_;
+  parallel::UnsetVector<std::uint8_t>& still_active_;
 };
 
 // Bodies of pairs lie anywhere in memory: fetched some pairs ahead.
@@ -282,11 +283,12 @@ void find_active_pairs(const CoarseInput& input, PairTable& table, std::span<col
   reserve_pairs(table, input.motion.bounds.size());
   select_near(input, table, executor);
   const std::size_t chunks = table.chunks();
-  table.pairs.resize(table.known_of_chunk[chunks].begin);
+  parallel::resize(executor, table.pairs, table.known_of_chunk[chunks].begin);
   table.start.resize(table.pairs.size());
-  table.cues.resize(table.pairs.size());
+  parallel::resize(executor, table.cues, table.pairs.size());
   table.still_active.reserve(table.pairs.capacity());
-  table.still_active.assign(input.cached.size(), 0);
+  table.still_active.clear();
+  parallel::resize(executor, table.still_active, input.cached.size());
   const ViewQuery view_query = input.view;
   parallel::parallel_for(executor, chunks, 1,
                          [&](std::size_t chunk, std::size_t, int) { fill_chunk(input, view_query, chunk, table); });

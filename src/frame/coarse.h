@@ -68,14 +68,14 @@ struct PairTable {
   /// Pairs that all columns have room for.
   [[nodiscard]] std::size_t capacity() const { return pairs.capacity(); }
 
-  parallel::LargeVector<ActivePair> pairs;
-  parallel::LargeVector<PairProgress> start;        ///< where refinement begins
-  parallel::LargeVector<scheduler::PairCues> cues;  ///< of those that can be refined, if these are ranked
-  std::vector<KnownCount> known_of_chunk;           ///< per chunk, and their sums at the end
-  std::vector<std::uint8_t> still_active;           ///< one a cached pair of the last step: it is active in this one
-  std::vector<SweptPair> swept;                     ///< with backtracking: pairs with a fast body, in canonical order
+  parallel::UnsetVector<ActivePair> pairs;
+  parallel::UnsetVector<PairProgress> start;         ///< where refinement begins
+  parallel::UnsetVector<scheduler::PairCues> cues;   ///< of those that can be refined, if these are ranked
+  std::vector<KnownCount> known_of_chunk;            ///< per chunk, and their sums at the end
+  parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is active in this one
+  std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order
 
-  parallel::LargeVector<PairRecord> records;  // scratch: of each chunk of candidates, from where that begins
+  parallel::UnsetVector<PairRecord> records;  // scratch: of each chunk of candidates, from where that begins
 };
 
 /// What the host gave the bodies of an active pair, that of the lower slot first.

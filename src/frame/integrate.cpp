@@ -61,9 +61,10 @@ StepMotion integrate_body(const Velocities& velocities, double h_s, dynamics::Bo
 
 void integrate(const Velocities& velocities, double dt_s, dynamics::BodyStore& bodies, StepMotions& motions,
                parallel::Executor& executor) {
-  motions.of_slot.assign(bodies.slot_count(), StepMotion{});
+  motions.of_slot.resize(bodies.slot_count());
   parallel::parallel_for(executor, bodies.slot_count(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
+      motions.of_slot[i] = StepMotion{};
       if (bodies.kinematic[i] != 0) motions.of_slot[i] = move_kinematic(bodies, i, dt_s);
       if (bodies.dynamic[i] == 0) continue;
       const Trajectory* stopped = velocities.swept.stopped(static_cast<std::uint32_t>(i));

@@ -16,7 +16,7 @@ struct StepMotion {
 
 /// Output of *integrate* beside the bodies: one a slot.
 struct StepMotions {
-  std::vector<StepMotion> of_slot;
+  parallel::UnsetVector<StepMotion> of_slot;
 };
 
 /// Moves the bodies, and clears the forces that were applied for the step.

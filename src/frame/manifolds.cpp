@@ -208,7 +208,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   for (SolvedCount& count : manifolds.solved_of_chunk) count.new_slots = std::exchange(slots, slots + count.new_slots);
   // A pair may gain points in any later frame; slots for these cost no memory until they are used.
   cache.reserve(2 * table.capacity());
-  cache.reserve_slots(slots);
+  cache.reserve_slots(slots, executor);
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
     for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i)
       make_pair(input, i, table.begin_of(chunk), cache, count, manifolds);
@@ -252,7 +252,7 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
       }
     }
   });
-  manifolds.coloring.color(manifolds.edges, input.scene.bodies.slot_count());
+  manifolds.coloring.color(manifolds.edges, input.scene.bodies.slot_count(), executor);
   report.contact_pairs = solved;
   report.colors_full = solved - manifolds.coloring.serial_begin();
 }

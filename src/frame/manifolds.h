@@ -41,15 +41,15 @@ struct SolvedCount {
 
 /// Output of *manifolds*. Invariant: buffers only grow.
 struct Manifolds {
-  parallel::LargeVector<PairPoints> points;           ///< one a pair
-  parallel::LargeVector<solver::Manifold> manifolds;  ///< of the solved pairs, in canonical order
-  std::vector<solver::Coloring::Edge> edges;          ///< one a manifold
-  solver::Coloring coloring;                          ///< of the edges
-  std::uint64_t manifold_points = 0;                  ///< of all manifolds
-  bool impacts = false;                               ///< some pair may have an impact
-  std::vector<SolvedCount> solved_of_chunk;           ///< per chunk of pairs
+  parallel::UnsetVector<PairPoints> points;             ///< one a pair
+  parallel::UnsetVector<solver::Manifold> manifolds;    ///< of the solved pairs, in canonical order
+  parallel::UnsetVector<solver::Coloring::Edge> edges;  ///< one a manifold
+  solver::Coloring coloring;                            ///< of the edges
+  std::uint64_t manifold_points = 0;                    ///< of all manifolds
+  bool impacts = false;                                 ///< some pair may have an impact
+  std::vector<SolvedCount> solved_of_chunk;             ///< per chunk of pairs
 
-  parallel::LargeVector<solver::Manifold> of_chunk;  // scratch: those of each chunk, from where its pairs begin
+  parallel::UnsetVector<solver::Manifold> of_chunk;  // scratch: those of each chunk, from where its pairs begin
 };
 
 /// Writes the points of the pairs into `points`, and lists the manifolds.

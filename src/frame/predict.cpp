@@ -5,7 +5,7 @@
 
 #include "collision/front/pair_refinement.h"
 #include "frame/ccd/swept.h"
-#include "parallel/shared_counters.h"
+#include "parallel/ranges.h"
 
 namespace poise::simulation {
 namespace {
@@ -55,6 +55,32 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   return made;
 }
 
+// The bounds of bodies that are not swept, and of planes, in order of slots.
+void list_bounds(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor) {
+  const dynamics::BodyStore& bodies = input.scene.bodies;
+  const std::size_t slots = bodies.slot_count();
+  parallel::select(
+      executor, slots, kPredictGrain, motion.counts,
+      [&](std::size_t i) {
+        return bodies.alive[i] != 0 && !motion.body_bounds[i].plane &&
+               !motion.swept.fast(static_cast<std::uint32_t>(i));
+      },
+      [&](std::size_t count) { motion.bounds.resize(count); },
+      [&](std::size_t i, std::size_t position) {
+        motion.bounds[position] = {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m,
+                                   static_cast<std::uint32_t>(i),    bodies.group[i],
+                                   bodies.collides_with[i],          bodies.dynamic[i] != 0 || wakes(bodies, i)};
+      });
+  parallel::select(
+      executor, slots, kPredictGrain, motion.counts,
+      [&](std::size_t i) { return bodies.alive[i] != 0 && motion.body_bounds[i].plane; },
+      [&](std::size_t count) { motion.planes.resize(count); },
+      [&](std::size_t i, std::size_t position) {
+        motion.planes[position] = {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m,
+                                   static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]};
+      });
+}
+
 }  // namespace
 
 void predict(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor) {
@@ -63,16 +89,6 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
   motion.poses.resize(slots);
   motion.inverse_inertia.resize(slots);
   motion.body_bounds.resize(slots);
-  motion.bounds.clear();
-  motion.planes.clear();
-  if (input.terms.backtracking || motion.swept.on) begin_swept(input, motion.swept);
-  for (std::size_t i = 0; i < slots; ++i) {
-    if (bodies.alive[i] == 0) continue;
-    if (input.terms.backtracking && sweep_if_fast(input, static_cast<std::uint32_t>(i), motion.swept)) continue;
-    collision::MotionBound bound;
-    bound.slot = static_cast<std::uint32_t>(i);
-    if (bodies.shape[i]->kind == ShapeKind::Tree) motion.bounds.push_back(bound);
-  }
   parallel::parallel_for(executor, slots, kPredictGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       if (bodies.alive[i] == 0) continue;
@@ -81,23 +97,11 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
       motion.body_bounds[i] = make_body_bounds(input, motion.poses[i], i);
     }
   });
-  parallel::parallel_for(executor, motion.bounds.size(), kPredictGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      collision::MotionBound& bound = motion.bounds[k];
-      const std::size_t i = bound.slot;
-      bound = {motion.body_bounds[i].position_m,
-               motion.body_bounds[i].bound_m,
-               bound.slot,
-               bodies.group[i],
-               bodies.collides_with[i],
-               bodies.dynamic[i] != 0 || wakes(bodies, i)};
-    }
-  });
-  for (std::size_t i = 0; i < slots; ++i) {
-    if (bodies.alive[i] == 0 || bodies.shape[i]->kind != ShapeKind::Plane) continue;
-    motion.planes.push_back({motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m,
-                             static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]});
+  if (input.terms.backtracking || motion.swept.on) begin_swept(input, motion.swept);
+  for (std::size_t i = 0; input.terms.backtracking && i < slots; ++i) {
+    if (bodies.alive[i] != 0) sweep_if_fast(input, static_cast<std::uint32_t>(i), motion.swept);
   }
+  list_bounds(input, motion, executor);
 }
 
 }  // namespace poise::simulation

@@ -42,12 +42,14 @@ static_assert(sizeof(BodyBounds) == 128);
 
 /// Output of *predict*. Invariant: buffers only grow.
 struct PredictedMotion {
-  parallel::LargeVector<collision::Pose> poses;   ///< one a slot, at the start of the step
-  parallel::LargeVector<BodyBounds> body_bounds;  ///< one a slot
-  parallel::LargeVector<Mat3> inverse_inertia;    ///< one a slot, world frame
-  std::vector<collision::MotionBound> bounds;     ///< of bodies that are not planes and not swept
+  parallel::LargeVector<collision::Pose> poses;          ///< one a slot, at the start of the step
+  parallel::LargeVector<BodyBounds> body_bounds;         ///< one a slot
+  parallel::LargeVector<Mat3> inverse_inertia;           ///< one a slot, world frame
+  parallel::UnsetVector<collision::MotionBound> bounds;  ///< of bodies that are not planes and not swept
   std::vector<collision::PlaneBound> planes;
   SweptBounds swept;  ///< with StepTerms::backtracking: of the bodies that move far
+
+  std::vector<std::size_t> counts;  // scratch
 };
 
 void predict(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor);

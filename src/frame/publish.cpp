@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "frame/contact_points.h"
+#include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -136,49 +137,76 @@ void add_swept_contacts(const PublishInput& input, std::span<const BodyId> remov
   contacts.resize(cached + 1);
 }
 
-// Contacts end of cached pairs that are no longer active, and their slots are released.
-void end_inactive(const PublishInput& input, ContactCache& cache, std::vector<ContactEvent>& events) {
-  const std::vector<std::uint8_t>& active = input.table.still_active;
-  for (auto at = active.begin(); (at = std::find(at, active.end(), std::uint8_t{0})) != active.end(); ++at) {
-    const CachedPair& pair = cache.pairs[static_cast<std::size_t>(at - active.begin())];
-    cache.points.release(pair.slot);
-    if (pair.touching)
-      events.push_back(
-          {ContactEvent::Kind::End, input.scene.bodies.id_of(pair.low), input.scene.bodies.id_of(pair.high)});
-  }
+bool precedes(const ContactEvent& x, const ContactEvent& y) {
+  return std::tuple(x.a.slot, x.b.slot, x.a.generation, x.b.generation) <
+         std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
 }
 
-// Contacts that began or ended since the last frame, in canonical order.
-void make_events(const PublishInput& input, const Publication& publication, ContactCache& cache,
-                 ContactEvents& published) {
+// Contacts end of cached pairs that are no longer active, and their slots are released.
+void end_inactive(const PublishInput& input, ContactCache& cache, Publication& publication,
+                  parallel::Executor& executor) {
+  const parallel::UnsetVector<std::uint8_t>& active = input.table.still_active;
+  std::vector<std::uint32_t>& free = cache.points.free;
+  const std::size_t free_before = free.size();
+  parallel::select(
+      executor, active.size(), kPairGrain, publication.counts,
+      [&](std::size_t i) { return active[i] == 0 && cache.pairs[i].slot != kNoSlot; },
+      [&](std::size_t count) { free.resize(free_before + count); },
+      [&](std::size_t i, std::size_t position) { free[free_before + position] = cache.pairs[i].slot; });
+  parallel::UnsetVector<ContactEvent>& events = publication.of_inactive;
+  parallel::select(
+      executor, active.size(), kPairGrain, publication.counts,
+      [&](std::size_t i) { return active[i] == 0 && cache.pairs[i].touching; },
+      [&](std::size_t count) { events.resize(count); },
+      [&](std::size_t i, std::size_t position) {
+        const CachedPair& pair = cache.pairs[i];
+        events[position] = {ContactEvent::Kind::End, input.scene.bodies.id_of(pair.low),
+                            input.scene.bodies.id_of(pair.high)};
+      });
+}
+
+// Events of the pairs of this step.
+void list_active(const PublishInput& input, const CachedPairList& pairs, Publication& publication,
+                 parallel::Executor& executor) {
+  const parallel::UnsetVector<std::uint8_t>& changed = publication.touch_changed;
+  parallel::UnsetVector<ContactEvent>& events = publication.of_active;
+  parallel::select(
+      executor, changed.size(), kPairGrain, publication.counts,
+      [&](std::size_t i) { return changed[i] != 0 || (input.persist_events && pairs[i].touching); },
+      [&](std::size_t count) { events.resize(count); },
+      [&](std::size_t i, std::size_t position) {
+        const CachedPair& pair = pairs[i];
+        ContactEvent event;
+        if (changed[i] == 0) {
+          event.kind = ContactEvent::Kind::Persist;
+        } else {
+          event.kind = pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End;
+        }
+        event.a = input.scene.bodies.id_of(pair.low);
+        event.b = input.scene.bodies.id_of(pair.high);
+        if (pair.touching) event.impulse_ns = publication.touch_ns[i];
+        events[position] = event;
+      });
+}
+
+// Contacts that began or ended since the last frame, in canonical order. A pair has one event at most; of two in the
+// same slots, the bodies that were removed come first.
+void make_events(const PublishInput& input, Publication& publication, ContactCache& cache, ContactEvents& published,
+                 parallel::Executor& executor) {
+  end_inactive(input, cache, publication, executor);
+  list_active(input, cache.previous_pairs, publication, executor);
+  parallel::UnsetVector<ContactEvent>& inactive = publication.of_inactive;
+  std::vector<ContactEvent>& of_removed = published.of_removed;
+  if (!of_removed.empty()) {
+    // Few: as many as the caller's removals ended.
+    inactive.insert(inactive.end(), of_removed.begin(), of_removed.end());
+    std::sort(inactive.begin(), inactive.end(), precedes);
+    of_removed.clear();
+  }
   std::vector<ContactEvent>& events = published.events;
-  events.clear();
-  end_inactive(input, cache, events);
-  events.insert(events.end(), published.of_removed.begin(), published.of_removed.end());
-  published.of_removed.clear();
-  const std::size_t ended = events.size();
-  const std::vector<std::uint8_t>& changed = publication.touch_changed;
-  for (auto at = changed.begin(); (at = std::find(at, changed.end(), std::uint8_t{1})) != changed.end(); ++at) {
-    const CachedPair& pair = cache.previous_pairs[static_cast<std::size_t>(at - changed.begin())];
-    events.push_back(
-        {pair.touching ? ContactEvent::Kind::Begin : ContactEvent::Kind::End, input.scene.bodies.id_of(pair.low),
-         input.scene.bodies.id_of(pair.high),
-         pair.touching ? publication.touch_ns[static_cast<std::size_t>(at - changed.begin())] : Vec3::Zero()});
-  }
-  if (input.persist_events) {
-    for (std::size_t i = 0; i < changed.size(); ++i) {
-      const CachedPair& pair = cache.previous_pairs[i];
-      if (changed[i] != 0 || !pair.touching) continue;
-      events.push_back({ContactEvent::Kind::Persist, input.scene.bodies.id_of(pair.low),
-                        input.scene.bodies.id_of(pair.high), publication.touch_ns[i]});
-    }
-  }
-  if (ended == 0 && !input.persist_events) return;
-  // A pair has one event at most; of two in the same slots, the bodies that were removed come first.
-  std::sort(events.begin(), events.end(), [](const ContactEvent& x, const ContactEvent& y) {
-    return std::tuple(x.a.slot, x.b.slot, x.a.generation, x.b.generation) <
-           std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
-  });
+  events.resize(publication.of_active.size() + inactive.size());
+  parallel::merge(executor, kPairGrain, publication.of_active, inactive, precedes,
+                  [&](const ContactEvent& event, std::size_t position) { events[position] = event; });
 }
 
 }  // namespace
@@ -187,14 +215,15 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
              parallel::Executor& executor) {
   const PairTable& table = input.table;
   // The pairs of this step are written over those of the step before the last, and take their place at the end.
-  parallel::LargeVector<CachedPair>& next = cache.previous_pairs;
-  next.clear();
+  CachedPairList& next = cache.previous_pairs;
   // Both, since they change places: a later frame must find the memory that this one needed.
   cache.pairs.reserve(table.capacity());
   next.reserve(table.capacity());
-  events.events.reserve(cache.pairs.capacity() + next.capacity());
+  for (auto* list : {&publication.of_active, &publication.of_inactive})
+    list->reserve(cache.pairs.capacity() + next.capacity());
+  events.events.reserve(publication.of_active.capacity());
   next.resize(table.size());
-  std::vector<std::uint8_t>& touch_changed = publication.touch_changed;
+  parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
   publication.touch_ns.reserve(table.capacity());
   publication.touch_ns.resize(table.size());
@@ -226,7 +255,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
     publication.touch_ns[hit.pair] += (pair.a == pair.low() ? hit.impulse_ns : -hit.impulse_ns) * hit.normal;
     touching = true;
   }
-  make_events(input, publication, cache, events);
+  make_events(input, publication, cache, events, executor);
   std::swap(cache.pairs, cache.previous_pairs);
 }
 

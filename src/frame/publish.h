@@ -28,8 +28,11 @@ struct PublishInput {
 
 /// Output of *publish* beside the contact cache and the events.
 struct Publication {
-  std::vector<std::uint8_t> touch_changed;  ///< one a pair: its contact began or ended
-  parallel::LargeVector<Vec3> touch_ns;     ///< one a pair: the impulse that an event of it tells, if there is one
+  parallel::UnsetVector<std::uint8_t> touch_changed;  ///< one a pair: its contact began or ended
+  parallel::UnsetVector<Vec3> touch_ns;  ///< one a pair: the impulse that an event of it tells, if there is one
+
+  parallel::UnsetVector<ContactEvent> of_active, of_inactive;  // scratch: events, each list in canonical order
+  std::vector<std::size_t> counts;                             // scratch
 };
 
 /// Replaces the cached pairs by those of this step, releases slots of points, and lists the events.

@@ -6,9 +6,12 @@
 #include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
 #include "frame/ccd/swept.h"
+#include "parallel/ranges.h"
 
 namespace poise::simulation {
 namespace {
+
+constexpr std::size_t kCachedGrain = 1024;
 
 // A stopwatch for stages that follow each other.
 class Laps {
@@ -29,8 +32,8 @@ class Laps {
 
 // Pairs of bodies that were removed since the last step start anew, also where their slots are used again; their
 // contacts end.
-void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, ContactCache& cache,
-                    ContactEvents& events) {
+void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, ContactCache& cache, ContactEvents& events,
+                    parallel::Executor& executor) {
   std::vector<BodyId>& removed = changes.removed;
   if (removed.empty()) return;
   std::sort(removed.begin(), removed.end());
@@ -43,28 +46,54 @@ void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, Con
     return at != removed.end() && at->slot == slot;
   };
   const auto body_of = [&](std::uint32_t slot) { return is_removed(slot) ? *first_of(slot) : bodies.id_of(slot); };
-  std::erase_if(cache.pairs, [&](const CachedPair& pair) {
-    if (!is_removed(pair.low) && !is_removed(pair.high)) return false;
-    cache.points.release(pair.slot);
-    if (pair.touching) events.of_removed.push_back({ContactEvent::Kind::End, body_of(pair.low), body_of(pair.high)});
-    return true;
-  });
+  const auto is_of_removed = [&](std::size_t i) {
+    return is_removed(cache.pairs[i].low) || is_removed(cache.pairs[i].high);
+  };
+  const std::size_t count = cache.pairs.size();
+  std::vector<std::uint32_t>& free = cache.points.free;
+  const std::size_t free_before = free.size();
+  std::vector<std::size_t>& counts = changes.counts;
+  parallel::select(
+      executor, count, kCachedGrain, counts,
+      [&](std::size_t i) { return is_of_removed(i) && cache.pairs[i].slot != kNoSlot; },
+      [&](std::size_t released) { free.resize(free_before + released); },
+      [&](std::size_t i, std::size_t position) { free[free_before + position] = cache.pairs[i].slot; });
+  const std::size_t ended_before = events.of_removed.size();
+  parallel::select(
+      executor, count, kCachedGrain, counts, [&](std::size_t i) { return is_of_removed(i) && cache.pairs[i].touching; },
+      [&](std::size_t ended) { events.of_removed.resize(ended_before + ended); },
+      [&](std::size_t i, std::size_t position) {
+        events.of_removed[ended_before + position] = {ContactEvent::Kind::End, body_of(cache.pairs[i].low),
+                                                      body_of(cache.pairs[i].high)};
+      });
+  // Nobody reads the pairs of the step before the last any more.
+  CachedPairList& left = cache.previous_pairs;
+  left.reserve(cache.pairs.capacity());
+  parallel::select(
+      executor, count, kCachedGrain, counts, [&](std::size_t i) { return !is_of_removed(i); },
+      [&](std::size_t kept) { left.resize(kept); },
+      [&](std::size_t i, std::size_t position) { left[position] = cache.pairs[i]; });
+  std::swap(cache.pairs, left);
   removed.clear();
 }
 
 // What is cached of a body that the caller has moved no longer holds.
-void forget_displaced(BodyChanges& changes, ContactCache& cache) {
+void forget_displaced(BodyChanges& changes, ContactCache& cache, parallel::Executor& executor) {
   std::vector<std::uint32_t>& displaced = changes.displaced;
   if (displaced.empty()) return;
   std::sort(displaced.begin(), displaced.end());
   const auto is_displaced = [&](std::uint32_t slot) {
     return std::binary_search(displaced.begin(), displaced.end(), slot);
   };
-  for (CachedPair& pair : cache.pairs) {
-    if (!is_displaced(pair.low) && !is_displaced(pair.high)) continue;
-    pair.reach_m = 0;
-    pair.apart = false;
-  }
+  parallel::for_ranges(executor, {cache.pairs.size(), kCachedGrain},
+                       [&](std::size_t, std::size_t begin, std::size_t end) {
+                         for (std::size_t i = begin; i < end; ++i) {
+                           CachedPair& pair = cache.pairs[i];
+                           if (!is_displaced(pair.low) && !is_displaced(pair.high)) continue;
+                           pair.reach_m = 0;
+                           pair.apart = false;
+                         }
+                       });
   displaced.clear();
 }
 
@@ -81,13 +110,13 @@ class Step {
         laps_(report.started) {}
 
   void run() {
-    if (world_.settings.sleeping) wake_near_changes(world_.sleep_access());
-    forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events);
-    forget_displaced(world_.body_changes, world_.cache);
+    if (world_.settings.sleeping) wake_near_changes(world_.sleep_access(), executor_);
+    forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
+    forget_displaced(world_.body_changes, world_.cache, executor_);
     // What sleeps and has a moving body near it wakes, so that none is met as if it were static.
     do {
       find_pairs();
-    } while (world_.settings.sleeping && wake_touched(frame_.table, world_.sleep_access()));
+    } while (world_.settings.sleeping && wake_touched(frame_.table, world_.sleep_access(), executor_));
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();

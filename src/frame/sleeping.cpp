@@ -3,15 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
+#include "parallel/disjoint_sets.h"
+#include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kIslandGrain = 1024;
+constexpr std::size_t kIslandPairGrain = 1024;
 // Chosen: long enough for a body that turns back at the end of a swing to be seen moving.
 constexpr double kStillForS = 0.5;
 // Of sqrt(g R). Chosen: what a settled pile jitters by is below, and what it drifts in kStillForS cannot be seen.
@@ -44,33 +46,42 @@ void wake_body(const SleepAccess& access, std::uint32_t slot) {
 }
 
 // Puts cached pairs where they belong: aside where a body of the pair sleeps, else to the pairs of the last step.
-void sort_cached(const SleepAccess& access) {
+void sort_cached(const SleepAccess& access, parallel::Executor& executor) {
   SleepingState& sleep = access.sleeping;
-  sleep.next_awake.clear();
-  sleep.next_sleeping_pairs.clear();
-  const auto move = [&](const CachedPair& pair) {
-    (sleeps(access, pair) ? sleep.next_sleeping_pairs : sleep.next_awake).push_back(pair);
+  const auto before = [](const CachedPair& x, const CachedPair& y) {
+    return std::pair(x.low, x.high) < std::pair(y.low, y.high);
   };
-  const auto key = [](const CachedPair& pair) { return std::pair(pair.low, pair.high); };
-  auto sleeping_pairs = sleep.sleeping_pairs.begin();
-  for (const CachedPair& pair : access.cache.pairs) {
-    for (; sleeping_pairs != sleep.sleeping_pairs.end() && key(*sleeping_pairs) < key(pair); ++sleeping_pairs)
-      move(*sleeping_pairs);
-    move(pair);
-  }
-  for (; sleeping_pairs != sleep.sleeping_pairs.end(); ++sleeping_pairs) move(*sleeping_pairs);
+  const auto gather = [&](bool asleep, CachedPairList& into) {
+    const auto take = [&](const CachedPairList& from, CachedPairList& taken) {
+      parallel::select(
+          executor, from.size(), kIslandPairGrain, sleep.counts,
+          [&](std::size_t i) { return sleeps(access, from[i]) == asleep; },
+          [&](std::size_t count) { taken.resize(count); },
+          [&](std::size_t i, std::size_t position) { taken[position] = from[i]; });
+    };
+    take(access.cache.pairs, sleep.of_cache);
+    take(sleep.sleeping_pairs, sleep.of_sleeping);
+    into.resize(sleep.of_cache.size() + sleep.of_sleeping.size());
+    parallel::merge(executor, kIslandPairGrain, sleep.of_cache, sleep.of_sleeping, before,
+                    [&](const CachedPair& pair, std::size_t position) { into[position] = pair; });
+  };
+  gather(false, sleep.next_awake);
+  gather(true, sleep.next_sleeping_pairs);
   std::swap(sleep.sleeping_pairs, sleep.next_sleeping_pairs);
   std::swap(access.cache.pairs, sleep.next_awake);
 }
 
-void wake_requested_islands(const SleepAccess& access) {
+void wake_requested_islands(const SleepAccess& access, parallel::Executor& executor) {
   SleepingState& sleep = access.sleeping;
-  for (std::uint32_t slot = 0; slot < access.bodies.slot_count(); ++slot) {
-    if (access.bodies.asleep[slot] != 0 && sleep.wake_requested[sleep.island[slot]] != 0) wake_body(access, slot);
-  }
+  parallel::select(
+      executor, access.bodies.slot_count(), kIslandGrain, sleep.counts,
+      [&](std::size_t i) { return access.bodies.asleep[i] != 0 && sleep.wake_requested[sleep.island[i]] != 0; },
+      [&](std::size_t count) { sleep.slots.resize(count); },
+      [&](std::size_t i, std::size_t position) { sleep.slots[position] = static_cast<std::uint32_t>(i); });
+  for (const std::uint32_t slot : sleep.slots) wake_body(access, slot);
   std::fill(sleep.wake_requested.begin(), sleep.wake_requested.end(), std::uint8_t{0});
   sleep.any_wake_requested = false;
-  sort_cached(access);
+  sort_cached(access, executor);
 }
 
 // Wakes what sleeps at a static body where it is now.
@@ -92,19 +103,12 @@ bool moves(const dynamics::BodyStore& bodies, std::uint32_t slot) {
   return bodies.dynamic[slot] != 0 || bodies.moves_by_itself(slot);
 }
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t slot) {
-  while (parent[slot] != slot) {
-    parent[slot] = parent[parent[slot]];
-    slot = parent[slot];
-  }
-  return slot;
-}
-
 // Counts on for bodies that are still, and from zero for the others. Is any still for long enough?
 bool count_still(const FallAsleepInput& input, const SleepAccess& access, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = access.bodies;
   const double gravity = input.gravity_mps2;
   std::vector<double>& still_s = access.sleeping.still_s;
+  parallel::Shared<int> any(0);
   parallel::parallel_for(executor, bodies.slot_count(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       if (bodies.dynamic[i] == 0) continue;
@@ -114,58 +118,69 @@ bool count_still(const FallAsleepInput& input, const SleepAccess& access, parall
       const bool still = bodies.velocity(i).norm() <= speed && radius * bodies.spin(i).norm() <= speed &&
                          motion.moved_m.norm() <= speed * input.dt_s && motion.turned_m <= speed * input.dt_s;
       still_s[i] = still ? still_s[i] + input.dt_s : 0.0;
+      if (still_s[i] >= kStillForS && any.get() == 0) any.set(1);
     }
   });
-  for (std::size_t i = 0; i < bodies.slot_count(); ++i) {
-    if (bodies.dynamic[i] != 0 && still_s[i] >= kStillForS) return true;
-  }
-  return false;
+  return any.get() != 0;
 }
 
-// Each slot's parent is at last the lowest slot of its island.
-void find_islands(const PairTable& table, const SleepAccess& access) {
+// Each slot's root is the lowest slot of its island.
+parallel::DisjointSets find_islands(const PairTable& table, const SleepAccess& access, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = access.bodies;
   std::vector<std::uint32_t>& parent = access.sleeping.parent;
   parent.resize(bodies.slot_count());
-  std::iota(parent.begin(), parent.end(), 0U);
-  for (const ActivePair& pair : table.pairs) {
-    if (bodies.dynamic[pair.low()] == 0 || bodies.dynamic[pair.high()] == 0) continue;
-    const std::uint32_t low = root_of(parent, pair.low());
-    const std::uint32_t high = root_of(parent, pair.high());
-    parent[std::max(low, high)] = std::min(low, high);
-  }
+  parallel::parallel_for(executor, parent.size(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) parent[i] = static_cast<std::uint32_t>(i);
+  });
+  parallel::DisjointSets islands(parent);
+  parallel::parallel_for(executor, table.size(), kIslandPairGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ActivePair& pair = table.pairs[i];
+      if (bodies.dynamic[pair.a] != 0 && bodies.dynamic[pair.b] != 0) islands.unite(pair.a, pair.b);
+    }
+  });
+  return islands;
+}
+
+// What a moving kinematic body touches or is near does not sleep.
+void keep_driven_awake(const PairTable& table, const SleepAccess& access, const parallel::DisjointSets& islands,
+                       parallel::Executor& executor) {
+  const dynamics::BodyStore& bodies = access.bodies;
+  std::vector<std::uint8_t>& restless = access.sleeping.restless;
+  parallel::parallel_for(executor, table.size(), kIslandPairGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ActivePair& pair = table.pairs[i];
+      if (bodies.moves_by_itself(pair.a)) parallel::raise(restless[islands.root(pair.b)]);
+      if (bodies.moves_by_itself(pair.b)) parallel::raise(restless[islands.root(pair.a)]);
+    }
+  });
 }
 
 // Puts the islands to sleep of which every body has been still for long enough. How many bodies that is.
-// What a moving kinematic body touches or is near does not sleep.
-void keep_driven_awake(const PairTable& table, const SleepAccess& access) {
-  const dynamics::BodyStore& bodies = access.bodies;
-  SleepingState& sleep = access.sleeping;
-  for (const ActivePair& pair : table.pairs) {
-    if (bodies.moves_by_itself(pair.low())) sleep.restless[root_of(sleep.parent, pair.high())] = 1;
-    if (bodies.moves_by_itself(pair.high())) sleep.restless[root_of(sleep.parent, pair.low())] = 1;
-  }
-}
-
-std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& access) {
+std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& access, parallel::Executor& executor) {
   dynamics::BodyStore& bodies = access.bodies;
   SleepingState& sleep = access.sleeping;
-  find_islands(table, access);
+  const parallel::DisjointSets islands = find_islands(table, access, executor);
   sleep.restless.assign(bodies.slot_count(), 0);
-  for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
-    if (bodies.dynamic[slot] != 0 && sleep.still_s[slot] < kStillForS) sleep.restless[root_of(sleep.parent, slot)] = 1;
-  }
-  if (bodies.kinematic_count() > 0) keep_driven_awake(table, access);
-  std::size_t count = 0;
-  for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
-    if (bodies.dynamic[slot] == 0) continue;
-    const std::uint32_t root = root_of(sleep.parent, slot);
-    if (sleep.restless[root] != 0) continue;
-    sleep.island[slot] = root;
+  parallel::parallel_for(executor, bodies.slot_count(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (bodies.dynamic[i] != 0 && sleep.still_s[i] < kStillForS)
+        parallel::raise(sleep.restless[islands.root(static_cast<std::uint32_t>(i))]);
+    }
+  });
+  if (bodies.kinematic_count() > 0) keep_driven_awake(table, access, islands, executor);
+  parallel::select(
+      executor, bodies.slot_count(), kIslandGrain, sleep.counts,
+      [&](std::size_t i) {
+        return bodies.dynamic[i] != 0 && sleep.restless[islands.root(static_cast<std::uint32_t>(i))] == 0;
+      },
+      [&](std::size_t count) { sleep.slots.resize(count); },
+      [&](std::size_t i, std::size_t position) { sleep.slots[position] = static_cast<std::uint32_t>(i); });
+  for (const std::uint32_t slot : sleep.slots) {
+    sleep.island[slot] = islands.root(slot);
     bodies.put_to_sleep(slot);
-    ++count;
   }
-  return count;
+  return sleep.slots.size();
 }
 
 }  // namespace
@@ -182,16 +197,16 @@ void request_wake(const SleepAccess& access, std::uint32_t slot) {
   if (access.bodies.dynamic[slot] == 0) access.sleeping.changed_statics.push_back(slot);
 }
 
-void wake_all(const SleepAccess& access) {
+void wake_all(const SleepAccess& access, parallel::Executor& executor) {
   if (!access.sleeping.on) return;
   reserve_slots(access);
   for (std::uint32_t slot = 0; slot < access.bodies.slot_count(); ++slot) {
     if (access.bodies.asleep[slot] != 0) request_island_wake(access, slot);
   }
-  if (access.sleeping.any_wake_requested) wake_requested_islands(access);
+  if (access.sleeping.any_wake_requested) wake_requested_islands(access, executor);
 }
 
-void wake_near_changes(const SleepAccess& access) {
+void wake_near_changes(const SleepAccess& access, parallel::Executor& executor) {
   if (!access.sleeping.on) return;
   SleepingState& sleep = access.sleeping;
   reserve_slots(access);
@@ -211,19 +226,29 @@ void wake_near_changes(const SleepAccess& access) {
       request_wake_around(access, slot);
   }
   sleep.changed_statics.clear();
-  if (sleep.any_wake_requested) wake_requested_islands(access);
+  if (sleep.any_wake_requested) wake_requested_islands(access, executor);
 }
 
-bool wake_touched(const PairTable& table, const SleepAccess& access) {
+bool wake_touched(const PairTable& table, const SleepAccess& access, parallel::Executor& executor) {
   if (!access.sleeping.on) return false;
   const dynamics::BodyStore& bodies = access.bodies;
   if (bodies.asleep_count() == 0) return false;
-  for (const ActivePair& pair : table.pairs) {
-    if (bodies.asleep[pair.low()] != 0 && moves(bodies, pair.high())) request_island_wake(access, pair.low());
-    if (bodies.asleep[pair.high()] != 0 && moves(bodies, pair.low())) request_island_wake(access, pair.high());
-  }
+  SleepingState& sleep = access.sleeping;
+  parallel::Shared<int> any(0);
+  const auto wake = [&](std::uint32_t slot) {
+    parallel::raise(sleep.wake_requested[sleep.island[slot]]);
+    if (any.get() == 0) any.set(1);
+  };
+  parallel::parallel_for(executor, table.size(), kIslandPairGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ActivePair& pair = table.pairs[i];
+      if (bodies.asleep[pair.a] != 0 && moves(bodies, pair.b)) wake(pair.a);
+      if (bodies.asleep[pair.b] != 0 && moves(bodies, pair.a)) wake(pair.b);
+    }
+  });
+  sleep.any_wake_requested = sleep.any_wake_requested || any.get() != 0;
   if (!access.sleeping.any_wake_requested) return false;
-  wake_requested_islands(access);
+  wake_requested_islands(access, executor);
   return true;
 }
 
@@ -232,14 +257,15 @@ void fall_asleep(const FallAsleepInput& input, const SleepAccess& access, FrameR
   if (!access.sleeping.on) return;
   SleepingState& sleep = access.sleeping;
   // The memory that an island will need, before it sleeps.
-  for (parallel::LargeVector<CachedPair>* cached :
-       {&sleep.sleeping_pairs, &sleep.next_awake, &sleep.next_sleeping_pairs})
+  for (CachedPairList* cached :
+       {&sleep.sleeping_pairs, &sleep.next_awake, &sleep.next_sleeping_pairs, &sleep.of_cache, &sleep.of_sleeping})
     cached->reserve(access.cache.pairs.capacity());
   sleep.parent.reserve(access.bodies.slot_count());
   sleep.restless.reserve(access.bodies.slot_count());
+  sleep.slots.reserve(access.bodies.slot_count());
   if (count_still(input, access, executor)) {
-    report.fell_asleep = put_islands_to_sleep(input.table, access);
-    if (report.fell_asleep > 0) sort_cached(access);
+    report.fell_asleep = put_islands_to_sleep(input.table, access, executor);
+    if (report.fell_asleep > 0) sort_cached(access, executor);
   }
   report.asleep = access.bodies.asleep_count();
   report.woken = std::exchange(sleep.woken, 0);

@@ -29,15 +29,15 @@ struct SleepAccess {
 void request_wake(const SleepAccess& access, std::uint32_t slot);
 
 /// Wakes all, as when gravity changes. Between steps.
-void wake_all(const SleepAccess& access);
+void wake_all(const SleepAccess& access, parallel::Executor& executor);
 
 /// Before *predict*: wakes what the caller's calls concern.
-void wake_near_changes(const SleepAccess& access);
+void wake_near_changes(const SleepAccess& access, parallel::Executor& executor);
 
 /// After *coarse*: wakes the islands of which a body is in a pair with one that moves freely. True if there are any;
 /// then the stages from *predict* on must be done anew, and this asked again. False after as many calls as there are
 /// islands, and one more.
-bool wake_touched(const PairTable& table, const SleepAccess& access);
+bool wake_touched(const PairTable& table, const SleepAccess& access, parallel::Executor& executor);
 
 /// After *publish*: counts for how long bodies have been still, puts islands to sleep, and fills the counters of the
 /// report.

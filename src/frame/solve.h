@@ -30,16 +30,16 @@ struct Velocities {
   parallel::LargeVector<solver::SolverBody> bodies;  ///< one a slot
   std::vector<solver::Acceleration> accelerations;   ///< one a slot
   parallel::LargeVector<Vec3> applied_impulse_ns;    ///< one a manifold: what b received from the contact solver
-  parallel::LargeVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
-  parallel::LargeVector<solver::OverlapPoint> overlaps;  ///< of the rows
-  parallel::LargeVector<std::uint32_t> row_of;           ///< one a manifold, where there may be impacts: its row
+  parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
+  parallel::UnsetVector<solver::OverlapPoint> overlaps;  ///< of the rows
+  parallel::UnsetVector<std::uint32_t> row_of;           ///< one a manifold, where there may be impacts: its row
   std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
   SweptContacts swept;            ///< with backtracking
 
   solver::SolveScratch scratch;
   std::vector<solver::PointContact> points;              // scratch: sphere contacts of the paper's model
   std::vector<std::uint32_t> points_begin;               // scratch, per manifold: likewise
-  parallel::LargeVector<solver::Manifold> not_bouncing;  // scratch: the manifolds, where some bounce
+  parallel::UnsetVector<solver::Manifold> not_bouncing;  // scratch: the manifolds, where some bounce
   bool bounced = false;                                  // scratch: some do
 
   /// What impacts did to a manifold; null where there was none.

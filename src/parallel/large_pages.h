@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <new>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace poise::parallel {
@@ -46,5 +48,27 @@ struct LargePages {
 
 template <class T>
 using LargeVector = std::vector<T, LargePages<T>>;
+
+/// The same, but resize() does not set what it adds: for arrays whose elements are all written before they are read, so
+/// that each is written once, by the worker that makes it, and new pages are touched in parallel.
+template <class T>
+struct UnsetPages : LargePages<T> {
+  static_assert(std::is_trivially_destructible_v<T>);
+  using value_type = T;
+  UnsetPages() = default;
+  template <class U>
+  UnsetPages(const UnsetPages<U>& /*other*/) noexcept {}
+  template <class U>
+  struct rebind {
+    using other = UnsetPages<U>;
+  };
+  template <class U, class... Arguments>
+  void construct(U* at, Arguments&&... arguments) {
+    if constexpr (sizeof...(Arguments) > 0) std::construct_at(at, std::forward<Arguments>(arguments)...);
+  }
+};
+
+template <class T>
+using UnsetVector = std::vector<T, UnsetPages<T>>;
 
 }  // namespace poise::parallel

@@ -13,8 +13,8 @@ namespace poise::solver {
 // Lanes and motions in one precision.
 template <class T>
 struct Lanes {
-  parallel::LargeVector<PairLanes<T>> pairs;  // one a block
-  parallel::LargeVector<PointLanes<T>> manifold_points;
+  parallel::UnsetVector<PairLanes<T>> pairs;  // one a block
+  parallel::UnsetVector<PointLanes<T>> manifold_points;
   parallel::LargeVector<MotionChange<T>> motions;  // one a body
   parallel::LargeVector<MotionChange<T>> begun;    // velocities and spins when the substep began
   parallel::LargeVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "collision/manifold/manifold_point.h"
+#include "parallel/ranges.h"
 #include "solver/anderson_mixing.h"
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
@@ -79,8 +81,9 @@ struct Iterated {
 }  // namespace
 
 struct ContactSolver::Buffers {
-  parallel::LargeVector<ContactBlock> blocks;
+  parallel::UnsetVector<ContactBlock> blocks;
   std::vector<std::size_t> block_begin;          // per colour, then the serial ones, then the end
+  std::vector<std::size_t> lanes_of_range;       // scratch of make_blocks
   std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
   AndersonMixing mixing;
   std::vector<double> before, after;  // impulses of all lanes, in roots of energy
@@ -99,9 +102,7 @@ struct ContactSolver::Buffers {
     }
   }
 
-  void add_blocks(const ContactSystem& system, std::size_t begin, std::size_t end, std::size_t width,
-                  std::uint32_t& lanes);
-  std::uint32_t make_blocks(const ContactSystem& system);
+  std::size_t make_blocks(const ContactSystem& system, parallel::Executor& executor);
   template <class Visit>
   void iteration(parallel::Executor& executor, Visit&& visit);
   template <class Visit>
@@ -110,7 +111,7 @@ struct ContactSolver::Buffers {
   void mix(parallel::Executor& executor);
   void take_back(const ContactSystem& system, double h_s);
   template <class T>
-  void reserve(const ContactSystem& system, bool mixed);
+  void reserve(const ContactSystem& system, bool mixed, parallel::Executor& executor);
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
@@ -204,40 +205,56 @@ void ContactSolver::Buffers::take_back(const ContactSystem& system, double h_s) 
   });
 }
 
-// Makes blocks of the pairs in a range of the colouring, those with most contact points first.
-void ContactSolver::Buffers::add_blocks(const ContactSystem& system, std::size_t begin, std::size_t end,
-                                        std::size_t width, std::uint32_t& lanes) {
-  const std::span<const std::uint32_t> order = system.coloring.order();
-  for (; begin < end; begin += width) {
-    ContactBlock block;
-    block.begin = static_cast<std::uint32_t>(begin);
-    block.count = static_cast<std::uint8_t>(std::min(width, end - begin));
-    block.first = lanes;
-    for (std::size_t k = begin; k < begin + block.count; ++k)
-      block.manifold_points = std::max(block.manifold_points, system.pairs[order[k]].point_count);
-    lanes += block.manifold_points;
-    blocks.push_back(block);
-  }
-}
-
-std::uint32_t ContactSolver::Buffers::make_blocks(const ContactSystem& system) {
-  blocks.clear();
-  block_begin.clear();
-  std::uint32_t lanes = 0;
+// Makes blocks of the pairs, colour by colour; within a colour those with most contact points come first. Returns how
+// many lanes of contact points they need.
+std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, parallel::Executor& executor) {
+  constexpr std::size_t kLeast = 128;
   const Coloring& coloring = system.coloring;
-  for (std::uint32_t color = 0; color < coloring.colors(); ++color) {
-    block_begin.push_back(blocks.size());
-    add_blocks(system, coloring.begin(color), coloring.begin(color + 1), kLanes, lanes);
+  // The serial pairs come last, each a block of its own.
+  const auto pairs_begin = [&](std::size_t color) {
+    return color <= coloring.colors() ? coloring.begin(static_cast<std::uint32_t>(color)) : system.pairs.size();
+  };
+  const auto width = [&](std::size_t color) { return color < coloring.colors() ? kLanes : 1; };
+  block_begin.assign(1, 0);
+  for (std::size_t color = 0; color <= coloring.colors(); ++color) {
+    const std::size_t pairs = pairs_begin(color + 1) - pairs_begin(color);
+    block_begin.push_back(block_begin.back() + (pairs + width(color) - 1) / width(color));
   }
-  block_begin.push_back(blocks.size());
-  add_blocks(system, coloring.serial_begin(), system.pairs.size(), 1, lanes);
-  block_begin.push_back(blocks.size());
-  return lanes;
+  blocks.resize(block_begin.back());
+  const parallel::Ranges ranges(blocks.size(), kLeast);
+  lanes_of_range.reserve(parallel::Ranges::kMost);
+  lanes_of_range.assign(ranges.count, 0);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    std::size_t color = 0;
+    std::size_t lanes = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      while (block_begin[color + 1] <= i) ++color;
+      ContactBlock& block = blocks[i];
+      block = ContactBlock{};
+      const std::size_t first = pairs_begin(color) + (i - block_begin[color]) * width(color);
+      block.begin = static_cast<std::uint32_t>(first);
+      block.count = static_cast<std::uint8_t>(std::min(width(color), pairs_begin(color + 1) - first));
+      for (const std::uint32_t pair : coloring.order().subspan(first, block.count))
+        block.manifold_points = std::max(block.manifold_points, system.pairs[pair].point_count);
+      lanes += block.manifold_points;
+    }
+    lanes_of_range[range] = lanes;
+  });
+  std::size_t sum = 0;
+  for (std::size_t& lanes : lanes_of_range) lanes = std::exchange(sum, sum + lanes);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    std::size_t lanes = lanes_of_range[range];
+    for (std::size_t i = begin; i < end; ++i) {
+      blocks[i].first = static_cast<std::uint32_t>(lanes);
+      lanes += blocks[i].manifold_points;
+    }
+  });
+  return sum;
 }
 
 template <class Visit>
 void ContactSolver::Buffers::iteration(parallel::Executor& executor, Visit&& visit) {
-  constexpr std::size_t kGrain = 16;
+  constexpr std::size_t kGrain = 4;
   for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
     const std::size_t first = block_begin[color];
     parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain,
@@ -339,16 +356,16 @@ IterationChange<double> sum_of(const std::vector<IterationChange<double>>& chang
 }  // namespace
 
 template <class T>
-void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed) {
+void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, parallel::Executor& executor) {
   Lanes<T>& all = lanes<T>();
-  const std::uint32_t needed = make_blocks(system);
-  all.manifold_points.resize(std::max<std::size_t>(all.manifold_points.size(), needed));
+  const std::size_t needed = make_blocks(system, executor);
+  all.manifold_points.resize(std::max(all.manifold_points.size(), needed));
   all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
   all.scaled_inverse_inertias.resize(system.bodies.size());
   if (mixed) {
-    before.resize(std::max<std::size_t>(before.size(), 4 * kLanes * needed));
+    before.resize(std::max(before.size(), 4 * kLanes * needed));
     after.resize(before.size());
     swept.resize(before.size());
   }
@@ -399,7 +416,7 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   constexpr std::size_t kBlocksAtOnce = 16;
   const IterationLimit full = limit_of(system, settings, kMaxPointIterations);
   const double h_s = settings.dt_s / settings.substeps;
-  reserve<T>(system, limit.mixed);
+  reserve<T>(system, limit.mixed, executor);
   Lanes<T>& all = lanes<T>();
   const auto for_bodies = [&](auto&& visit) {
     parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {

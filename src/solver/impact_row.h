@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "poise/types.h"
 
@@ -92,38 +90,5 @@ inline void apply_impulse(const Wrench& wrench, double lambda_ns, SolverBody& a,
     b.spin_radps += lambda_ns * wrench.turn_b;
   }
 }
-
-/// Order of rows such that no two rows of one colour share a dynamic body; within a colour by rank, the highest first.
-/// Deterministic for the rows' order. Invariant: begin has one more entry than there are colours; rows of the last
-/// stretch, if `serial`, share bodies.
-class Coloring {
- public:
-  static constexpr std::uint32_t kColors = 64;
-  static constexpr std::uint32_t kRanks = 8;
-  struct Edge {
-    std::uint32_t a = 0, b = 0;
-    bool dynamic_a = true, dynamic_b = true;
-    std::uint8_t rank = 0;  ///< below kRanks
-  };
-  void color(std::span<const Edge> edges, std::size_t bodies);
-  void reserve(std::size_t edges) {
-    bin_of_.reserve(edges);
-    order_.reserve(edges);
-    begin_.reserve(kColors + 2);
-  }
-  /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)).
-  [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
-  [[nodiscard]] std::uint32_t colors() const { return colors_; }
-  [[nodiscard]] std::size_t begin(std::uint32_t color) const { return begin_[color]; }
-  /// Edges from this position on got no colour and are solved one after another.
-  [[nodiscard]] std::size_t serial_begin() const { return begin_[colors_]; }
-
- private:
-  std::vector<std::uint64_t> used_;
-  std::vector<std::uint16_t> bin_of_;
-  std::vector<std::uint32_t> order_;
-  std::vector<std::size_t> begin_ = {0};
-  std::uint32_t colors_ = 0;
-};
 
 }  // namespace poise::solver

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "parallel/executor.h"
+#include "solver/coloring.h"
 #include "solver/contact_point.h"
 #include "solver/impact_row.h"
 

@@ -13,7 +13,7 @@ namespace poise::solver {
 /// depend on threads.
 template <class Solve>
 void for_each_row(const System& system, parallel::Executor& executor, Solve&& solve) {
-  constexpr std::size_t kGrain = 128;
+  constexpr std::size_t kGrain = 32;
   for (std::uint32_t color = 0; color < system.coloring.colors(); ++color) {
     const std::size_t first = system.coloring.begin(color);
     const std::size_t count = system.coloring.begin(color + 1) - first;

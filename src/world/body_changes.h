@@ -11,6 +11,8 @@ namespace poise::simulation {
 struct BodyChanges {
   std::vector<BodyId> removed;
   std::vector<std::uint32_t> displaced;  ///< slots of bodies that the caller moved
+
+  std::vector<std::size_t> counts;  // scratch
 };
 
 /// Begins and ends of contacts in the last step, and ends that wait for the events of the next one.

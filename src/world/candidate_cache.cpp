@@ -62,13 +62,16 @@ collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_
   const Look seen = look(bounds, planes, executor);
   if (wide_ && seen.inside) return found_;
   wide_ = seen.calm && !bounds.empty();
-  bounds_.assign(bounds.begin(), bounds.end());
   planes_.assign(planes.begin(), planes.end());
+  bounds_.resize(bounds.size());
   radius_m_.resize(bounds.size());
-  for (std::size_t i = 0; i < bounds_.size(); ++i) {
-    radius_m_[i] = bounds_[i].radius_m;
-    if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
-  }
+  parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      bounds_[i] = bounds[i];
+      radius_m_[i] = bounds[i].radius_m;
+      if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
+    }
+  });
   found_ = broad_phase.find(bounds_, planes_, max_partners, executor, {});
   if (wide_ && found_.discarded > 0) {
     // Which pairs are discarded is decided from the bounds of the frame.

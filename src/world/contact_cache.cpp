@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "world/contact_cache.h"
 
+#include "parallel/ranges.h"
+
 namespace poise::simulation {
 
 solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint& manifold_point) {
@@ -24,12 +26,12 @@ void PointCache::reserve(std::size_t slots) {
   free.reserve(slots);
 }
 
-void PointCache::reserve_slots(std::size_t count) {
+void PointCache::reserve_slots(std::size_t count, parallel::Executor& executor) {
   if (count <= free.size()) return;
   const std::size_t first = points.size() / kPointsOfPair;
   const std::size_t more = count - free.size();
-  points.resize((first + more) * kPointsOfPair);
-  forces.resize(points.size());
+  parallel::resize(executor, points, (first + more) * kPointsOfPair);
+  parallel::resize(executor, forces, points.size());
   free.reserve(first + more);
   // The lowest of the new ones is taken first, after those that were released.
   free.insert(free.begin(), more, 0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collision/manifold/manifold_point.h"
+#include "parallel/executor.h"
 #include "parallel/large_pages.h"
 #include "poise/types.h"
 #include "solver/contact_point.h"
@@ -32,14 +33,14 @@ inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 /// Contact points and their forces, in slots of kPointsOfPair. A pair keeps its slot for as long as it is
 /// cached. Invariant: a slot is either free or one pair's.
 struct PointCache {
-  parallel::LargeVector<solver::ContactPoint> points;
-  parallel::LargeVector<solver::ContactForce> forces;
+  parallel::UnsetVector<solver::ContactPoint> points;
+  parallel::UnsetVector<solver::ContactForce> forces;
   std::vector<std::uint32_t> free;
 
   /// Memory for at least `slots` slots; pages of those that are never used stay untouched.
   void reserve(std::size_t slots);
   /// Makes sure that there are `count` free slots.
-  void reserve_slots(std::size_t count);
+  void reserve_slots(std::size_t count, parallel::Executor& executor);
   /// The n-th of the free slots that reserve_slots made sure of; take_slots(count) when all have been handed out. Any
   /// thread.
   [[nodiscard]] std::uint32_t free_slot(std::size_t n) const { return free[free.size() - 1 - n]; }
@@ -81,11 +82,13 @@ struct CachedPair {
   [[nodiscard]] double changed_m() const { return 2.0 * (moved_m - looked_m); }
 };
 
+using CachedPairList = parallel::UnsetVector<CachedPair>;
+
 /// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step and
 /// `previous_pairs` those that this step began with.
 struct ContactCache {
-  parallel::LargeVector<CachedPair> pairs;
-  parallel::LargeVector<CachedPair> previous_pairs;
+  CachedPairList pairs;
+  CachedPairList previous_pairs;
   PointCache points;
 };
 

@@ -97,6 +97,19 @@ TEST(BroadPhase, AnyNumberOfThreadsGivesTheSamePairs) {
   }
 }
 
+TEST(BroadPhase, OfManyBoundsExactlyTheOverlappingPairsAreFoundInOrder) {
+  std::mt19937_64 random(5);
+  const std::vector<MotionBound> bounds = random_bounds(random, 6000, 6, 2);
+  const std::vector<PlaneBound> planes = {{Vec3::UnitZ(), -5, 0, 7, 7}};
+  const std::vector<CandidatePair> expected = brute_force(bounds, planes);
+  ASSERT_GT(expected.size(), bounds.size());
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, 3);
+  BroadPhase broad;
+  EXPECT_EQ(found(broad, bounds, planes, *executor), expected);
+  EXPECT_EQ(found(broad, std::span(bounds).first(500), {}, *executor), brute_force(std::span(bounds).first(500), {}))
+      << "after more";
+}
+
 TEST(BroadPhase, PartnersBeyondTheLimitAreCountedNotLostInSilence) {
   std::vector<MotionBound> bounds(40);
   for (std::uint32_t i = 0; i < 40; ++i) bounds[i] = {Vec3::Zero(), 1, i, 1, 0xffffffffU, true};

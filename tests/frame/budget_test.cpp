@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "frame/scenes.h"
-#include "frame/world_access.h"
+#include "verify/world_access.h"
 
 namespace poise {
 namespace {

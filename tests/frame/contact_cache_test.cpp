@@ -7,8 +7,8 @@
 
 #include "dynamics/rotation.h"
 #include "frame/run_frame.h"
-#include "frame/world_access.h"
 #include "scenes.h"
+#include "verify/world_access.h"
 
 namespace poise {
 namespace {

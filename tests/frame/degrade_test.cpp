@@ -8,7 +8,7 @@
 #include "frame/budget/frame_time.h"
 #include "frame/run_frame.h"
 #include "frame/scenes.h"
-#include "frame/world_access.h"
+#include "verify/world_access.h"
 
 namespace poise {
 namespace {

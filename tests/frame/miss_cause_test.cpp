@@ -8,8 +8,8 @@
 #include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
 #include "frame/scenes.h"
-#include "frame/world_access.h"
 #include "parallel/busy_thread.h"
+#include "verify/world_access.h"
 
 // Each test disturbs a frame, and the report must name the cause. Durations are measured, never assumed, and frames are
 // made late by CPU time of this thread alone, so the tests depend neither on the speed of the machine nor on other

@@ -67,6 +67,23 @@ TEST(StudyScaling, HasARowForEachNumberOfThreadsAndSaysWhereItWasMeasured) {
   EXPECT_NE(table.out.find("| threads | p10 | p50 |"), std::string::npos) << table.out;
 }
 
+TEST(StudyScaling, CountsTheSpanOfEachStageOnOneThread) {
+  const CommandResult result = poise_command({"study", "scaling", "--span", "--bodies", "100", "--frames", "3",
+                                              "--skip", "20", "--settle", "40", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json document = json::parse(result.out);
+  EXPECT_EQ(document.at("schema"), "poise.span/1");
+  ASSERT_EQ(document.at("rows").size(), 2U * 9U);
+  for (const json& row : document.at("rows")) {
+    EXPECT_EQ(row.at("frames"), 3);
+    EXPECT_GT(row.at("work_ms_p50"), 0) << row;
+    EXPECT_LE(row.at("serial_ms_p50"), row.at("span_ms_p50"));
+  }
+  EXPECT_EQ(document.at("rows").at(8).at("stage"), "all of these");
+  EXPECT_EQ(document.at("rows").at(9).at("state"), "settled");
+  EXPECT_EQ(poise_command({"study", "scaling", "--span", "--threads", "2"}).exit_code, 2);
+}
+
 TEST(StudyCost, RefusesASceneThatCannotHaveAnyNumberOfBodies) {
   const CommandResult result = poise_command({"study", "cost", "--scene", "two-body", "--bodies", "10"});
   EXPECT_EQ(result.exit_code, 3);

@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "collision/broad_phase/broad_phase_cells.h"
 #include "geometry/primitives/bounds.h"
+#include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::collision {
@@ -27,77 +29,141 @@ int grid_of(double radius_m) {
 
 }  // namespace
 
-void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor) {
-  const std::size_t n = bounds.size();
-  cell_of_.resize(n);
-  entries_.resize(n);
-  bucket_of_.resize(n);
-  std::fill(grids_.begin(), grids_.end(), Grid{});
-  for (std::size_t i = 0; i < n; ++i) {
-    cell_of_[i].grid = grid_of(bounds[i].radius_m);
-    Grid& grid = grids_[static_cast<std::size_t>(cell_of_[i].grid)];
-    grid.used = true;
-    grid.widest_m = std::max(grid.widest_m, 2.0 * bounds[i].radius_m);
+// The grids in use, and the size of their cells.
+void BroadPhase::find_grids(std::span<const MotionBound> bounds, parallel::Executor& executor) {
+  const parallel::Ranges ranges(bounds.size(), 4 * kBoundGrain);
+  widest_of_range_.resize(ranges.count);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    std::array<double, kGrids>& widest_m = widest_of_range_[range];
+    widest_m.fill(-1);
+    for (std::size_t i = begin; i < end; ++i) {
+      cell_of_[i].grid = grid_of(bounds[i].radius_m);
+      double& widest = widest_m[static_cast<std::size_t>(cell_of_[i].grid)];
+      widest = std::max(widest, 2.0 * bounds[i].radius_m);
+    }
+  });
+  used_grids_.clear();
+  for (int g = 0; g < kGrids; ++g) {
+    double widest_m = -1;
+    for (const auto& of_range : widest_of_range_) widest_m = std::max(widest_m, of_range[static_cast<std::size_t>(g)]);
+    Grid& grid = grids_[static_cast<std::size_t>(g)];
+    grid = Grid{};
+    grid.used = widest_m >= 0;
+    grid.widest_m = std::max(widest_m, 0.0);
+    grid.cells_per_m = 1.0 / std::max(grid.widest_m, kLeastCellM);
+    if (grid.used) used_grids_.push_back(g);
   }
-  for (Grid& grid : grids_) grid.cells_per_m = 1.0 / std::max(grid.widest_m, kLeastCellM);
-  parallel::parallel_for(executor, n, 4 * kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
+}
+
+void BroadPhase::find_cells(std::span<const MotionBound> bounds, parallel::Executor& executor) {
+  parallel::parallel_for(executor, bounds.size(), 2 * kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const double scale = grids_[static_cast<std::size_t>(cell_of_[i].grid)].cells_per_m;
       const Vec3& center = bounds[i].center_m;
       cell_of_[i].x = cell_of(center.x(), scale);
       cell_of_[i].y = cell_of(center.y(), scale);
       cell_of_[i].z = cell_of(center.z(), scale);
+      bucket_of_[i] = static_cast<std::uint32_t>(bucket(cell_of_[i]));
     }
   });
-  used_grids_.clear();
-  for (int g = 0; g < kGrids; ++g) {
-    if (grids_[static_cast<std::size_t>(g)].used) used_grids_.push_back(g);
+}
+
+// Calls write(i, position) for n items, those of one segment after those of the one before, in order of i; fills
+// segment_begin_.
+template <class SegmentOf, class Write>
+void BroadPhase::into_segments(parallel::Executor& executor, std::size_t n, SegmentOf&& segment_of, Write&& write) {
+  const parallel::Ranges ranges(n, 4 * kBoundGrain);
+  segment_counts_.reserve(parallel::Ranges::kMost);
+  segment_counts_.resize(ranges.count);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    SegmentCounts& counts = segment_counts_[range];
+    counts.fill(0);
+    for (std::size_t i = begin; i < end; ++i) ++counts[segment_of(i)];
+  });
+  std::uint32_t sum = 0;
+  for (std::size_t segment = 0; segment < kSegments; ++segment) {
+    segment_begin_[segment] = sum;
+    for (SegmentCounts& counts : segment_counts_) counts[segment] = std::exchange(sum, sum + counts[segment]);
   }
+  segment_begin_[kSegments] = sum;
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    SegmentCounts& next = segment_counts_[range];
+    for (std::size_t i = begin; i < end; ++i) write(i, next[segment_of(i)]++);
+  });
+}
+
+// The buckets of one segment, and their entries in the order of the bounds.
+void BroadPhase::fill_buckets(std::span<const MotionBound> bounds, std::size_t segment) {
+  const std::size_t first = segment << segment_shift_;
+  const std::size_t past = std::min((segment + 1) << segment_shift_, bucket_begin_.size() - 1);
+  if (first >= past) return;
+  const auto begins = bucket_begin_.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto ends = bucket_begin_.begin() + static_cast<std::ptrdiff_t>(past);
+  const auto members =
+      std::span(by_segment_).subspan(segment_begin_[segment], segment_begin_[segment + 1] - segment_begin_[segment]);
+  std::fill(begins, ends, 0U);
+  for (const std::uint32_t i : members) ++bucket_begin_[bucket_of_[i]];
+  const auto start = static_cast<std::uint32_t>(segment_begin_[segment]);
+  std::exclusive_scan(begins, ends, begins, start);
+  for (const std::uint32_t i : members)
+    entries_[bucket_begin_[bucket_of_[i]]++] = {bounds[i].center_m, bounds[i].radius_m, cell_of_[i], i};
+  // Each begin has moved on to its bucket's end, which is the next one's begin.
+  std::copy_backward(begins, ends - 1, ends);
+  *begins = start;
+}
+
+void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor) {
+  const std::size_t n = bounds.size();
+  cell_of_.resize(n);
+  entries_.resize(n);
+  bucket_of_.resize(n);
+  by_segment_.resize(n);
   const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(4 * n, kBlockCells));
   block_mask_ = buckets / kBlockCells - 1;
-  bucket_begin_.assign(buckets + 1, 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    bucket_of_[i] = static_cast<std::uint32_t>(bucket(cell_of_[i]));
-    ++bucket_begin_[bucket_of_[i] + 1];
-  }
-  for (std::size_t i = 1; i <= buckets; ++i) bucket_begin_[i] += bucket_begin_[i - 1];
-  for (std::size_t i = 0; i < n; ++i) {
-    entries_[bucket_begin_[bucket_of_[i]]++] = {bounds[i].center_m, bounds[i].radius_m, cell_of_[i],
-                                                static_cast<std::uint32_t>(i)};
-  }
-  // Each begin has moved on to its bucket's end, which is the next one's begin.
-  std::copy_backward(bucket_begin_.begin(), bucket_begin_.end() - 1, bucket_begin_.end());
-  bucket_begin_[0] = 0;
-  sort_crowds();
+  bucket_begin_.resize(buckets + 1);
+  bucket_begin_[buckets] = static_cast<std::uint32_t>(n);
+  find_grids(bounds, executor);
+  find_cells(bounds, executor);
+  segment_shift_ = std::countr_zero(buckets) - std::countr_zero(kSegments);
+  into_segments(
+      executor, n, [&](std::size_t i) { return bucket_of_[i] >> segment_shift_; },
+      [&](std::size_t i, std::uint32_t position) { by_segment_[position] = static_cast<std::uint32_t>(i); });
+  parallel::parallel_for(executor, kSegments, n < 4 * kBoundGrain ? kSegments : 1,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t segment = begin; segment < end; ++segment) fill_buckets(bounds, segment);
+                         });
+  const std::uint32_t crowd = most_tests(0);
+  if (n <= crowd) return;
+  parallel::for_ranges(executor, {buckets, 8 * kBoundGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      if (bucket_begin_[b + 1] - bucket_begin_[b] > crowd) sort_crowd(b);
+    }
+  });
 }
 
 // Where more lie in one place than a search looks at, those that follow each other are near each other: along a Morton
 // curve through the bucket's box.
-void BroadPhase::sort_crowds() {
-  const std::uint32_t crowd = most_tests(0);
-  for (std::size_t b = 0; b + 1 < bucket_begin_.size(); ++b) {
-    if (bucket_begin_[b + 1] - bucket_begin_[b] <= crowd) continue;
-    const auto begin = entries_.begin() + bucket_begin_[b];
-    const auto end = entries_.begin() + bucket_begin_[b + 1];
-    geometry::Bounds box;
-    for (auto entry = begin; entry != end; ++entry) box.add(entry->center_m);
-    const Vec3 scale = (box.high - box.low).unaryExpr([](double size_m) { return size_m > 0 ? 1023.0 / size_m : 0.0; });
-    const auto place = [&](const Entry& entry) {
-      std::uint32_t code = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto at = static_cast<std::uint32_t>((entry.center_m[axis] - box.low[axis]) * scale[axis]);
-        for (std::uint32_t bit = 0; bit < 10; ++bit)
-          code |= (at >> bit & 1U) << (3 * bit + static_cast<std::uint32_t>(axis));
-      }
-      return code;
-    };
-    std::vector<std::pair<std::uint32_t, Entry>> placed;
-    for (auto entry = begin; entry != end; ++entry) placed.emplace_back(place(*entry), *entry);
-    std::sort(placed.begin(), placed.end(), [](const auto& x, const auto& y) {
-      return std::pair(x.first, x.second.bound) < std::pair(y.first, y.second.bound);
-    });
-    std::transform(placed.begin(), placed.end(), begin, [](const auto& entry) { return entry.second; });
-  }
+void BroadPhase::sort_crowd(std::size_t bucket) {
+  const auto begin = entries_.begin() + bucket_begin_[bucket];
+  const auto end = entries_.begin() + bucket_begin_[bucket + 1];
+  geometry::Bounds box;
+  for (auto entry = begin; entry != end; ++entry) box.add(entry->center_m);
+  const Vec3 scale = (box.high - box.low).unaryExpr([](double size_m) { return size_m > 0 ? 1023.0 / size_m : 0.0; });
+  const auto place = [&](const Entry& entry) {
+    std::uint32_t code = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::uint32_t>((entry.center_m[axis] - box.low[axis]) * scale[axis]);
+      for (std::uint32_t bit = 0; bit < 10; ++bit)
+        code |= (at >> bit & 1U) << (3 * bit + static_cast<std::uint32_t>(axis));
+    }
+    return code;
+  };
+  std::vector<std::pair<std::uint32_t, Entry>> placed;
+  for (auto entry = begin; entry != end; ++entry) placed.emplace_back(place(*entry), *entry);
+  std::sort(placed.begin(), placed.end(), [](const auto& x, const auto& y) {
+    return std::pair(x.first, x.second.bound) < std::pair(y.first, y.second.bound);
+  });
+  std::transform(placed.begin(), placed.end(), begin, [](const auto& entry) { return entry.second; });
 }
 
 // The cells that each grid uses.
@@ -212,23 +278,47 @@ std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<c
   return points.take(0);
 }
 
-// Counting sort by the lower slot, then each lower slot's few partners by comparison.
+// The pairs of one segment by the lower slot, and each lower slot's few partners by comparison.
+void BroadPhase::sort_segment(std::size_t segment, std::uint32_t slots) {
+  const std::size_t first = std::min<std::size_t>(segment << segment_shift_, slots);
+  const std::size_t past = std::min<std::size_t>((segment + 1) << segment_shift_, slots);
+  if (first == past) return;
+  const auto begins = low_begin_.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto ends = low_begin_.begin() + static_cast<std::ptrdiff_t>(past);
+  const std::size_t count = segment_begin_[segment + 1] - segment_begin_[segment];
+  const auto members = std::span(in_segments_).subspan(segment_begin_[segment], count);
+  std::fill(begins, ends, 0U);
+  for (const CandidatePair& pair : members) ++low_begin_[pair.low];
+  auto from = static_cast<std::uint32_t>(segment_begin_[segment]);
+  std::exclusive_scan(begins, ends, begins, from);
+  for (const CandidatePair& pair : members) sorted_[low_begin_[pair.low]++] = pair;
+  for (auto end = begins; end != ends; from = *end++) {
+    std::sort(sorted_.begin() + from, sorted_.begin() + *end,
+              [](const CandidatePair& x, const CandidatePair& y) { return x.high < y.high; });
+  }
+}
+
 void BroadPhase::sort_pairs(std::size_t count, parallel::Executor& executor) {
-  std::uint32_t slots = 0;
-  for (std::size_t i = 0; i < count; ++i) slots = std::max(slots, found_[i].low + 1);
-  low_begin_.assign(std::size_t{slots} + 1, 0);
-  for (std::size_t i = 0; i < count; ++i) ++low_begin_[found_[i].low + 1];
-  for (std::size_t s = 1; s <= slots; ++s) low_begin_[s] += low_begin_[s - 1];
-  sorted_.resize(found_.size());
-  for (std::size_t i = 0; i < count; ++i) sorted_[low_begin_[found_[i].low]++] = found_[i];
-  std::copy_backward(low_begin_.begin(), low_begin_.end() - 1, low_begin_.end());
-  low_begin_[0] = 0;
-  parallel::parallel_for(executor, slots, 4 * kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t s = begin; s < end; ++s) {
-      std::sort(sorted_.begin() + low_begin_[s], sorted_.begin() + low_begin_[s + 1],
-                [](const CandidatePair& x, const CandidatePair& y) { return x.high < y.high; });
-    }
+  const parallel::Ranges ranges(count, 4 * kBoundGrain);
+  slots_of_range_.reserve(parallel::Ranges::kMost);
+  slots_of_range_.assign(ranges.count, 0);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    std::uint32_t slots = 0;
+    for (std::size_t i = begin; i < end; ++i) slots = std::max(slots, found_[i].low + 1);
+    slots_of_range_[range] = slots;
   });
+  const std::uint32_t slots = *std::max_element(slots_of_range_.begin(), slots_of_range_.end());
+  low_begin_.resize(slots);
+  sorted_.resize(found_.size());
+  in_segments_.resize(found_.size());
+  segment_shift_ = std::max(static_cast<int>(std::bit_width(slots)) - std::countr_zero(kSegments), 0);
+  into_segments(
+      executor, count, [&](std::size_t i) { return found_[i].low >> segment_shift_; },
+      [&](std::size_t i, std::uint32_t position) { in_segments_[position] = found_[i]; });
+  parallel::parallel_for(executor, kSegments, count < 4 * kBoundGrain ? kSegments : 1,
+                         [&](std::size_t begin, std::size_t end, int) {
+                           for (std::size_t segment = begin; segment < end; ++segment) sort_segment(segment, slots);
+                         });
 }
 
 BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -100,8 +101,11 @@ class BroadPhase {
     std::uint32_t swept = 0;
   };
 
+  void find_grids(std::span<const MotionBound> bounds, parallel::Executor& executor);
+  void find_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
   void sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
-  void sort_crowds();
+  void fill_buckets(std::span<const MotionBound> bounds, std::size_t segment);
+  void sort_crowd(std::size_t bucket);
   void find_ranges();
   void sort_swept(std::span<const SweptBound> swept);
   void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
@@ -119,7 +123,14 @@ class BroadPhase {
                       std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor,
                       Result& result);
   void sort_pairs(std::size_t count, parallel::Executor& executor);
+  void sort_segment(std::size_t segment, std::uint32_t slots);
+  template <class SegmentOf, class Write>
+  void into_segments(parallel::Executor& executor, std::size_t n, SegmentOf&& segment_of, Write&& write);
 
+  // Both counting sorts have two passes: into segments of keys, whose counts a range of items has at hand, and then
+  // each segment by itself.
+  static constexpr std::size_t kSegments = 64;
+  using SegmentCounts = std::array<std::uint32_t, kSegments>;
   static constexpr int kGrids = 64;
   std::vector<Grid> grids_ = std::vector<Grid>(kGrids);
   std::vector<int> used_grids_;
@@ -127,12 +138,19 @@ class BroadPhase {
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> bucket_of_;
   std::vector<std::uint32_t> bucket_begin_;
+  std::vector<std::array<double, kGrids>> widest_of_range_;  // scratch: per range of bounds and grid; negative: unused
+  std::vector<SegmentCounts> segment_counts_;                // scratch: one a range of items
+  std::array<std::size_t, kSegments + 1> segment_begin_{};
+  int segment_shift_ = 0;                  // a key's segment is the key without so many bits
+  std::vector<std::uint32_t> by_segment_;  // scratch: bounds, segment by segment of their buckets
   std::uint64_t block_mask_ = 0;
   std::vector<Scratch> scratch_;    // one a worker
   std::vector<Stretch> stretches_;  // of the swept bodies, by low_m
   std::vector<CandidatePair> found_;
+  std::vector<CandidatePair> in_segments_;  // scratch: found pairs, segment by segment of their lower slots
   std::vector<CandidatePair> sorted_;
   std::vector<std::uint32_t> low_begin_;
+  std::vector<std::uint32_t> slots_of_range_;  // scratch
 };
 
 }  // namespace poise::collision

@@ -35,7 +35,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   constexpr std::size_t kRoundGrain = 8;
   const RefineInput& input = refinement.input;
   scheduler::RoundSelector& rounds = refinement.resources.rounds;
-  parallel::LargeVector<PairProgress>& all = refinement.levels.progress;
+  parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
     return scheduler::Candidate{score_of(input, refinement.facts, all[index], index, all[index].level.level > 0), index,
                                 all[index].level.next_units};
@@ -206,7 +206,7 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
   levels.progress.reserve(table.capacity());
   levels.found.reserve(table.capacity());
   levels.progress.resize(table.size());
-  levels.found.resize(table.size());
+  parallel::resize(executor, levels.found, table.size());
   levels.known = table.known_of_chunk.back();
   levels.substeps = 0;
   levels.least_seen.clear();

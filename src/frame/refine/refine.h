@@ -50,8 +50,8 @@ struct LeastSeen {
 
 /// Output of *refine*: how far each pair has come, and what its deepest level found. Invariant: buffers only grow.
 struct CompletedLevels {
-  parallel::LargeVector<PairProgress> progress;          ///< one a pair
-  parallel::LargeVector<collision::LevelContact> found;  ///< one a pair: of those with a level beyond 0, and exact ones
+  parallel::UnsetVector<PairProgress> progress;          ///< one a pair
+  parallel::UnsetVector<collision::LevelContact> found;  ///< one a pair: of those with a level beyond 0, and exact ones
   std::vector<WorkerTally> tallies;                      ///< one a worker
   KnownCount known;  ///< of all pairs before refinement, once it is decided which are reused
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement

@@ -6,7 +6,7 @@
 
 namespace poise::simulation {
 
-/// For tests that read the inside of a World or replace a part of it.
+/// For tests and studies that read the inside of a World or replace a part of it.
 struct WorldAccess {
   static WorldState& of(World& world) { return *world.state_; }
 };

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "solver/coloring.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace poise::solver {
+namespace {
+
+// Ranges of edges whose counts are summed up one after another between two loops.
+constexpr std::size_t kEdgeRanges = 16;
+
+parallel::Ranges ranges_of(std::size_t edges, const parallel::Executor& executor) {
+  const bool alone = executor.concurrency() == 1 || edges < Coloring::kTiledEdges;
+  return {edges, alone ? std::max<std::size_t>(edges, 1) : std::max(Coloring::kTiledEdges / 4, edges / kEdgeRanges)};
+}
+
+// From how many items of each bin there are in each range of items to where they begin in a list of all, bin by bin and
+// within a bin range by range. Goes through the counts in the order of memory.
+template <std::size_t kCount>
+void begin_bins(std::vector<std::array<std::uint32_t, kCount>>& counts, std::array<std::uint32_t, kCount + 1>& begin) {
+  begin.fill(0);
+  for (const auto& of_range : counts) {
+    for (std::size_t bin = 0; bin < kCount; ++bin) begin[bin] += of_range[bin];
+  }
+  std::uint32_t sum = 0;
+  for (std::uint32_t& bin : begin) bin = std::exchange(sum, sum + bin);
+  std::array<std::uint32_t, kCount> next;
+  std::copy_n(begin.begin(), kCount, next.begin());
+  for (auto& of_range : counts) {
+    for (std::size_t bin = 0; bin < kCount; ++bin) {
+      const std::uint32_t count = of_range[bin];
+      of_range[bin] = next[bin];
+      next[bin] += count;
+    }
+  }
+}
+
+}  // namespace
+
+// The bin of an edge: the first colour that is free at both bodies, where it is then used, and the rank, the highest
+// first. Edges without a colour keep their order.
+std::uint16_t Coloring::pick(const Edge& edge) {
+  const std::uint64_t used = (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0);
+  const auto color = static_cast<std::uint32_t>(std::countr_one(used));
+  if (color == kColors) return kColors * kRanks;
+  const std::uint64_t mark = std::uint64_t{1} << color;
+  if (edge.dynamic_a) used_[edge.a] |= mark;
+  if (edge.dynamic_b) used_[edge.b] |= mark;
+  return static_cast<std::uint16_t>(color * kRanks + kRanks - 1 - edge.rank);
+}
+
+void Coloring::reserve_tiles() {
+  tile_counts_.reserve(kEdgeRanges);
+  bin_counts_.reserve(kEdgeRanges);
+  waiting_.reserve(kTiles);
+  phase_tiles_.reserve(kTiles);
+  phase_begin_.reserve(kTiles + 1);
+}
+
+void Coloring::sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges,
+                               parallel::Executor& executor) {
+  tile_counts_.resize(ranges.count);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    TileCounts& counts = tile_counts_[range];
+    counts.fill(0);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Edge& edge = edges[i];
+      const std::uint32_t a = (edge.dynamic_a ? edge.a : edge.b) >> body_shift_;
+      const std::uint32_t b = (edge.dynamic_b ? edge.b : edge.a) >> body_shift_;
+      const std::size_t tile = std::min(a, b) * kBodyRanges + std::max(a, b);
+      tile_of_[i] = static_cast<std::uint16_t>(tile);
+      ++counts[tile];
+    }
+  });
+  begin_bins<kTiles>(tile_counts_, tile_begin_);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    TileCounts& next = tile_counts_[range];
+    for (std::size_t i = begin; i < end; ++i) by_tile_[next[tile_of_[i]]++] = static_cast<std::uint32_t>(i);
+  });
+}
+
+// Of the tiles that are left, the largest first, each phase takes those whose two ranges no other has taken: so tiles
+// of like size are coloured at the same time.
+void Coloring::plan_phases() {
+  const auto size = [&](std::uint16_t tile) { return tile_begin_[tile + 1U] - tile_begin_[tile]; };
+  waiting_.clear();
+  for (std::uint16_t tile = 0; tile < kTiles; ++tile) {
+    if (size(tile) > 0) waiting_.push_back(tile);
+  }
+  std::sort(waiting_.begin(), waiting_.end(),
+            [&](std::uint16_t x, std::uint16_t y) { return std::pair(size(y), x) < std::pair(size(x), y); });
+  phase_tiles_.clear();
+  phase_begin_.assign(1, 0);
+  while (!waiting_.empty()) {
+    std::uint32_t taken = 0;
+    std::erase_if(waiting_, [&](std::uint16_t tile) {
+      const std::uint32_t ranges = 1U << (tile / kBodyRanges) | 1U << (tile % kBodyRanges);
+      if ((taken & ranges) != 0) return false;
+      taken |= ranges;
+      phase_tiles_.push_back(tile);
+      return true;
+    });
+    phase_begin_.push_back(phase_tiles_.size());
+  }
+}
+
+void Coloring::color_tiles(std::span<const Edge> edges, parallel::Executor& executor) {
+  for (std::size_t phase = 0; phase + 1 < phase_begin_.size(); ++phase) {
+    const std::size_t first = phase_begin_[phase];
+    parallel::parallel_for(executor, phase_begin_[phase + 1] - first, 1, [&](std::size_t k, std::size_t, int) {
+      const std::uint16_t tile = phase_tiles_[first + k];
+      for (std::uint32_t at = tile_begin_[tile]; at < tile_begin_[tile + 1U]; ++at)
+        bin_of_[by_tile_[at]] = pick(edges[by_tile_[at]]);
+    });
+  }
+}
+
+void Coloring::sort_by_color(const parallel::Ranges& ranges, parallel::Executor& executor) {
+  bin_counts_.resize(ranges.count);
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    BinCounts& counts = bin_counts_[range];
+    counts.fill(0);
+    for (std::size_t i = begin; i < end; ++i) ++counts[bin_of_[i]];
+  });
+  std::array<std::uint32_t, kBins + 1> bin_begin;
+  begin_bins<kBins>(bin_counts_, bin_begin);
+  begin_.resize(kColors + 2);
+  for (std::size_t color = 0; color < begin_.size(); ++color) begin_[color] = bin_begin[color * kRanks];
+  colors_ = kColors;
+  while (colors_ > 0 && begin_[colors_] == begin_[colors_ - 1]) --colors_;
+  parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    BinCounts& next = bin_counts_[range];
+    for (std::size_t i = begin; i < end; ++i) order_[next[bin_of_[i]]++] = static_cast<std::uint32_t>(i);
+  });
+}
+
+void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor) {
+  used_.assign(bodies, 0);
+  bin_of_.resize(edges.size());
+  order_.resize(edges.size());
+  const parallel::Ranges ranges = ranges_of(edges.size(), executor);
+  if (edges.size() < kTiledEdges) {
+    for (std::size_t i = 0; i < edges.size(); ++i) bin_of_[i] = pick(edges[i]);
+  } else {
+    body_shift_ = std::max(static_cast<int>(std::bit_width(bodies - 1)) - std::countr_zero(kBodyRanges), 0);
+    tile_of_.resize(edges.size());
+    by_tile_.resize(edges.size());
+    sort_into_tiles(edges, ranges, executor);
+    plan_phases();
+    color_tiles(edges, executor);
+  }
+  sort_by_color(ranges, executor);
+}
+
+void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {
+  color(edges, bodies, *parallel::make_executor(ExecutorKind::Serial, 1));
+}
+
+}  // namespace poise::solver

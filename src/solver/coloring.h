@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "parallel/executor.h"
+#include "parallel/large_pages.h"
+#include "parallel/ranges.h"
+
+namespace poise::solver {
+
+/// Order of rows such that no two rows of one colour share a dynamic body; within a colour by rank, the highest first.
+/// Deterministic for the rows' order, whatever the number of threads. Invariant: begin has one more entry than there
+/// are colours; rows of the last stretch, if any, share bodies.
+///
+/// Each row gets the first colour that is free at both bodies. Many rows are coloured in parallel: bodies are divided
+/// into ranges of slots and rows into tiles, those between the same two ranges. Tiles without a range in common share
+/// no body. They make up a phase, whose tiles are coloured at the same time; phases follow each other.
+class Coloring {
+ public:
+  static constexpr std::uint32_t kColors = 64;
+  static constexpr std::uint32_t kRanks = 8;
+  /// Fewer are one tile. Chosen: 40 us of work, about the cost of the loops that more tiles need.
+  static constexpr std::size_t kTiledEdges = 4096;
+  struct Edge {
+    std::uint32_t a = 0, b = 0;
+    bool dynamic_a = true, dynamic_b = true;
+    std::uint8_t rank = 0;  ///< below kRanks
+  };
+  void color(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor);
+  /// The same on the calling thread.
+  void color(std::span<const Edge> edges, std::size_t bodies);
+  void reserve(std::size_t edges) {
+    bin_of_.reserve(edges);
+    tile_of_.reserve(edges);
+    by_tile_.reserve(edges);
+    order_.reserve(edges);
+    begin_.reserve(kColors + 2);
+    if (edges >= kTiledEdges) reserve_tiles();
+  }
+  /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)).
+  [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
+  [[nodiscard]] std::uint32_t colors() const { return colors_; }
+  [[nodiscard]] std::size_t begin(std::uint32_t color) const { return begin_[color]; }
+  /// Edges from this position on got no colour and are solved one after another.
+  [[nodiscard]] std::size_t serial_begin() const { return begin_[colors_]; }
+
+ private:
+  static constexpr std::size_t kBodyRanges = 32;
+  static constexpr std::size_t kTiles = kBodyRanges * kBodyRanges;
+  static constexpr std::size_t kBins = std::size_t{kColors + 1} * kRanks;  // a colour and rank each
+  using TileCounts = std::array<std::uint32_t, kTiles>;
+  using BinCounts = std::array<std::uint32_t, kBins>;
+
+  std::uint16_t pick(const Edge& edge);
+  void reserve_tiles();
+  void sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges, parallel::Executor& executor);
+  void plan_phases();
+  void color_tiles(std::span<const Edge> edges, parallel::Executor& executor);
+  void sort_by_color(const parallel::Ranges& ranges, parallel::Executor& executor);
+
+  std::vector<std::uint64_t> used_;  // one a body: bit by colour
+  parallel::UnsetVector<std::uint16_t> bin_of_, tile_of_;
+  parallel::UnsetVector<std::uint32_t> by_tile_;      // edges, tile by tile, in canonical order within a tile
+  std::vector<TileCounts> tile_counts_;               // one a range of edges
+  std::vector<BinCounts> bin_counts_;                 // likewise
+  std::array<std::uint32_t, kTiles + 1> tile_begin_;  // in by_tile_
+  std::vector<std::uint16_t> waiting_, phase_tiles_;  // tiles
+  std::vector<std::size_t> phase_begin_;              // in phase_tiles_
+  int body_shift_ = 0;                                // a body's range is its slot without so many bits
+  parallel::UnsetVector<std::uint32_t> order_;
+  std::vector<std::size_t> begin_ = {0};
+  std::uint32_t colors_ = 0;
+};
+
+}  // namespace poise::solver
