@@ -38,17 +38,25 @@ bool is_whole_function(std::string_view rest) {
 Result<CallgrindProfile> parse_callgrind_profile(std::string_view text) {
   CallgrindProfile profile;
   std::uint64_t* function = nullptr;
+  std::string_view name;
+  // The next cost is that of a part of the function which the compiler has made a function of: it is counted there.
+  bool of_part = false;
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (line.starts_with("fn=")) {
-      function = &profile.inclusive[std::string(line.substr(3))];
+      name = line.substr(3);
+      function = &profile.inclusive[std::string(name)];
+    } else if (line.starts_with("cfn=")) {
+      const std::string_view called = line.substr(4);
+      of_part = called.starts_with(name) && called.substr(name.size()).starts_with(" [clone .part");
     } else if (line.starts_with("totals: ")) {
       profile.total = cost_of(line).value_or(0);
     } else if (function != nullptr && is_cost_line(line)) {
       // The function's own instructions, or after `calls=` those of the called function.
-      *function += cost_of(line).value_or(0);
+      if (!of_part) *function += cost_of(line).value_or(0);
+      of_part = false;
     }
   }
   if (profile.total == 0 || profile.inclusive.empty())

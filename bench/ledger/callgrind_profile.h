@@ -13,8 +13,8 @@ namespace poise::ledger {
 /// Instructions that a run under valgrind's callgrind executed while it collected.
 struct CallgrindProfile {
   std::uint64_t total = 0;
-  /// By demangled name: instructions of the function and of everything it called. Inner calls of a recursive function
-  /// are counted again.
+  /// By demangled name: instructions of the function and of everything it called but its own compiler-made parts, which
+  /// have entries of theirs. Inner calls of a recursive function are counted again.
   std::map<std::string, std::uint64_t, std::less<>> inclusive;
 };
 

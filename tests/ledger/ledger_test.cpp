@@ -30,6 +30,14 @@ TEST(CallgrindProfile, CountsAFunctionWithAllThatItCalls) {
   EXPECT_EQ(instructions_inside(profile.value(), "poise::ste"), 0U);
 }
 
+TEST(CallgrindProfile, CountsAPartThatTheCompilerHasTakenOutOfAFunctionOnce) {
+  const Result<CallgrindProfile> profile = parse_callgrind_profile(
+      "totals: 60\nfn=solve(int)\n1 10\ncfn=solve(int) [clone .part.0]\ncalls=1 2\n1 45\n2 5\n"
+      "fn=solve(int) [clone .part.0]\n2 45\n");
+  ASSERT_TRUE(profile.ok());
+  EXPECT_EQ(instructions_inside(profile.value(), "solve"), 60U);
+}
+
 TEST(CallgrindProfile, IsRefusedWithoutATotalOrFunctions) {
   EXPECT_FALSE(parse_callgrind_profile("").ok());
   EXPECT_FALSE(parse_callgrind_profile("fn=a\n1 2\n").ok());
