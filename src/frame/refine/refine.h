@@ -53,9 +53,9 @@ struct CompletedLevels {
   parallel::UnsetVector<PairProgress> progress;          ///< one a pair
   parallel::UnsetVector<collision::LevelContact> found;  ///< one a pair: of those with a level beyond 0, and exact ones
   std::vector<WorkerTally> tallies;                      ///< one a worker
-  KnownCount known;  ///< of all pairs before refinement, once it is decided which are reused
+  KnownCount known;          ///< of all pairs before refinement, once it is decided which are reused
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
-  int substeps = 0;  ///< of the contact solver, where the frame is degraded to fewer; else 0
+  int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
 
   std::vector<LeastSeen> least_seen;  // scratch: pairs that may be reused; those that are come first
 };
