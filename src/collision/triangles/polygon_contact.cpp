@@ -29,8 +29,6 @@ constexpr std::uint32_t kUnitsOfMeshes = 4096;
 // B is displaced by this share of the smaller radius, in a direction that no scene is aligned with, so that no faces
 // and edges coincide exactly.
 constexpr double kSleepingPair = 1e-9;
-// Leaves are tested with this share of both bodies' radii added: for that displacement and for rounding.
-constexpr double kSpare = 4e-9;
 // Steps from surface to surface that a first guess of the gap takes at most; each is a search for the closest point.
 constexpr int kGuessSteps = 2;
 

@@ -97,8 +97,8 @@ struct Facing {
     const double aside2_a = aside2(a);
     const double over_m = wide_m + past_rim_m;
     corners_and_faces = aside2_a <= over_m * over_m || aside2(b) <= over_m * over_m;
-    const double lean = double{a.spread_rad} + 0.5 * kLeanOfBoth;
-    const double angle = double{b.spread_rad} + 0.5 * kLeanOfBoth + lean;
+    const double lean = static_cast<double>(a.spread_rad) + 0.5 * kLeanOfBoth;
+    const double angle = static_cast<double>(b.spread_rad) + 0.5 * kLeanOfBoth + lean;
     const double leaning_m = wide_m + lean * most_gap_m;
     cones = -a.normal.dot(b.normal) >= 1 - 0.5 * angle * angle && aside2_a <= leaning_m * leaning_m;
   }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "frame/refine/replay_decisions.h"
+#include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -64,19 +65,20 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
         if (!pair.full) worst += could_make;
       }
       const std::span<const scheduler::Candidate> slice = round.subspan(first, end - first);
-      parallel::parallel_for(
-          refinement.executor, slice.size(), kRoundGrain, [&](std::size_t begin, std::size_t past, int worker) {
-            for (std::size_t i = begin; i < past; ++i) {
-              PairProgress& pair = all[slice[i].pair];
-              const std::uint64_t units = pair.level.next_units;
-              Outcome outcome = Outcome::Full;
-              if (!pair.full) {
-                collision::PairFrame frame = refinement.frame_of_pair(slice[i].pair);
-                outcome = refinement.refine_next(slice[i].pair, frame, worker);
-              }
-              note_outcome(pair.level.apart, units, outcome, refinement.levels.tallies[static_cast<std::size_t>(worker)]);
-            }
-          });
+      parallel::parallel_for(refinement.executor, slice.size(), kRoundGrain,
+                             [&](std::size_t begin, std::size_t past, int worker) {
+                               for (std::size_t i = begin; i < past; ++i) {
+                                 PairProgress& pair = all[slice[i].pair];
+                                 const std::uint64_t units = pair.level.next_units;
+                                 Outcome outcome = Outcome::Full;
+                                 if (!pair.full) {
+                                   collision::PairFrame frame = refinement.frame_of_pair(slice[i].pair);
+                                   outcome = refinement.refine_next(slice[i].pair, frame, worker);
+                                 }
+                                 note_outcome(pair.level.apart, units, outcome,
+                                              refinement.levels.tallies[static_cast<std::size_t>(worker)]);
+                               }
+                             });
       for (const scheduler::Candidate& chosen : slice) {
         const PairProgress& pair = all[chosen.pair];
         const bool cached =

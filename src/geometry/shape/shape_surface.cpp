@@ -122,7 +122,7 @@ void set_edges(ShapeSurface& surface, std::span<const EdgeUse> uses) {
 // = 1.
 double widest_angle_rad(const Vec3& u, const Vec3& v) {
   const double chord = (u - v).norm();
-  return u.isZero(0) || v.isZero(0) || chord > 1 ? double{ShapeSurface::kAnyDirection} : 1.05 * chord;
+  return u.isZero(0) || v.isZero(0) || chord > 1 ? static_cast<double>(ShapeSurface::kAnyDirection) : 1.05 * chord;
 }
 
 // A plane that supports the surface at a corner or a side leans from a face no more than the steepest of the faces
@@ -137,7 +137,7 @@ void set_spreads(ShapeSurface& surface) {
       if ((t.features & (ShapeSurface::kVertex0 << k)) != 0) owner[t.vertex[k]] = index;
       if ((t.features & (ShapeSurface::kEdge0 << k)) == 0) continue;
       const double there = t.across[k] == ShapeSurface::kNone
-                               ? double{ShapeSurface::kAnyDirection}
+                               ? static_cast<double>(ShapeSurface::kAnyDirection)
                                : widest_angle_rad(t.normal, surface.triangles[t.across[k]].normal);
       spread[index] = std::max(spread[index], there);
     }
@@ -151,7 +151,7 @@ void set_spreads(ShapeSurface& surface) {
   }
   for (std::size_t i = 0; i < spread.size(); ++i) {
     surface.triangles[i].spread_rad =
-        static_cast<float>(std::min(spread[i] * (1 + 1e-6), double{ShapeSurface::kAnyDirection}));
+        static_cast<float>(std::min(spread[i] * (1 + 1e-6), static_cast<double>(ShapeSurface::kAnyDirection)));
   }
 }
 
