@@ -59,7 +59,7 @@ struct UnsetPages : LargePages<T> {
   template <class U>
   UnsetPages(const UnsetPages<U>& /*other*/) noexcept {}
   template <class U>
-  struct rebind {
+  struct rebind {  // NOLINT(readability-identifier-naming): the name that std::allocator_traits asks for
     using other = UnsetPages<U>;
   };
   template <class U, class... Arguments>
