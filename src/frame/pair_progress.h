@@ -38,6 +38,7 @@ enum class ContactState : std::uint8_t {
 ///   coarse  -                cached points, for sure (Points) or not (Expired)     Cached
 ///   coarse  Coarsest         a fast body, surfaces touch (backtracking)            Exact
 ///   coarse  Coarsest         a fast body, surfaces apart (backtracking)            Separated
+///   refine  Coarsest         the frame does not fit: reused as separated (Parted)  CachedSeparated
 ///   refine  Coarsest         the frame does not fit: reused with its points        Cached
 ///   refine  Coarsest         a level completes, nodes are near                     Refined
 ///   refine  Cached           a level at least as deep as the cached one completes  Refined

@@ -14,13 +14,6 @@ namespace {
 
 constexpr double kFrame_s = 1.0 / 60;
 
-WorldSettings heap_settings() {
-  WorldSettings settings;
-  settings.threads = 1;
-  settings.gravity_mps2 = Vec3(0, 0, -9.81);
-  return settings;
-}
-
 StepInput with_work(std::uint64_t units) {
   StepInput input = step_of(kFrame_s);
   input.budget = Budget::work(units);
@@ -46,7 +39,7 @@ double kinetic_j(const Stage& stage) {
 // Each frame has work for the first level of some pairs and for a few deeper ones: were the first levels done anew in
 // each, no pair would ever get farther.
 TEST(Overload, AHeapThatRestsBecomesKnownToItsDeepestLevelsByASmallBudgetToo) {
-  Stage stage(heap_settings(), 0);
+  Stage stage(one_thread_with_gravity(), 0);
   stage.material = stage.world.add_material({0, 0.5, 1000}).value();
   stage.jacks(40, 5);
   for (int i = 0; i < 240; ++i) stage.world.step(with_work(0));
@@ -64,7 +57,7 @@ TEST(Overload, AfterAnyDemandFullLevelsAreBackAndNothingHasBeenThrownOrLost) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
-    Stage stage(heap_settings(), 0);
+    Stage stage(one_thread_with_gravity(), 0);
     stage.material = stage.world.add_material({0, 0.5, 1000}).value();
     stage.jacks(40, 5);
     for (int k = 0; k < 8; ++k) {

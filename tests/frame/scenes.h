@@ -85,6 +85,13 @@ struct Stage {
   BodyState at(BodyId body) const { return world.state(body).value(); }
 };
 
+inline WorldSettings one_thread_with_gravity() {
+  WorldSettings settings;
+  settings.threads = 1;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  return settings;
+}
+
 inline StepInput step_of(double dt_s) {
   StepInput input;
   input.dt_s = dt_s;

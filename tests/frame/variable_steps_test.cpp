@@ -12,13 +12,6 @@ namespace {
 
 constexpr double kStep_s = 1.0 / 60;
 
-WorldSettings with_gravity() {
-  WorldSettings settings;
-  settings.threads = 1;
-  settings.gravity_mps2 = Vec3(0, 0, -9.81);
-  return settings;
-}
-
 // Steps of the frame rate's third, half, whole, double and again.
 double changing_s(int frame) {
   constexpr std::array<double, 6> kFactors{1, 0.5, 1, 2, 1.0 / 3, 2};
@@ -32,7 +25,7 @@ double fastest_mps(const Stage& stage) {
 }
 
 TEST(VariableSteps, AColumnOfBallsStaysAsItStood) {
-  Stage stage(with_gravity(), 0);
+  Stage stage(one_thread_with_gravity(), 0);
   stage.tray(4);
   const ShapeId ball = stage.ball(0.5);
   for (int i = 0; i < 10; ++i) stage.add(ball, Vec3(0, 0, 0.5 + 1.0 * i));
@@ -48,7 +41,7 @@ TEST(VariableSteps, AColumnOfBallsStaysAsItStood) {
 }
 
 TEST(VariableSteps, AHeapOfJacksMovesNoFasterThanWithEvenSteps) {
-  Stage stage(with_gravity(), 0);
+  Stage stage(one_thread_with_gravity(), 0);
   stage.material = stage.world.add_material({0, 0.5, 1000}).value();
   stage.jacks(40, 5);
   for (int i = 0; i < 300; ++i) stage.world.step(step_of(kStep_s));

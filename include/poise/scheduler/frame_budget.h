@@ -18,14 +18,14 @@ using TimePoint = std::chrono::steady_clock::time_point;
 /// a *contact* is any item that the tail has to process, a *unit* any amount of refinement. Sums saturate at the range
 /// of TimePoint.
 struct FrameBudget {
-  bool limited = false;            ///< false: there is no deadline
-  TimePoint deadline{};            ///< of the frame, host work included
-  Nanoseconds host_work{0};        ///< still to come after the step
-  Nanoseconds tail_fixed{0};       ///< point forecast of the tail without contacts
-  double tail_per_contact_ns = 0;  ///< point forecast for each contact
-  double margin = 1;               ///< factor from point forecast to reserve
+  bool limited = false;                       ///< false: there is no deadline
+  TimePoint deadline{};                       ///< of the frame, host work included
+  Nanoseconds host_work{0};                   ///< still to come after the step
+  Nanoseconds tail_fixed{0};                  ///< point forecast of the tail without contacts
+  double tail_per_contact_ns = 0;             ///< point forecast for each contact
+  double margin = 1;                          ///< factor from point forecast to reserve
   TimePoint earliest_cut = TimePoint::min();  ///< refinement may go on until here, whatever the reserve
-  double unit_cost_ns = 40;        ///< of one unit (Poise: a node-pair expansion) on one thread, nanoseconds
+  double unit_cost_ns = 40;                   ///< of one unit (Poise: a node-pair expansion) on one thread, nanoseconds
   double job_overhead_ns = 150;
 
   /// Point forecast of the tail for this number of contacts; the margin is tracked against it.

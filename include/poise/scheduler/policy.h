@@ -41,7 +41,7 @@ struct PairChain {
   std::span<const float> error_m;   ///< expected error of each level, from 0 to the pair's deepest, metres
   std::uint64_t front_entries = 1;  ///< cost of the next level in node-pair expansions
   UserData user_data{};             ///< of the two bodies, for a host's policy
-  bool begun = false;               ///< a job that has just completed the last level would go on with this one
+  bool begun = false;               ///< a level of it was completed in this frame: its data is at hand
 };
 
 /// Facts of a frame that a policy may use.
@@ -142,8 +142,8 @@ inline constexpr double kMostScore = 1e300;
 double cue_weight(const Policy& policy, const PairCues& cues);
 
 /// The best average gain per unit of work over the remaining levels of the pair, radians per expansion: the greedy
-/// choice on the concave envelope of its chain. Where a job would go on with the pair, that job's overhead is paid. 0
-/// if no level is left. `policy` must be valid. Any thread.
+/// choice on the concave envelope of its chain. The overhead of a pair that was begun is paid. 0 if no level is left.
+/// `policy` must be valid. Any thread.
 double best_gain_per_work(const Policy& policy, const PairChain& chain, double angle_radpm);
 
 /// The score of a pair, in [0, kMostScore]. Pairs with a larger score are served sooner, ties by pair. `queue_index` is

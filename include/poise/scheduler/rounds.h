@@ -15,9 +15,9 @@ struct Candidate {
 };
 
 /// The work clock: refinement in rounds of a fixed size, so that the selection depends on scores and budget alone, not
-/// on threads. Candidates are admitted by (score, pair) while the budget lasts, in each round until half of what is left
-/// of it is charged, so that what a round makes possible has its turn. A candidate that does not fit is left, and smaller
-/// ones behind it may still fit. One thread at a time.
+/// on threads. Candidates are admitted by (score, pair) while the budget lasts, in each round until half of what is
+/// left of it is charged, so that what a round makes possible has its turn. A candidate that does not fit is left, and
+/// smaller ones behind it may still fit. One thread at a time.
 class RoundSelector {
  public:
   static constexpr std::uint32_t kDefaultRoundPairs = 512;

@@ -49,7 +49,7 @@ constexpr double kShareOfIterations = 0.5;
 // What pairs cost as long as nothing is known of them they cost in every frame; what is found out of them they cost
 // once. So this much of a frame belongs to refinement wherever it has that much to do. Chosen.
 constexpr double kShareOfRefinement = 0.2;
-// A level of a pair, with all that goes with it, on one thread.
+// A level of a pair of jacks, with all that goes with it, on one thread. Measured: 1 to 1.5 us.
 constexpr double kLevelNs = 1000;
 
 double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }

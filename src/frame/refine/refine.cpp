@@ -38,7 +38,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   scheduler::RoundSelector& rounds = refinement.resources.rounds;
   parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
-    return scheduler::Candidate{score_of(input, refinement.facts, all[index], index, all[index].level.level > 0), index,
+    return scheduler::Candidate{score_of(input, refinement.facts, all[index], index), index,
                                 all[index].level.next_units};
   };
   rounds.begin_frame(budget_units, all.size(), input.policy.round_pairs);
@@ -165,7 +165,7 @@ scheduler::FrameFacts frame_facts(const RefineInput& input) {
 }
 
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
-                std::uint32_t index, bool begun) {
+                std::uint32_t index) {
   const ActivePair& pair = input.table.pairs[index];
   std::array<float, kPolygonBin + 1> error_m{};
   const auto& error_a = input.scene.facts_of(pair.a).error_m;
@@ -184,7 +184,7 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
                                    std::span(error_m).first(progress.level.deepest + 1U),
                                    progress.level.next_units,
                                    user_data_of(input.scene, pair),
-                                   begun};
+                                   progress.level.level > 0};
   return scheduler::score(input.policy, facts, chain, input.table.cues[index], index);
 }
 

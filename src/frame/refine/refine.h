@@ -90,10 +90,9 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
 /// What a policy may know of the frame.
 scheduler::FrameFacts frame_facts(const RefineInput& input);
 
-/// What decides when the next level of an active pair has its turn. `begun`: a job that holds the pair may go on with
-/// it.
+/// What decides when the next level of an active pair has its turn.
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
-                std::uint32_t index, bool begun = false);
+                std::uint32_t index);
 
 /// Counts a level that has ended. `apart`: it has found the pair separated.
 void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally& tally);

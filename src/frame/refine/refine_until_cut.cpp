@@ -185,7 +185,7 @@ class OpenRefinement::Job {
   }
   [[nodiscard]] bool goes_on(const PairProgress& progress) {
     const RefineInput& input = run_.input;
-    const std::uint32_t band = scheduler::band_of(input.policy, score_of(input, run_.facts, progress, item_, true));
+    const std::uint32_t band = scheduler::band_of(input.policy, score_of(input, run_.facts, progress, item_));
     return band >= run_.bands.highest() && admits(progress.level.next_units);
   }
 
