@@ -68,6 +68,40 @@ TEST(Degrade, AnInfeasibleFrameSaysBeforehandThatItIsOneAndDoesWithFewerSubsteps
   EXPECT_GT(reused, 0U) << "no pair's places ever grew too old";
 }
 
+TEST(Degrade, RefinementHasAFifthOfAFrameWhoseReserveWouldTakeItAll) {
+  Stage stage(falling(1), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 60; ++i) stage.world.step(easy());
+  const WorldState& world = WorldAccess::of(stage.world);
+  const SteadyClock::time_point now{std::chrono::hours(10)};  // invented, like all times that follow
+  StepInput input = step_of(1.0 / 60);
+  const auto plan = [&](Nanoseconds left, std::uint32_t refinable, FrameReport& report) {
+    input.budget = Budget::until(now + left);
+    simulation::Forecasts forecasts = world.forecasts;
+    simulation::CompletedLevels levels = world.outputs.levels;
+    levels.known.refinable = refinable;
+    return simulation::plan_frame(refine_input(world, input), now, forecasts, levels, report);
+  };
+  constexpr std::uint32_t kMany = 1'000'000;
+  FrameReport far;
+  plan(std::chrono::minutes(1), kMany, far);
+  ASSERT_EQ(far.degraded.substeps, 0);
+  ASSERT_GT(far.reserve_at_cut, far.tail_forecast);
+  // The forecast fits, its reserve does not.
+  const Nanoseconds left = (far.tail_forecast + far.reserve_at_cut) / 2;
+  FrameReport tight;
+  const simulation::FramePlan tight_plan = plan(left, kMany, tight);
+  EXPECT_FALSE(tight.infeasible_forecast);
+  EXPECT_EQ(tight.degraded.substeps, 1);
+  const scheduler::TimePoint fits = now + left - tight_plan.budget.tail_forecast(tight_plan.expected);
+  EXPECT_GT(tight_plan.budget.cut(tight_plan.expected), now);
+  EXPECT_GE(tight_plan.budget.cut(tight_plan.expected), std::min(now + left / 5, fits));
+  FrameReport known;
+  const simulation::FramePlan known_plan = plan(left, 0, known);
+  EXPECT_EQ(known.degraded.substeps, 0) << "nothing is left out where there is nothing to refine";
+  EXPECT_LT(known_plan.budget.cut(known_plan.expected), now);
+}
+
 TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
   Stage stage(falling(2), 0.2);
   stage.jacks(30, 3);

@@ -98,7 +98,9 @@ Nanoseconds refinement_wanted(const RefineInput& input, const CompletedLevels& l
 // margin.
 void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts,
                CompletedLevels& levels, Degraded& degraded, FramePlan& plan) {
-  const SteadyClock::time_point wanted = now + refinement_wanted(input, levels, now);
+  const Nanoseconds wanted_time = refinement_wanted(input, levels, now);
+  if (wanted_time <= Nanoseconds(0)) return;
+  const SteadyClock::time_point wanted = now + wanted_time;
   const int least = forecasts.times.iterations_a_substep > 0 ? 1 : input.substeps;
   int substeps = levels.substeps > 0 ? levels.substeps : input.substeps;
   while (--substeps >= least && plan.budget.cut(plan.expected) < wanted) {
