@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "frame/budget/frame_time.h"
 #include "frame/run_frame.h"
@@ -78,6 +79,11 @@ TEST(Degrade, RefinementHasAFifthOfAFrameWhoseReserveWouldTakeItAll) {
   const auto plan = [&](Nanoseconds left, std::uint32_t refinable, FrameReport& report) {
     input.budget = Budget::until(now + left);
     simulation::Forecasts forecasts = world.forecasts;
+    // A reserve of twice the forecast, for as many iterations whatever time there is.
+    forecasts.margin =
+        scheduler::TrackedQuantile(world.settings.alpha, scheduler::TrackedQuantile::kDefaultEta, std::log(2.0));
+    forecasts.times.manifold_points = 1000;
+    forecasts.times.iterations_a_substep = 1000;
     simulation::CompletedLevels levels = world.outputs.levels;
     levels.known.refinable = refinable;
     return simulation::plan_frame(refine_input(world, input), now, forecasts, levels, report);
