@@ -30,6 +30,7 @@ inline bool settled(const System& system, const Stopping& stopping, double Conta
   double largest_ns = 0;
   double change_ns = 0;
   for (std::size_t i = 0; i < system.rows.size(); ++i) {
+    if (!system.scratch.activations[i].ready) continue;
     largest_ns = std::max(largest_ns, system.rows[i].*impulse_ns);
     change_ns = std::max(change_ns, std::abs(system.scratch.change_ns[i]));
   }

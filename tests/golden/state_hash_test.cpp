@@ -2,13 +2,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "collision/instruction_sets.h"
 #include "geometry/shared_tree.h"
 #include "poise/scene/scene.h"
 
@@ -77,11 +80,31 @@ TEST_P(StateHash, StaysAsItWasOnOneThreadAndOnTwo) {
   }
 }
 
+class StateHashOfKernels : public StateHash {};
+
+TEST_P(StateHashOfKernels, IsTheSameOnEveryInstructionSet) {
+  const Golden& golden = GetParam();
+  const int sets = collision::on_every_instruction_set(
+      [&](const char* name) { EXPECT_EQ(hash_after(golden, 1), golden.hash) << name; });
+  EXPECT_GE(sets, 2);
+}
+
 using enum ContactModel;
 
 const std::vector<Golden> kGoldens = {
 #include "golden/state_hashes.inc"
 };
+
+// Those that use every kernel and do not take long.
+std::vector<Golden> of_kernels() {
+  constexpr std::array<std::string_view, 4> kScenes{"pile.json", "gas.json", "bullets.json", "real-meshes.json"};
+  std::vector<Golden> chosen;
+  for (const Golden& golden : kGoldens) {
+    if (golden.contact == Fitted && std::find(kScenes.begin(), kScenes.end(), golden.scene) != kScenes.end())
+      chosen.push_back(golden);
+  }
+  return chosen;
+}
 
 std::string test_name(const testing::TestParamInfo<Golden>& info) {
   std::string name = std::filesystem::path(info.param.scene).stem().string() + "_" + name_of(info.param.contact);
@@ -91,6 +114,7 @@ std::string test_name(const testing::TestParamInfo<Golden>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfScenes, StateHash, testing::ValuesIn(kGoldens), test_name);
+INSTANTIATE_TEST_SUITE_P(OfScenes, StateHashOfKernels, testing::ValuesIn(of_kernels()), test_name);
 
 }  // namespace
 }  // namespace poise
