@@ -34,6 +34,7 @@ struct FrameDecisions {
   std::uint32_t substeps = 0;          ///< of the contact solver; 0: as in the settings
   std::uint32_t point_iterations = 0;  ///< limit of that solver in a substep; 0: its default limit
   std::vector<std::uint32_t> reused;   ///< pairs that reused an expired cached contact, ascending
+  std::vector<std::uint32_t> held;     ///< islands that waited, by their lowest slot, ascending
   std::vector<RefinementStep> steps;   ///< in the order of completion
   friend bool operator==(const FrameDecisions&, const FrameDecisions&) = default;
 };

@@ -74,6 +74,11 @@ struct WorldSettings {
   /// nothing. They wake when a moving body comes near, or when the caller changes one of them or a body that they rest
   /// on. Costs nothing if off.
   bool sleeping = false;
+  /// Where a frame would not meet its deadline, or has no time to refine, islands at rest may wait, for up to seven
+  /// frames in a row: their bodies keep position and velocity and get no forces, and their contacts go on without being
+  /// listed. Counted in Degraded::bodies_held. Never without gravity, with StepInput::backtracking, or without a
+  /// deadline.
+  bool hold_at_rest = true;
   int substeps = 2;  ///< of the contact solver, 1 to 16
   /// Share of frames with a deadline whose tail may take longer than its reserve, in [1e-5, 0.5]. A smaller share needs
   /// a larger reserve.

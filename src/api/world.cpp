@@ -331,6 +331,8 @@ std::uint64_t World::state_hash() const {
       "no padding in what is hashed");
   mix_pairs(state_->cache.pairs);
   if (bodies.kinematic_count() > 0) mix(bodies.kinematic);
+  const std::vector<std::uint8_t>& held = bodies.frames_held;
+  if (std::any_of(held.begin(), held.end(), [](std::uint8_t frames) { return frames > 0; })) mix(held);
   if (!state_->settings.sleeping) return hash;
   const simulation::SleepingState& sleep = state_->sleeping;
   mix(bodies.asleep);

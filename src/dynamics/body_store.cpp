@@ -31,6 +31,7 @@ BodyId BodyStore::add() {
     asleep.push_back(0);
     kinematic.push_back(0);
     pushed.push_back(0);
+    frames_held.push_back(0);
   } else {
     std::pop_heap(free_.begin(), free_.end(), std::greater<>());
     slot = free_.back();
@@ -52,6 +53,7 @@ void BodyStore::remove(std::uint32_t slot) {
   kinematic[slot] = 0;
   asleep[slot] = 0;
   pushed[slot] = 0;
+  frames_held[slot] = 0;
   ++generation[slot];
   mass_kg[slot] = 0;
   inverse_mass[slot] = 0;

@@ -36,6 +36,7 @@ struct BodyStore {
   std::vector<std::uint8_t> asleep;     ///< alive, neither static nor kinematic, and treated as static while it sleeps
   std::vector<std::uint8_t> kinematic;  ///< alive, and moved by its velocity alone
   std::vector<std::uint8_t> pushed;     ///< a force or torque is applied in the next step
+  std::vector<std::uint8_t> frames_held;  ///< for how many frames the body has waited (frame/budget/hold.h)
 
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }

@@ -67,6 +67,11 @@ void integrate(const Velocities& velocities, double dt_s, dynamics::BodyStore& b
       motions.of_slot[i] = StepMotion{};
       if (bodies.kinematic[i] != 0) motions.of_slot[i] = move_kinematic(bodies, i, dt_s);
       if (bodies.dynamic[i] == 0) continue;
+      if (velocities.bodies[i].held) {
+        ++bodies.frames_held[i];
+        continue;
+      }
+      bodies.frames_held[i] = 0;
       const Trajectory* stopped = velocities.swept.stopped(static_cast<std::uint32_t>(i));
       motions.of_slot[i] =
           stopped != nullptr ? place_stopped(*stopped, bodies, i) : integrate_body(velocities, dt_s, bodies, i);

@@ -34,6 +34,12 @@ std::uint8_t count_points(const ManifoldsInput& input, std::size_t i) {
   return static_cast<std::uint8_t>(1 + input.levels.found[i].manifold_points.count);
 }
 
+// Does a pair get points in this frame? One that waits only those that refinement has found.
+bool makes_points(const ManifoldsInput& input, std::size_t i) {
+  const PairProgress& progress = input.levels.progress[i];
+  return (!progress.held || progress.fresh()) && count_points(input, i) > 0;
+}
+
 template <class T>
 std::span<T> manifold_of(std::span<T> points) {
   return points.size() > 1 ? points.subspan(1) : points;
@@ -169,14 +175,18 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
   const CachedPair& cached = input.table.pairs[i].cached;
   PairPoints& made = manifolds.points[i];
   made = {cached.slot, count_points(input, i), false, cached.nearest_m, cached.impact_gap_m, cached.looked_m};
-  if (made.point_count > 0) {
+  // Of what waits, only what refinement has found out is new.
+  if (progress.held && !progress.fresh()) {
+    made.point_count = cached.point_count;
+    made.solved = cached.solved;
+  } else if (made.point_count > 0) {
     if (made.slot == kNoSlot) made.slot = cache.free_slot(count.new_slots++);
     if (!progress.from_cache()) write_points(input, i, made, cache);
     update_separations(input, i, made, cache);
   }
   if (progress.refinable()) ++count.left;
   if (progress.cached == CacheUse::Separated) ++count.cached_separations;
-  if (!made.solved) return;
+  if (!made.solved || progress.held) return;
   const solver::Manifold manifold = make_manifold(input, i, made);
   count.any_fast = count.any_fast || manifold.fast;
   manifolds.of_chunk[begin_of_chunk + count.solved++] = manifold;
@@ -201,7 +211,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
     if (table.known_of_chunk[chunk].without_slot == 0) return;
     for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      if (table.pairs[i].cached.slot == kNoSlot && count_points(input, i) > 0) ++count.new_slots;
+      if (table.pairs[i].cached.slot == kNoSlot && makes_points(input, i)) ++count.new_slots;
     }
   });
   std::uint32_t slots = 0;

@@ -47,12 +47,14 @@ enum class ContactState : std::uint8_t {
 ///   refine  Refined          a deeper level completes, nodes are near              Refined
 ///   refine  any that is refined          a level completes, no nodes are near      Separated
 ///
+/// `held` is decided before the first level and changes none of these.
 /// `full` (its front did not fit into the pool) stops refinement and changes no state. After refine no state changes.
 struct PairProgress {
   collision::PairLevel level;  ///< what refinement has completed in this frame
   CacheUse cached = CacheUse::None;
   bool full = false;       ///< its front did not fit into the pool: the pair stays at its level
   bool exact = false;      ///< its contact counts whatever its level: a pair of backtracking
+  bool held = false;       ///< its bodies wait: it is refined, but has no response in this frame
   Level cached_level = 0;  ///< that found out what is cached
 
   [[nodiscard]] ContactState state() const {

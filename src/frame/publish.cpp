@@ -21,7 +21,7 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   const PairPoints& points = input.manifolds.points[i];
   CachedPair cached = pair.cached;
   cached.frames_waited = progress.level.level > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
-  cached.touching = false;
+  if (!progress.held) cached.touching = false;
   cached.slot = points.slot;
   cached.solved = points.solved;
   cached.point_count = points.point_count;
@@ -35,7 +35,7 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
     if (progress.level.apart && progress.level.front_entries == 0 && !progress.level.nearly && !progress.exact)
       cached.reach_m += wide_m(pair);
     cached.moved_m = 0;
-  } else if (progress.cached == CacheUse::None) {
+  } else if (progress.cached == CacheUse::None && !progress.held) {
     // The one point of level 0 is cached like others; that nothing was solved there is no knowledge.
     const bool holds = points.point_count > 0 && !progress.exact && pair.reach_m > pair.margin_m;
     cached.level = 0;
@@ -230,7 +230,10 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       next[i] = cached_after(input, i);
-      touch_changed[i] = table.pairs[i].cached.touching ? 1 : 0;
+      // What waits goes on touching as it did.
+      const bool held = input.levels.progress[i].held;
+      touch_changed[i] = table.pairs[i].cached.touching && !held ? 1 : 0;
+      if (held) publication.touch_ns[i].setZero();
     }
   });
   const Manifolds& manifolds = input.manifolds;

@@ -42,6 +42,8 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
       body = solver::SolverBody{};
       acceleration = solver::Acceleration{};
       if (bodies.dynamic[i] == 0 && bodies.kinematic[i] == 0) continue;
+      body.held = input.levels.held.holds(i);
+      if (body.held) continue;
       body.velocity_mps = bodies.velocity(i);
       body.spin_radps = bodies.spin(i);
       if (bodies.dynamic[i] == 0) continue;

@@ -49,4 +49,10 @@ class DisjointSets {
 /// Sets a flag that other threads may set at the same time.
 inline void raise(std::uint8_t& flag) { std::atomic_ref<std::uint8_t>(flag).store(1, std::memory_order_relaxed); }
 
+/// Adds to a number to which other threads may add at the same time.
+template <class T>
+void add_shared(T& to, T value) {
+  if (value != T{}) std::atomic_ref<T>(to).fetch_add(value, std::memory_order_relaxed);
+}
+
 }  // namespace poise::parallel

@@ -134,6 +134,28 @@ void take_steps(std::uint32_t pairs, Reader& reader, std::vector<RefinementStep>
   }
 }
 
+void put_ascending(const std::vector<std::uint32_t>& numbers, std::string& out) {
+  put(numbers.size(), out);
+  std::uint32_t before = 0;
+  for (const std::uint32_t number : numbers) {
+    put(folded(number, before), out);
+    before = number;
+  }
+}
+
+// Numbers below `end`.
+void take_ascending(std::uint64_t end, Reader& reader, std::vector<std::uint32_t>& numbers) {
+  numbers.assign(reader.count(), 0);
+  std::int64_t sum = 0;
+  for (std::uint32_t& number : numbers) {
+    sum += unfolded(reader.number());
+    if (sum < 0 || sum >= static_cast<std::int64_t>(end)) return reader.refuse();
+    number = static_cast<std::uint32_t>(sum);
+  }
+}
+
+constexpr std::uint64_t kMostSlots = std::uint64_t{1} << 32U;
+
 }  // namespace
 
 void write_frame(const RecordedFrame& frame, std::string& out) {
@@ -144,12 +166,8 @@ void write_frame(const RecordedFrame& frame, std::string& out) {
   put(d.active_pairs, out);
   put(d.substeps, out);
   put(d.point_iterations, out);
-  put(d.reused.size(), out);
-  std::uint32_t before = 0;
-  for (const std::uint32_t pair : d.reused) {
-    put(folded(pair, before), out);
-    before = pair;
-  }
+  put_ascending(d.reused, out);
+  put_ascending(d.held, out);
   put_steps(d.steps, out);
 }
 
@@ -163,16 +181,8 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
   d.active_pairs = reader.number32();
   d.substeps = reader.number32();
   d.point_iterations = reader.number32();
-  d.reused.assign(reader.count(), 0);
-  std::int64_t pair = 0;
-  for (std::uint32_t& reused : d.reused) {
-    pair += unfolded(reader.number());
-    if (pair < 0 || pair >= static_cast<std::int64_t>(d.active_pairs)) {
-      reader.refuse();
-      break;
-    }
-    reused = static_cast<std::uint32_t>(pair);
-  }
+  take_ascending(d.active_pairs, reader, d.reused);
+  take_ascending(kMostSlots, reader, d.held);
   take_steps(d.active_pairs, reader, d.steps);
   return reader.end("the frame");
 }

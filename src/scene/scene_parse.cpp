@@ -121,13 +121,14 @@ void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(
       root, "", problems,
       {"name",    "description", "gravity_mps2", "dt_s",         "frames",   "seed",      "deadline_ms",
-       "alpha",   "host_work",   "max_level",    "backtracking", "sleeping", "policy",    "camera",
+       "alpha",   "host_work",   "max_level",    "backtracking", "sleeping", "hold_at_rest", "policy",    "camera",
        "gaze_px", "materials",   "shapes",       "bodies",       "tray",     "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
   top.flag("backtracking", scene.backtracking);
   top.flag("sleeping", scene.sleeping);
+  top.flag("hold_at_rest", scene.hold_at_rest);
   if (const JsonValue* value = top.find("host_work")) parse_host_work(*value, problems, scene);
   if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);

@@ -16,6 +16,7 @@ struct SolverBody {
   double inverse_mass = 0;         ///< 0 for bodies that are not dynamic; these are never written
   bool solved = false;             ///< resting contact changed its motion in this step
   bool pulled = false;             ///< an external acceleration acts on it
+  bool held = false;               ///< it waits in this step: nothing is solved of it
 };
 
 /// One sphere contact of a pair, world frame, for the contact model that solves each by itself.

@@ -13,6 +13,8 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   substeps_ = point_iterations_ = 0;
   reused_.clear();
   reused_.reserve(most_steps);
+  held_.clear();
+  held_.reserve(most_steps);
   if (lanes_.size() < workers) lanes_.resize(workers);
   for (Lane& lane : lanes_) {
     lane.steps.clear();
@@ -23,6 +25,7 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
 void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.steps.clear();
   decisions.reused.clear();
+  decisions.held.clear();
   decisions.substeps = decisions.point_iterations = 0;
   decisions.frame = known_ ? frame_ : 0;
   decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
@@ -30,6 +33,7 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.substeps = substeps_;
   decisions.point_iterations = point_iterations_;
   decisions.reused = reused_;
+  decisions.held = held_;
   std::sort(decisions.reused.begin(), decisions.reused.end());
   constexpr std::size_t kMostWorkers = 256;
   std::array<std::size_t, kMostWorkers> next{};

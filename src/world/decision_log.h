@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "poise/decisions.h"
@@ -35,6 +36,8 @@ class DecisionLog {
   /// Likewise the point iterations that a substep may make (0: as many as the solver does by itself).
   void point_iterations(std::uint32_t most) { point_iterations_ = most; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
+  /// And the islands that waited, by their roots, ascending.
+  void held(std::span<const std::uint32_t> roots) { held_.assign(roots.begin(), roots.end()); }
 
   /// All lists as one, by time; of one time the lower worker first. Uses the memory of `decisions` again.
   void merge(FrameDecisions& decisions) const;
@@ -53,7 +56,7 @@ class DecisionLog {
   std::uint64_t frame_ = 0;
   std::size_t active_pairs_ = 0;
   std::uint32_t substeps_ = 0, point_iterations_ = 0;
-  std::vector<std::uint32_t> reused_;
+  std::vector<std::uint32_t> reused_, held_;
   bool known_ = false;
 };
 

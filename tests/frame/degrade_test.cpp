@@ -24,11 +24,6 @@ WorldSettings falling(int threads) {
   return settings;
 }
 
-StepInput hopeless() {
-  StepInput input = step_of(1.0 / 60);
-  input.budget = Budget::until(SteadyClock::now() - std::chrono::hours(1));
-  return input;
-}
 StepInput easy() {
   StepInput input = step_of(1.0 / 60);
   input.budget = Budget::within(std::chrono::minutes(10));
@@ -86,7 +81,7 @@ TEST(Degrade, RefinementHasAFifthOfAFrameWhoseReserveWouldTakeItAll) {
     forecasts.times.iterations_a_substep = 1000;
     simulation::CompletedLevels levels = world.outputs.levels;
     levels.known.refinable = refinable;
-    return simulation::plan_frame(refine_input(world, input), now, forecasts, levels, report);
+    return simulation::plan_frame(refine_input(world, input), now, forecasts, levels, report, *world.executor);
   };
   constexpr std::uint32_t kMany = 1'000'000;
   FrameReport far;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -95,6 +96,13 @@ inline WorldSettings one_thread_with_gravity() {
 inline StepInput step_of(double dt_s) {
   StepInput input;
   input.dt_s = dt_s;
+  return input;
+}
+
+/// A step whose deadline has long passed.
+inline StepInput hopeless() {
+  StepInput input = step_of(1.0 / 60);
+  input.budget = Budget::until(SteadyClock::now() - std::chrono::hours(1));
   return input;
 }
 

@@ -58,6 +58,7 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.substeps = number % 3 == 2 ? 1 : 0;
   frame.decisions.point_iterations = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
+  for (std::uint32_t slot = 1; slot < 3 * number; slot += 5) frame.decisions.held.push_back(slot);
   for (std::uint64_t i = 0; i < 20 * (number % 4); ++i) {
     frame.decisions.steps.push_back({static_cast<std::uint32_t>(random() % 5000),
                                      static_cast<std::uint8_t>(number % 2 == 0 ? 0 : random() % 256),
@@ -223,7 +224,7 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   put(file, "");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "poise.record/1\n and so on");
-  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/2");
+  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/3");
 }
 
 TEST(Record, IsNotThereUntilItIsWhole) {
@@ -246,6 +247,7 @@ TEST(Record, FramesOfAnyNumbersComeBack) {
   frame.decisions.active_pairs = std::numeric_limits<std::uint32_t>::max();
   frame.decisions.substeps = std::numeric_limits<std::uint32_t>::max();
   frame.decisions.reused = {0, frame.decisions.active_pairs - 1};
+  frame.decisions.held = {0, std::numeric_limits<std::uint32_t>::max()};
   frame.decisions.steps = {
       {frame.decisions.active_pairs - 1, 255, Kind::Full}, {0, 255, Kind::Completed}, {0, 0, Kind::Cut}};
   frame.state_hash = frame.decisions.frame;

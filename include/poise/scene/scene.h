@@ -159,6 +159,7 @@ struct Scene {
   bool polygons = false;            ///< one more level, by the triangles of meshes: StepInput::polygons
   bool backtracking = false;        ///< StepInput::backtracking
   bool sleeping = false;            ///< WorldSettings::sleeping
+  bool hold_at_rest = true;         ///< WorldSettings::hold_at_rest
   scheduler::Policy policy;
   std::optional<SceneCamera> camera;
   std::optional<std::array<double, 2>> gaze_px;  ///< from the top left corner; the centre of the image otherwise

@@ -19,7 +19,7 @@ bool reusable(const RefineInput& input, const PairProgress& progress, std::size_
   const ActivePair& pair = input.table.pairs[index];
   const CachedPair& cached = pair.cached;
   // Without a reach nothing was found out, or the caller has moved a body since.
-  if (progress.cached != CacheUse::None || cached.reach_m <= 0 || !progress.refinable() || progress.exact) return false;
+  if (progress.held || progress.cached != CacheUse::None || cached.reach_m <= 0 || !progress.refinable() || progress.exact) return false;
   const BodyBounds& a = input.motion.body_bounds[pair.a];
   const BodyBounds& b = input.motion.body_bounds[pair.b];
   const double radius_m = b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m);
@@ -61,10 +61,6 @@ void sort_least_seen(std::vector<LeastSeen>& list) {
   });
 }
 
-void use_substeps(const RefineInput& input, int substeps, CompletedLevels& levels) {
-  if (substeps > 0 && substeps < input.substeps) levels.substeps = substeps;
-}
-
 void reuse(const ActivePair& pair, PairProgress& progress, KnownCount& known) {
   progress.cached = pair.cached.apart ? CacheUse::Parted : CacheUse::Expired;
   --known.unknown;
@@ -72,6 +68,10 @@ void reuse(const ActivePair& pair, PairProgress& progress, KnownCount& known) {
 }
 
 }  // namespace
+
+void use_substeps(const RefineInput& input, int substeps, CompletedLevels& levels) {
+  if (substeps > 0 && substeps < input.substeps) levels.substeps = substeps;
+}
 
 std::size_t pairs_to_reuse(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
                            CompletedLevels& levels) {

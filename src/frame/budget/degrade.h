@@ -8,6 +8,9 @@
 /// substep are no part of it: iterations_in_time (frame_time.h) stops them. A hook of *refine*, before its first level.
 namespace poise::simulation {
 
+/// The contact solver makes so many substeps in this frame; 0, or no fewer than the settings say: as they say.
+void use_substeps(const RefineInput& input, int substeps, CompletedLevels& levels);
+
 /// How many pairs must be reused to save `late`, if a pair that stays separated saves `apart_ns` and one that keeps its
 /// cached points `points_ns` (both >= 0); at most as many as there are. Lists them in levels.least_seen, which must
 /// have room for all pairs.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "frame/budget/degrade.h"
+#include "frame/budget/hold.h"
 #include "solver/solver.h"
 
 namespace poise::simulation {
@@ -67,14 +68,15 @@ Nanoseconds iterations_forecast(const Forecasts& forecasts, std::uint64_t iterat
       static_cast<double>(iterations) * forecasts.tail.coefficients_us()[scheduler::TailForecast::kPointIterations]));
 }
 
-// The point iterations of a substep that time is reserved for.
-double iterations_reserved(const Forecasts& forecasts, scheduler::TailWork work, int substeps, Nanoseconds left) {
+// The point iterations of a substep that time is reserved for. `share`: of the contacts that do not wait.
+double iterations_reserved(const Forecasts& forecasts, scheduler::TailWork work, int substeps, Nanoseconds left,
+                           double share) {
   const TimeFacts& times = forecasts.times;
-  const auto least = static_cast<double>(times.manifold_points);
+  const double least = share * static_cast<double>(times.manifold_points);
   work.point_iterations = 0;
   const double free_ns = ns_of(left) - forecasts.margin.factor() * ns_of(forecasts.tail.forecast(work));
   const double fit = kShareOfIterations * free_ns / (iteration_ns(forecasts) * substeps);
-  return std::min(times.iterations_a_substep, std::max(least, fit));
+  return std::min(share * times.iterations_a_substep, std::max(least, fit));
 }
 
 // The budget with so many substeps.
@@ -82,7 +84,8 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
                 Forecasts& forecasts, FramePlan& plan) {
   scheduler::TailWork& work = forecasts.times.tail_work;
   const Nanoseconds left = step.budget.deadline - host - now;
-  work.point_iterations = static_cast<std::uint64_t>(iterations_reserved(forecasts, work, substeps, left) * substeps);
+  work.point_iterations = 
+      static_cast<std::uint64_t>(iterations_reserved(forecasts, work, substeps, left, plan.share) * substeps);
   plan.budget = scheduler::make_frame_budget(step.budget.deadline, host, forecasts.tail, forecasts.margin, work,
                                              forecasts.unit_cost_ns);
 }
@@ -94,22 +97,45 @@ Nanoseconds refinement_wanted(const RefineInput& input, const CompletedLevels& l
   return Nanoseconds(static_cast<std::int64_t>(std::min(share_ns, all_ns)));
 }
 
+int substeps_of(const RefineInput& input, const CompletedLevels& levels) {
+  return levels.substeps > 0 ? levels.substeps : input.substeps;
+}
+
+// Lets islands at rest wait, once a frame, until the tail is shorter by so much.
+void hold(const RefineInput& input, Nanoseconds missing, Forecasts& forecasts, CompletedLevels& levels,
+          Degraded& degraded, FramePlan& plan, parallel::Executor& executor) {
+  if (degraded.bodies_held > 0) return;
+  constexpr double kLeastNs = 1;
+  const double solved = ns_of(missing) / std::max(kLeastNs, plan.budget.tail_per_contact_ns);
+  const double contacts = std::ceil(solved / std::max(1e-3, forecasts.solved_share));
+  const auto before = static_cast<double>(levels.known.present);
+  degraded.bodies_held = hold_islands(input, static_cast<std::uint64_t>(std::min(contacts, before)), levels, executor);
+  if (degraded.bodies_held == 0) return;
+  plan.share = static_cast<double>(levels.known.present) / before;
+  count_pairs(input, levels, forecasts, plan);
+}
+
 // Makes room for refinement where the reserve leaves less than it is to have: with fewer substeps, or out of the
 // margin.
 void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts,
-               CompletedLevels& levels, Degraded& degraded, FramePlan& plan) {
+               CompletedLevels& levels, Degraded& degraded, FramePlan& plan, parallel::Executor& executor) {
   const Nanoseconds wanted_time = refinement_wanted(input, levels, now);
   if (wanted_time <= Nanoseconds(0)) return;
   const SteadyClock::time_point wanted = now + wanted_time;
   const int least = forecasts.times.iterations_a_substep > 0 ? 1 : input.substeps;
-  int substeps = levels.substeps > 0 ? levels.substeps : input.substeps;
+  int substeps = substeps_of(input, levels);
   while (--substeps >= least && plan.budget.cut(plan.expected) < wanted) {
     set_budget(input.step, substeps, host, now, forecasts, plan);
     levels.substeps = degraded.substeps = substeps;
   }
   if (plan.budget.cut(plan.expected) >= wanted) return;
-  plan.budget.earliest_cut =
-      std::min(wanted, input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected));
+  const auto fits = [&] { return input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected); };
+  // By what is expected, as where a frame is infeasible: the margin alone holds nothing up.
+  if (fits() < wanted) {
+    hold(input, wanted - fits(), forecasts, levels, degraded, plan, executor);
+    set_budget(input.step, substeps_of(input, levels), host, now, forecasts, plan);
+  }
+  plan.budget.earliest_cut = std::min(wanted, fits());
 }
 
 }  // namespace
@@ -152,11 +178,12 @@ void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int sub
 }
 
 FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Forecasts& forecasts,
-                     CompletedLevels& levels, FrameReport& report) {
+                     CompletedLevels& levels, FrameReport& report, parallel::Executor& executor) {
   const StepInput& step = input.step;
   const Nanoseconds host = host_reserve(forecasts, step);
   // An infeasible frame must find memory for this list without asking for it.
   levels.least_seen.reserve(input.table.capacity());
+  levels.held.reserve(input.scene.bodies.slot_count());
   FramePlan plan;
   count_pairs(input, levels, forecasts, plan);
   set_budget(step, input.substeps, host, now, forecasts, plan);
@@ -175,6 +202,11 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
       set_budget(step, substeps, host, now, forecasts, plan);
       degraded.substeps = substeps;
     }
+    use_substeps(input, degraded.substeps, levels);
+    if (late().count() > 0) {
+      hold(input, late(), forecasts, levels, degraded, plan, executor);
+      set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);
+    }
     if (late().count() > 0) {
       const double coarse_ns = forecasts.tail.coefficients_us()[scheduler::TailForecast::kCoarseContacts];
       degraded.pairs_reused =
@@ -183,9 +215,9 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
     degrade(input, degraded, levels);
     report.degraded = degraded;
     if (degraded.pairs_reused > 0) count_pairs(input, levels, forecasts, plan);
-    set_budget(step, levels.substeps > 0 ? levels.substeps : input.substeps, host, now, forecasts, plan);
+    set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);
   }
-  make_room(input, host, now, forecasts, levels, report.degraded, plan);
+  make_room(input, host, now, forecasts, levels, report.degraded, plan, executor);
   report.host_reserved = host;
   report.tail_work = forecasts.times.tail_work;
   report.reserve_at_cut = plan.budget.reserve(plan.expected);
@@ -248,10 +280,13 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   forecasts.head.learn(facts.head_work, times.predict + times.broad_phase + times.coarse);
   facts.candidate_pairs = report.candidate_pairs;
   facts.active_pairs = report.coarse_pairs;
-  facts.manifold_points = manifold_points;
-  facts.iterations_a_substep = static_cast<double>(report.point_iterations) / substeps;
+  // What waits will want what it wanted when it was stepped last.
+  if (report.degraded.bodies_held == 0) {
+    facts.manifold_points = manifold_points;
+    facts.iterations_a_substep = static_cast<double>(report.point_iterations) / substeps;
+  }
   // What it would have wanted is not known. Chosen.
-  if (report.degraded.point_iterations > 0)
+  if (report.degraded.bodies_held == 0 && report.degraded.point_iterations > 0)
     facts.iterations_a_substep = std::min(2 * facts.iterations_a_substep, double{solver::kMaxPointIterations});
   // Choosing what is left out takes longer than making a reserve, and who chooses must know how long.
   if (report.infeasible_forecast) facts.planning = report.planning;

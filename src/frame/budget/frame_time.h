@@ -26,12 +26,13 @@ struct FramePlan {
   scheduler::FrameBudget budget;
   std::int64_t present = 0;    ///< pairs that are not known to be separated
   std::uint64_t expected = 0;  ///< pairs that are likely to have a contact
+  double share = 1;            ///< of the pairs with a contact: those that do not wait (budget/hold.h)
 };
 
 /// After the pairs were found, at `now`: the reserve, and where what must be done does not fit before the deadline any
-/// more, less of it (budget/degrade.h). Fills what the report says of both.
+/// more, less of it (budget/degrade.h, budget/hold.h). Fills what the report says of both.
 FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Forecasts& forecasts,
-                     CompletedLevels& levels, FrameReport& report);
+                     CompletedLevels& levels, FrameReport& report, parallel::Executor& executor);
 
 /// After the manifolds are listed: how many point iterations a substep may make (solver::SolveSettings::visits) so that
 /// the tail, with its margin, ends in time; as many as the solver makes by itself where that fits. At least 1.

@@ -28,6 +28,7 @@ struct RefineInput {
   int substeps = 2;                     ///< of the contact solver, where the frame is not degraded
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
   SteadyClock::time_point begun{};      ///< when the stage begins
+  bool may_hold = true;                 ///< islands at rest may wait for a frame
 
   [[nodiscard]] PairRefiner refiner() const { return {scene, terms.contact, policy.quantum_units}; }
 };
@@ -48,6 +49,35 @@ struct LeastSeen {
   double saves_ns = 0;
 };
 
+/// Islands that wait in this frame (budget/hold.h), and the memory in which they are found. Invariant: buffers only
+/// grow.
+struct HeldIslands {
+  struct Island {
+    std::uint64_t seen = 0;  ///< sum of its pairs' weights
+    std::uint32_t bodies = 0, moving = 0, fast = 0, contacts = 0, unknown = 0;
+    std::uint32_t restless = 0;
+    bool held = false;
+    void add(const Island& part);  ///< but for held; any thread
+  };
+  std::vector<std::uint32_t> roots;           ///< of those that are held: the lowest slot of each, ascending
+  parallel::UnsetVector<std::uint8_t> slots;  ///< one a slot, if there are roots: 1 if its body is held
+
+  [[nodiscard]] bool holds(std::size_t slot) const { return !roots.empty() && slots[slot] != 0; }
+  void reserve(std::size_t slot_count) {
+    roots.reserve(slot_count);
+    slots.reserve(slot_count);
+    parent.reserve(slot_count);
+    islands.reserve(slot_count);
+  }
+  void resize(std::size_t slot_count) {
+    parent.resize(slot_count);
+    islands.resize(slot_count);
+  }
+
+  parallel::UnsetVector<std::uint32_t> parent;  // scratch: the union-find forest
+  parallel::UnsetVector<Island> islands;        // scratch: one a slot, those of roots are in use
+};
+
 /// Output of *refine*: how far each pair has come, and what its deepest level found. Invariant: buffers only grow.
 struct CompletedLevels {
   parallel::UnsetVector<PairProgress> progress;          ///< one a pair
@@ -57,6 +87,7 @@ struct CompletedLevels {
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
   int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
 
+  HeldIslands held;
   std::vector<LeastSeen> least_seen;  // scratch: pairs that may be reused; those that are come first
 };
 

@@ -66,7 +66,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   constexpr Nanoseconds kLeastPatience{100'000};
   const SteadyClock::time_point start = input.begun;
   Forecasts& forecasts = resources.forecasts;
-  const FramePlan plan = plan_frame(input, start, forecasts, levels, report);
+  const FramePlan plan = plan_frame(input, start, forecasts, levels, report, executor);
   OpenRefinement& open = resources.open;
   open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
                                        forecasts.solved_share, resources.log});
@@ -197,7 +197,7 @@ class OpenRefinement::Job {
       const bool was_apart = pair.apart();
       pair.level = hand.progress.level;
       run_.levels.found[item_] = hand.found;
-      if (pair.apart() != was_apart) open_.contacts.add(was_apart ? 1 : -1);
+      if (pair.apart() != was_apart && !pair.held) open_.contacts.add(was_apart ? 1 : -1);
     }
     if (run_.log != nullptr) {
       for (std::size_t k = 0; k < completed_; ++k)

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "frame/budget/degrade.h"
+#include "frame/budget/hold.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -170,12 +171,14 @@ class Replay {
 void log_degraded(const CompletedLevels& levels, const Degraded& degraded, DecisionLog& log) {
   log.substeps(static_cast<std::uint32_t>(degraded.substeps));
   for (std::size_t k = 0; k < degraded.pairs_reused; ++k) log.reused(levels.least_seen[k].pair);
+  log.held(levels.held.roots);
 }
 
 bool refine_as_recorded(const RefineInput& input, std::span<collision::FrontPool> pools,
                         const scheduler::FrameFacts& facts, CompletedLevels& levels, FrameReport& report,
                         parallel::Executor& executor) {
-  const bool left_out = degrade_as_recorded(input, *input.step.replay, levels, report.degraded);
+  bool left_out = degrade_as_recorded(input, *input.step.replay, levels, report.degraded);
+  left_out = hold_as_recorded(input, input.step.replay->held, levels, report.degraded, executor) && left_out;
   return Replay(input, pools, facts, levels, executor).run() && left_out;
 }
 

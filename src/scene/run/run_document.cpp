@@ -177,6 +177,8 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"fewer_iterations", f.degraded.fewer_iterations},
                       {"fewer_substeps", f.degraded.fewer_substeps},
                       {"pairs_reused", f.degraded.pairs_reused},
+                      {"frames_held", f.degraded.frames_held},
+                      {"bodies_held", f.degraded.bodies_held},
                       {"infeasible_forecast", f.degraded.infeasible_forecast}};
   json["work"] = work_json(f.work);
   json["capacity"] = {{"pairs_discarded", f.capacity.pairs_discarded},
