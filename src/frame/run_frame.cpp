@@ -174,9 +174,12 @@ class Step {
       log = world_.decisions.get();
     }
     const WorldSettings& settings = world_.settings;
-    const RefineInput input{world_.scene(), terms_,       frame_.motion, frame_.table,      settings.policy,
-                            input_,         world_.frame, settings.seed, settings.substeps, settings.max_front_entries,
-                            laps_.at(),   settings.hold_at_rest};
+    const RefineInput input{world_.scene(),    terms_,
+                            frame_.motion,     frame_.table,
+                            settings.policy,   input_,
+                            world_.frame,      settings.seed,
+                            settings.substeps, settings.max_front_entries,
+                            laps_.at(),        settings.hold_at_rest};
     refine(input, {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, log}, frame_.levels,
            report_, executor_);
     report_.times.refine = laps_.lap();

@@ -120,9 +120,9 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(
       root, "", problems,
-      {"name",    "description", "gravity_mps2", "dt_s",         "frames",   "seed",      "deadline_ms",
-       "alpha",   "host_work",   "max_level",    "backtracking", "sleeping", "hold_at_rest", "policy",    "camera",
-       "gaze_px", "materials",   "shapes",       "bodies",       "tray",     "generators"});
+      {"name",   "description", "gravity_mps2", "dt_s",         "frames",   "seed",         "deadline_ms",
+       "alpha",  "host_work",   "max_level",    "backtracking", "sleeping", "hold_at_rest", "policy",
+       "camera", "gaze_px",     "materials",    "shapes",       "bodies",   "tray",         "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);

@@ -8,8 +8,8 @@
 
 namespace poise::collision {
 
-/// Calls work(), or work(its name), once for each instruction set of this machine that the kernels were compiled for. No
-/// other thread may run kernels meanwhile. Returns the number of calls.
+/// Calls work(), or work(its name), once for each instruction set of this machine that the kernels were compiled for.
+/// No other thread may run kernels meanwhile. Returns the number of calls.
 template <class Work>
 int on_every_instruction_set(Work&& work) {
   int sets = 0;

@@ -239,6 +239,8 @@ TEST(Degrade, TheLeastSeenAreReusedFirst) {
       ++tried;
       EXPECT_EQ(simulation::pairs_to_reuse(refine, Nanoseconds(2), 1, 1, frame.levels), 2U)
           << "no more than are needed";
+      const auto half = Nanoseconds(static_cast<std::int64_t>(all / 2));
+      ASSERT_EQ(simulation::pairs_to_reuse(refine, half, 1, 1, frame.levels), all / 2);
       simulation::degrade(refine, {0, all / 2}, frame.levels);
       double most_reused = 0;
       double least_left = 1e300;

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "frame/scenes.h"
 #include "verify/world_access.h"
 

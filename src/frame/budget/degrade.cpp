@@ -19,7 +19,9 @@ bool reusable(const RefineInput& input, const PairProgress& progress, std::size_
   const ActivePair& pair = input.table.pairs[index];
   const CachedPair& cached = pair.cached;
   // Without a reach nothing was found out, or the caller has moved a body since.
-  if (progress.held || progress.cached != CacheUse::None || cached.reach_m <= 0 || !progress.refinable() || progress.exact) return false;
+  if (progress.held || progress.cached != CacheUse::None || cached.reach_m <= 0 || !progress.refinable() ||
+      progress.exact)
+    return false;
   const BodyBounds& a = input.motion.body_bounds[pair.a];
   const BodyBounds& b = input.motion.body_bounds[pair.b];
   const double radius_m = b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m);
@@ -55,10 +57,28 @@ double list_reusable(const RefineInput& input, double apart_ns, double points_ns
   return all_ns;
 }
 
-void sort_least_seen(std::vector<LeastSeen>& list) {
-  std::sort(list.begin(), list.end(), [](const LeastSeen& x, const LeastSeen& y) {
+// Brings the least seen ones that save so much to the front, in no order among themselves, and returns how many they
+// are.
+std::size_t select_least_seen(double left_ns, std::vector<LeastSeen>& list) {
+  const auto at = [&](std::size_t i) { return list.begin() + static_cast<std::ptrdiff_t>(i); };
+  const auto less_seen = [](const LeastSeen& x, const LeastSeen& y) {
     return x.weight != y.weight ? x.weight < y.weight : x.pair < y.pair;
-  });
+  };
+  std::size_t taken = 0;
+  std::size_t end = list.size();
+  while (taken < end && left_ns > 0) {
+    const std::size_t middle = taken + (end - taken + 1) / 2;
+    if (middle < end) std::nth_element(at(taken), at(middle), at(end), less_seen);
+    double half_ns = 0;
+    for (std::size_t i = taken; i < middle; ++i) half_ns += list[i].saves_ns;
+    if (half_ns > left_ns && middle - taken > 1) {
+      end = middle;
+      continue;
+    }
+    left_ns -= half_ns;
+    taken = middle;
+  }
+  return taken;
 }
 
 void reuse(const ActivePair& pair, PairProgress& progress, KnownCount& known) {
@@ -75,22 +95,14 @@ void use_substeps(const RefineInput& input, int substeps, CompletedLevels& level
 
 std::size_t pairs_to_reuse(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
                            CompletedLevels& levels) {
-  double left_ns = static_cast<double>(late.count());
-  const std::vector<LeastSeen>& list = levels.least_seen;
-  if (list_reusable(input, apart_ns, points_ns, levels) <= left_ns) return list.size();
-  sort_least_seen(levels.least_seen);
-  std::size_t count = 0;
-  while (count < list.size() && left_ns > 0) left_ns -= list[count++].saves_ns;
-  return count;
+  const auto left_ns = static_cast<double>(late.count());
+  if (list_reusable(input, apart_ns, points_ns, levels) <= left_ns) return levels.least_seen.size();
+  return select_least_seen(left_ns, levels.least_seen);
 }
 
 void degrade(const RefineInput& input, const Degraded& degraded, CompletedLevels& levels) {
   use_substeps(input, degraded.substeps, levels);
-  if (degraded.pairs_reused == 0) return;
-  list_reusable(input, 0, 0, levels);
-  const std::size_t count = std::min(degraded.pairs_reused, levels.least_seen.size());
-  if (count < levels.least_seen.size()) sort_least_seen(levels.least_seen);
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < std::min(degraded.pairs_reused, levels.least_seen.size()); ++k) {
     const std::uint32_t pair = levels.least_seen[k].pair;
     reuse(input.table.pairs[pair], levels.progress[pair], levels.known);
   }

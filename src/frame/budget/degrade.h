@@ -13,14 +13,14 @@ void use_substeps(const RefineInput& input, int substeps, CompletedLevels& level
 
 /// How many pairs must be reused to save `late`, if a pair that stays separated saves `apart_ns` and one that keeps its
 /// cached points `points_ns` (both >= 0); at most as many as there are. Lists them in levels.least_seen, which must
-/// have room for all pairs.
+/// have room for all pairs; those that are needed come first.
 std::size_t pairs_to_reuse(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
                            CompletedLevels& levels);
 
-/// Leaves out what `degraded` says. What it does depends on the state, the cues and its two numbers alone, so a replay
-/// of the numbers gives the same bits. Pairs that are reused are those of which what is cached is too old to be sure
-/// of, by the weight of their cues, ties in canonical order; they keep their points, or stay separated, only while no
-/// separation can have changed by more than the radius of the smaller body.
+/// Leaves out what `degraded` says; of pairs as many as pairs_to_reuse counted, or none. What it does depends on the
+/// state, the cues and its two numbers alone. Pairs that are reused are those of which what is cached is too old to be
+/// sure of, by the weight of their cues, ties in canonical order; they keep their points, or stay separated, only while
+/// no separation can have changed by more than the radius of the smaller body.
 void degrade(const RefineInput& input, const Degraded& degraded, CompletedLevels& levels);
 
 /// The same as it was decided in another run of this step, the pairs by name, and what that was. False where a pair

@@ -84,7 +84,7 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
                 Forecasts& forecasts, FramePlan& plan) {
   scheduler::TailWork& work = forecasts.times.tail_work;
   const Nanoseconds left = step.budget.deadline - host - now;
-  work.point_iterations = 
+  work.point_iterations =
       static_cast<std::uint64_t>(iterations_reserved(forecasts, work, substeps, left, plan.share) * substeps);
   plan.budget = scheduler::make_frame_budget(step.budget.deadline, host, forecasts.tail, forecasts.margin, work,
                                              forecasts.unit_cost_ns);

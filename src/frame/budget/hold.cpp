@@ -39,12 +39,13 @@ class Islands {
   // Are there so many slow bodies that an island may be at rest?
   [[nodiscard]] bool any_slow() const {
     parallel::Tickets slow;
-    parallel::for_ranges(executor_, {bodies_.slot_count(), kGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
-      std::size_t count = 0;
-      for (std::size_t i = begin; i < end; ++i)
-        count += bodies_.dynamic[i] != 0 && speed_mps(bodies_, i) <= kSlow * gravity_mps_ ? 1U : 0U;
-      slow.take(count);
-    });
+    parallel::for_ranges(
+        executor_, {bodies_.slot_count(), kGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
+          std::size_t count = 0;
+          for (std::size_t i = begin; i < end; ++i)
+            count += bodies_.dynamic[i] != 0 && speed_mps(bodies_, i) <= kSlow * gravity_mps_ ? 1U : 0U;
+          slow.take(count);
+        });
     return kSlowOf * slow.take(0) >= std::max<std::size_t>(bodies_.dynamic_count(), 1);
   }
 
