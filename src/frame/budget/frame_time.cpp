@@ -148,7 +148,7 @@ scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& cou
   work.candidate_pairs = counts.table.size();
   if (counts.contact == ContactModel::Paper) {
     for (const PairProgress& pair : counts.levels.progress) {
-      if (!pair.apart() && !pair.by_polygons()) work.sphere_contacts += pair.level.front_entries;
+      if (!pair.apart() && !pair.held && !pair.by_polygons()) work.sphere_contacts += pair.level.front_entries;
     }
   }
   return work;
