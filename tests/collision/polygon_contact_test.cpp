@@ -253,7 +253,7 @@ TEST(Polygons, SurfacesThatDoNotCrossHaveNoPenetratingContactPoints) {
   std::mt19937_64 random(10);
   int touches = 0;
   std::size_t points = 0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < 150; ++round) {
     const Mat3 turn = random_pose(random, 0).rotation;
     const Vec3 direction = random_pose(random, 0).rotation.col(0);
     Vec3 offset = 2 * direction + random_vector(random, 0.3);
