@@ -292,8 +292,8 @@ class World {
 
   /// The pairs that touched in the last step, in order of (a, b), by the definition of contact_events(): their surfaces
   /// met or they exchanged an impulse. Contacts of bodies that were removed since are omitted, and those of bodies that
-  /// waited in that step (WorldSettings::hold_at_rest). Valid until the next non-const call. The list is built at the first call after a step, so it costs nothing if unused. Any number of
-  /// threads may call it at once between steps.
+  /// waited in that step (WorldSettings::hold_at_rest). Valid until the next non-const call. The list is built at the
+  /// first call after a step, so it costs nothing if unused. Any number of threads may call it at once between steps.
   [[nodiscard]] std::span<const Contact> contacts() const;
   /// Pairs that began or ceased to touch in the last step, in order of (a, b), and with StepInput::persist_events those
   /// that continued. The contacts of a removed body end in the next step; its handle in the End event is stale.

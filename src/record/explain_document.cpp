@@ -174,6 +174,8 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
         fmt::format("resting contact had time for {} point iterations in a substep\n", f.decisions.point_iterations);
   if (f.decisions.substeps > 0)
     text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
+  if (!f.decisions.held.empty())
+    text += fmt::format("no time for all: islands at rest waited, {} of them\n", f.decisions.held.size());
   const scheduler::Policy& p = e.explanation.policy;
   text += fmt::format("policy: {}", policy_name(p.kind));
   if (p.kind == scheduler::PolicyKind::Perceptual) {
@@ -302,6 +304,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"reserve_ms", static_cast<double>(f.reserve.count()) / 1e6},
           {"lateness_ms", static_cast<double>(f.lateness.count()) / 1e6},
           {"substeps", f.decisions.substeps},
+          {"held", f.decisions.held},
           {"point_iterations", f.decisions.point_iterations},
           {"pairs", counts_json(fates)},
           {"refined", std::move(refined)},
