@@ -23,7 +23,7 @@ WorldSettings on(int threads) {
 
 // A heap of jacks that has come to rest in a tray.
 struct Heap : Stage {
-  explicit Heap(WorldSettings settings = on(1)) : Stage(settings, 0.2) {
+  explicit Heap(const WorldSettings& settings = on(1)) : Stage(settings, 0.2) {
     jacks(20, 4);
     for (int i = 0; i < 240; ++i) world.step(unlimited());
     EXPECT_GT(world.contacts().size(), 20U);
