@@ -74,9 +74,10 @@ struct WorldSettings {
   /// nothing. They wake when a moving body comes near, or when the caller changes one of them or a body that they rest
   /// on. Costs nothing if off.
   bool sleeping = false;
-  /// Where a frame would not meet its deadline, or has no time to refine, islands at rest may wait, for up to seven
+  /// Where a frame would not meet its deadline, or has no time to refine, islands near rest may wait, for up to seven
   /// frames in a row: their bodies keep position and velocity and get no forces, and their contacts go on without being
-  /// listed. Counted in Degraded::bodies_held. Never without gravity, with StepInput::backtracking, or without a
+  /// listed. What still moves in them is seen in slow motion meanwhile: docs/scheduling.md says what counts as near
+  /// rest. Counted in Degraded::bodies_held. Never without gravity, with StepInput::backtracking, or without a
   /// deadline.
   bool hold_at_rest = true;
   int substeps = 2;  ///< of the contact solver, 1 to 16

@@ -175,7 +175,7 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   if (f.decisions.substeps > 0)
     text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   if (!f.decisions.held.empty())
-    text += fmt::format("no time for all: islands at rest waited, {} of them\n", f.decisions.held.size());
+    text += fmt::format("no time for all: islands near rest waited, {} of them\n", f.decisions.held.size());
   const scheduler::Policy& p = e.explanation.policy;
   text += fmt::format("policy: {}", policy_name(p.kind));
   if (p.kind == scheduler::PolicyKind::Perceptual) {
