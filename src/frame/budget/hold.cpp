@@ -25,7 +25,7 @@ double speed_mps(const dynamics::BodyStore& bodies, std::size_t slot) {
   return std::max(bodies.velocity(slot).norm(), bodies.shape[slot]->bounding_radius_m * bodies.spin(slot).norm());
 }
 
-// The islands of a frame, and which of them are at rest.
+// The islands of a frame, and which of them are near rest.
 class Islands {
  public:
   Islands(const RefineInput& input, HeldIslands& work, parallel::Executor& executor)
@@ -36,7 +36,7 @@ class Islands {
         executor_(executor),
         roots_(work.parent) {}
 
-  // Are there so many slow bodies that an island may be at rest?
+  // Are there so many slow bodies that an island may be near rest?
   [[nodiscard]] bool any_slow() const {
     parallel::Tickets slow;
     parallel::for_ranges(

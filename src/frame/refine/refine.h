@@ -28,7 +28,7 @@ struct RefineInput {
   int substeps = 2;                     ///< of the contact solver, where the frame is not degraded
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
   SteadyClock::time_point begun{};      ///< when the stage begins
-  bool may_hold = true;                 ///< islands at rest may wait for a frame
+  bool may_hold = true;                 ///< islands near rest may wait for a frame
 
   [[nodiscard]] PairRefiner refiner() const { return {scene, terms.contact, policy.quantum_units}; }
 };

@@ -136,7 +136,8 @@ Json settings_json(const RunDocument& d) {
                    {"max_level", d.max_level},
                    {"polygons", d.polygons},
                    {"backtracking", d.backtracking},
-                   {"sleeping", d.sleeping}};
+                   {"sleeping", d.sleeping},
+                   {"hold_at_rest", d.hold_at_rest}};
   const scheduler::Policy& policy = d.policy_weights;
   for (const scheduler::PolicyField& field : scheduler::policy_weights())
     settings["policy_weights"][std::string(field.name)] = policy.*field.value;
