@@ -5,8 +5,6 @@
 
 #include "collision/triangles/polygon_contact.h"
 #include "frame/ccd/swept.h"
-#include "frame/host_cues.h"
-#include "frame/view_cues.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
@@ -130,43 +128,13 @@ bool roots_near(const BodyBounds& a, const BodyBounds& b, double margin_m) {
   return (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
 }
 
-// What the viewer sees of a pair that is known by its root spheres alone.
-PairView pair_view_of(const CoarseInput& input, const ActivePair& pair) {
-  const BodyBounds& a = input.motion.body_bounds[pair.a];
-  const BodyBounds& b = input.motion.body_bounds[pair.b];
-  PairView pair_view;
-  if (b.plane) {
-    pair_view.normal = -b.position_m;
-    pair_view.point_m = a.root_center_m + a.root_radius_m * pair_view.normal;
-  } else {
-    const Vec3 between = b.root_center_m - a.root_center_m;
-    const double distance = between.norm();
-    if (distance > 0) pair_view.normal = between / distance;
-    pair_view.point_m = a.root_center_m + 0.5 * between;
-  }
-  pair_view.extent_m = pair.skin_m / kSkin;
-  pair_view.closing_mps = pair_view.normal.dot(a.velocity_mps - b.velocity_mps);
-  pair_view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
-  pair_view.frames_waited = pair.cached.frames_waited;
-  return pair_view;
-}
-
-// What the score of a pair is made of; the host's own cue is asked where there is one.
-void fill_cues(const CoarseInput& input, const ViewQuery& view_query, const ActivePair& pair, scheduler::PairCues& cues,
-               KnownCount& known) {
-  const PairView seen = pair_view_of(input, pair);
-  cues = cues_of(view_query, seen, input.policy);
-  if (input.policy.cue.function == nullptr) return;
-  const scheduler::HostFactor host = scheduler::host_factor(
-      input.policy.cue, host_view_of(view_query, seen, pair.id(), user_data_of(input.scene, pair)));
-  cues.host = host.factor;
-  if (host.refused) ++known.refused_cues;
-}
-
 // What the forecasts ask of a pair before refinement.
 void count_known(const ActivePair& pair, const PairProgress& progress, bool swept, KnownCount& known) {
   // What backtracking will know of a pair is not known yet.
-  if (progress.refinable() || swept) ++known.refinable;
+  if (progress.refinable() || swept) {
+    ++known.refinable;
+    known.seen = std::max(known.seen, pair.cached.seen);
+  }
   if (pair.cached.slot == kNoSlot && (!progress.apart() || progress.refinable() || swept)) ++known.without_slot;
   if (progress.apart()) return;
   ++known.present;
@@ -187,7 +155,6 @@ void reserve_pairs(PairTable& table, std::size_t bodies) {
   table.records.reserve(pairs);
   table.pairs.reserve(pairs);
   table.start.reserve(pairs);
-  table.cues.reserve(pairs);
 }
 
 // The candidates that are near each other: those of a chunk from where it begins, and how many they are.
@@ -219,7 +186,7 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
 }
 
 // One chunk of pairs, from its records.
-void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size_t chunk, PairTable& table) {
+void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   const std::size_t first = table.begin_of(chunk);
   const std::size_t past = table.end_of(chunk);
   if (first == past) return;
@@ -240,6 +207,7 @@ void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size
     pair.cached = cached.of(pair.low(), pair.high());
     PairProgress& progress = table.start[k];
     progress = {};
+    progress.seen = pair.cached.seen;
     const BodyBounds& a = body_bounds[pair.a];
     const BodyBounds& b = body_bounds[pair.b];
     progress.level.deepest = std::min(input.terms.max_level, std::max(a.depth, b.depth));
@@ -249,7 +217,6 @@ void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size
     }
     use_cached(input, pair, progress);
     count_known(pair, progress, swept.fast(pair.a) || swept.fast(pair.b), known);
-    if (input.ranked && progress.refinable()) fill_cues(input, view_query, pair, table.cues[k], known);
   }
   // Not where it begins: the chunk before reads that.
   KnownCount& counted = table.known_of_chunk[chunk];
@@ -258,7 +225,7 @@ void fill_chunk(const CoarseInput& input, const ViewQuery& view_query, std::size
   counted.outdated = known.outdated;
   counted.refinable = known.refinable;
   counted.without_slot = known.without_slot;
-  counted.refused_cues = known.refused_cues;
+  counted.seen = known.seen;
 }
 
 }  // namespace
@@ -285,19 +252,16 @@ void find_active_pairs(const CoarseInput& input, PairTable& table, std::span<col
   const std::size_t chunks = table.chunks();
   parallel::resize(executor, table.pairs, table.known_of_chunk[chunks].begin);
   table.start.resize(table.pairs.size());
-  parallel::resize(executor, table.cues, table.pairs.size());
   table.still_active.reserve(table.pairs.capacity());
   table.still_active.clear();
   parallel::resize(executor, table.still_active, input.cached.size());
-  const ViewQuery view_query = input.view;
   parallel::parallel_for(executor, chunks, 1,
-                         [&](std::size_t chunk, std::size_t, int) { fill_chunk(input, view_query, chunk, table); });
+                         [&](std::size_t chunk, std::size_t, int) { fill_chunk(input, chunk, table); });
   KnownCount& all = table.known_of_chunk[chunks];
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
     all.present += table.known_of_chunk[chunk].present;
     all.unknown += table.known_of_chunk[chunk].unknown;
     all.refinable += table.known_of_chunk[chunk].refinable;
-    all.refused_cues += table.known_of_chunk[chunk].refused_cues;
   }
   table.swept.clear();
   if (input.motion.swept.on) take_swept_pairs(input, table, pools, executor);

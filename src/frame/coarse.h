@@ -9,10 +9,9 @@
 #include "frame/pair_progress.h"
 #include "frame/predict.h"
 #include "poise/scheduler/host_cue.h"
-#include "poise/scheduler/policy.h"
 #include "world/contact_cache.h"
 
-/// Stage *coarse*: the candidates whose root spheres are near each other, what is cached of them, and their cues.
+/// Stage *coarse*: the candidates whose root spheres are near each other, and what is cached of them.
 namespace poise::simulation {
 
 struct CoarseInput {
@@ -22,9 +21,6 @@ struct CoarseInput {
   const CandidatePairs& candidates;
   std::span<const CachedPair> cached;  ///< of the last step, sorted by slots
   const PairFilter& filter;
-  const View& view;
-  const scheduler::Policy& policy;
-  bool ranked = true;  ///< refinement goes by scores: without a limit there is nothing to choose, and no cues are asked
 };
 
 /// A candidate pair whose coarsest spheres are nearer than its margin.
@@ -54,7 +50,7 @@ struct KnownCount {
   std::uint32_t outdated = 0;      ///< of these, of which what is cached is too old
   std::uint32_t refinable = 0;     ///< at most so many can be refined
   std::uint32_t without_slot = 0;  ///< at most so many have no slot in the point cache and may need one
-  std::uint32_t refused_cues = 0;  ///< for which the host's cue gave no number or one out of range
+  std::uint8_t seen = 0;           ///< the largest CachedPair::seen of those that can be refined
 };
 
 /// Output of *coarse*: the active pairs in canonical order, one entry a pair in each column. Invariant: buffers only
@@ -70,7 +66,6 @@ struct PairTable {
 
   parallel::UnsetVector<ActivePair> pairs;
   parallel::UnsetVector<PairProgress> start;         ///< where refinement begins
-  parallel::UnsetVector<scheduler::PairCues> cues;   ///< of those that can be refined, if these are ranked
   std::vector<KnownCount> known_of_chunk;            ///< per chunk, and their sums at the end
   parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is active in this one
   std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order

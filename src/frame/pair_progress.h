@@ -56,6 +56,7 @@ struct PairProgress {
   bool exact = false;      ///< its contact counts whatever its level: a pair of backtracking
   bool held = false;       ///< its bodies wait: it is refined, but has no response in this frame
   Level cached_level = 0;  ///< that found out what is cached
+  std::uint8_t seen = 0;   ///< as CachedPair::seen, of this frame if the pair was ranked in it
 
   [[nodiscard]] ContactState state() const {
     if (level.apart) return ContactState::Separated;

@@ -21,6 +21,7 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   const PairPoints& points = input.manifolds.points[i];
   CachedPair cached = pair.cached;
   cached.frames_waited = progress.level.level > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
+  cached.seen = progress.seen;
   if (!progress.held) cached.touching = false;
   cached.slot = points.slot;
   cached.solved = points.solved;

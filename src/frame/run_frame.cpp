@@ -149,22 +149,14 @@ class Step {
     find_candidates({frame_.motion, world_.settings.max_partners}, world_.broad_phase, world_.candidate_cache,
                     frame_.candidates, executor_);
     report_.times.broad_phase += laps_.lap();
-    find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter,
-                       input_.view, world_.settings.policy, ranked()},
+    find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter},
                       frame_.table, world_.pools, executor_);
     report_.pairs_discarded = frame_.candidates.discarded;
     report_.candidate_pairs = frame_.candidates.pairs.size();
     report_.work_mandatory += frame_.candidates.pairs.size();
     report_.coarse_pairs = frame_.table.size();
-    report_.cues_refused = frame_.table.known_of_chunk.back().refused_cues;
     report_.swept_pairs = frame_.table.swept.size();
     report_.times.coarse += laps_.lap();
-  }
-
-  // Does anything go by the priority of pairs?
-  [[nodiscard]] bool ranked() const {
-    if (input_.replay != nullptr) return input_.explain != nullptr;
-    return input_.budget.kind != Budget::Kind::Unlimited || terms_.contact == ContactModel::Paper;
   }
 
   void refine_pairs() {

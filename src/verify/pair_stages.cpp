@@ -16,15 +16,8 @@ void PairStages::find(ProbeLevel level, double dt_s) {
   predict({world_.scene(), terms_}, frame_.motion, executor);
   find_candidates({frame_.motion, world_.settings.max_partners}, broad_phase_, candidate_cache_, frame_.candidates,
                   executor);
-  find_active_pairs({world_.scene(),
-                     terms_,
-                     frame_.motion,
-                     frame_.candidates,
-                     {},
-                     world_.pair_filter,
-                     step.view,
-                     world_.settings.policy},
-                    frame_.table, pools_, executor);
+  find_active_pairs({world_.scene(), terms_, frame_.motion, frame_.candidates, {}, world_.pair_filter}, frame_.table,
+                    pools_, executor);
   begin_levels(frame_.table, frame_.levels, executor);
   pools_[0].clear();
 }

@@ -188,8 +188,7 @@ FullFrame run_full(const WorldState& world, const StepInput& input, std::span<co
   // touch.
   terms.contact = ContactModel::Fitted;
   FrameReport report;
-  find_active_pairs({scene, terms, motion, world.outputs.candidates, world.cache.previous_pairs, world.pair_filter,
-                     input.view, world.settings.policy, false},
+  find_active_pairs({scene, terms, motion, world.outputs.candidates, world.cache.previous_pairs, world.pair_filter},
                     reference.table, pools, executor);
   // The contact cache belongs to the run, not to the reference.
   for (PairProgress& pair : reference.table.start) pair.cached = CacheUse::None;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <numeric>
+#include <vector>
 
+#include "frame/refine/rank.h"
 #include "frame/scenes.h"
 #include "verify/world_access.h"
 
@@ -100,6 +104,30 @@ TEST(Budget, HostWorkIsReservedWhetherGivenOrLearned) {
 
 // Ranking pairs takes time too. If there is too little time, some of the pairs are ranked, and others in the next
 // frame.
+TEST(Ranking, TheBestSeenAreRankedInEveryFrameAndTheOthersInTurn) {
+  simulation::PairTable table;
+  table.known_of_chunk.resize(41);
+  for (std::size_t chunk = 0; chunk < 40; ++chunk) {
+    table.known_of_chunk[chunk].refinable = 100;
+    table.known_of_chunk[chunk].seen = chunk == 7 || chunk == 21 ? 200 : 10;
+  }
+  std::vector<std::uint32_t> chosen;
+  std::vector<int> turns(40, 0);
+  for (std::uint64_t frame = 0; frame < 14; ++frame) {
+    simulation::choose_chunks(table, frame, 800, chosen);
+    EXPECT_LE(chosen.size(), 8U + 1U);
+    for (const std::uint32_t chunk : chosen) ++turns[chunk];
+  }
+  for (std::size_t chunk = 0; chunk < turns.size(); ++chunk)
+    EXPECT_EQ(turns[chunk], chunk == 7 || chunk == 21 ? 14 : 2) << chunk;
+  // The best seen are too many for half of what is allowed: all in turn.
+  for (std::size_t chunk = 0; chunk < 40; ++chunk) table.known_of_chunk[chunk].seen = 200;
+  simulation::choose_chunks(table, 3, 800, chosen);
+  EXPECT_EQ(chosen, (std::vector<std::uint32_t>{2, 7, 12, 17, 22, 27, 32, 37}));
+  simulation::choose_chunks(table, 3, 4000, chosen);
+  EXPECT_EQ(chosen.size(), 40U);
+}
+
 TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   Stage stage(falling(), 0.2);
   stage.jacks(500, 6);
@@ -114,30 +142,26 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
     return stage.world.step(input);
   };
   for (int i = 0; i < 100; ++i) step_with(30);
-  ASSERT_GE(table.chunks(), 5U);
-  constexpr std::size_t kStride = 3;
+  ASSERT_GE(table.chunks(), 15U);
   std::size_t left_alone = 0;
-  for (std::size_t i = 0; i < 2 * kStride; ++i) {
-    // Ranking may take a quarter of an hour; all pairs would take 2.5 times that, so every third chunk is ranked.
-    const std::uint64_t frame = world.frame;
+  std::vector<int> turns(table.chunks(), 0);
+  for (int i = 0; i < 8; ++i) {
+    // Ranking may take a quarter of an hour; all pairs would take 2.5 times that.
     const double hour_ns = 3.6e12;
-    const FrameReport report =
-        step_with((static_cast<double>(kStride) - 0.5) * 0.25 * hour_ns / table.known_of_chunk.back().refinable);
+    const FrameReport report = step_with(2.5 * 0.25 * hour_ns / table.known_of_chunk.back().refinable);
     EXPECT_GT(report.jobs_done, 0U);
+    turns.resize(std::max(turns.size(), table.chunks()), 0);
     for (std::size_t chunk = 0; chunk < table.chunks(); ++chunk) {
-      const bool turn = chunk % kStride == frame % kStride;
-      for (std::size_t k = table.begin_of(chunk); k < table.end_of(chunk); ++k) {
-        const simulation::PairProgress& pair = world.outputs.levels.progress[k];
-        if (turn) {
-          EXPECT_FALSE(pair.refinable()) << "there was an hour for it";
-        } else {
-          EXPECT_EQ(pair.level.level, 0);
-          left_alone += pair.refinable() ? 1U : 0U;
-        }
-      }
+      const auto refinable = [&](std::size_t k) { return world.outputs.levels.progress[k].refinable(); };
+      std::size_t left = 0;
+      for (std::size_t k = table.begin_of(chunk); k < table.end_of(chunk); ++k) left += refinable(k) ? 1U : 0U;
+      EXPECT_TRUE(left == 0 || left == table.known_of_chunk[chunk].refinable) << "there was an hour for it";
+      turns[chunk] += left == 0 ? 1 : 0;
+      left_alone += left;
     }
   }
   EXPECT_GT(left_alone, 500U);
+  for (std::size_t chunk = 0; chunk < 15; ++chunk) EXPECT_GT(turns[chunk], 0) << "each has its turn";
   EXPECT_EQ(step_with(1e15).jobs_done, 0U) << "there is no time for any";
   EXPECT_EQ(step_with(30).pairs_left, 0U);
 }

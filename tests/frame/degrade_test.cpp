@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "frame/budget/degrade.h"
+#include "frame/refine/pair_cues.h"
 
 #include <gtest/gtest.h>
 
@@ -226,34 +227,35 @@ TEST(Degrade, TheLeastSeenAreReusedFirst) {
     simulation::predict({world.scene(), terms}, frame.motion, *world.executor);
     simulation::find_candidates({frame.motion, world.settings.max_partners}, world.broad_phase, world.candidate_cache,
                                 frame.candidates, *world.executor);
-    simulation::find_active_pairs({world.scene(), terms, frame.motion, frame.candidates, world.cache.pairs,
-                                   world.pair_filter, input.view, world.settings.policy},
-                                  frame.table, world.pools, *world.executor);
+    simulation::find_active_pairs(
+        {world.scene(), terms, frame.motion, frame.candidates, world.cache.pairs, world.pair_filter}, frame.table,
+        world.pools, *world.executor);
     simulation::begin_levels(frame.table, frame.levels, *world.executor);
     const simulation::RefineInput refine = refine_input(world, input);
     std::vector<simulation::CacheUse> before;
     for (const auto& pair : frame.levels.progress) before.push_back(pair.cached);
-    frame.levels.least_seen.reserve(frame.table.size());
-    const std::size_t all = simulation::pairs_to_reuse(refine, std::chrono::hours(1), 1, 1, frame.levels);
+    const auto choose = [&](Nanoseconds late) {
+      return simulation::choose_reused(refine, late, 1, 1, frame.levels, *world.executor);
+    };
+    const std::size_t all = choose(std::chrono::hours(1));
     if (all >= 4) {
       ++tried;
-      EXPECT_EQ(simulation::pairs_to_reuse(refine, Nanoseconds(2), 1, 1, frame.levels), 2U)
-          << "no more than are needed";
-      const auto half = Nanoseconds(static_cast<std::int64_t>(all / 2));
-      ASSERT_EQ(simulation::pairs_to_reuse(refine, half, 1, 1, frame.levels), all / 2);
-      simulation::degrade(refine, {0, all / 2}, frame.levels);
+      const std::vector<std::uint32_t> any = frame.levels.reused;
+      EXPECT_EQ(choose(Nanoseconds(2)), 2U) << "no more than are needed";
+      ASSERT_EQ(choose(Nanoseconds(static_cast<std::int64_t>(all / 2))), all / 2);
+      simulation::degrade(refine, {0, all / 2}, frame.levels, *world.executor);
+      const simulation::PairCueSource cues(refine);
       double most_reused = 0;
       double least_left = 1e300;
       std::size_t reused = 0;
-      for (std::size_t k = 0; k < all; ++k) {
-        const auto& item = frame.levels.least_seen[k];
-        const bool is_reused = frame.levels.progress[item.pair].cached != before[item.pair];
+      for (const std::uint32_t pair : any) {
+        const bool is_reused = frame.levels.progress[pair].cached != before[pair];
         reused += is_reused ? 1U : 0U;
         (is_reused ? most_reused : least_left) =
-            is_reused ? std::max(most_reused, item.weight) : std::min(least_left, item.weight);
+            is_reused ? std::max(most_reused, cues.seen(pair)) : std::min(least_left, cues.seen(pair));
       }
       EXPECT_EQ(reused, all / 2);
-      EXPECT_LE(most_reused, least_left);
+      EXPECT_LE(most_reused, std::exp2(0.25) * least_left) << "in bands of a quarter of an octave";
     }
     stage.world.step(input);
   }

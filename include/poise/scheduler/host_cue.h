@@ -36,9 +36,10 @@ struct PairView {
 /// priority.
 ///
 /// The function must be pure (the same arguments give the same bits; it reads only what does not change during a step)
-/// and must not throw. Any thread may call it, several at once. It is called once a pair in the coarse stage, for pairs
-/// that can be refined, in steps that have a budget: without one nothing goes by it. At a microsecond a call, ten
-/// thousand pairs cost 10 ms, so keep it to some tens of nanoseconds.
+/// and must not throw. Any thread may call it, several at once. It is called once a step for each pair that is ranked:
+/// in steps that have a budget (without one nothing goes by it) all that can be refined, but under a deadline no more
+/// than there is time for. At a microsecond a call, ten thousand pairs cost 10 ms, so keep it to some tens of
+/// nanoseconds.
 ///
 /// A record holds the levels that complete in a frame, so a replay needs neither the cue nor the policy. To get the
 /// same bits *without* a record (work clock), set the same function with the same context.

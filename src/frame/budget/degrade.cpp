@@ -2,8 +2,14 @@
 #include "frame/budget/degrade.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
-#include "poise/scheduler/policy.h"
+#include "frame/refine/pair_cues.h"
+#include "parallel/disjoint_sets.h"
+#include "parallel/ranges.h"
+#include "parallel/shared_counters.h"
+#include "poise/scheduler/bands.h"
 
 namespace poise::simulation {
 namespace {
@@ -14,6 +20,8 @@ constexpr double kReusePoints = 1.0;
 // A pair that was apart must not sink in so far that it cannot be told from one that passes through. Chosen, as
 // kHoldOfSize in coarse.cpp.
 constexpr double kReuseApart = 0.5;
+
+constexpr std::size_t kChunks = 8;
 
 bool reusable(const RefineInput& input, const PairProgress& progress, std::size_t index) {
   const ActivePair& pair = input.table.pairs[index];
@@ -30,61 +38,57 @@ bool reusable(const RefineInput& input, const PairProgress& progress, std::size_
   return cached.level > 0 && cached.point_count > 0 && cached.moved_m <= kReusePoints * radius_m;
 }
 
-double seen(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
-  // How long a pair has waited says nothing about how well it is seen.
-  scheduler::PairCues now = cues;
-  now.frames_waited = 0;
-  // Nor does what a host thinks of it; and a replay, which has the number of these pairs, chooses them without the
-  // host.
-  now.host = 1;
-  return scheduler::cue_weight(policy, now) * now.angle_radpm;
-}
+// The band of how little a pair is seen, from 1; and what each band would save.
+struct Bands {
+  std::array<std::uint32_t, scheduler::kBands + 1> apart{}, points{};
+  [[nodiscard]] double saves_ns(std::size_t band, double apart_ns, double points_ns) const {
+    return apart[band] * apart_ns + points[band] * points_ns;
+  }
+};
 
-// Those that may be reused, in canonical order, and what they save in all.
-double list_reusable(const RefineInput& input, double apart_ns, double points_ns, CompletedLevels& levels) {
+// Finds levels.reuse_band of all pairs, 0 for those that may not be reused.
+Bands find_bands(const RefineInput& input, CompletedLevels& levels, parallel::Executor& executor) {
   const PairTable& table = input.table;
-  levels.least_seen.clear();
-  double all_ns = 0;
-  for (std::size_t chunk = 0; chunk < table.chunks(); ++chunk) {
-    if (table.known_of_chunk[chunk].outdated == 0) continue;
-    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      if (!reusable(input, levels.progress[i], i)) continue;
-      levels.least_seen.push_back({seen(input.policy, table.cues[i]), static_cast<std::uint32_t>(i),
-                                   table.pairs[i].cached.apart ? apart_ns : points_ns});
-      all_ns += levels.least_seen.back().saves_ns;
+  const PairCueSource cues(input);
+  Bands all;
+  levels.reuse_band.resize(table.size());
+  parallel::for_ranges(executor, {table.chunks(), kChunks}, [&](std::size_t, std::size_t first, std::size_t past) {
+    Bands found;
+    for (std::size_t chunk = first; chunk < past; ++chunk) {
+      for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
+        levels.reuse_band[i] = 0;
+        if (table.known_of_chunk[chunk].outdated == 0 || !reusable(input, levels.progress[i], i)) continue;
+        const std::uint32_t band = scheduler::octave_band(cues.seen(static_cast<std::uint32_t>(i)));
+        levels.reuse_band[i] = static_cast<std::uint8_t>(std::clamp<std::uint32_t>(band, 1, scheduler::kBands - 1));
+        ++(table.pairs[i].cached.apart ? found.apart : found.points)[levels.reuse_band[i]];
+      }
     }
-  }
-  return all_ns;
+    for (std::size_t band = 1; band < found.apart.size(); ++band) {
+      parallel::add_shared(all.apart[band], found.apart[band]);
+      parallel::add_shared(all.points[band], found.points[band]);
+    }
+  });
+  return all;
 }
 
-// Brings the least seen ones that save so much to the front, in no order among themselves, and returns how many they
-// are.
-std::size_t select_least_seen(double left_ns, std::vector<LeastSeen>& list) {
-  const auto at = [&](std::size_t i) { return list.begin() + static_cast<std::ptrdiff_t>(i); };
-  const auto less_seen = [](const LeastSeen& x, const LeastSeen& y) {
-    return x.weight != y.weight ? x.weight < y.weight : x.pair < y.pair;
-  };
-  std::size_t taken = 0;
-  std::size_t end = list.size();
-  while (taken < end && left_ns > 0) {
-    const std::size_t middle = taken + (end - taken + 1) / 2;
-    if (middle < end) std::nth_element(at(taken), at(middle), at(end), less_seen);
-    double half_ns = 0;
-    for (std::size_t i = taken; i < middle; ++i) half_ns += list[i].saves_ns;
-    if (half_ns > left_ns && middle - taken > 1) {
-      end = middle;
-      continue;
-    }
-    left_ns -= half_ns;
-    taken = middle;
-  }
-  return taken;
-}
-
-void reuse(const ActivePair& pair, PairProgress& progress, KnownCount& known) {
+// True if the pair is separated now.
+bool reuse(const ActivePair& pair, PairProgress& progress) {
   progress.cached = pair.cached.apart ? CacheUse::Parted : CacheUse::Expired;
-  --known.unknown;
-  if (pair.cached.apart) --known.present;
+  return pair.cached.apart;
+}
+
+// Adds the first `most` pairs that `chosen` is true of to levels.reused, in canonical order.
+template <class Chosen>
+void list(std::size_t most, CompletedLevels& levels, parallel::Executor& executor, Chosen&& chosen) {
+  constexpr std::size_t kGrain = 4096;
+  const std::size_t before = levels.reused.size();
+  parallel::select(
+      executor, levels.reuse_band.size(), kGrain, levels.counts,
+      [&](std::size_t i) { return levels.reuse_band[i] != 0 && chosen(levels.reuse_band[i]); },
+      [&](std::size_t count) { levels.reused.resize(before + std::min(count, most)); },
+      [&](std::size_t i, std::size_t position) {
+        if (position < most) levels.reused[before + position] = static_cast<std::uint32_t>(i);
+      });
 }
 
 }  // namespace
@@ -93,19 +97,40 @@ void use_substeps(const RefineInput& input, int substeps, CompletedLevels& level
   if (substeps > 0 && substeps < input.substeps) levels.substeps = substeps;
 }
 
-std::size_t pairs_to_reuse(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
-                           CompletedLevels& levels) {
-  const auto left_ns = static_cast<double>(late.count());
-  if (list_reusable(input, apart_ns, points_ns, levels) <= left_ns) return levels.least_seen.size();
-  return select_least_seen(left_ns, levels.least_seen);
+std::size_t choose_reused(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
+                          CompletedLevels& levels, parallel::Executor& executor) {
+  levels.reused.clear();
+  const Bands bands = find_bands(input, levels, executor);
+  auto left_ns = static_cast<double>(late.count());
+  std::size_t band = 1;
+  while (band < scheduler::kBands && bands.saves_ns(band, apart_ns, points_ns) <= left_ns)
+    left_ns -= bands.saves_ns(band++, apart_ns, points_ns);
+  constexpr std::size_t kAll = ~std::size_t{0};
+  list(kAll, levels, executor, [&](std::size_t of_pair) { return of_pair < band; });
+  if (band == scheduler::kBands || left_ns <= 0) return levels.reused.size();
+  // Of the last band as many as would do if each saved what they save in the mean.
+  const double pairs = static_cast<double>(bands.apart[band]) + static_cast<double>(bands.points[band]);
+  const double share = left_ns / bands.saves_ns(band, apart_ns, points_ns);
+  list(static_cast<std::size_t>(std::ceil(pairs * share)), levels, executor,
+       [&](std::size_t of_pair) { return of_pair == band; });
+  return levels.reused.size();
 }
 
-void degrade(const RefineInput& input, const Degraded& degraded, CompletedLevels& levels) {
+void degrade(const RefineInput& input, const Degraded& degraded, CompletedLevels& levels,
+             parallel::Executor& executor) {
+  constexpr std::size_t kGrain = 1024;
   use_substeps(input, degraded.substeps, levels);
-  for (std::size_t k = 0; k < std::min(degraded.pairs_reused, levels.least_seen.size()); ++k) {
-    const std::uint32_t pair = levels.least_seen[k].pair;
-    reuse(input.table.pairs[pair], levels.progress[pair], levels.known);
-  }
+  parallel::Tickets apart;
+  parallel::parallel_for(executor, levels.reused.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::size_t of_range = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t pair = levels.reused[k];
+      if (reuse(input.table.pairs[pair], levels.progress[pair])) ++of_range;
+    }
+    apart.take(of_range);
+  });
+  levels.known.unknown -= static_cast<std::uint32_t>(levels.reused.size());
+  levels.known.present -= static_cast<std::uint32_t>(apart.take(0));
 }
 
 bool degrade_as_recorded(const RefineInput& input, const FrameDecisions& decisions, CompletedLevels& levels,
@@ -119,7 +144,8 @@ bool degrade_as_recorded(const RefineInput& input, const FrameDecisions& decisio
       there = false;
       continue;
     }
-    reuse(input.table.pairs[index], levels.progress[index], levels.known);
+    --levels.known.unknown;
+    if (reuse(input.table.pairs[index], levels.progress[index])) --levels.known.present;
     ++degraded.pairs_reused;
   }
   return there;

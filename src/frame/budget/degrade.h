@@ -11,17 +11,16 @@ namespace poise::simulation {
 /// The contact solver makes so many substeps in this frame; 0, or no fewer than the settings say: as they say.
 void use_substeps(const RefineInput& input, int substeps, CompletedLevels& levels);
 
-/// How many pairs must be reused to save `late`, if a pair that stays separated saves `apart_ns` and one that keeps its
-/// cached points `points_ns` (both >= 0); at most as many as there are. Lists them in levels.least_seen, which must
-/// have room for all pairs; those that are needed come first.
-std::size_t pairs_to_reuse(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
-                           CompletedLevels& levels);
+/// Chooses the pairs that must be reused to save `late`, if one that stays separated saves `apart_ns` and one that keeps
+/// its cached points `points_ns` (both > 0), into levels.reused; how many they are, at most as many as there are. These
+/// may be: pairs of which what is cached is too old to be sure of; they keep their points, or stay separated, only
+/// while no separation can have changed by more than the radius of the smaller body. The least seen come first, to a
+/// quarter of an octave (PairCueSource::seen); pairs that are seen alike in canonical order.
+std::size_t choose_reused(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
+                          CompletedLevels& levels, parallel::Executor& executor);
 
-/// Leaves out what `degraded` says; of pairs as many as pairs_to_reuse counted, or none. What it does depends on the
-/// state, the cues and its two numbers alone. Pairs that are reused are those of which what is cached is too old to be
-/// sure of, by the weight of their cues, ties in canonical order; they keep their points, or stay separated, only while
-/// no separation can have changed by more than the radius of the smaller body.
-void degrade(const RefineInput& input, const Degraded& degraded, CompletedLevels& levels);
+/// Leaves out what `degraded` says, and of pairs those of levels.reused.
+void degrade(const RefineInput& input, const Degraded& degraded, CompletedLevels& levels, parallel::Executor& executor);
 
 /// The same as it was decided in another run of this step, the pairs by name, and what that was. False where a pair
 /// cannot be reused or there are not so many substeps: another step than that one.

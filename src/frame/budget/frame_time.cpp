@@ -182,7 +182,8 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   const StepInput& step = input.step;
   const Nanoseconds host = host_reserve(forecasts, step);
   // An infeasible frame must find memory for this list without asking for it.
-  levels.least_seen.reserve(input.table.capacity());
+  levels.reused.reserve(input.table.capacity());
+  levels.reuse_band.reserve(input.table.capacity());
   levels.held.reserve(input.scene.bodies.slot_count());
   FramePlan plan;
   count_pairs(input, levels, forecasts, plan);
@@ -209,10 +210,10 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
     }
     if (late().count() > 0) {
       const double coarse_ns = forecasts.tail.coefficients_us()[scheduler::TailForecast::kCoarseContacts];
-      degraded.pairs_reused =
-          pairs_to_reuse(input, late(), forecasts.solved_share * plan.budget.tail_per_contact_ns, coarse_ns, levels);
+      degraded.pairs_reused = choose_reused(input, late(), forecasts.solved_share * plan.budget.tail_per_contact_ns,
+                                            coarse_ns, levels, executor);
     }
-    degrade(input, degraded, levels);
+    degrade(input, degraded, levels, executor);
     report.degraded = degraded;
     if (degraded.pairs_reused > 0) count_pairs(input, levels, forecasts, plan);
     set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);

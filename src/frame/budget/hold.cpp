@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame/refine/pair_cues.h"
 #include "parallel/disjoint_sets.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
@@ -80,14 +81,14 @@ class Islands {
     });
   }
 
-  // How well the islands are seen. A pair that is known is not ranked and adds nothing.
+  // How well the islands are seen. A pair of which nothing is left to find out adds nothing.
   void weigh(const parallel::UnsetVector<PairProgress>& progress) {
     const PairTable& table = input_.table;
+    const PairCueSource cues(input_);
     sum(table.size(), [&](std::uint32_t i, auto&& island_of) {
       if (!progress[i].refinable()) return;
       const ActivePair& pair = table.pairs[i];
-      const scheduler::PairCues& cues = table.cues[i];
-      const double seen = scheduler::cue_weight(input_.policy, cues) * cues.angle_radpm / kWeightUnit;
+      const double seen = cues.seen(i) / kWeightUnit;
       island_of(bodies_.dynamic[pair.a] != 0 ? pair.a : pair.b).seen +=
           static_cast<std::uint64_t>(std::clamp(seen, 0.0, 1e9));
     });

@@ -83,7 +83,7 @@ void take_pair(const CoarseInput& input, PairTable& table, SweptPair& swept, col
              (bodies.shape[pair.b]->kind == ShapeKind::Tree && is_lone_ball(*bodies.shape[pair.b]))) {
     touch_exactly(input.motion, gap, near_m, pair, progress.level, swept.contact);
   } else {
-    const PairRefiner refiner{input.scene, input.terms.contact, input.policy.quantum_units};
+    const PairRefiner refiner{input.scene, input.terms.contact};
     refine_whole(refiner, posed(input.motion, pair), progress, swept.contact, pool);
   }
   progress.level.deepest = progress.level.level;

@@ -45,6 +45,7 @@ struct OpenRefinement {
   parallel::Shared<std::int64_t> contacts{0};  ///< pairs not found separated
   parallel::Shared<int> cut{0};                ///< not 0: the time is up for a job that was next
   std::vector<Hand> hands;                     ///< one a worker
+  std::vector<std::uint32_t> chunks;           // scratch: of pairs that are ranked
 };
 
 }  // namespace poise::simulation

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "frame/refine/pair_cues.h"
 #include "frame/refine/replay_decisions.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
@@ -38,7 +39,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   scheduler::RoundSelector& rounds = refinement.resources.rounds;
   parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
-    return scheduler::Candidate{score_of(input, refinement.facts, all[index], index), index,
+    return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index], index), index,
                                 all[index].level.next_units};
   };
   rounds.begin_frame(budget_units, all.size(), input.policy.round_pairs);
@@ -164,8 +165,8 @@ scheduler::FrameFacts frame_facts(const RefineInput& input) {
   return facts;
 }
 
-double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
-                std::uint32_t index) {
+double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
+                const PairProgress& progress, std::uint32_t index) {
   const ActivePair& pair = input.table.pairs[index];
   std::array<float, kPolygonBin + 1> error_m{};
   const auto& error_a = input.scene.facts_of(pair.a).error_m;
@@ -185,7 +186,7 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
                                    progress.level.next_units,
                                    user_data_of(input.scene, pair),
                                    progress.level.level > 0};
-  return scheduler::score(input.policy, facts, chain, input.table.cues[index], index);
+  return scheduler::score(input.policy, facts, chain, cues, index);
 }
 
 RefinementStep::Kind kind_of(Outcome outcome) {
@@ -207,11 +208,13 @@ void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally&
 void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor) {
   levels.progress.reserve(table.capacity());
   levels.found.reserve(table.capacity());
+  levels.cues.reserve(table.capacity());
   levels.progress.resize(table.size());
   parallel::resize(executor, levels.found, table.size());
+  levels.cues.resize(table.size());
   levels.known = table.known_of_chunk.back();
   levels.substeps = 0;
-  levels.least_seen.clear();
+  levels.reused.clear();
   levels.held.roots.clear();
   levels.tallies.assign(static_cast<std::size_t>(executor.concurrency()), WorkerTally{});
   parallel::parallel_for(executor, table.size(), kCopyGrain, [&](std::size_t begin, std::size_t end, int) {
@@ -272,6 +275,7 @@ void refine(const RefineInput& input, const RefineResources& resources, Complete
   } else if (budget.kind == Budget::Kind::Unlimited && input.terms.contact != ContactModel::Paper) {
     refine_everything(refinement);
   } else {
+    report.cues_refused = fill_all_cues(input, levels, executor);
     refine_by_rounds(refinement,
                      budget.kind == Budget::Kind::Work ? budget.work_units : std::numeric_limits<std::uint64_t>::max());
   }

@@ -42,13 +42,6 @@ struct WorkerTally {
   SteadyClock::time_point begun{}, ended{};
 };
 
-/// A pair that may be reused in a frame that does not fit, by how little it is seen.
-struct LeastSeen {
-  double weight = 0;
-  std::uint32_t pair = 0;
-  double saves_ns = 0;
-};
-
 /// Islands that wait in this frame (budget/hold.h), and the memory in which they are found. Invariant: buffers only
 /// grow.
 struct HeldIslands {
@@ -82,13 +75,16 @@ struct HeldIslands {
 struct CompletedLevels {
   parallel::UnsetVector<PairProgress> progress;          ///< one a pair
   parallel::UnsetVector<collision::LevelContact> found;  ///< one a pair: of those with a level beyond 0, and exact ones
+  parallel::UnsetVector<scheduler::PairCues> cues;       ///< one a pair: of those that were ranked
   std::vector<WorkerTally> tallies;                      ///< one a worker
   KnownCount known;          ///< of all pairs before refinement, once it is decided which are reused
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
   int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
 
   HeldIslands held;
-  std::vector<LeastSeen> least_seen;  // scratch: pairs that may be reused; those that are come first
+  std::vector<std::uint32_t> reused;  ///< pairs that are reused because the frame does not fit (budget/degrade.h)
+  parallel::UnsetVector<std::uint8_t> reuse_band;  // scratch: one a pair; 0: it may not be reused
+  std::vector<std::size_t> counts;                 // scratch
 };
 
 /// What refinement reads and writes of what lasts, and the memory that its workers write fronts into.
@@ -122,8 +118,8 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
 scheduler::FrameFacts frame_facts(const RefineInput& input);
 
 /// What decides when the next level of an active pair has its turn.
-double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const PairProgress& progress,
-                std::uint32_t index);
+double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
+                const PairProgress& progress, std::uint32_t index);
 
 /// Counts a level that has ended. `apart`: it has found the pair separated.
 void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally& tally);

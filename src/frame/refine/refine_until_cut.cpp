@@ -7,6 +7,7 @@
 #include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
 #include "frame/refine/open_refinement.h"
+#include "frame/refine/rank.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -14,48 +15,6 @@ namespace {
 
 std::uint64_t solved_of(double share, std::int64_t present) {
   return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
-}
-
-// Puts pairs where their turn is, and no more of them than a part of the time until the cut allows: then those of every
-// k-th chunk, others in the next frame. False where that time would not do for any.
-bool put_into_bands(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
-                    const CompletedLevels& levels, SteadyClock::time_point start, SteadyClock::time_point cut,
-                    parallel::Executor& executor) {
-  // Chosen: with all pairs ranked in every frame, a pile of 10,000 whose refinement had 2 ms ended late in one frame of
-  // ten.
-  constexpr double kShare = 0.25;
-  const PairTable& table = input.table;
-  double& rank_cost_ns = resources.forecasts.rank_cost_ns;
-  const double allowed_ns = kShare * static_cast<double>((cut - start).count());
-  const double all_ns = rank_cost_ns * table.known_of_chunk.back().refinable;
-  const auto stride = static_cast<std::size_t>(std::ceil(std::max(1.0, all_ns / std::max(allowed_ns, 1.0))));
-  if (stride > std::max<std::size_t>(table.chunks(), 1)) return false;
-  const std::size_t offset = input.frame % stride;
-  const std::size_t count = (table.chunks() - offset + stride - 1) / stride;
-  resources.bands.reset(static_cast<std::uint32_t>(table.size()));
-  parallel::Shared<std::uint64_t> ranked(0);
-  parallel::parallel_for(executor, count, 2, [&](std::size_t first, std::size_t past, int) {
-    std::uint64_t put = 0;
-    // Backwards, because the last one put into a band is the first one taken.
-    for (std::size_t k = past; k-- > first;) {
-      const std::size_t chunk = offset + k * stride;
-      if (table.known_of_chunk[chunk].refinable == 0) continue;
-      for (std::size_t i = table.end_of(chunk); i-- > table.begin_of(chunk);) {
-        const PairProgress& pair = levels.progress[i];
-        if (!pair.refinable()) continue;
-        const auto item = static_cast<std::uint32_t>(i);
-        resources.bands.put(item, scheduler::band_of(input.policy, score_of(input, facts, pair, item)));
-        ++put;
-      }
-    }
-    ranked.add(put);
-  });
-  if (ranked.get() >= 100) {
-    const double measured_ns =
-        static_cast<double>((SteadyClock::now() - start).count()) / static_cast<double>(ranked.get());
-    rank_cost_ns += 0.2 * (measured_ns - rank_cost_ns);
-  }
-  return true;
 }
 
 }  // namespace
@@ -78,7 +37,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const SteadyClock::time_point first_cut = budget.cut(plan.expected);
   const SteadyClock::time_point planned = SteadyClock::now();
   report.planning = planned - start;
-  if (first_cut <= planned || !put_into_bands(input, resources, facts, levels, planned, first_cut, executor)) return;
+  if (first_cut <= planned || !rank_pairs(input, resources, facts, planned, first_cut, levels, report, executor)) return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(input.policy.quantum_units));
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
   // do.
@@ -185,7 +144,7 @@ class OpenRefinement::Job {
   }
   [[nodiscard]] bool goes_on(const PairProgress& progress) {
     const RefineInput& input = run_.input;
-    const std::uint32_t band = scheduler::band_of(input.policy, score_of(input, run_.facts, progress, item_));
+    const std::uint32_t band = scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], progress, item_));
     return band >= run_.bands.highest() && admits(progress.level.next_units);
   }
 
@@ -207,7 +166,7 @@ class OpenRefinement::Job {
     if (ended_ == Outcome::Full) pair.full = true;
     if (ended_ == Outcome::Cut) open_.cut.set(1);
     if (ended_ == Outcome::Completed && pair.refinable())
-      run_.bands.put(item_, scheduler::band_of(input.policy, score_of(input, run_.facts, pair, item_)));
+      run_.bands.put(item_, scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], pair, item_)));
     return end(ended_ != Outcome::Cut);
   }
 

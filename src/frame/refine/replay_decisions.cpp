@@ -5,6 +5,7 @@
 
 #include "frame/budget/degrade.h"
 #include "frame/budget/hold.h"
+#include "frame/refine/pair_cues.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -40,7 +41,7 @@ PairExplanation explained(const RefineInput& input, const CompletedLevels& level
   e.polygons = progress.level.polygons;
   e.mandatory = progress.exact;
   if (!progress.refinable()) return e;
-  e.cues = input.table.cues[index];
+  e.cues = levels.cues[index];
   e.weight = scheduler::cue_weight(input.policy, e.cues);
   return e;
 }
@@ -139,7 +140,7 @@ class Replay {
       const PairProgress& pair = levels_.progress[i];
       PairExplanation e = explained(input_, levels_, i);
       while (left_[i] > 0 && pair.refinable()) {
-        LevelExplanation level{index, Level{0}, pair.level.next_units, score_of(input_, facts_, pair, index), false};
+        LevelExplanation level{index, Level{0}, pair.level.next_units, score_of(input_, facts_, levels_.cues[index], pair, index), false};
         if (!complete_anywhere(i)) break;
         level.level = pair.level.level;
         level.ended = pair.level.apart;
@@ -151,7 +152,7 @@ class Replay {
       e.refinable = pair.refinable();
       if (e.refinable) {
         e.next_units = pair.level.next_units;
-        e.next_score = score_of(input_, facts_, pair, index);
+        e.next_score = score_of(input_, facts_, levels_.cues[index], pair, index);
       }
       explanation.pairs.push_back(e);
     }
@@ -170,7 +171,7 @@ class Replay {
 
 void log_degraded(const CompletedLevels& levels, const Degraded& degraded, DecisionLog& log) {
   log.substeps(static_cast<std::uint32_t>(degraded.substeps));
-  for (std::size_t k = 0; k < degraded.pairs_reused; ++k) log.reused(levels.least_seen[k].pair);
+  for (const std::uint32_t pair : levels.reused) log.reused(pair);
   log.held(levels.held.roots);
 }
 
@@ -179,6 +180,7 @@ bool refine_as_recorded(const RefineInput& input, std::span<collision::FrontPool
                         parallel::Executor& executor) {
   bool left_out = degrade_as_recorded(input, *input.step.replay, levels, report.degraded);
   left_out = hold_as_recorded(input, input.step.replay->held, levels, report.degraded, executor) && left_out;
+  if (input.step.explain != nullptr) report.cues_refused = fill_all_cues(input, levels, executor);
   return Replay(input, pools, facts, levels, executor).run() && left_out;
 }
 

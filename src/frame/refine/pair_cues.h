@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "frame/refine/refine.h"
+#include "frame/view_cues.h"
+
+/// What the scores of a frame's pairs are made of. Asked of pairs that are ranked, not of all: in a frame that has no
+/// time to refine, cues took as long as finding the pairs.
+namespace poise::simulation {
+
+/// The cues of the pairs of one step. Any thread.
+class PairCueSource {
+ public:
+  explicit PairCueSource(const RefineInput& input) : input_(input), view_query_(input.step.view) {}
+  /// All cues of a pair, the host's own too. False where the host's gave no number or one out of range.
+  bool fill(std::uint32_t index, scheduler::PairCues& cues) const;
+  /// How well an error of the pair is seen now, whatever it has waited and a host thinks of it: a weight, >= 0.
+  [[nodiscard]] double seen(std::uint32_t index) const;
+
+ private:
+  const RefineInput& input_;
+  ViewQuery view_query_;
+};
+
+/// Fills levels.cues of all pairs that can be refined; how many cues of the host were refused.
+std::size_t fill_all_cues(const RefineInput& input, CompletedLevels& levels, parallel::Executor& executor);
+
+}  // namespace poise::simulation
