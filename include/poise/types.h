@@ -53,4 +53,7 @@ enum class ExecutorKind : std::uint8_t {
   Host,     ///< threads lent by a host (poise/executor.h)
 };
 
+/// Which islands may wait in a frame that has no time for them (WorldSettings::islands_wait).
+enum class IslandsWait : std::uint8_t { Never, NearRest, Any };
+
 }  // namespace poise

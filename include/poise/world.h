@@ -74,12 +74,12 @@ struct WorldSettings {
   /// nothing. They wake when a moving body comes near, or when the caller changes one of them or a body that they rest
   /// on. Costs nothing if off.
   bool sleeping = false;
-  /// Where a frame would not meet its deadline, or has no time to refine, islands near rest may wait, for up to seven
-  /// frames in a row: their bodies keep position and velocity and get no forces, and their contacts go on without being
-  /// listed. What still moves in them is seen in slow motion meanwhile: docs/scheduling.md says what counts as near
-  /// rest. Counted in Degraded::bodies_held. Never without gravity, with StepInput::backtracking, or without a
-  /// deadline.
-  bool hold_at_rest = true;
+  /// Where a frame would not meet its deadline, or has no time to refine, islands may wait, for up to seven frames in a
+  /// row: their bodies keep position and velocity and get no forces, and their contacts go on without being listed.
+  /// What moves in them is seen in slow motion meanwhile, and is as accurate as without. Those near rest wait first
+  /// (docs/scheduling.md says what that is), and with NearRest no others. Counted in Degraded::bodies_held. Never
+  /// without gravity, with StepInput::backtracking, or without a deadline.
+  IslandsWait islands_wait = IslandsWait::Any;
   int substeps = 2;  ///< of the contact solver, 1 to 16
   /// Share of frames with a deadline whose tail may take longer than its reserve, in [1e-5, 0.5]. A smaller share needs
   /// a larger reserve.
@@ -293,7 +293,7 @@ class World {
 
   /// The pairs that touched in the last step, in order of (a, b), by the definition of contact_events(): their surfaces
   /// met or they exchanged an impulse. Contacts of bodies that were removed since are omitted, and those of bodies that
-  /// waited in that step (WorldSettings::hold_at_rest). Valid until the next non-const call. The list is built at the
+  /// waited in that step (WorldSettings::islands_wait). Valid until the next non-const call. The list is built at the
   /// first call after a step, so it costs nothing if unused. Any number of threads may call it at once between steps.
   [[nodiscard]] std::span<const Contact> contacts() const;
   /// Pairs that began or ceased to touch in the last step, in order of (a, b), and with StepInput::persist_events those

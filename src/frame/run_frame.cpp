@@ -171,7 +171,7 @@ class Step {
                             settings.policy,   input_,
                             world_.frame,      settings.seed,
                             settings.substeps, settings.max_front_entries,
-                            laps_.at(),        settings.hold_at_rest};
+                            laps_.at(),        settings.islands_wait};
     refine(input, {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, log}, frame_.levels,
            report_, executor_);
     report_.times.refine = laps_.lap();

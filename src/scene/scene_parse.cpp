@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "scene/islands_wait_name.h"
+
 namespace poise {
 namespace io {
 namespace {
@@ -121,14 +123,16 @@ void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(
       root, "", problems,
       {"name",   "description", "gravity_mps2", "dt_s",         "frames",   "seed",         "deadline_ms",
-       "alpha",  "host_work",   "max_level",    "backtracking", "sleeping", "hold_at_rest", "policy",
+       "alpha",  "host_work",   "max_level",    "backtracking", "sleeping", "islands_wait", "policy",
        "camera", "gaze_px",     "materials",    "shapes",       "bodies",   "tray",         "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
   top.flag("backtracking", scene.backtracking);
   top.flag("sleeping", scene.sleeping);
-  top.flag("hold_at_rest", scene.hold_at_rest);
+  auto wait = static_cast<std::size_t>(scene.islands_wait);
+  top.one_of("islands_wait", {kIslandsWaitNames.begin(), kIslandsWaitNames.end()}, wait);
+  scene.islands_wait = static_cast<IslandsWait>(wait);
   if (const JsonValue* value = top.find("host_work")) parse_host_work(*value, problems, scene);
   if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);

@@ -137,7 +137,7 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   settings.gravity_mps2 = scene.gravity_mps2;
   settings.seed = options.seed.value_or(scene.seed);
   settings.sleeping = settings.sleeping || scene.sleeping;
-  settings.hold_at_rest = settings.hold_at_rest && scene.hold_at_rest;
+  settings.islands_wait = std::min(settings.islands_wait, scene.islands_wait);
   Result<World> world = World::create(settings);
   if (!world) return world.error();
   auto impl =

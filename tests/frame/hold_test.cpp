@@ -68,6 +68,7 @@ TEST(Hold, AHeapThatWaitsNowAndThenMovesAsOneThatDoesNotOnlyLater) {
 
 TEST(Hold, WhatMovesIsPushedOrDrivenDoesNotWaitAndWhatLiesApartFromItDoes) {
   WorldSettings settings = on(1);
+  settings.islands_wait = IslandsWait::NearRest;
   Stage stage(settings, 0.0);
   stage.plane(Vec3::UnitZ(), 0);
   const ShapeId ball = stage.ball(0.5);
@@ -86,6 +87,60 @@ TEST(Hold, WhatMovesIsPushedOrDrivenDoesNotWaitAndWhatLiesApartFromItDoes) {
   // A fast body that comes near an island belongs to it.
   stage.add(ball, Vec3(-21.5, 0, 0.5), Vec3(30, 0, 0));
   EXPECT_EQ(stage.world.step(hopeless()).degraded.bodies_held, 0U);
+}
+
+TEST(Hold, WhatMovesWaitsTooWhereItMayAfterWhatIsNearRest) {
+  Stage stage(on(1), 0.0);
+  stage.plane(Vec3::UnitZ(), 0);
+  const ShapeId ball = stage.ball(0.5);
+  const BodyId rolls = stage.add(ball, Vec3(0, 0, 0.5), Vec3(3, 0, 0), Vec3(0, 6, 0));
+  const BodyId rests = stage.add(ball, Vec3(-20, 0, 0.5));
+  const BodyId falls = stage.add(ball, Vec3(20, 0, 30));
+  const auto step = [&](const StepInput& input) { return stage.world.step(input).degraded.bodies_held; };
+  step(unlimited());
+  const BodyState rolling = stage.at(rolls);
+  EXPECT_EQ(step(hopeless()), 2U) << "what meets nothing has nothing to wait for";
+  EXPECT_TRUE(same(stage.at(rolls), rolling));
+  for (int i = 1; i < kMostFramesHeld; ++i) EXPECT_EQ(step(hopeless()), 2U);
+  EXPECT_EQ(step(hopeless()), 0U) << "every eighth frame at least";
+  EXPECT_GT(stage.at(rolls).position_m.x(), rolling.position_m.x());
+  EXPECT_LT(stage.at(falls).position_m.z(), 30);
+  // One contact less is all that is asked for: the one at rest gives it.
+  simulation::WorldState& world = WorldAccess::of(stage.world);
+  const StepInput input = hopeless();
+  simulation::RefineInput refine{world.scene(),         simulation::terms_of(world.settings, input),
+                                 world.outputs.motion,  world.outputs.table,
+                                 world.settings.policy, input};
+  refine.islands_wait = IslandsWait::Any;
+  world.bodies.frames_held.assign(world.bodies.slot_count(), 0);
+  simulation::begin_levels(world.outputs.table, world.outputs.levels, *world.executor);
+  EXPECT_EQ(simulation::hold_islands(refine, 1, world.outputs.levels, *world.executor), 1U);
+  EXPECT_TRUE(world.outputs.levels.held.holds(rests.slot));
+  EXPECT_FALSE(world.outputs.levels.held.holds(rolls.slot));
+}
+
+TEST(Hold, AHeapInMotionThatWaitsMovesAsOneThatDoesNotOnlyLater) {
+  Heap held;
+  Heap free;
+  for (Heap* heap : {&held, &free}) {
+    for (std::size_t k = 0; k < heap->bodies.size(); ++k) {
+      BodyState state = heap->at(heap->bodies[k]);
+      state.velocity_mps = Vec3(k % 2 == 0 ? 1 : -1, k % 3 == 0 ? 1 : -1, 0.5);
+      ASSERT_TRUE(heap->world.set_state(heap->bodies[k], state).ok());
+    }
+  }
+  int together = 0;
+  for (; together < 60; ++together) {
+    // As long as all are one island that waits.
+    if (held.world.step(hopeless()).degraded.bodies_held != held.bodies.size()) break;
+    for (int k = 1; k < 3; ++k)
+      ASSERT_EQ(held.world.step(hopeless()).degraded.bodies_held, held.bodies.size()) << together;
+    held.world.step(unlimited());
+    free.world.step(unlimited());
+    for (std::size_t k = 0; k < held.bodies.size(); ++k)
+      ASSERT_TRUE(same(held.at(held.bodies[k]), free.at(free.bodies[k]))) << "frame " << together;
+  }
+  EXPECT_GE(together, 5);
 }
 
 TEST(Hold, NoPairHasOneBodyThatWaitsAndOneThatMoves) {
@@ -177,7 +232,7 @@ TEST(Hold, AReplayHoldsTheSame) {
 
 TEST(Hold, NothingWaitsWhereItMayNotOrNeedNot) {
   WorldSettings never = on(1);
-  never.hold_at_rest = false;
+  never.islands_wait = IslandsWait::Never;
   Heap moving(never);
   EXPECT_EQ(moving.world.step(hopeless()).degraded.bodies_held, 0U);
   Heap heap;

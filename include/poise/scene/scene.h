@@ -155,11 +155,11 @@ struct Scene {
   std::optional<double> deadline_ms;
   std::optional<double> alpha;  ///< WorldSettings::alpha
   std::optional<SceneHostWork> host_work;
-  Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
-  bool polygons = false;            ///< one more level, by the triangles of meshes: StepInput::polygons
-  bool backtracking = false;        ///< StepInput::backtracking
-  bool sleeping = false;            ///< WorldSettings::sleeping
-  bool hold_at_rest = true;         ///< WorldSettings::hold_at_rest
+  Level max_level = kMaxTreeDepth;              ///< no pair is refined beyond this level of its trees
+  bool polygons = false;                        ///< one more level, by the triangles of meshes: StepInput::polygons
+  bool backtracking = false;                    ///< StepInput::backtracking
+  bool sleeping = false;                        ///< WorldSettings::sleeping
+  IslandsWait islands_wait = IslandsWait::Any;  ///< WorldSettings::islands_wait
   scheduler::Policy policy;
   std::optional<SceneCamera> camera;
   std::optional<std::array<double, 2>> gaze_px;  ///< from the top left corner; the centre of the image otherwise
@@ -188,8 +188,8 @@ View scene_view(const Scene& scene);
 
 /// Settings of a run that the scene file does not hold.
 struct SceneRunOptions {
-  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also turn sleeping on; the rest is
-                        ///< used as given
+  WorldSettings world;  ///< gravity and seed are taken from the scene, which may also turn sleeping on and let fewer
+                        ///< islands wait; the rest is used as given
   /// Number of bodies that all generators make together, in proportion to their own counts; empty: those of the scene.
   std::optional<std::uint64_t> bodies;
   std::optional<std::uint64_t> seed;  ///< replaces the scene's seed; also moves generated bodies

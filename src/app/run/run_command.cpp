@@ -143,7 +143,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.polygons = loop.polygons;
   d.backtracking = loop.backtracking;
   d.sleeping = world.sleeping;
-  d.hold_at_rest = world.hold_at_rest;
+  d.islands_wait = world.islands_wait;
   d.reference_every = loop.reference_every;
   d.tray_side_m = run.tray_side_m();
   d.machine = io::this_machine();

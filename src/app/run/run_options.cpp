@@ -14,6 +14,7 @@
 #include "app/output_files.h"
 #include "app/suggestions.h"
 #include "parallel/executor.h"
+#include "scene/islands_wait_name.h"
 #include "world/contact_model_names.h"
 
 namespace poise::app {
@@ -85,6 +86,12 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                    "Answer bodies that move far in a step where they meet something within it (default: the scene's)");
   command.add_flag("--sleeping", options.sleeping,
                    "Let bodies at rest fall asleep until something comes near them (default: the scene's)");
+  command
+      .add_option("--islands-wait", options.islands_wait,
+                  "Which islands may wait in a frame that has no time for them: never, near_rest or any (default: the "
+                  "scene's, and at most those)")
+      ->check(one_of({io::kIslandsWaitNames.begin(), io::kIslandsWaitNames.end()}))
+      ->type_name("WHICH");
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(one_of({"tbb", "threads", "serial"}))
@@ -204,6 +211,10 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
   settings.alpha = options.time.alpha.value_or(scene.alpha.value_or(settings.alpha));
   settings.sleeping = options.sleeping || scene.sleeping;
+  settings.islands_wait = scene.islands_wait;
+  for (std::size_t which = 0; which < io::kIslandsWaitNames.size(); ++which) {
+    if (options.islands_wait == io::kIslandsWaitNames[which]) settings.islands_wait = static_cast<IslandsWait>(which);
+  }
   settings.executor = executor_kind(options);
   settings.processors = processor_list(options.affinity).value();
   settings.threads = static_cast<int>(options.threads.value_or(settings.processors.size()));

@@ -24,6 +24,7 @@ struct RunOptions {
   bool backtracking = false;
   std::optional<double> deadline_ms, host_work_ms, spin_us;
   bool sleeping = false;
+  std::string islands_wait;  ///< empty: as the scene says
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "fitted", clock = "wall", executor;

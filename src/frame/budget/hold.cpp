@@ -14,7 +14,7 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-// In what gravity adds in a step. Chosen: a heap that has just come down still trembles.
+// Near rest, in what gravity adds in a step. Chosen: a heap that has just come down still trembles.
 constexpr double kSlow = 2, kFast = 8, kFlying = 32;
 constexpr std::uint32_t kFewOf = 2, kVeryFewOf = 10;
 // Fewer slow bodies than this share of all are not worth a look.
@@ -37,8 +37,9 @@ class Islands {
         executor_(executor),
         roots_(work.parent) {}
 
-  // Are there so many slow bodies that an island may be near rest?
-  [[nodiscard]] bool any_slow() const {
+  // May an island wait at all? Near rest, only if there are so many slow bodies.
+  [[nodiscard]] bool any() const {
+    if (input_.islands_wait == IslandsWait::Any) return true;
     parallel::Tickets slow;
     parallel::for_ranges(
         executor_, {bodies_.slot_count(), kGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -67,8 +68,8 @@ class Islands {
       const double speed = speed_mps(bodies_, slot);
       if (speed > kSlow * gravity_mps_) ++island.moving;
       if (speed > kFast * gravity_mps_) ++island.fast;
-      if (speed > kFlying * gravity_mps_ || bodies_.pushed[slot] != 0 || bodies_.frames_held[slot] >= kMostFramesHeld)
-        island.restless = 1;
+      if (speed > kFlying * gravity_mps_) ++island.flying;
+      if (bodies_.pushed[slot] != 0 || bodies_.frames_held[slot] >= kMostFramesHeld) island.restless = 1;
     });
     sum(table.size(), [&](std::uint32_t i, auto&& island_of) {
       const ActivePair& pair = table.pairs[i];
@@ -97,7 +98,11 @@ class Islands {
   [[nodiscard]] bool may_wait(std::uint32_t root) const {
     const HeldIslands::Island& island = work_.islands[root];
     return work_.parent[root] == root && island.bodies > 0 && island.restless == 0 &&
-           island.moving * kFewOf <= island.bodies && island.fast * kVeryFewOf <= island.bodies;
+           (input_.islands_wait == IslandsWait::Any || near_rest(root));
+  }
+  [[nodiscard]] bool near_rest(std::uint32_t root) const {
+    const HeldIslands::Island& island = work_.islands[root];
+    return island.flying == 0 && island.moving * kFewOf <= island.bodies && island.fast * kVeryFewOf <= island.bodies;
   }
 
   // Holds the islands of `work_.roots`.
@@ -169,7 +174,7 @@ class Islands {
 };
 
 bool none_may_wait(const RefineInput& input) {
-  return !input.may_hold || input.terms.backtracking || input.terms.gravity_mps2.isZero(0);
+  return input.islands_wait == IslandsWait::Never || input.terms.backtracking || input.terms.gravity_mps2.isZero(0);
 }
 
 }  // namespace
@@ -179,6 +184,7 @@ void HeldIslands::Island::add(const Island& part) {
   parallel::add_shared(bodies, part.bodies);
   parallel::add_shared(moving, part.moving);
   parallel::add_shared(fast, part.fast);
+  parallel::add_shared(flying, part.flying);
   parallel::add_shared(contacts, part.contacts);
   parallel::add_shared(unknown, part.unknown);
   parallel::add_shared(restless, part.restless);
@@ -191,13 +197,15 @@ std::size_t hold_islands(const RefineInput& input, std::uint64_t contacts, Compl
   if (none_may_wait(input) || contacts == 0) return 0;
   work.resize(input.scene.bodies.slot_count());
   Islands islands(input, work, executor);
-  if (!islands.any_slow()) return 0;
+  if (!islands.any()) return 0;
   islands.find(levels.progress);
   for (std::uint32_t root = 0; root < work.parent.size(); ++root) {
     if (islands.may_wait(root) && work.islands[root].contacts > 0) work.roots.push_back(root);
   }
   if (work.roots.size() > 1) islands.weigh(levels.progress);
   std::sort(work.roots.begin(), work.roots.end(), [&](std::uint32_t x, std::uint32_t y) {
+    const bool rests_x = islands.near_rest(x);
+    if (rests_x != islands.near_rest(y)) return rests_x;
     const std::uint64_t seen_x = work.islands[x].seen;
     const std::uint64_t seen_y = work.islands[y].seen;
     return seen_x != seen_y ? seen_x < seen_y : x < y;

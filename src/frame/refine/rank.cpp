@@ -75,8 +75,7 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
         const auto item = static_cast<std::uint32_t>(i);
         if (!source.fill(item, levels.cues[i])) ++not_taken;
         pair.seen = seen_band(levels.cues[i]);
-        resources.bands.put(item,
-                            scheduler::band_of(input.policy, score_of(input, facts, levels.cues[i], pair, item)));
+        resources.bands.put(item, scheduler::band_of(input.policy, score_of(input, facts, levels.cues[i], pair, item)));
         ++put;
       }
     }

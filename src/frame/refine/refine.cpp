@@ -39,8 +39,8 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   scheduler::RoundSelector& rounds = refinement.resources.rounds;
   parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
-    return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index], index), index,
-                                all[index].level.next_units};
+    return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index], index),
+                                index, all[index].level.next_units};
   };
   rounds.begin_frame(budget_units, all.size(), input.policy.round_pairs);
   for (std::uint32_t i = 0; i < all.size(); ++i) {

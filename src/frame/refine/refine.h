@@ -28,7 +28,7 @@ struct RefineInput {
   int substeps = 2;                     ///< of the contact solver, where the frame is not degraded
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
   SteadyClock::time_point begun{};      ///< when the stage begins
-  bool may_hold = true;                 ///< islands near rest may wait for a frame
+  IslandsWait islands_wait = IslandsWait::Never;
 
   [[nodiscard]] PairRefiner refiner() const { return {scene, terms.contact, policy.quantum_units}; }
 };
@@ -47,7 +47,7 @@ struct WorkerTally {
 struct HeldIslands {
   struct Island {
     std::uint64_t seen = 0;  ///< sum of its pairs' weights
-    std::uint32_t bodies = 0, moving = 0, fast = 0, contacts = 0, unknown = 0;
+    std::uint32_t bodies = 0, moving = 0, fast = 0, flying = 0, contacts = 0, unknown = 0;
     std::uint32_t restless = 0;
     bool held = false;
     void add(const Island& part);  ///< but for held; any thread

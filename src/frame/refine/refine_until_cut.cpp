@@ -37,7 +37,8 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const SteadyClock::time_point first_cut = budget.cut(plan.expected);
   const SteadyClock::time_point planned = SteadyClock::now();
   report.planning = planned - start;
-  if (first_cut <= planned || !rank_pairs(input, resources, facts, planned, first_cut, levels, report, executor)) return;
+  if (first_cut <= planned || !rank_pairs(input, resources, facts, planned, first_cut, levels, report, executor))
+    return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(input.policy.quantum_units));
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
   // do.
@@ -144,7 +145,8 @@ class OpenRefinement::Job {
   }
   [[nodiscard]] bool goes_on(const PairProgress& progress) {
     const RefineInput& input = run_.input;
-    const std::uint32_t band = scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], progress, item_));
+    const std::uint32_t band =
+        scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], progress, item_));
     return band >= run_.bands.highest() && admits(progress.level.next_units);
   }
 
@@ -166,7 +168,8 @@ class OpenRefinement::Job {
     if (ended_ == Outcome::Full) pair.full = true;
     if (ended_ == Outcome::Cut) open_.cut.set(1);
     if (ended_ == Outcome::Completed && pair.refinable())
-      run_.bands.put(item_, scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], pair, item_)));
+      run_.bands.put(
+          item_, scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], pair, item_)));
     return end(ended_ != Outcome::Cut);
   }
 

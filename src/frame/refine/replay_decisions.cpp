@@ -140,7 +140,8 @@ class Replay {
       const PairProgress& pair = levels_.progress[i];
       PairExplanation e = explained(input_, levels_, i);
       while (left_[i] > 0 && pair.refinable()) {
-        LevelExplanation level{index, Level{0}, pair.level.next_units, score_of(input_, facts_, levels_.cues[index], pair, index), false};
+        LevelExplanation level{index, Level{0}, pair.level.next_units,
+                               score_of(input_, facts_, levels_.cues[index], pair, index), false};
         if (!complete_anywhere(i)) break;
         level.level = pair.level.level;
         level.ended = pair.level.apart;

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/islands_wait_name.h"
+
 namespace poise::io {
 namespace {
 
@@ -137,7 +139,7 @@ Json settings_json(const RunDocument& d) {
                    {"polygons", d.polygons},
                    {"backtracking", d.backtracking},
                    {"sleeping", d.sleeping},
-                   {"hold_at_rest", d.hold_at_rest}};
+                   {"islands_wait", islands_wait_name(d.islands_wait)}};
   const scheduler::Policy& policy = d.policy_weights;
   for (const scheduler::PolicyField& field : scheduler::policy_weights())
     settings["policy_weights"][std::string(field.name)] = policy.*field.value;

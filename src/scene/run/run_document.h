@@ -41,7 +41,7 @@ struct RunDocument {
   bool polygons = false;
   bool backtracking = false;
   bool sleeping = false;
-  bool hold_at_rest = true;
+  IslandsWait islands_wait = IslandsWait::Any;
   std::optional<std::uint64_t> reference_every;
   double tray_side_m = 0;
   Machine machine;
