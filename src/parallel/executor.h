@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <memory>
@@ -19,6 +20,21 @@ namespace poise::parallel {
 struct Patience {
   std::chrono::steady_clock::time_point until{};
   std::chrono::nanoseconds at_least{0};
+};
+
+/// Time that the calling thread slept because other workers were not done, over all runs. A wait that is over before
+/// the thread sleeps is CPU time, and is not here.
+struct Waits {
+  std::chrono::nanoseconds slept{0};
+  /// Of it, the time in which the system did not run the awaited worker either.
+  std::chrono::nanoseconds held_up{0};
+
+  /// A wait of `wall`, in which the awaited worker was on a processor for `worker_cpu`.
+  void add(std::chrono::nanoseconds wall, std::chrono::nanoseconds worker_cpu) {
+    slept += wall;
+    held_up += std::clamp(wall - worker_cpu, std::chrono::nanoseconds(0), wall);
+  }
+  friend Waits operator-(const Waits& a, const Waits& b) { return {a.slept - b.slept, a.held_up - b.held_up}; }
 };
 
 /// Runs work on several threads.
@@ -48,6 +64,8 @@ class Executor {
   virtual void settle() = 0;
   /// Wakes sleeping workers before a run. Returns at once.
   virtual void wake() {}
+  /// For the thread that calls run, between two runs.
+  [[nodiscard]] virtual Waits waits() const { return {}; }
 };
 
 /// Spinning longer than this wastes a processor; 0 is allowed too.

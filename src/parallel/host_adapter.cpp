@@ -105,6 +105,7 @@ class HostAdapter final : public Executor {
 
   [[nodiscard]] bool commit(int worker) override { return calls_->gate.commit(worker); }
   void settle() override { calls_->gate.settle(); }
+  [[nodiscard]] Waits waits() const override { return calls_->gate.waits(); }
 
   void wake() override {
     const int wanted = threads_ - 1 - calls_->pending.load(std::memory_order_seq_cst);

@@ -108,6 +108,7 @@ class TbbExecutor final : public Executor {
 
   [[nodiscard]] bool commit(int worker) override { return tasks_->gate.commit(worker); }
   void settle() override { tasks_->gate.settle(); }
+  [[nodiscard]] Waits waits() const override { return tasks_->gate.waits(); }
 
   void wake() override {
     try {

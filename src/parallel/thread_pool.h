@@ -31,6 +31,7 @@ class ThreadPool final : public Executor {
   [[nodiscard]] bool commit(int worker) override { return gate_.commit(worker); }
   void settle() override { gate_.settle(); }
   void wake() override;
+  [[nodiscard]] Waits waits() const override { return gate_.waits(); }
 
   /// The result of setting affinity and priority of the threads.
   [[nodiscard]] const Status& placed() const { return placed_; }

@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "parallel/worker_gate.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <thread>
 
 namespace poise::parallel {
+namespace {
+
+// The CPU clock of the calling thread, which other threads may read too.
+clockid_t clock_of_this_thread(clockid_t none) {
+  clockid_t clock{};
+  return ::pthread_getcpuclockid(::pthread_self(), &clock) == 0 ? clock : none;
+}
+
+}  // namespace
 
 WorkerGate::WorkerGate(int workers, std::chrono::nanoseconds spin)
     : workers_(workers), spin_(spin), hands_(new Worker[static_cast<std::size_t>(workers)]) {}
@@ -27,9 +38,20 @@ void WorkerGate::wait_while(Worker& worker, bool abandoned_too) {
     return hand == kEmpty || (hand == kAbandoned && !abandoned_too);
   };
   if (spin_until(spin_, done)) return;
+  const auto begun = std::chrono::steady_clock::now();
+  const std::chrono::nanoseconds cpu_before = cpu_time_of(worker);
   caller_sleeps_.store(true, std::memory_order_seq_cst);
   while (!done()) worker.hand.wait(hand, std::memory_order_seq_cst);
   caller_sleeps_.store(false, std::memory_order_relaxed);
+  waits_.add(std::chrono::steady_clock::now() - begun, cpu_time_of(worker) - cpu_before);
+}
+
+// 0 if it cannot be told: then what is waited for counts as held up.
+std::chrono::nanoseconds WorkerGate::cpu_time_of(const Worker& worker) {
+  const clockid_t clock = worker.cpu_clock.load(std::memory_order_relaxed);
+  timespec time{};
+  if (clock == kNoClock || ::clock_gettime(clock, &time) != 0) return std::chrono::nanoseconds(0);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 void WorkerGate::close() {
@@ -87,7 +109,10 @@ WorkerGate::GateState WorkerGate::look(const Worker& worker, std::uint64_t last_
 
 bool WorkerGate::take_part(int number, std::uint64_t& last_run) {
   if (!has_work(gate_.load(std::memory_order_relaxed), last_run)) return false;
+  thread_local const clockid_t own_clock = clock_of_this_thread(kNoClock);
   Worker& worker = hands_[static_cast<std::size_t>(number)];
+  if (worker.cpu_clock.load(std::memory_order_relaxed) != own_clock)
+    worker.cpu_clock.store(own_clock, std::memory_order_relaxed);
   bool worked = false;
   for (bool more = true; more;) {
     raise(worker);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <memory>
 
 #include "parallel/executor.h"
@@ -52,6 +53,9 @@ class WorkerGate {
   /// Waits until no worker holds an item, abandoned workers included.
   void settle();
 
+  /// Waits of the caller that it slept through.
+  [[nodiscard]] const Waits& waits() const { return waits_; }
+
   /// Worker's side: does items of the open run, unless there is none or this worker has found it exhausted. Returns
   /// false if it did nothing. `last_run` belongs to the worker and starts at 0.
   bool take_part(int worker, std::uint64_t& last_run);
@@ -59,13 +63,16 @@ class WorkerGate {
 
  private:
   friend struct WorkerGateAccess;  // for tests, which stop a worker at points where otherwise only the system does
+  static constexpr clockid_t kNoClock = CLOCK_REALTIME;  ///< never that of a thread
   enum Hand : std::uint32_t { kEmpty, kWorking, kCommitted, kAbandoned };
   struct alignas(64) Worker {
     std::atomic<std::uint32_t> hand{kEmpty};
+    std::atomic<clockid_t> cpu_clock{kNoClock};  ///< of the thread that was this worker last
   };
   /// The state that a worker finds after it has set its word: a run is open, none is, or the worker was abandoned
   /// meanwhile.
   enum class GateState : std::uint8_t { Open, Nothing, Abandoned };
+  static std::chrono::nanoseconds cpu_time_of(const Worker& worker);
   static void raise(Worker& worker) { worker.hand.exchange(kWorking, std::memory_order_seq_cst); }
   [[nodiscard]] GateState look(const Worker& worker, std::uint64_t last_run, std::uint64_t& gate) const;
   static bool has_work(std::uint64_t gate, std::uint64_t last_run) {
@@ -79,6 +86,7 @@ class WorkerGate {
   WorkerFunction step_;                             ///< of a run that waits for all of its items
   WorkerFunction lasting_step_;  ///< of a run that may abandon items: not changed until all workers have settled
   std::atomic<bool> caller_sleeps_{false};
+  Waits waits_;  ///< the caller's
   int workers_;
   std::chrono::nanoseconds spin_;
   std::unique_ptr<Worker[]> hands_;

@@ -3,6 +3,8 @@
 #include <sched.h>
 
 #include <atomic>
+#include <cstdint>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <thread>
@@ -20,6 +22,7 @@ struct WorkerGateAccess {
     std::uint64_t run = 0;
     return gate.look(gate.hands_[static_cast<std::size_t>(worker)], 0, run) == WorkerGate::GateState::Open;
   }
+  static bool caller_sleeps(const WorkerGate& gate) { return gate.caller_sleeps_.load(); }
   static void leave(WorkerGate& gate, int worker) { gate.leave(gate.hands_[static_cast<std::size_t>(worker)]); }
 };
 
@@ -134,6 +137,61 @@ TEST(WorkerGate, AWorkerThatIsAbandonedBeforeItLooksBeginsNothingInTheNextRun) {
   EXPECT_EQ(items, 3);
   gate.close();
   EXPECT_FALSE(gate.take_part(1, last_run));
+}
+
+// Time of this thread alone, whatever else runs.
+void work_for_two_milliseconds() {
+  const auto cpu_ns = [] {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
+  };
+  for (const std::int64_t end = cpu_ns() + 2'000'000; cpu_ns() < end;) {
+  }
+}
+
+TEST(WorkerGate, TellsWhatItSleptForAWorkerFromWhatTheSystemTookOfThatWorker) {
+  for (const bool works : {true, false}) {
+    WorkerGate gate(2, std::chrono::nanoseconds(0));
+    std::atomic<bool> begun{false}, woken{false}, read{false};
+    const auto until_asleep = [&] {
+      while (!WorkerGateAccess::caller_sleeps(gate)) std::this_thread::yield();
+    };
+    const auto step = [&](int) {
+      begun = true;
+      until_asleep();
+      if (works) {
+        work_for_two_milliseconds();
+      } else {
+        woken.wait(false);
+      }
+      return false;
+    };
+    gate.open(step, false);
+    const std::jthread worker([&] {
+      std::uint64_t last_run = 0;
+      gate.take_part(1, last_run);
+      read.wait(false);  // a thread that has ended has no clock any more
+    });
+    while (!begun) std::this_thread::yield();
+    const std::jthread helper([&] {
+      until_asleep();
+      if (!works) work_for_two_milliseconds();
+      woken = true;
+      woken.notify_all();
+    });
+    EXPECT_EQ(gate.waits().slept.count(), 0);
+    gate.close();
+    const Waits waits = gate.waits();
+    read = true;
+    read.notify_all();
+    // One of the two was at work for 2 ms while the caller slept; clocks may differ a little.
+    if (works) {
+      EXPECT_GE(waits.slept - waits.held_up, std::chrono::milliseconds(1));
+    } else {
+      EXPECT_GE(waits.held_up, std::chrono::milliseconds(1));
+    }
+  }
 }
 
 TEST_P(GiveUp, SettlesBeforeAnItemMayBeAbandonedAgain) {
