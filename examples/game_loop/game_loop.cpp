@@ -87,7 +87,7 @@ poise::View camera(double time_s) {
 }
 
 struct Report {
-  std::array<int, 5> misses{};  // by cause
+  std::array<int, 6> misses{};  // by cause
   std::chrono::nanoseconds slowest{0};
   std::size_t left = 0;  // pairs that the budget left at a coarse level
   int picked = 0;        // frames in which a body was under the gaze
@@ -97,6 +97,8 @@ const char* name_of(poise::MissCause cause) {
   switch (cause) {
     case poise::MissCause::None:
       return "on time";
+    case poise::MissCause::Release:
+      return "begun too late";
     case poise::MissCause::Infeasible:
       return "infeasible";
     case poise::MissCause::Machine:
@@ -120,6 +122,7 @@ bool run(poise::World& world, Report& report) {
     input.view = camera(frame / 60.0);
     input.host_work.learn = true;
     input.budget = poise::Budget::until(release + kPeriod);
+    input.release = release + kLogic;  // the step cannot begin before
     const poise::FrameReport stepped = world.step(input);
     if (stepped.status != poise::StepStatus::Done) return false;
 

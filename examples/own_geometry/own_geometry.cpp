@@ -152,7 +152,7 @@ sched::Nanoseconds cpu_time() {
 
 // The result of one deadline.
 struct Row {
-  std::array<int, 5> late{};  // frames by MissCause
+  std::array<int, 6> late{};  // frames by MissCause
   int checked = 0;
   std::array<std::uint64_t, 3> at_level{};
   double error_m = 0, pushed = 0;

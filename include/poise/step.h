@@ -57,6 +57,10 @@ inline constexpr double kMaxTimeStepS = 1000.0;
 struct StepInput {
   double dt_s = 1.0 / 60.0;  ///< length of the step, > 0 and at most kMaxTimeStepS
   Budget budget{};
+  /// When the frame could have begun, for hosts with frames on a grid: by how much the step begins later is not held
+  /// against it if it ends late (MissCause::Release). Changes nothing else. Empty: now. A time in the future counts as
+  /// now, one more than kFarthestTime ago as that long ago.
+  std::optional<SteadyClock::time_point> release;
   View view{};
   HostWork host_work{};
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
@@ -147,6 +151,7 @@ struct FrameReport {
 
   // Budget (wall clock only; 0 otherwise)
   Nanoseconds budget{0};            ///< from the start of the step to its deadline
+  Nanoseconds release_delay{0};     ///< from StepInput::release to the start of the step
   Nanoseconds reserve_at_cut{0};    ///< reserved for the tail when refinement ended, without tail_left_over
   Nanoseconds tail_forecast{0};     ///< point forecast of the tail, without margin
   Nanoseconds tail_left_over{0};    ///< part of tail_forecast: solver iterations that use time left over by refinement
@@ -168,12 +173,17 @@ struct FrameReport {
   Degraded degraded;                  ///< the work left out so that it fits
   Nanoseconds lateness{0};            ///< past the deadline (host work included), 0 if on time
   MissCause cause = MissCause::None;
-  Nanoseconds off_cpu{0};      ///< wall time minus thread CPU time minus own waits, of the calling thread
-  Nanoseconds waited{0};       ///< time in which the calling thread waited for refinement on other workers
+  /// Wall time minus thread CPU time minus own waits, of the calling thread; and of the waits the time in which the
+  /// system did not run the worker that was waited for.
+  Nanoseconds off_cpu{0};
+  Nanoseconds waited{0};  ///< time in which the calling thread waited for other workers: at the end of refinement, and
+                          ///< asleep in other stages
   Nanoseconds longest_job{0};  ///< longest bounded piece of refinement, with the time that the system took from it
   BodyId longest_job_a, longest_job_b;  ///< the pair that it was of
-  Nanoseconds longest_overrun{0};       ///< largest excess of a piece over its forecast, or of refinement over its cut
-  double cut_margin = 1;                ///< factor from point forecast to reserve
+  /// Largest excess of a piece over its forecast, or of refinement over its cut, without what the system took from it.
+  Nanoseconds longest_overrun{0};
+  Nanoseconds overrun_off_cpu{0};  ///< what the system took from it
+  double cut_margin = 1;           ///< factor from point forecast to reserve
 
   // Counted work
   std::size_t bodies = 0;           ///< dynamic bodies, sleeping ones included

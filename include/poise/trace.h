@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "poise/types.h"
+
 namespace poise {
 
-/// Stage of a trace span. The stages of a step follow each other without gaps; Worker spans lie within Refine.
+/// Stage of a trace span. The stages of a step follow each other without gaps; Worker spans lie within Refine, and a
+/// Piece within each: the longest piece of refinement of that worker.
 enum class TraceStage : std::uint8_t {
   Frame,
   Predict,
@@ -19,11 +22,12 @@ enum class TraceStage : std::uint8_t {
   Solve,
   Integrate,
   Publish,
-  Worker
+  Worker,
+  Piece
 };
 
-/// The name in trace files: `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `response`, `integrate`, `publish`,
-/// or `jobs` for Worker. Static storage. Any thread.
+/// The name in trace files: `frame`, `predict`, `broad_phase`, `coarse`, `refine`, `manifolds`, `solve`, `integrate`,
+/// `publish`, `jobs` for Worker, or `piece`. Static storage. Any thread.
 const char* trace_name(TraceStage stage);
 
 /// A time span of one thread.
@@ -31,6 +35,8 @@ struct TraceSpan {
   std::chrono::steady_clock::time_point begin{}, end{};
   std::uint64_t frame = 0;  ///< FrameReport::frame
   std::uint32_t jobs = 0;   ///< Worker: levels that it completed; else 0
+  std::uint32_t units = 0;  ///< Piece: its node-pair expansions; else 0
+  BodyId body_a, body_b;    ///< Piece: the pair that it was of
   std::int16_t lane = 0;    ///< number of the worker; 0 is the thread that calls World::step
   TraceStage stage = TraceStage::Frame;
 };

@@ -35,6 +35,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   StepInput moved = input;
   const Nanoseconds copy_time = SteadyClock::now() - begun;
   if (moved.budget.deadline < SteadyClock::time_point::max() - copy_time) moved.budget.deadline += copy_time;
+  if (moved.release) *moved.release += copy_time;
   // The reference must find the bodies that the frame had.
   FrameReport report = simulation::run_frame(world, moved, false);
   world.settle();
@@ -58,12 +59,13 @@ FrameReport World::step(const StepInput& given) {
   }
   if (input.budget.kind == Budget::Kind::Deadline)
     input.budget.deadline = within_reach(input.budget.deadline, SteadyClock::now());
+  if (input.release) input.release = within_reach(*input.release, SteadyClock::now());
   input.host_work.expected = std::min(input.host_work.expected, kFarthestTime);
   state_->settle();
   ++state_->changes;
   if (state_->decisions && (!input.record || input.replay != nullptr)) state_->decisions->forget();
   FrameReport report = input.reference ? run_and_refer(*state_, input) : simulation::run_frame(*state_, input);
-  if (input.trace != nullptr) simulation::trace_frame(state_->outputs.levels.tallies, report, *input.trace);
+  if (input.trace != nullptr) simulation::trace_frame(state_->outputs, state_->bodies, report, *input.trace);
   if (input.measure_levels) report.levels = simulation::levels_reached(*state_, input.view);
   if (input.measure_energy) {
     const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);

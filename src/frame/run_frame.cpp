@@ -243,9 +243,11 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep)
   const SteadyClock::time_point start = SteadyClock::now();
   FrameReport report;
   const Nanoseconds cpu_before = thread_cpu_time();
+  const parallel::Waits waits_before = world.executor->waits();
   world.executor->wake();
   report.frame = world.frame;
   report.started = start;
+  if (input.release) report.release_delay = std::max(Nanoseconds(0), start - *input.release);
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
   begin_frame_time(input, world.bodies.dynamic_count(), world.settings.substeps, start, world.forecasts, report);
   Step step(world, input, report);
@@ -255,8 +257,9 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep)
   report.times.total = SteadyClock::now() - start;
   // After the last stage: the clock of the CPU takes as long as a small stage.
   if (input.budget.kind == Budget::Kind::Deadline) {
-    account_time(input, step.counts(), world.outputs.velocities.point_count, thread_cpu_time() - cpu_before,
-                 world.forecasts, report);
+    const CallerTime caller{thread_cpu_time() - cpu_before,
+                            world.executor->waits() - waits_before - world.outputs.levels.waits};
+    account_time(input, step.counts(), world.outputs.velocities.point_count, caller, world.forecasts, report);
   }
   return report;
 }

@@ -69,6 +69,20 @@ TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
       EXPECT_TRUE(inside) << "jobs of lane " << lane;
     }
   }
+  std::size_t pieces = 0;
+  for (const json& event : events) {
+    if (event.at("name") != "piece") continue;
+    ++pieces;
+    const double begin_us = event.at("ts");
+    const double end_us = begin_us + event.at("dur").get<double>();
+    const std::vector<Span>& spans = lanes.at(event.at("tid"));
+    EXPECT_TRUE(std::any_of(spans.begin(), spans.end(), [&](const Span& s) {
+      return s.name == "jobs" && begin_us >= s.begin_us - kRoundingUs && end_us <= s.end_us + kRoundingUs;
+    })) << "a piece is a part of its thread's jobs";
+    EXPECT_LT(event.at("args").at("body_a"), event.at("args").at("body_b"));
+    EXPECT_GT(event.at("args").at("units"), 0);
+  }
+  EXPECT_GT(pieces, 0U);
   for (const char* name : {"budget", "reserve", "misses", "contacts by level"}) EXPECT_EQ(counters[name], 30) << name;
   EXPECT_EQ(events.back().at("args").at("discarded"), 0);
 }

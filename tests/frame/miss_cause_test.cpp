@@ -150,8 +150,11 @@ TEST_F(MissCauses, ASpinWithinRefinementIsAnOverrun) {
     injector->in_refinement = [&] { spin_until([&] { return watch.cpu() > milliseconds(40); }); };
     const FrameReport report = step_within(milliseconds(30));
     if (report.tail_actual > report.reserve_at_cut) continue;  // other programs disturbed the tail
-    EXPECT_EQ(report.cause, MissCause::Overrun);
-    EXPECT_GE(report.longest_overrun, report.lateness);
+    // Of 40 ms of its own, 10 ms at most were before the cut; how much more others took meanwhile is not in its hands.
+    EXPECT_GE(report.longest_overrun, milliseconds(25));
+    EXPECT_GE(report.longest_overrun + report.overrun_off_cpu, report.lateness);
+    const bool mostly_taken = report.overrun_off_cpu > report.longest_overrun;
+    EXPECT_EQ(report.cause, mostly_taken ? MissCause::Machine : MissCause::Overrun);
     EXPECT_LT(report.mandatory, report.budget);
     return;
   }
@@ -194,6 +197,41 @@ TEST_F(MissCauses, AStolenCoreIsTheMachines) {
   EXPECT_EQ(report.cause, MissCause::Machine);
   EXPECT_GE(report.off_cpu, report.lateness);
   EXPECT_LT(report.mandatory, report.budget);
+}
+
+TEST_F(MissCauses, AFrameWhoseReleaseIsLongPastIsNotToBlame) {
+  StepInput input = step_of(1.0 / 60);
+  const SteadyClock::time_point now = SteadyClock::now();
+  input.budget = Budget::until(now);
+  input.release = now - std::chrono::hours(1);
+  const FrameReport report = stage.world.step(input);
+  EXPECT_GT(report.lateness.count(), 0);
+  EXPECT_GE(report.release_delay, std::chrono::hours(1));
+  EXPECT_EQ(report.cause, MissCause::Release);
+
+  input.budget = Budget::until(SteadyClock::now());
+  input.release = SteadyClock::time_point::max();
+  const FrameReport punctual = stage.world.step(input);
+  EXPECT_EQ(punctual.release_delay.count(), 0);
+  EXPECT_NE(punctual.cause, MissCause::Release);
+
+  input.release = SteadyClock::time_point::min();
+  EXPECT_LE(stage.world.step(input).release_delay, kFarthestTime + std::chrono::hours(1));
+}
+
+// Its preemption is simulated by a sleep.
+TEST_F(MissCauses, APieceOfRefinementThatTheMachineHeldUpIsNoOverrun) {
+  expect_tail_of(milliseconds(20));
+  injector->in_refinement = [&] {
+    const auto until = std::chrono::duration_cast<Nanoseconds>((deadline + milliseconds(1)).time_since_epoch()).count();
+    const timespec when{static_cast<time_t>(until / 1'000'000'000), static_cast<long>(until % 1'000'000'000)};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr) != 0) {
+    }
+  };
+  const FrameReport report = step_within(milliseconds(80));
+  EXPECT_GT(report.lateness.count(), 0);
+  EXPECT_EQ(report.cause, MissCause::Machine);
+  EXPECT_GT(report.overrun_off_cpu, report.longest_overrun);
 }
 
 TEST(HostWork, AFrameIsJudgedAnewByWhatTheHostTook) {

@@ -93,18 +93,20 @@ TEST(RunFigures, CountsMissesByCauseAndTheCausesSumToTheCount) {
   frames[2] = frame_of(milliseconds(20), milliseconds(6), MissCause::Machine);
   frames[3] = frame_of(milliseconds(20), milliseconds(8), MissCause::Overrun);
   frames[7] = frame_of(milliseconds(20), milliseconds(2), MissCause::Forecast);
+  frames[9] = frame_of(milliseconds(10), milliseconds(5), MissCause::Release);
   const RunFigures figures = run_figures(frames, {true});
   ASSERT_TRUE(figures.misses);
   const MissFigures& misses = *figures.misses;
-  EXPECT_EQ(misses.count, 4U);
-  EXPECT_EQ(misses.rate, 0.4);
-  EXPECT_EQ(misses.infeasible + misses.machine + misses.overrun + misses.forecast, misses.count);
+  EXPECT_EQ(misses.count, 5U);
+  EXPECT_EQ(misses.rate, 0.5);
+  EXPECT_EQ(misses.release + misses.infeasible + misses.machine + misses.overrun + misses.forecast, misses.count);
+  EXPECT_EQ(misses.release, 1U);
   EXPECT_EQ(misses.infeasible, 1U);
   EXPECT_EQ(misses.longest_run, 3U);
-  EXPECT_EQ(misses.worst_1000, 4U);
+  EXPECT_EQ(misses.worst_1000, 5U);
   EXPECT_EQ(misses.tardiness_ms.max, 8);
   EXPECT_EQ(misses.tardiness_ms.mean, 5);
-  EXPECT_DOUBLE_EQ(misses.share_of_time_late, 20.0 / 140.0);
+  EXPECT_DOUBLE_EQ(misses.share_of_time_late, 25.0 / 140.0);
   EXPECT_EQ(figures.low_1_percent_fps, 50);
 }
 
@@ -190,16 +192,62 @@ TEST(RunFigures, NamesTheLongestPieceOfRefinementWithItsPair) {
   std::vector<RunFrame> frames(5, frame_of(milliseconds(10)));
   EXPECT_FALSE(run_figures(frames, {true}).longest_job) << "none has taken any time";
   frames[1].report.longest_job = std::chrono::microseconds(40);
+  frames[3].report.frame = 13;
   frames[3].report.longest_job = std::chrono::microseconds(70);
   frames[3].report.longest_job_a = {4, 0};
   frames[3].report.longest_job_b = {9, 2};
   frames[4].report.longest_job = std::chrono::microseconds(60);
   const RunFigures figures = run_figures(frames, {true});
   ASSERT_TRUE(figures.longest_job);
-  EXPECT_EQ(figures.longest_job->frame, 3U);
+  EXPECT_EQ(figures.longest_job->frame, 13U) << "as replays count, warm-up included";
   EXPECT_EQ(figures.longest_job->body_a, 4U);
   EXPECT_EQ(figures.longest_job->body_b, 9U);
   EXPECT_DOUBLE_EQ(figures.longest_job_ms_max, 0.07);
+}
+
+TEST(RunFigures, NamesTheLatestFramesWithCauseAndLongestStage) {
+  std::vector<RunFrame> frames(10, frame_of(milliseconds(10)));
+  EXPECT_TRUE(run_figures(frames, {true}).worst_frames.empty());
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].report.frame = 100 + i;
+  const int late_ms[] = {1, 9, 0, 3, 3, 50, 2, 4};
+  for (std::size_t i = 0; i < std::size(late_ms); ++i) {
+    frames[i].report.lateness = milliseconds(late_ms[i]);
+    frames[i].report.cause = late_ms[i] > 0 ? MissCause::Forecast : MissCause::None;
+    frames[i].report.times.solve = milliseconds(7);
+    frames[i].report.longest_job = microseconds(800);
+    frames[i].report.longest_job_a = {4, 0};
+    frames[i].report.longest_job_b = {6, 1};
+  }
+  frames[5].warm_up = true;
+  frames[1].report.cause = MissCause::Overrun;
+  frames[1].report.times.refine = milliseconds(8);
+  frames[7].report.host_actual = milliseconds(12);
+  frames[7].report.release_delay = milliseconds(2);
+  const std::vector<WorstFrame> worst = run_figures(frames, {true}).worst_frames;
+  ASSERT_EQ(worst.size(), 5U);
+  const std::uint64_t expected[] = {101, 107, 103, 104, 106};
+  for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_EQ(worst[i].frame, expected[i]) << i;
+  EXPECT_EQ(worst[0].lateness, milliseconds(9));
+  EXPECT_EQ(worst[0].cause, MissCause::Overrun);
+  EXPECT_STREQ(worst[0].stage, "refine");
+  EXPECT_EQ(worst[0].stage_time, milliseconds(8));
+  ASSERT_TRUE(worst[0].piece);
+  EXPECT_EQ(worst[0].piece->body_a, 4U);
+  EXPECT_EQ(worst[0].piece->body_b, 6U);
+  EXPECT_EQ(worst[0].piece_time, microseconds(800));
+  EXPECT_STREQ(worst[1].stage, "host");
+  EXPECT_EQ(worst[1].release_delay, milliseconds(2));
+  EXPECT_FALSE(worst[1].piece) << "it was not the cause";
+  EXPECT_STREQ(worst[2].stage, "solve");
+  EXPECT_TRUE(run_figures(frames, {false}).worst_frames.empty()) << "nothing is late on the work clock";
+}
+
+TEST(LateRelease, IsTheFaultOfWhatRanThenOrOfTheMachine) {
+  EXPECT_EQ(cause_of_release(MissCause::Overrun, false), MissCause::Overrun);
+  EXPECT_EQ(cause_of_release(MissCause::Machine, false), MissCause::Machine);
+  EXPECT_EQ(cause_of_release(MissCause::Overrun, true), MissCause::Machine) << "that frame was over by then";
+  EXPECT_EQ(cause_of_release(MissCause::None, true), MissCause::Machine);
+  EXPECT_EQ(cause_of_release(MissCause::None, false), MissCause::Release);
 }
 
 }  // namespace

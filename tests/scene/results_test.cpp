@@ -139,9 +139,17 @@ TEST(RunDocument, HasTheMembersOfItsSchemaWithFullPrecision) {
     EXPECT_TRUE(json.at("stage_ms").contains(stage)) << stage;
   }
   EXPECT_EQ(json.at("stage_ms").size(), 9U);
-  for (const char* name : {"count", "rate", "infeasible", "machine", "overrun", "forecast"}) {
+  for (const char* name : {"count", "rate", "release", "infeasible", "machine", "overrun", "forecast"}) {
     EXPECT_TRUE(json.at("misses").at(name).is_number()) << name;
   }
+  ASSERT_EQ(json.at("worst_frames").size(), 1U);
+  EXPECT_EQ(json.at("worst_frames").at(0), nlohmann::json({{"frame", 0},
+                                                           {"late_ms", 0.001},
+                                                           {"cause", "machine"},
+                                                           {"release_delay_ms", 0.0},
+                                                           {"stage", "publish"},
+                                                           {"stage_ms", 0.0},
+                                                           {"piece", nullptr}}));
   EXPECT_TRUE(json.at("levels").contains("mean"));
   EXPECT_TRUE(json.at("levels").at("histogram").is_array());
   for (const char* name : {"energy_j", "momentum"}) {

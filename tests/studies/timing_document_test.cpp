@@ -54,7 +54,18 @@ TEST(TraceDocument, IsOneArrayWhateverThePiecesAndNamesAreEscaped) {
   TraceHead head{"poise run \"odd\\name\"\n", 2, 3};
   const SteadyClock::time_point zero{};
   std::string text = trace_begin(head);
-  const std::vector<TraceSpan> spans{{zero + Nanoseconds(1500), zero + Nanoseconds(4000), 7, 2, 1, TraceStage::Worker}};
+  std::vector<TraceSpan> spans(2);
+  spans[0].begin = zero + Nanoseconds(1500);
+  spans[0].end = zero + Nanoseconds(4000);
+  spans[0].frame = 7;
+  spans[0].jobs = 2;
+  spans[0].lane = 1;
+  spans[0].stage = TraceStage::Worker;
+  spans[1] = spans[0];
+  spans[1].stage = TraceStage::Piece;
+  spans[1].units = 35;
+  spans[1].body_a = {4, 0};
+  spans[1].body_b = {9, 1};
   append_spans(spans, zero, text);
   simulation::RunFrame frame;
   frame.report.lateness = Nanoseconds(1000);
@@ -70,8 +81,10 @@ TEST(TraceDocument, IsOneArrayWhateverThePiecesAndNamesAreEscaped) {
   EXPECT_EQ(events.at(3).at("ts"), 1.5);
   EXPECT_EQ(events.at(3).at("dur"), 2.5);
   EXPECT_EQ(events.at(3).at("args").at("levels"), 2);
-  EXPECT_EQ(events.at(6).at("args").at("count"), 7);
-  EXPECT_EQ(events.at(8).at("name"), "miss: machine");
+  EXPECT_EQ(events.at(4).at("name"), "piece");
+  EXPECT_EQ(events.at(4).at("args"), json({{"frame", 7}, {"body_a", 4}, {"body_b", 9}, {"units", 35}}));
+  EXPECT_EQ(events.at(7).at("args").at("count"), 7);
+  EXPECT_EQ(events.at(9).at("name"), "miss: machine");
   EXPECT_EQ(events.back().at("args").at("discarded"), 3);
 }
 

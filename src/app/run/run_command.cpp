@@ -156,6 +156,7 @@ io::RunDocument document_of(const RunOptions& options, const Scene& scene, const
   d.warnings = run.warnings();
   d.tree_cache_use = run.tree_cache_use();
   d.requirement = options.require;
+  d.record = options.record;
   d.figures = simulation::run_figures({}, {loop.wall_clock, world.alpha});
   return d;
 }

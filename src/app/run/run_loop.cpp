@@ -92,12 +92,15 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
   for (std::uint64_t i = 0; i < total && !CtrlC::asked(); ++i) {
     status = run.before_frame(i);
     if (!status) return status.error();
+    bool waited = false;
     if (settings.paced) {
+      waited = SteadyClock::now() < grid.release();
       sleep_until(grid.release());
       if (CtrlC::asked()) break;
     }
     const SteadyClock::time_point begin = SteadyClock::now();
     if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);
+    if (settings.paced) input.release = grid.release();
     simulation::RunFrame frame;
     frame.warm_up = i < settings.warm_up;
     input.reference =
@@ -110,6 +113,10 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
       run.world().report_host_work(load.wall);
       simulation::add_host_work(load.wall, load.off_cpu, frame.report);
     }
+    if (frame.report.cause == MissCause::Release) {
+      const MissCause before = result.frames.empty() ? MissCause::None : result.frames.back().report.cause;
+      frame.report.cause = simulation::cause_of_release(before, waited);
+    }
     const SteadyClock::time_point recorded_from = SteadyClock::now();
     status = record ? record(frame.report) : Status(Done{});
     if (!status) return status.error();
@@ -117,7 +124,6 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
     if (settings.paced) {
-      frame.release_delay = begin - grid.release();
       if (input.measure_levels) {
         grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total));
       } else {

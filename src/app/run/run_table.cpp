@@ -5,6 +5,8 @@
 
 #include <iterator>
 
+#include "scene/run/milliseconds.h"
+
 namespace poise::app {
 namespace {
 
@@ -47,16 +49,41 @@ void misses(const simulation::RunFigures& f, Out out) {
   const simulation::MissFigures& m = *f.misses;
   fmt::format_to(out, "\nmisses         {} of {} ({:.2f} %; 95 % sure: {:.2f} to {:.2f} %), at most {} in a row\n",
                  m.count, m.releases, 100 * m.rate, 100 * m.interval_95.low, 100 * m.interval_95.high, m.longest_run);
-  fmt::format_to(out, "  infeasible   {:<6} what every frame must do took longer than the deadline\n", m.infeasible);
-  fmt::format_to(out, "  machine      {:<6} the system kept the processor for at least as long as the frame was late\n",
-                 m.machine);
-  fmt::format_to(out, "  overrun      {:<6} one piece of refinement took longer than a piece may\n", m.overrun);
-  fmt::format_to(out, "  forecast     {:<6} the end of the frame took longer than was kept for it\n", m.forecast);
+  const auto row = [&](MissCause cause, std::uint64_t count) {
+    fmt::format_to(out, "  {:<12} {:<6} {}\n", simulation::cause_name(cause), count, simulation::cause_text(cause));
+  };
+  row(MissCause::Infeasible, m.infeasible);
+  row(MissCause::Machine, m.machine);
+  row(MissCause::Overrun, m.overrun);
+  row(MissCause::Forecast, m.forecast);
+  if (m.release > 0) row(MissCause::Release, m.release);
   if (m.skipped_releases > 0)
     fmt::format_to(out, "  {} of them are releases that passed while a late frame ran\n", m.skipped_releases);
   if (m.tardiness_ms.max > 0) {
     fmt::format_to(out, "  late frames were late by {:.3f} ms (p50), {:.3f} ms at most\n", m.tardiness_ms.p50,
                    m.tardiness_ms.max);
+  }
+}
+
+void worst(const io::RunDocument& d, Out out) {
+  const std::vector<simulation::WorstFrame>& frames = d.figures.worst_frames;
+  if (frames.empty()) return;
+  fmt::format_to(out, "\nlatest frames  late by ms  cause       longest stage, ms\n");
+  for (const simulation::WorstFrame& frame : frames) {
+    fmt::format_to(out, "  {:<12} {:10.3f}  {:<11} {} {:.3f}", frame.frame, ms(frame.lateness),
+                   simulation::cause_name(frame.cause), frame.stage, ms(frame.stage_time));
+    if (frame.piece) {
+      fmt::format_to(out, "; a piece of {:.3f}, bodies {} and {}", ms(frame.piece_time), frame.piece->body_a,
+                     frame.piece->body_b);
+    }
+    // Not to be told where it explains nothing.
+    if (2 * frame.release_delay >= frame.lateness) fmt::format_to(out, "; began {:.3f} late", ms(frame.release_delay));
+    fmt::format_to(out, "\n");
+  }
+  if (d.record.empty()) {
+    fmt::format_to(out, "  what such a frame did: run with --record FILE, then poise replay FILE --explain FRAME\n");
+  } else {
+    fmt::format_to(out, "  what it did: poise replay {} --explain {}\n", d.record, frames.front().frame);
   }
 }
 
@@ -210,6 +237,7 @@ std::string run_table(const io::RunDocument& document) {
   head(document, out);
   times(document.figures, out);
   misses(document.figures, out);
+  worst(document, out);
   refinement(document.figures, out);
   degraded(document.figures, out);
   swept(document.figures, out);

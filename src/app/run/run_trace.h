@@ -11,7 +11,7 @@
 
 namespace poise::app {
 
-/// Spans that a run's trace may have: 100,000 frames on two threads. Their memory (56 MB) is touched only as they come.
+/// Spans that a run's trace may have: 80,000 frames on two threads. Their memory (56 MB) is touched only as they come.
 inline constexpr std::size_t kTraceRoom = std::size_t{1} << 20U;
 
 /// Writes the trace of a run and closes the file. `frames` are the run's, in order.

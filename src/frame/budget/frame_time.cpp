@@ -24,9 +24,11 @@ void classify_again(FrameReport& report, Nanoseconds lateness) {
   scheduler::LatenessFacts facts;
   facts.lateness = lateness;
   facts.mandatory = report.mandatory;
-  facts.budget = report.budget;
+  facts.release_delay = report.release_delay;
+  facts.budget = report.budget + report.release_delay;
   facts.off_cpu = report.off_cpu;
   facts.longest_overrun = report.longest_overrun;
+  facts.overrun_off_cpu = report.overrun_off_cpu;
   report.lateness = std::max(Nanoseconds(0), lateness);
   report.cause = scheduler::classify(facts);
 }
@@ -241,19 +243,20 @@ std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& st
   return static_cast<std::uint32_t>(std::clamp(iterations, 1.0, static_cast<double>(solver::kMaxPointIterations)));
 }
 
-void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points, Nanoseconds cpu_used,
-                  Forecasts& forecasts, FrameReport& report) {
+void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points,
+                  const CallerTime& caller, Forecasts& forecasts, FrameReport& report) {
   if (step.budget.kind != Budget::Kind::Deadline) return;
   const StageTimes& times = report.times;
   const int substeps = report.degraded.substeps > 0 ? report.degraded.substeps : counts.substeps;
   report.budget = step.budget.deadline - report.started;
   report.tail_actual = times.manifolds + times.solve + times.integrate + times.publish;
-  const Nanoseconds own = std::max(Nanoseconds(0), times.total - cpu_used - report.waited);
-  report.off_cpu += own;
+  report.waited += caller.waits.slept;
+  const Nanoseconds own = std::max(Nanoseconds(0), times.total - caller.cpu - report.waited);
+  report.off_cpu += own + caller.waits.held_up;
   // What the machine took of refinement is no part of the rest.
   const std::vector<WorkerTally>& tallies = counts.levels.tallies;
   const Nanoseconds of_refinement = tallies.empty() ? Nanoseconds(0) : tallies[0].off_cpu;
-  const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement);
+  const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement) + caller.waits.held_up;
   // Nor is what the contact solver iterated beyond once a substep.
   const std::uint64_t least_iterations =
       std::min<std::uint64_t>(report.point_iterations, manifold_points * static_cast<std::uint64_t>(substeps));

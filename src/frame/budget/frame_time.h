@@ -2,6 +2,7 @@
 #pragma once
 
 #include "frame/refine/refine.h"
+#include "parallel/executor.h"
 #include "poise/scheduler/frame_budget.h"
 #include "world/forecasts.h"
 
@@ -15,6 +16,12 @@ struct FrameCounts {
   int substeps = 2;  ///< of the settings
   const PairTable& table;
   const CompletedLevels& levels;
+};
+
+/// Where the time of the calling thread went in a frame.
+struct CallerTime {
+  Nanoseconds cpu{0};     ///< on a processor
+  parallel::Waits waits;  ///< asleep, but for jobs of refinement
 };
 
 /// Begins a frame: forecasts what it must do, from the counts of the frame before. Only under a deadline.
@@ -45,10 +52,10 @@ std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present);
 /// Counted work of the tail with this many contacts; point iterations and coarse contacts are those of TimeFacts.
 scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& counts, std::uint64_t contacts);
 
-/// After the last stage: how late the frame was and why, and what the forecasts learn from it. `cpu_used` is the time
-/// of this thread on the CPU during the frame. Reads the report's stage times.
-void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points, Nanoseconds cpu_used,
-                  Forecasts& forecasts, FrameReport& report);
+/// After the last stage: how late the frame was and why, and what the forecasts learn from it. Reads the
+/// report's stage times.
+void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points,
+                  const CallerTime& caller, Forecasts& forecasts, FrameReport& report);
 
 /// Classifies a frame anew once the host's own work of it is done: it took `actual` from the end of the step, of which
 /// the machine took away `off_cpu`. A pure function of the report.

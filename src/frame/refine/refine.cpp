@@ -143,7 +143,6 @@ void sum_tallies(const RefineInput& input, const CompletedLevels& levels, Foreca
       report.longest_job_a = input.scene.bodies.id_of(pair.low());
       report.longest_job_b = input.scene.bodies.id_of(pair.high());
     }
-    report.longest_overrun = std::max(report.longest_overrun, tally.overrun);
   }
   constexpr std::uint64_t kLeastUnits = 100;
   if (input.step.budget.kind != Budget::Kind::Deadline || report.work_refine < kLeastUnits) return;

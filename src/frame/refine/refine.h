@@ -38,8 +38,10 @@ struct WorkerTally {
   std::uint64_t units = 0;
   std::uint64_t jobs = 0, discarded = 0, separated = 0, full = 0;
   std::uint32_t longest_pair = 0;  ///< in the pair table: of the longest piece
-  Nanoseconds busy{0}, longest{0}, overrun{0}, off_cpu{0}, cpu_before{0};
-  SteadyClock::time_point begun{}, ended{};
+  std::uint32_t longest_units = 0;
+  Nanoseconds busy{0}, longest{0}, off_cpu{0}, cpu_before{0};
+  Nanoseconds overrun{0}, overrun_off_cpu{0};  ///< largest excess of a piece, and what the system took from it
+  SteadyClock::time_point begun{}, ended{}, longest_begun{};
 };
 
 /// Islands that wait in this frame (budget/hold.h), and the memory in which they are found. Invariant: buffers only
@@ -79,6 +81,7 @@ struct CompletedLevels {
   std::vector<WorkerTally> tallies;                      ///< one a worker
   KnownCount known;          ///< of all pairs before refinement, once it is decided which are reused
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
+  parallel::Waits waits;     ///< under a deadline: of the calling thread, for jobs of others
   int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
 
   HeldIslands held;

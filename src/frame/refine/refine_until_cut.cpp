@@ -17,6 +17,13 @@ std::uint64_t solved_of(double share, std::int64_t present) {
   return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
+// The larger of two excesses, each with what the system took from it.
+void note_overrun(Nanoseconds own, Nanoseconds off_cpu, FrameReport& report) {
+  if (own + off_cpu <= report.longest_overrun + report.overrun_off_cpu) return;
+  report.longest_overrun = own;
+  report.overrun_off_cpu = off_cpu;
+}
+
 }  // namespace
 
 void refine_until_cut(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
@@ -25,6 +32,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   constexpr Nanoseconds kLeastPatience{100'000};
   const SteadyClock::time_point start = input.begun;
   Forecasts& forecasts = resources.forecasts;
+  levels.waits = {};
   const FramePlan plan = plan_frame(input, start, forecasts, levels, report, executor);
   OpenRefinement& open = resources.open;
   open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
@@ -40,6 +48,9 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   if (first_cut <= planned || !rank_pairs(input, resources, facts, planned, first_cut, levels, report, executor))
     return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(input.policy.quantum_units));
+  const parallel::Waits waits_before = executor.waits();
+  const Nanoseconds cpu_before = thread_cpu_time();
+  const SteadyClock::time_point run_begun = SteadyClock::now();
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
   // do.
   do {
@@ -47,6 +58,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
   report.jobs_discarded += report.jobs_abandoned;
   const SteadyClock::time_point end = SteadyClock::now();
+  levels.waits = executor.waits() - waits_before;
   levels.present = open.contacts.get();
   const std::uint64_t left = expected_solved(forecasts, levels.present);
   report.reserve_at_cut = budget.reserve(left);
@@ -54,7 +66,6 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   report.tail_work.contacts = left;
   const SteadyClock::time_point last_cut = std::max(first_cut, budget.cut(left));
   report.refine_available = last_cut - start;
-  report.longest_overrun = std::max(Nanoseconds(0), end - last_cut);
   // While this thread waited for another one's job, the machine may have held that one up.
   const WorkerTally& own = levels.tallies[0];
   report.waited = own.ended == SteadyClock::time_point{} ? Nanoseconds(0) : end - own.ended;
@@ -62,6 +73,11 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   for (std::size_t w = 1; w < levels.tallies.size(); ++w) held_up = std::max(held_up, levels.tallies[w].off_cpu);
   if (report.jobs_abandoned > 0) held_up = report.waited;
   report.off_cpu = std::min(report.waited, held_up);
+  const Nanoseconds own_off_cpu = end - run_begun - (thread_cpu_time() - cpu_before) - report.waited;
+  const Nanoseconds past_cut = std::max(Nanoseconds(0), end - last_cut);
+  const Nanoseconds taken = std::min(past_cut, std::max(Nanoseconds(0), own_off_cpu) + report.off_cpu);
+  note_overrun(past_cut - taken, taken, report);
+  for (const WorkerTally& tally : levels.tallies) note_overrun(tally.overrun, tally.overrun_off_cpu, report);
 }
 
 // A job brings one pair to its next level, and goes on with the one after that as long as no other pair has more to
@@ -99,9 +115,13 @@ class OpenRefinement::Job {
   }
   bool end(bool more) {
     tally_.ended = now_;
-    if (!more) tally_.off_cpu = std::max(Nanoseconds(0), now_ - tally_.begun - (thread_cpu_time() - tally_.cpu_before));
+    if (!more) tally_.off_cpu = off_cpu();
     run_.levels.tallies[static_cast<std::size_t>(worker_)] = tally_;
     return more;
+  }
+  // Since this worker's first job.
+  [[nodiscard]] Nanoseconds off_cpu() const {
+    return std::max(Nanoseconds(0), now_ - tally_.begun - (thread_cpu_time() - tally_.cpu_before));
   }
   void note_piece(SteadyClock::time_point begun) {
     now_ = SteadyClock::now();
@@ -110,8 +130,22 @@ class OpenRefinement::Job {
     if (took > tally_.longest) {
       tally_.longest = took;
       tally_.longest_pair = item_;
+      tally_.longest_units = static_cast<std::uint32_t>(piece_units_);
+      tally_.longest_begun = begun;
     }
-    tally_.overrun = std::max(tally_.overrun, took - run_.budget.job_cost(piece_units_));
+    const Nanoseconds excess = took - run_.budget.job_cost(piece_units_);
+    if (excess > tally_.overrun + tally_.overrun_off_cpu) note_excess(excess);
+  }
+  void note_excess(Nanoseconds excess) {
+    // A shorter one makes no frame late, and is not worth the clock's time. Chosen.
+    constexpr Nanoseconds kLookedInto{50'000};
+    tally_.overrun_off_cpu = Nanoseconds(0);
+    if (excess >= kLookedInto) {
+      const Nanoseconds before = tally_.off_cpu;
+      tally_.off_cpu = off_cpu();
+      tally_.overrun_off_cpu = std::clamp(tally_.off_cpu - before, Nanoseconds(0), excess);
+    }
+    tally_.overrun = excess - tally_.overrun_off_cpu;
   }
 
   // Levels of the pair, in this worker's own memory.

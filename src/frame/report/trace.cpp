@@ -27,16 +27,18 @@ const char* trace_name(TraceStage stage) {
       return "publish";
     case TraceStage::Worker:
       return "jobs";
+    case TraceStage::Piece:
+      return "piece";
   }
   return "frame";
 }
 
 namespace simulation {
 
-void trace_frame(std::span<const WorkerTally> tallies, const FrameReport& report, Trace& trace) {
+void trace_frame(const Frame& frame, const dynamics::BodyStore& bodies, const FrameReport& report, Trace& trace) {
   const StageTimes& times = report.times;
   const auto add = [&](TraceStage stage, SteadyClock::time_point begin, Nanoseconds length) {
-    trace.add({begin, begin + length, report.frame, 0, 0, stage});
+    trace.add({begin, begin + length, report.frame, 0, 0, {}, {}, 0, stage});
     return begin + length;
   };
   add(TraceStage::Frame, report.started, times.total);
@@ -48,11 +50,29 @@ void trace_frame(std::span<const WorkerTally> tallies, const FrameReport& report
   at = add(TraceStage::Solve, at, times.solve);
   at = add(TraceStage::Integrate, at, times.integrate);
   add(TraceStage::Publish, at, times.publish);
+  const std::vector<WorkerTally>& tallies = frame.levels.tallies;
   for (std::size_t w = 0; w < tallies.size(); ++w) {
     const WorkerTally& tally = tallies[w];
     if (tally.begun == SteadyClock::time_point{} || tally.ended < tally.begun) continue;
-    trace.add({tally.begun, tally.ended, report.frame, static_cast<std::uint32_t>(tally.jobs),
-               static_cast<std::int16_t>(w), TraceStage::Worker});
+    TraceSpan jobs;
+    jobs.begin = tally.begun;
+    jobs.end = tally.ended;
+    jobs.frame = report.frame;
+    jobs.lane = static_cast<std::int16_t>(w);
+    jobs.stage = TraceStage::Worker;
+    jobs.jobs = static_cast<std::uint32_t>(tally.jobs);
+    trace.add(jobs);
+    if (tally.longest <= Nanoseconds(0)) continue;
+    const ActivePair& pair = frame.table.pairs[tally.longest_pair];
+    TraceSpan piece = jobs;
+    piece.begin = tally.longest_begun;
+    piece.end = tally.longest_begun + tally.longest;
+    piece.jobs = 0;
+    piece.stage = TraceStage::Piece;
+    piece.units = tally.longest_units;
+    piece.body_a = bodies.id_of(pair.low());
+    piece.body_b = bodies.id_of(pair.high());
+    trace.add(piece);
   }
 }
 

@@ -5,7 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
+<<<<<<< HEAD
 #include "scene/islands_wait_name.h"
+=======
+#include "scene/run/milliseconds.h"
+>>>>>>> 644964d (A late frame is named with its cause at once, and one that began too late is not called infeasible)
 
 namespace poise::io {
 namespace {
@@ -24,13 +28,14 @@ Json of(const simulation::Percentiles& p) {
 Json misses_json(const simulation::RunFigures& figures) {
   if (!figures.misses) {
     Json undefined = Json::object();
-    for (const char* name : {"count", "rate", "infeasible", "machine", "overrun", "forecast"})
+    for (const char* name : {"count", "rate", "release", "infeasible", "machine", "overrun", "forecast"})
       undefined[name] = nullptr;
     return undefined;
   }
   const simulation::MissFigures& m = *figures.misses;
   return {{"count", m.count},
           {"rate", m.rate},
+          {"release", m.release},
           {"infeasible", m.infeasible},
           {"machine", m.machine},
           {"overrun", m.overrun},
@@ -42,6 +47,24 @@ Json misses_json(const simulation::RunFigures& figures) {
           {"worst_1000", m.worst_1000},
           {"tardiness_ms", of(m.tardiness_ms)},
           {"share_of_time_late", m.share_of_time_late}};
+}
+
+Json worst_json(const std::vector<simulation::WorstFrame>& frames) {
+  Json list = Json::array();
+  for (const simulation::WorstFrame& frame : frames) {
+    Json row = {{"frame", frame.frame},
+                {"late_ms", ms(frame.lateness)},
+                {"cause", simulation::cause_name(frame.cause)},
+                {"release_delay_ms", ms(frame.release_delay)},
+                {"stage", frame.stage},
+                {"stage_ms", ms(frame.stage_time)},
+                {"piece", nullptr}};
+    if (frame.piece) {
+      row["piece"] = {{"ms", ms(frame.piece_time)}, {"body_a", frame.piece->body_a}, {"body_b", frame.piece->body_b}};
+    }
+    list.push_back(std::move(row));
+  }
+  return list;
 }
 
 Json tail_json(const simulation::TailFigures& tail) {
@@ -164,6 +187,7 @@ void add_figures(const RunDocument& d, Json& json) {
   json["low_1_percent_fps"] = f.low_1_percent_fps;
   json["low_0_1_percent_fps"] = f.low_0_1_percent_fps;
   json["misses"] = misses_json(f);
+  json["worst_frames"] = worst_json(f.worst_frames);
   json["refinement_used"] = optional_number(f.refinement_used);
   json["refinement_used_all"] = optional_number(f.refinement_used_all);
   json["levels"] = {

@@ -47,6 +47,7 @@ struct RunDocument {
   Machine machine;
   BuildFacts build;
   simulation::RunFigures figures;
+  std::string record;  ///< file of the run's record; empty: none
   Conserved start, end;
   double energy_max_j = 0;  ///< largest sum of kinetic and potential energy after any frame
   std::uint64_t state_hash = 0;

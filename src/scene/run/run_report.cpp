@@ -26,6 +26,9 @@ std::vector<double> collect(std::span<const RunFrame> frames, F&& value) {
 
 void add_cause(MissFigures& misses, MissCause cause, std::uint64_t count) {
   switch (cause) {
+    case MissCause::Release:
+      misses.release += count;
+      break;
     case MissCause::Infeasible:
       misses.infeasible += count;
       break;
@@ -158,8 +161,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     if (ms(report.longest_job) > figures.longest_job_ms_max) {
       figures.longest_job_ms_max = ms(report.longest_job);
-      figures.longest_job = {static_cast<std::uint64_t>(&frame - frames.data()), report.longest_job_a.slot,
-                             report.longest_job_b.slot};
+      figures.longest_job = {report.frame, report.longest_job_a.slot, report.longest_job_b.slot};
     }
   }
   if (frames.empty()) return;
@@ -225,6 +227,37 @@ LevelFigures level_figures(std::span<const RunFrame> frames) {
   return figures;
 }
 
+WorstFrame worst_frame(const FrameReport& report) {
+  WorstFrame worst;
+  worst.frame = report.frame;
+  worst.lateness = report.lateness;
+  worst.cause = report.cause;
+  worst.release_delay = report.release_delay;
+  worst.stage = "host";
+  worst.stage_time = report.host_actual;
+  for (const StageMember& stage : kStages) {
+    if (report.times.*stage.time < worst.stage_time) continue;
+    worst.stage = stage.name;
+    worst.stage_time = report.times.*stage.time;
+  }
+  if (report.cause == MissCause::Overrun && report.longest_job.count() > 0) {
+    worst.piece = {report.frame, report.longest_job_a.slot, report.longest_job_b.slot};
+    worst.piece_time = report.longest_job;
+  }
+  return worst;
+}
+
+std::vector<WorstFrame> worst_frames(std::span<const RunFrame> frames) {
+  std::vector<WorstFrame> worst;
+  for (const RunFrame& frame : frames) {
+    if (frame.report.lateness.count() > 0) worst.push_back(worst_frame(frame.report));
+  }
+  std::stable_sort(worst.begin(), worst.end(),
+                   [](const WorstFrame& a, const WorstFrame& b) { return a.lateness > b.lateness; });
+  worst.resize(std::min(worst.size(), kWorstFrames));
+  return worst;
+}
+
 /// Frames a second over the slowest `one_in`-th part of the frames, at least one frame.
 double low_fps(std::vector<double> frame_ms, std::size_t one_in) {
   if (frame_ms.empty()) return 0;
@@ -256,8 +289,9 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   figures.low_0_1_percent_fps = low_fps(frame_ms, 1000);
   figures.frame_ms = percentiles(std::move(frame_ms));
   figures.release_delay_ms =
-      percentiles(collect(frames, [](const RunFrame& frame) { return ms(frame.release_delay); }));
+      percentiles(collect(frames, [](const RunFrame& frame) { return ms(frame.report.release_delay); }));
   if (terms.deadlines) figures.misses = miss_figures(frames);
+  if (terms.deadlines) figures.worst_frames = worst_frames(frames);
   figures.refinement_used = refinement_used(frames, false);
   figures.refinement_used_all = refinement_used(frames, true);
   figures.tail = tail_figures(frames, terms.alpha);
@@ -278,10 +312,17 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   return figures;
 }
 
+MissCause cause_of_release(MissCause before, bool waited) {
+  if (waited) return MissCause::Machine;
+  return before == MissCause::None ? MissCause::Release : before;
+}
+
 const char* cause_name(MissCause cause) {
   switch (cause) {
     case MissCause::None:
       return "none";
+    case MissCause::Release:
+      return "release";
     case MissCause::Infeasible:
       return "infeasible";
     case MissCause::Machine:
@@ -292,6 +333,24 @@ const char* cause_name(MissCause cause) {
       return "forecast";
   }
   return "none";
+}
+
+const char* cause_text(MissCause cause) {
+  switch (cause) {
+    case MissCause::None:
+      return "it was in time";
+    case MissCause::Release:
+      return "it began too late, after a frame that was in time";
+    case MissCause::Infeasible:
+      return "what every frame must do took longer than the deadline";
+    case MissCause::Machine:
+      return "the system kept the processor for at least as long as the frame was late, or woke it late";
+    case MissCause::Overrun:
+      return "one piece of refinement took longer than a piece may";
+    case MissCause::Forecast:
+      return "the end of the frame took longer than was kept for it";
+  }
+  return "it was in time";
 }
 
 }  // namespace poise::simulation

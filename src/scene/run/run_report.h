@@ -20,8 +20,12 @@ struct RunFrame {
   FrameReport report;
   bool warm_up = false;                ///< simulated, but excluded from the figures
   std::uint64_t releases_skipped = 0;  ///< paced runs: releases that passed while this frame was still running
-  Nanoseconds release_delay{0};        ///< paced runs: from the release to the start of the frame
 };
+
+/// Why a frame of a run was late whose report says MissCause::Release: the cause of the frame before it, if that one
+/// was late and still running at the release; the machine, if the run had `waited` for the release and was woken late;
+/// else it stays (frames on time that run past the next release).
+MissCause cause_of_release(MissCause before, bool waited);
 
 /// Settings that affect the figures of a run, besides its frames.
 struct RunTerms {
@@ -39,14 +43,14 @@ Interval clopper_pearson(std::uint64_t hits, std::uint64_t trials, double confid
 /// grows with the logarithms of the factorials.
 double incomplete_beta(double a, double b, double x);
 
-/// Late frames and skipped releases. `count` is the sum of the four causes; a skipped release has the cause of the
+/// Late frames and skipped releases. `count` is the sum of the five causes; a skipped release has the cause of the
 /// frame that was running.
 struct MissFigures {
   std::uint64_t count = 0;
   std::uint64_t releases = 0;  ///< frames and skipped releases
   double rate = 0;             ///< count / releases
   Interval interval_95;
-  std::uint64_t infeasible = 0, machine = 0, overrun = 0, forecast = 0;
+  std::uint64_t release = 0, infeasible = 0, machine = 0, overrun = 0, forecast = 0;
   std::uint64_t skipped_releases = 0;
   std::uint64_t longest_run = 0;  ///< of consecutive missed releases
   std::uint64_t worst_1000 = 0;   ///< most misses among 1000 consecutive frames
@@ -125,9 +129,22 @@ struct SweptFigures {
 
 /// The longest piece of refinement: where a scene has a shape that is too dear for its deadline.
 struct LongestJob {
-  std::uint64_t frame = 0;               ///< of the measured frames
+  std::uint64_t frame = 0;               ///< FrameReport::frame
   std::uint32_t body_a = 0, body_b = 0;  ///< slots: bodies count from 0 in the order of the scene
 };
+
+/// One of the frames that were late by most.
+struct WorstFrame {
+  std::uint64_t frame = 0;  ///< FrameReport::frame: warm-up included, as replays count
+  Nanoseconds lateness{0};
+  MissCause cause = MissCause::None;
+  Nanoseconds release_delay{0};
+  const char* stage = "";  ///< the longest one, or `host`
+  Nanoseconds stage_time{0};
+  std::optional<LongestJob> piece;  ///< the longest one, if it was the cause
+  Nanoseconds piece_time{0};
+};
+inline constexpr std::size_t kWorstFrames = 5;
 
 struct RunFigures {
   std::uint64_t frames = 0;  ///< without warm-up
@@ -137,7 +154,8 @@ struct RunFigures {
   double low_1_percent_fps = 0;    ///< frames a second over the slowest hundredth (at least one frame)
   double low_0_1_percent_fps = 0;  ///< the same for the slowest thousandth
   Percentiles release_delay_ms;
-  std::optional<MissFigures> misses;  ///< undefined on the work clock
+  std::optional<MissFigures> misses;     ///< undefined on the work clock
+  std::vector<WorstFrame> worst_frames;  ///< at most kWorstFrames late ones, the latest first
   /// Time used for refinement / time available for it, over the frames that ended with refinable pairs left. Undefined
   /// without such a frame. Above 1 if refinement exceeded its end.
   std::optional<double> refinement_used;
@@ -163,7 +181,9 @@ struct RunFigures {
 /// Computes the figures of a run. A pure function of the frames and terms; no clock.
 RunFigures run_figures(std::span<const RunFrame> frames, const RunTerms& terms);
 
-/// `none`, `infeasible`, `machine`, `overrun` or `forecast`.
+/// `none`, `release`, `infeasible`, `machine`, `overrun` or `forecast`.
 const char* cause_name(MissCause cause);
+/// The same as half a sentence for a person.
+const char* cause_text(MissCause cause);
 
 }  // namespace poise::simulation

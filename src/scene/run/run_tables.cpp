@@ -83,6 +83,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("waited_ms", ms(r.waited));
   row.column("longest_job_ms", ms(r.longest_job));
   row.column("longest_overrun_ms", ms(r.longest_overrun));
+  row.column("overrun_off_cpu_ms", ms(r.overrun_off_cpu));
   row.column("cut_margin", r.cut_margin);
   row.column("mandatory_ms", ms(r.mandatory));
   row.column("mandatory_forecast_ms", ms(r.mandatory_forecast));
@@ -175,7 +176,7 @@ void frame_row(const simulation::RunFrame& frame, double time_s, bool header, st
   row.column("miss", r.lateness.count() > 0 ? 1 : 0);
   row.column("cause", simulation::cause_name(r.cause));
   row.column("releases_skipped", frame.releases_skipped);
-  row.column("release_delay_ms", ms(frame.release_delay));
+  row.column("release_delay_ms", ms(r.release_delay));
   time_columns(r, row);
   work_columns(r, row);
   reference_columns(r.reference, row);

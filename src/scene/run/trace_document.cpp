@@ -40,6 +40,9 @@ void append_spans(std::span<const TraceSpan> spans, SteadyClock::time_point zero
         ",\n{{\"name\":\"{}\",\"ph\":\"X\",\"pid\":1,\"tid\":{},\"ts\":{:.3f},\"dur\":{:.3f},\"args\":{{\"frame\":{}",
         trace_name(span.stage), span.lane, us(span.begin - zero), us(span.end - span.begin), span.frame);
     if (span.stage == TraceStage::Worker) fmt::format_to(end, ",\"levels\":{}", span.jobs);
+    if (span.stage == TraceStage::Piece) {
+      fmt::format_to(end, ",\"body_a\":{},\"body_b\":{},\"units\":{}", span.body_a.slot, span.body_b.slot, span.units);
+    }
     out += "}}";
   }
 }
