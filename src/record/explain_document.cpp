@@ -10,7 +10,10 @@
 #include <numeric>
 #include <optional>
 
+#include "frame/stage_list.h"
+#include "scene/run/milliseconds.h"
 #include "scene/run/policy_name.h"
+#include "scene/run/run_report.h"
 
 namespace poise::io {
 namespace {
@@ -143,6 +146,8 @@ std::string shown(const ExplainedFrame& e, const BodyId& id) {
   return fmt::format("{} {}", body.index, name);
 }
 
+std::string named(const ExplainedFrame& e, std::uint32_t slot) { return shown(e, {slot, 0}); }
+
 std::string cue_cells(const PairExplanation& pair) {
   const scheduler::PairCues& c = pair.cues;
   return fmt::format("{:>8.3g} {:>7.2f} {:>8.4f} {:>7.1f} {:>11.3g} {:>6} {:>7.3g}", pair.weight, c.visibility,
@@ -155,9 +160,34 @@ std::string shares(std::size_t shown, std::size_t all) {
   return shown < all ? fmt::format("{} of {}; --limit 0 shows all", shown, all) : fmt::format("{}", all);
 }
 
+/// Why the frame was late, and the time of each stage; of refinement, with the work that it did in it.
+std::string times_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
+  if (!e.frame.times) return "times: none, since the run counted work\n";
+  const RecordedTimes& t = *e.frame.times;
+  std::string text;
+  if (e.frame.lateness.count() > 0) {
+    text += fmt::format("late by {:.3f} ms: {}, {}\n", ms(e.frame.lateness), simulation::cause_name(t.cause),
+                        simulation::cause_text(t.cause));
+  } else {
+    text += "in time\n";
+  }
+  if (t.release_delay.count() > 0) text += fmt::format("began {:.3f} ms after its release\n", ms(t.release_delay));
+  text += "stages in ms:";
+  for (const simulation::StageMember& stage : simulation::kStages)
+    text += fmt::format(" {} {:.3f}", stage.name, ms(t.stages.*stage.time));
+  if (t.host.count() > 0) text += fmt::format(" host {:.3f}", ms(t.host));
+  std::uint64_t units = 0;
+  for (const Turn& turn : turns) units += turn.level->units;
+  text += fmt::format("\nrefine: {} units completed", units);
+  if (t.piece.count() > 0) {
+    text += fmt::format("; longest piece {:.3f} ms, bodies {} and {}", ms(t.piece), named(e, t.piece_a),
+                        named(e, t.piece_b));
+  }
+  return text + "\n";
+}
+
 std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   const RecordedFrame& f = e.frame;
-  const auto ms = [](Nanoseconds time) { return static_cast<double>(time.count()) / 1e6; };
   std::vector<bool> served(e.explanation.pairs.size(), false);
   for (const Turn& turn : turns) served[turn.level->pair] = true;
   std::string text =
@@ -166,9 +196,10 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   if (e.wall_clock) {
     text += fmt::format(
         "time: {:.3f} ms from the start to the deadline, {:.3f} ms for refinement, {:.3f} ms kept for what came after "
-        "it, late by {:.3f} ms\n",
-        ms(f.budget), ms(f.refine_available), ms(f.reserve), ms(f.lateness));
+        "it\n",
+        ms(f.budget), ms(f.refine_available), ms(f.reserve));
   }
+  text += times_of(e, turns);
   if (f.decisions.point_iterations > 0)
     text +=
         fmt::format("resting contact had time for {} point iterations in a substep\n", f.decisions.point_iterations);
@@ -247,6 +278,22 @@ Json counts_json(const std::vector<Fate>& fates) {
   return counts;
 }
 
+Json times_json(const ExplainedFrame& e) {
+  if (!e.frame.times) return nullptr;
+  const RecordedTimes& t = *e.frame.times;
+  Json stages = Json::object();
+  for (const simulation::StageMember& stage : simulation::kStages) stages[stage.name] = ms(t.stages.*stage.time);
+  Json piece = nullptr;
+  if (t.piece.count() > 0) {
+    piece = {{"ms", ms(t.piece)}, {"a", body_of(e, {t.piece_a, 0}).index}, {"b", body_of(e, {t.piece_b, 0}).index}};
+  }
+  return {{"cause", simulation::cause_name(t.cause)},
+          {"release_delay_ms", ms(t.release_delay)},
+          {"host_ms", ms(t.host)},
+          {"stage_ms", std::move(stages)},
+          {"longest_piece", std::move(piece)}};
+}
+
 }  // namespace
 
 std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
@@ -299,10 +346,11 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
   return {{"frame", f.decisions.frame},
           {"policy", policy_name(e.explanation.policy.kind)},
           {"active_pairs", e.explanation.pairs.size()},
-          {"budget_ms", static_cast<double>(f.budget.count()) / 1e6},
-          {"refine_available_ms", static_cast<double>(f.refine_available.count()) / 1e6},
-          {"reserve_ms", static_cast<double>(f.reserve.count()) / 1e6},
-          {"lateness_ms", static_cast<double>(f.lateness.count()) / 1e6},
+          {"budget_ms", ms(f.budget)},
+          {"refine_available_ms", ms(f.refine_available)},
+          {"reserve_ms", ms(f.reserve)},
+          {"lateness_ms", ms(f.lateness)},
+          {"times", times_json(e)},
           {"substeps", f.decisions.substeps},
           {"held", f.decisions.held},
           {"point_iterations", f.decisions.point_iterations},

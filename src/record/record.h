@@ -55,10 +55,21 @@ struct RecordHeader {
   BuildFacts build;
 };
 
+/// Times of a frame under a deadline, for information.
+struct RecordedTimes {
+  MissCause cause = MissCause::None;
+  Nanoseconds release_delay{0};            ///< FrameReport::release_delay
+  Nanoseconds host{0};                     ///< FrameReport::host_actual
+  StageTimes stages;                       ///< without the total
+  Nanoseconds piece{0};                    ///< FrameReport::longest_job
+  std::uint32_t piece_a = 0, piece_b = 0;  ///< slots of its bodies
+};
+
 /// One frame of a record.
 struct RecordedFrame {
   FrameDecisions decisions;
-  std::uint64_t state_hash = 0;  ///< after the frame
+  std::uint64_t state_hash = 0;        ///< after the frame
+  std::optional<RecordedTimes> times;  ///< empty with counted work
   // Of the wall clock, for information; 0 with counted work.
   Nanoseconds budget{0};            ///< FrameReport::budget
   Nanoseconds refine_available{0};  ///< FrameReport::refine_available

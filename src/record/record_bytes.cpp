@@ -5,6 +5,8 @@
 #include <array>
 #include <limits>
 
+#include "frame/stage_list.h"
+
 namespace poise::io {
 namespace {
 
@@ -156,6 +158,36 @@ void take_ascending(std::uint64_t end, Reader& reader, std::vector<std::uint32_t
 
 constexpr std::uint64_t kMostSlots = std::uint64_t{1} << 32U;
 
+// 0, or 1 and the times.
+void put_times(const std::optional<RecordedTimes>& times, std::string& out) {
+  out.push_back(times ? '\1' : '\0');
+  if (!times) return;
+  out.push_back(static_cast<char>(times->cause));
+  put(times->release_delay, out);
+  put(times->host, out);
+  for (const simulation::StageMember& stage : simulation::kStages) put(times->stages.*stage.time, out);
+  put(times->piece, out);
+  put(times->piece_a, out);
+  put(times->piece_b, out);
+}
+
+void take_times(Reader& reader, std::optional<RecordedTimes>& times) {
+  times.reset();
+  const std::uint8_t there = reader.byte();
+  if (there > 1) reader.refuse();
+  if (there != 1) return;
+  times.emplace();
+  const std::uint8_t cause = reader.byte();
+  if (cause > static_cast<std::uint8_t>(MissCause::Release)) return reader.refuse();
+  times->cause = static_cast<MissCause>(cause);
+  times->release_delay = reader.time();
+  times->host = reader.time();
+  for (const simulation::StageMember& stage : simulation::kStages) times->stages.*stage.time = reader.time();
+  times->piece = reader.time();
+  times->piece_a = reader.number32();
+  times->piece_b = reader.number32();
+}
+
 }  // namespace
 
 void write_frame(const RecordedFrame& frame, std::string& out) {
@@ -163,6 +195,7 @@ void write_frame(const RecordedFrame& frame, std::string& out) {
   put(d.frame, out);
   put_fixed(frame.state_hash, out);
   for (const Nanoseconds time : {frame.budget, frame.refine_available, frame.reserve, frame.lateness}) put(time, out);
+  put_times(frame.times, out);
   put(d.active_pairs, out);
   put(d.substeps, out);
   put(d.point_iterations, out);
@@ -178,6 +211,7 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
   frame.state_hash = reader.fixed();
   for (Nanoseconds* time : {&frame.budget, &frame.refine_available, &frame.reserve, &frame.lateness})
     *time = reader.time();
+  take_times(reader, frame.times);
   d.active_pairs = reader.number32();
   d.substeps = reader.number32();
   d.point_iterations = reader.number32();

@@ -146,6 +146,43 @@ TEST(Replay, ExplainsAFrameAsTheReportCountsIt) {
   }
 }
 
+TEST(Replay, ExplainsWhyAFrameWasLateWithTheTimesOfItsStages) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  // No frame can be done in a microsecond, so all of them are late.
+  const CommandResult run = poise_command({"run", "jacks", "--bodies", "60", "--frames", "6", "--warmup", "40",
+                                           "--deadline", "0.001", "--record", file, "--json", folder.file("run.json")});
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json worst = json::parse(contents(folder.file("run.json"))).at("worst_frames");
+  ASSERT_EQ(worst.size(), 5U);
+  const auto frame = worst.at(0).at("frame").get<std::uint64_t>();
+  EXPECT_GE(frame, 40U) << "warm-up is counted, and is not in the list";
+  EXPECT_GE(worst.at(0).at("late_ms"), worst.at(4).at("late_ms"));
+  const std::string command = "poise replay " + file + " --explain " + std::to_string(frame);
+  EXPECT_NE(run.out.find(command), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("latest frames"), std::string::npos);
+
+  const json explain = replayed(file, {"--explain", std::to_string(frame)}).at("explain");
+  EXPECT_EQ(explain.at("lateness_ms"), worst.at(0).at("late_ms"));
+  const json& times = explain.at("times");
+  EXPECT_EQ(times.at("cause"), worst.at(0).at("cause"));
+  EXPECT_EQ(times.at("stage_ms").at(worst.at(0).at("stage").get<std::string>()), worst.at(0).at("stage_ms"));
+  EXPECT_EQ(times.at("stage_ms").size(), 8U);
+  const CommandResult shown = poise_command({"replay", file, "--explain", std::to_string(frame)});
+  EXPECT_NE(shown.out.find("late by "), std::string::npos) << shown.out;
+  EXPECT_NE(shown.out.find(" ms: " + times.at("cause").get<std::string>() + ", "), std::string::npos) << shown.out;
+  EXPECT_NE(shown.out.find("stages in ms: predict "), std::string::npos) << shown.out;
+}
+
+TEST(Replay, SaysThatARunByWorkHasNoTimes) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, {"two-body", "--frames", "3", "--clock", "work"});
+  EXPECT_TRUE(replayed(file, {"--explain", "1"}).at("explain").at("times").is_null());
+  const CommandResult shown = poise_command({"replay", file, "--explain", "1"});
+  EXPECT_NE(shown.out.find("times: none, since the run counted work\n"), std::string::npos) << shown.out;
+}
+
 TEST(Replay, OfAFrameThatIsNotThereIsRefused) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");

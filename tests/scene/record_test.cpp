@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "frame/stage_list.h"
 #include "record/record_bytes.h"
 #include "record/record_file.h"
 #include "record/record_shapes.h"
@@ -68,6 +69,17 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.budget = Nanoseconds(16'666'667);
   frame.refine_available = Nanoseconds(static_cast<std::int64_t>(random() % 10'000'000));
   frame.lateness = Nanoseconds(static_cast<std::int64_t>(number));
+  if (number % 2 == 1) {
+    RecordedTimes& times = frame.times.emplace();
+    times.cause = static_cast<MissCause>(number % 6);
+    times.release_delay = Nanoseconds(70 * static_cast<std::int64_t>(number));
+    times.host = Nanoseconds(5);
+    for (const simulation::StageMember& stage : simulation::kStages)
+      times.stages.*stage.time = Nanoseconds(static_cast<std::int64_t>(random() % 10'000'000));
+    times.piece = Nanoseconds(9);
+    times.piece_a = 3;
+    times.piece_b = 4'000'000'000U;
+  }
   return frame;
 }
 
@@ -78,6 +90,16 @@ void expect_equal(const RecordedFrame& read, const RecordedFrame& written) {
   EXPECT_EQ(read.refine_available, written.refine_available);
   EXPECT_EQ(read.reserve, written.reserve);
   EXPECT_EQ(read.lateness, written.lateness);
+  ASSERT_EQ(read.times.has_value(), written.times.has_value());
+  if (!read.times) return;
+  EXPECT_EQ(read.times->cause, written.times->cause);
+  EXPECT_EQ(read.times->release_delay, written.times->release_delay);
+  EXPECT_EQ(read.times->host, written.times->host);
+  for (const simulation::StageMember& stage : simulation::kStages)
+    EXPECT_EQ(read.times->stages.*stage.time, written.times->stages.*stage.time) << stage.name;
+  EXPECT_EQ(read.times->piece, written.times->piece);
+  EXPECT_EQ(read.times->piece_a, written.times->piece_a);
+  EXPECT_EQ(read.times->piece_b, written.times->piece_b);
 }
 
 /// The bytes of a record of this many frames.
@@ -224,7 +246,7 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   put(file, "");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "poise.record/1\n and so on");
-  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/3");
+  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/4");
 }
 
 TEST(Record, IsNotThereUntilItIsWhole) {
@@ -280,6 +302,21 @@ TEST(Record, BytesThatNoWriterMakesAreRefusedWhateverTheyAre) {
     ASSERT_LE(read.decisions.steps.size() + read.decisions.reused.size(), bytes.size());
   }
   EXPECT_GT(taken, 0U);
+}
+
+TEST(Record, ACauseThatThereIsNotIsRefused) {
+  RecordedFrame frame;
+  frame.times.emplace().cause = MissCause::Release;
+  std::string bytes;
+  write_frame(frame, bytes);
+  // Number of the frame, hash, four times, and the byte that says that times are there.
+  const std::size_t at = 1 + 8 + 4 + 1;
+  ASSERT_EQ(bytes[at], static_cast<char>(MissCause::Release));
+  ASSERT_TRUE(read_frame(bytes, frame).ok());
+  ++bytes[at];
+  const Status refused = read_frame(bytes, frame);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().message, "the frame has a form that no writer makes");
 }
 
 TEST(Record, HeadersWithAWrongMemberAreRefusedByName) {

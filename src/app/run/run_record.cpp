@@ -44,6 +44,7 @@ Status RunRecord::begin(const RunOptions& options, const Scene& scene, const std
   header.budget_work = loop.budget_work;
   header.machine = io::this_machine();
   header.build = io::this_build();
+  wall_clock_ = loop.wall_clock;
   return writer_->begin(header);
 }
 
@@ -56,6 +57,10 @@ RecordSink RunRecord::sink(const SceneRun& run) {
     frame_.refine_available = report.refine_available;
     frame_.reserve = report.reserve_at_cut;
     frame_.lateness = report.lateness;
+    if (wall_clock_) {
+      frame_.times = {report.cause,       report.release_delay,      report.host_actual,       report.times,
+                      report.longest_job, report.longest_job_a.slot, report.longest_job_b.slot};
+    }
     return writer_->frame(frame_);
   };
 }

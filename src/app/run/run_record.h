@@ -30,6 +30,7 @@ class RunRecord {
  private:
   std::optional<io::RecordWriter> writer_;
   io::RecordedFrame frame_;
+  bool wall_clock_ = false;
 };
 
 }  // namespace poise::app
