@@ -145,6 +145,8 @@ struct WorstFrame {
   Nanoseconds piece_time{0};
 };
 inline constexpr std::size_t kWorstFrames = 5;
+/// At most kWorstFrames late ones, the latest first.
+std::vector<WorstFrame> worst_frames(std::span<const RunFrame> frames);
 
 struct RunFigures {
   std::uint64_t frames = 0;  ///< without warm-up
