@@ -5,11 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-<<<<<<< HEAD
 #include "scene/islands_wait_name.h"
-=======
 #include "scene/run/milliseconds.h"
->>>>>>> 644964d (A late frame is named with its cause at once, and one that began too late is not called infeasible)
 
 namespace poise::io {
 namespace {
