@@ -41,7 +41,6 @@ Result<SceneRun> create_run(const Workload& workload, StepInput& input) {
   if (!run) return run.error();
   input.dt_s = scene.value().dt_s;
   input.budget = workload.work_units > 0 ? Budget::work(workload.work_units) : Budget::unlimited();
-  input.view = run.value().view();
   input.max_level = scene.value().max_level;
   input.polygons = workload.with == "polygons";
   return run;
@@ -79,6 +78,7 @@ Result<CountedUnits> run_workload(const Workload& workload) {
   for (std::uint64_t frame = 0; frame < end; ++frame) {
     const Status added = run.value().before_frame(frame);
     if (!added) return added.error();
+    input.view = run.value().view();
     if (frame == workload.warm_up) start_instrumentation();
     const bool counted = frame >= workload.warm_up;
     if (counted) toggle_collection();

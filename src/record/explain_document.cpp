@@ -143,7 +143,7 @@ std::string shown(const ExplainedFrame& e, const BodyId& id) {
   constexpr std::size_t kLongest = 12;
   const NamedBody body = body_of(e, id);
   const std::string name = body.name.size() > kLongest ? body.name.substr(0, kLongest - 1) + "~" : body.name;
-  return fmt::format("{} {}", body.index, name);
+  return fmt::format("{} {}", body.number, name);
 }
 
 std::string named(const ExplainedFrame& e, std::uint32_t slot) { return shown(e, {slot, 0}); }
@@ -256,8 +256,8 @@ std::string left_table(const ExplainedFrame& e, const std::vector<Fate>& fates, 
 
 Json pair_json(const ExplainedFrame& e, const PairExplanation& pair) {
   const scheduler::PairCues& c = pair.cues;
-  return {{"a", body_of(e, pair.a).index},
-          {"b", body_of(e, pair.b).index},
+  return {{"a", body_of(e, pair.a).number},
+          {"b", body_of(e, pair.b).number},
           {"weight", pair.weight},
           {"cues",
            {{"visibility", c.visibility},
@@ -303,7 +303,7 @@ std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
     const std::uint32_t slot = bodies[i].id.slot;
     if (slot >= named.size()) named.resize(slot + std::size_t{1});
     NamedBody& body = named[slot];
-    body.index = i;
+    body.number = bodies[i].number;
     if (i < scene.bodies.size()) body.name = scene.bodies[i].name;
     if (body.name.empty())
       body.name = bodies[i].shape < scene.shapes.size() ? scene.shapes[bodies[i].shape].name : "tray";

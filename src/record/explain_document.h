@@ -13,11 +13,11 @@ namespace poise::io {
 
 /// A body with its name.
 struct NamedBody {
-  std::size_t index = 0;  ///< index in scene order, as in the table of states
-  std::string name;       ///< name in the scene, or else of its shape
+  std::uint64_t number = 0;  ///< RunBody::number, as in the table of states
+  std::string name;          ///< name in the scene, or else of its shape
 };
 
-/// The bodies of a run by slot; slots without a body have an empty name. Valid until the next stream body is added.
+/// The bodies of a run by slot; slots without a body have an empty name. Valid until stream bodies come or leave.
 std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run);
 
 /// All data of a frame that was replayed.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -16,16 +17,19 @@ namespace {
 
 using geometry::Random;
 
+/// Saturates: three counts of up to 10^7 would overflow, and anything above the limit is refused anyway.
+std::uint64_t product_of(std::span<const std::uint64_t> counts) {
+  std::uint64_t product = 1;
+  for (const std::uint64_t n : counts) product = std::min(product * n, kMaxSceneBodies + 1);
+  return product;
+}
+
 std::uint64_t own_count(const SceneGenerator& generator) {
   if (const auto* stream = std::get_if<StreamGenerator>(&generator)) return stream->total;
   const auto& grid = std::get<GridGenerator>(generator);
   if (grid.in_tray) return grid.bodies;
-  std::uint64_t product = 1;
-  for (const std::uint64_t n : grid.count) {
-    // Saturates: three counts of up to 10^7 would overflow, and anything above the limit is refused anyway.
-    product = std::min(product * n, kMaxSceneBodies + 1);
-  }
-  return product;
+  const std::uint64_t blocks = grid.blocks ? product_of(grid.blocks->count) : 1;
+  return std::min(blocks * product_of(grid.count), kMaxSceneBodies + 1);
 }
 
 /// Draws everything except the position, in a fixed order from a generator of the body's own.
@@ -51,11 +55,22 @@ double reach_m(const GridGenerator& grid, std::span<const double> radius_m) {
 struct Layout {
   std::uint64_t nx = 1, ny = 1;
   Vec3 first_m = Vec3::Zero();
+  std::uint64_t in_block = kMaxSceneBodies;  // bodies of each block; without blocks all are in one
+  std::uint64_t blocks_x = 1;
+  std::array<double, 2> block_spacing_m{0, 0};
 };
 
 Result<Layout> layout_of(const GridGenerator& grid, std::size_t number, const Scene& scene,
                          const ExpandOptions& options) {
-  if (!grid.in_tray) return Layout{grid.count[0], grid.count[1], grid.origin_m};
+  if (!grid.in_tray) {
+    Layout layout{grid.count[0], grid.count[1], grid.origin_m};
+    if (grid.blocks) {
+      layout.in_block = product_of(grid.count);
+      layout.blocks_x = grid.blocks->count[0];
+      layout.block_spacing_m = grid.blocks->spacing_m;
+    }
+    return layout;
+  }
   const double reach = reach_m(grid, options.radius_m);
   const double room_m = options.tray_side_m - 2 * reach;
   if (!(room_m >= 0)) {
@@ -75,13 +90,18 @@ void expand_grid(const GridGenerator& grid, const Layout& layout, std::uint64_t 
   for (std::uint64_t k = 0; k < bodies; ++k) {
     Random random = Random::of(seed, k);
     GeneratedBody body = draw_body(grid.kind, k, random);
-    const Vec3 cell(static_cast<double>(k % layout.nx), static_cast<double>(k / layout.nx % layout.ny),
-                    static_cast<double>(k / layout.nx / layout.ny));
+    const std::uint64_t block = k / layout.in_block;
+    const std::uint64_t i = k % layout.in_block;
+    const Vec3 corner_m(static_cast<double>(block % layout.blocks_x) * layout.block_spacing_m[0],
+                        static_cast<double>(block / layout.blocks_x) * layout.block_spacing_m[1], 0);
+    const Vec3 cell(static_cast<double>(i % layout.nx), static_cast<double>(i / layout.nx % layout.ny),
+                    static_cast<double>(i / layout.nx / layout.ny));
     Vec3 jitter = Vec3::Zero();
     if (grid.jitter_m > 0) {
       for (Eigen::Index axis = 0; axis < 3; ++axis) jitter[axis] = grid.jitter_m * random.symmetric();
     }
-    body.center_m = layout.first_m + grid.spacing_m * cell + jitter;
+    body.center_m = layout.first_m + grid.spacing_m * cell + jitter + corner_m;
+    body.is_static = grid.is_static;
     out.push_back(body);
   }
 }
@@ -98,6 +118,7 @@ void expand_stream(const StreamGenerator& stream, std::uint64_t bodies, std::uin
     }
     body.streamed = true;
     body.due_s = stream.from_s + static_cast<double>(k) * step_s;
+    if (stream.life_s) body.leaves_s = body.due_s + *stream.life_s;
     out.push_back(body);
   }
 }
@@ -148,6 +169,22 @@ Result<std::vector<GeneratedBody>> expand_generators(const Scene& scene, const E
                    [](const GeneratedBody& a, const GeneratedBody& b) { return a.due_s < b.due_s; });
   start.insert(start.end(), streamed.begin(), streamed.end());
   return start;
+}
+
+std::uint64_t most_at_once(std::span<const GeneratedBody> bodies) {
+  std::vector<double> come_s, leave_s;
+  for (const GeneratedBody& body : bodies) {
+    come_s.push_back(body.streamed ? body.due_s : -std::numeric_limits<double>::infinity());
+    leave_s.push_back(body.leaves_s);
+  }
+  std::sort(come_s.begin(), come_s.end());
+  std::sort(leave_s.begin(), leave_s.end());
+  std::size_t most = 0, left = 0;
+  for (std::size_t come = 0; come < come_s.size(); ++come) {
+    while (leave_s[left] <= come_s[come]) ++left;
+    most = std::max(most, come + 1 - left);
+  }
+  return most;
 }
 
 }  // namespace io

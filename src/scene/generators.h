@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,8 +19,10 @@ struct GeneratedBody {
   Quat orientation = Quat::Identity();
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 angular_velocity_radps = Vec3::Zero();
+  bool is_static = false;
   bool streamed = false;
   double due_s = 0;  ///< for a stream body, seconds
+  double leaves_s = std::numeric_limits<double>::infinity();
 };
 
 struct ExpandOptions {
@@ -41,5 +44,8 @@ double tray_side_m(const Scene& scene, std::uint64_t generated, std::span<const 
 /// order). Body k of a generator is the same for any number of bodies, unless its position depends on that number.
 /// Refused: a tray that is too small for one body. The result refers to `scene`.
 Result<std::vector<GeneratedBody>> expand_generators(const Scene& scene, const ExpandOptions& options);
+
+/// The largest number of these bodies that are there at once, by their times.
+std::uint64_t most_at_once(std::span<const GeneratedBody> bodies);
 
 }  // namespace poise::io

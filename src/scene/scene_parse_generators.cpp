@@ -13,6 +13,7 @@ namespace {
 
 constexpr Range kSpacing{0, kMaxQuantity, true};
 constexpr Range kSeconds{0, 1e9, false};
+constexpr Range kLife{0, 1e9, true};
 
 void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& kind) {
   Problems& problems = reader.problems();
@@ -74,14 +75,46 @@ void parse_count(const ObjectReader& reader, GridGenerator& grid) {
   }
 }
 
+void parse_blocks(const ObjectReader& grid_reader, GridGenerator& grid) {
+  const JsonValue* value = grid_reader.find("blocks");
+  if (value == nullptr) return;
+  const ObjectReader reader(*value, grid_reader.path("blocks"), grid_reader.problems(), {"count", "spacing_m"});
+  GridBlocks blocks;
+  const JsonValue* count = reader.require("count");
+  if (count != nullptr && (count->kind != JsonValue::Kind::Array || count->items.size() != 2)) {
+    reader.problems().refuse(reader.path("count"), *count, "must be a list of 2 whole numbers");
+  } else if (count != nullptr) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      read_whole(count->items[i], item_path(reader.path("count"), i), 1, kMaxSceneBodies, reader.problems(),
+                 blocks.count[i]);
+    }
+  }
+  reader.require("spacing_m");
+  reader.pair("spacing_m", kSpacing, blocks.spacing_m);
+  grid.blocks = blocks;
+}
+
+void parse_static(const ObjectReader& reader, GridGenerator& grid) {
+  reader.flag("static", grid.is_static);
+  if (!grid.is_static) return;
+  const std::pair<const char*, bool> moves[] = {{"velocity_mps", !grid.kind.velocity_mps.isZero(0)},
+                                                {"speed_mps", grid.kind.speed_mps > 0},
+                                                {"spin_radps", grid.kind.spin_radps > 0}};
+  for (const auto& [key, given] : moves) {
+    if (given) reader.problems().refuse(reader.path(key), *reader.find(key), "must be zero for a static body");
+  }
+}
+
 SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene) {
-  const ObjectReader reader(value, path, problems,
-                            {"shape", "shapes", "mix", "material", "count", "spacing_m", "origin_m", "jitter_m",
-                             "in_tray", "bodies", "bottom_m", "random_orientation", "velocity_mps", "speed_mps",
-                             "spin_radps", "seed", "group", "collides_with", "importance"});
+  const ObjectReader reader(
+      value, path, problems,
+      {"shape",        "shapes",    "mix",        "material", "static", "count",         "spacing_m",
+       "origin_m",     "blocks",    "jitter_m",   "in_tray",  "bodies", "bottom_m",      "random_orientation",
+       "velocity_mps", "speed_mps", "spin_radps", "seed",     "group",  "collides_with", "importance"});
   GridGenerator grid;
   if (value.kind != JsonValue::Kind::Object) return grid;
   parse_kind(reader, scene, grid.kind);
+  parse_static(reader, grid);
   reader.require("spacing_m");
   reader.number("spacing_m", kSpacing, grid.spacing_m);
   reader.number("jitter_m", kNotNegative, grid.jitter_m);
@@ -90,9 +123,10 @@ SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Probl
     refuse_members(reader, {"bodies", "bottom_m"}, "only with in_tray; a free grid has count and origin_m");
     parse_count(reader, grid);
     reader.vec3("origin_m", kAnyQuantity, grid.origin_m);
+    parse_blocks(reader, grid);
     return grid;
   }
-  refuse_members(reader, {"count", "origin_m"}, "not with in_tray, which has bodies and bottom_m");
+  refuse_members(reader, {"count", "origin_m", "blocks"}, "not with in_tray, which has bodies and bottom_m");
   if (!scene.tray) problems.refuse(reader.path("in_tray"), *reader.find("in_tray"), "needs a tray");
   reader.require("bodies");
   reader.whole("bodies", 1, kMaxSceneBodies, grid.bodies);
@@ -131,12 +165,17 @@ void parse_rate(const ObjectReader& reader, StreamGenerator& stream) {
 SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene) {
   const ObjectReader reader(value, path, problems,
                             {"shape", "shapes", "mix", "material", "per_second", "from_s", "to_s", "total",
-                             "region_min_m", "region_max_m", "random_orientation", "velocity_mps", "speed_mps",
-                             "spin_radps", "seed", "group", "collides_with", "importance"});
+                             "region_min_m", "region_max_m", "life_s", "random_orientation", "velocity_mps",
+                             "speed_mps", "spin_radps", "seed", "group", "collides_with", "importance"});
   StreamGenerator stream;
   if (value.kind != JsonValue::Kind::Object) return stream;
   parse_kind(reader, scene, stream.kind);
   parse_rate(reader, stream);
+  if (reader.has("life_s")) {
+    double life_s = 1;
+    reader.number("life_s", kLife, life_s);
+    stream.life_s = life_s;
+  }
   const SoundSoFar sound(problems);
   reader.require("region_min_m");
   const JsonValue* max = reader.require("region_max_m");

@@ -14,8 +14,6 @@ namespace {
 
 constexpr Range kLength{1e-9, kMaxQuantity, false};
 constexpr Range kMass{0, 1e18, true};
-constexpr Range kResolution{1, 1e6, false};
-constexpr Range kFieldOfView{0, 179, true};
 
 void parse_sphere(const JsonValue& value, const std::string& path, Problems& problems, SceneShape& shape) {
   const ObjectReader reader(value, path, problems, {"radius_m"});
@@ -272,28 +270,6 @@ void parse_bodies(const JsonValue& value, Problems& problems, Scene& scene) {
   }
   for (std::size_t i = 0; i < value.items.size(); ++i) {
     parse_body(value.items[i], item_path("bodies", i), problems, scene);
-  }
-}
-
-void parse_camera(const JsonValue& value, Problems& problems, Scene& scene) {
-  const ObjectReader reader(value, "camera", problems,
-                            {"position_m", "look_at_m", "up", "vertical_fov_deg", "resolution_px"});
-  SceneCamera camera;
-  const SoundSoFar sound(problems);
-  reader.require("position_m");
-  reader.require("look_at_m");
-  reader.vec3("position_m", kAnyQuantity, camera.position_m);
-  reader.vec3("look_at_m", kAnyQuantity, camera.look_at_m);
-  reader.vec3("up", kAnyQuantity, camera.up);
-  reader.number("vertical_fov_deg", kFieldOfView, camera.vertical_fov_deg);
-  reader.pair("resolution_px", kResolution, camera.resolution_px);
-  const Vec3 ahead = camera.look_at_m - camera.position_m;
-  scene.camera = camera;
-  if (!sound) return;
-  if (!(ahead.norm() > 1e-9)) {
-    problems.refuse("camera.look_at_m", "must differ from camera.position_m");
-  } else if (!(camera.up.norm() > 1e-9) || !(ahead.normalized().cross(camera.up.normalized()).norm() > 1e-6)) {
-    problems.refuse("camera.up", "must not be zero, nor along the line of sight");
   }
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <cmath>
-#include <numbers>
+#include <algorithm>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include "poise/scene/scene.h"
 #include "scene/generators.h"
@@ -11,17 +12,25 @@
 #include "scene/scene_shapes.h"
 
 namespace poise {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 struct SceneRun::Impl {
   Scene scene;
   World world;
   View view;
-  std::vector<ShapePtr> shapes;
-  std::vector<ShapeId> shape_ids;
-  std::vector<MaterialId> material_ids;
-  std::vector<RunBody> bodies;
-  std::vector<io::GeneratedBody> generated;  ///< refers to scene
-  std::size_t next_streamed = 0;             ///< index into generated
+  std::vector<ShapePtr> shapes = {};
+  std::vector<ShapeId> shape_ids = {};
+  std::vector<MaterialId> material_ids = {};
+  std::vector<RunBody> bodies = {};
+  std::uint64_t next_number = 0;                  ///< of the next body that is added
+  std::vector<io::GeneratedBody> generated = {};  ///< refers to scene
+  std::size_t next_streamed = 0;                  ///< index into generated
+  std::uint64_t first_generated = 0;              ///< number of the body of generated[0]
+  double next_leave_s = kNever;                   ///< of the bodies that are there
   double tray_side_m = 0;
   TreeCacheUse tree_cache_use = {};
 
@@ -30,6 +39,8 @@ struct SceneRun::Impl {
   Status add_shapes_and_materials(const io::LoadSettings& settings);
   Status add_tray();
   Status add_start(const SceneRunOptions& options, std::uint64_t seed);
+  [[nodiscard]] double leaves_s(const RunBody& body) const;
+  Status remove_due(double now_s);
 };
 
 Status SceneRun::Impl::add(const BodyDefinition& definition, std::size_t shape, std::size_t material,
@@ -39,7 +50,7 @@ Status SceneRun::Impl::add(const BodyDefinition& definition, std::size_t shape, 
   whole.material = material_ids[material];
   const Result<BodyId> made = world.add_body(whole);
   if (!made) return Error{made.error().kind, scene.source + ": " + place + ": " + made.error().message};
-  bodies.push_back({made.value(), shape, material, whole.motion});
+  bodies.push_back({made.value(), next_number++, shape, material, whole.motion});
   return Done{};
 }
 
@@ -48,12 +59,34 @@ Status SceneRun::Impl::add_generated(const io::GeneratedBody& body) {
   // The World takes the position of the shape's origin; generators give the centre of mass.
   definition.position_m = body.center_m - body.orientation * shapes[body.shape]->origin_offset_m;
   definition.orientation = body.orientation;
+  if (body.is_static) definition.motion = MotionType::Static;
   definition.velocity_mps = body.velocity_mps;
   definition.angular_velocity_radps = body.angular_velocity_radps;
   definition.group = body.kind->group;
   definition.collides_with = body.kind->collides_with;
   definition.importance = body.kind->importance;
+  next_leave_s = std::min(next_leave_s, body.leaves_s);
   return add(definition, body.shape, body.kind->material, "generators");
+}
+
+double SceneRun::Impl::leaves_s(const RunBody& body) const {
+  return body.number < first_generated ? kNever : generated[body.number - first_generated].leaves_s;
+}
+
+Status SceneRun::Impl::remove_due(double now_s) {
+  if (now_s < next_leave_s) return Done{};
+  next_leave_s = kNever;
+  for (const RunBody& body : bodies) {
+    const double when_s = leaves_s(body);
+    if (when_s > now_s) {
+      next_leave_s = std::min(next_leave_s, when_s);
+      continue;
+    }
+    const Status removed = world.remove_body(body.id);
+    if (!removed) return removed;
+  }
+  std::erase_if(bodies, [this, now_s](const RunBody& body) { return leaves_s(body) <= now_s; });
+  return Done{};
 }
 
 Status SceneRun::Impl::add_shapes_and_materials(const io::LoadSettings& settings) {
@@ -114,6 +147,7 @@ Status SceneRun::Impl::add_start(const SceneRunOptions& options, std::uint64_t s
     const Status added = add_tray();
     if (!added) return added;
   }
+  first_generated = next_number;
   for (; next_streamed < generated.size() && !generated[next_streamed].streamed; ++next_streamed) {
     const Status added = add_generated(generated[next_streamed]);
     if (!added) return added;
@@ -141,7 +175,7 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   Result<World> world = World::create(settings);
   if (!world) return world.error();
   auto impl =
-      std::make_unique<Impl>(Impl{scene, std::move(world).value(), scene_view(scene), {}, {}, {}, {}, {}, 0, 0});
+      std::make_unique<Impl>(Impl{.scene = scene, .world = std::move(world).value(), .view = scene_view(scene)});
   const Status loaded = impl->add_shapes_and_materials({settings.threads, options.tree_cache, options.tree_progress});
   if (!loaded) return loaded.error();
   const Status started = impl->add_start(options, settings.seed);
@@ -151,6 +185,10 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
 
 Status SceneRun::before_frame(std::uint64_t frame) {
   const double now_s = static_cast<double>(frame) * impl_->scene.dt_s;
+  // First those that leave, so that a body with a short life is there for a frame.
+  const Status removed = impl_->remove_due(now_s);
+  if (!removed) return removed;
+  if (impl_->scene.camera && !impl_->scene.camera->path.empty()) impl_->view = scene_view(impl_->scene, now_s);
   std::size_t& next = impl_->next_streamed;
   while (next < impl_->generated.size() && impl_->generated[next].due_s <= now_s) {
     const Status added = impl_->add_generated(impl_->generated[next]);
@@ -169,30 +207,9 @@ std::span<const ShapePtr> SceneRun::shapes() const { return impl_->shapes; }
 const View& SceneRun::view() const { return impl_->view; }
 double SceneRun::tray_side_m() const { return impl_->tray_side_m; }
 std::uint64_t SceneRun::final_body_count() const {
-  return impl_->bodies.size() + (impl_->generated.size() - impl_->next_streamed);
-}
-
-View scene_view(const Scene& scene) {
-  View view;
-  if (!scene.camera) return view;
-  const SceneCamera& camera = *scene.camera;
-  view.present = true;
-  view.position_m = camera.position_m;
-  view.forward = (camera.look_at_m - camera.position_m).normalized();
-  const Vec3 right = view.forward.cross(camera.up).normalized();
-  view.up = right.cross(view.forward).normalized();
-  view.vertical_fov_rad = camera.vertical_fov_deg * std::numbers::pi / 180;
-  const auto [width_px, height_px] = camera.resolution_px;
-  view.aspect = width_px / height_px;
-  view.gaze = view.forward;
-  if (scene.gaze_px) {
-    // The image plane at distance 1: its upper edge is at tan(fov / 2).
-    const double half = std::tan(0.5 * view.vertical_fov_rad);
-    const double across = (2 * (*scene.gaze_px)[0] / width_px - 1) * half * view.aspect;
-    const double upward = (1 - 2 * (*scene.gaze_px)[1] / height_px) * half;
-    view.gaze = (view.forward + across * right + upward * view.up).normalized();
-  }
-  return view;
+  std::uint64_t count = impl_->first_generated;
+  for (const io::GeneratedBody& body : impl_->generated) count += body.leaves_s < kNever ? 0 : 1;
+  return count;
 }
 
 }  // namespace poise

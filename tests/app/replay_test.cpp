@@ -183,6 +183,26 @@ TEST(Replay, SaysThatARunByWorkHasNoTimes) {
   EXPECT_NE(shown.out.find("times: none, since the run counted work\n"), std::string::npos) << shown.out;
 }
 
+TEST(Replay, ExplainsAFrameFromWhereItsCameraWas) {
+  const TemporaryFolder folder;
+  // Two bodies that touch, one of which spins; the camera turns away from them within half a second.
+  put(folder.file("scene.json"),
+      R"({"name": "t", "dt_s": 0.01, "frames": 100, "materials": {"m": {}},
+          "camera": {"path": [{"time_s": 0, "position_m": [0, -9, 0], "look_at_m": [0, 0, 0]},
+                              {"time_s": 0.5, "position_m": [0, -9, 0], "look_at_m": [1, -18, 0]}]},
+          "shapes": {"two": {"spheres": {"centers_m": [[0, 0, 0], [1, 0, 0]], "radii_m": [0.5, 0.5]}}},
+          "bodies": [{"shape": "two", "material": "m"}, {"shape": "two", "material": "m", "position_m": [1.9, 0, 0], "angular_velocity_radps": [20, 0, 0]}]})");
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, {folder.file("scene.json"), "--clock", "work"});
+  const auto visibility_in = [&file](const char* frame) {
+    const json refined = replayed(file, {"--explain", frame}).at("explain").at("refined");
+    EXPECT_FALSE(refined.empty()) << frame;
+    return refined.empty() ? -1.0 : refined.at(0).at("cues").at("visibility").get<double>();
+  };
+  EXPECT_EQ(visibility_in("0"), 1);
+  EXPECT_EQ(visibility_in("90"), 0.05);
+}
+
 TEST(Replay, OfAFrameThatIsNotThereIsRefused) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");

@@ -194,8 +194,7 @@ TEST(RunFigures, NamesTheLongestPieceOfRefinementWithItsPair) {
   frames[1].report.longest_job = std::chrono::microseconds(40);
   frames[3].report.frame = 13;
   frames[3].report.longest_job = std::chrono::microseconds(70);
-  frames[3].report.longest_job_a = {4, 0};
-  frames[3].report.longest_job_b = {9, 2};
+  frames[3].longest_job_bodies = {4, 9};
   frames[4].report.longest_job = std::chrono::microseconds(60);
   const RunFigures figures = run_figures(frames, {true});
   ASSERT_TRUE(figures.longest_job);

@@ -15,9 +15,9 @@
 #include "geometry/shared_tree.h"
 #include "poise/scene/scene.h"
 
-/// The state of every shipped scene after 200 frames with the work clock, to the bit. A changed hash means changed
-/// motion, and the commit that changes it must give the reason. Run with --gtest_filter=StateHash.* after a deliberate
-/// change; each failure prints the new value.
+/// The state of every shipped scene after 200 frames with the work clock, to the bit. A changed
+/// hash means changed motion, and the commit that changes it must give the reason. Run with --gtest_filter=StateHash.*
+/// after a deliberate change; each failure prints the new value.
 namespace poise {
 namespace {
 
@@ -57,12 +57,12 @@ std::uint64_t hash_after(const Golden& golden, int threads) {
   StepInput input;
   input.dt_s = scene.value().dt_s;
   input.budget = golden.work_units > 0 ? Budget::work(golden.work_units) : Budget::unlimited();
-  input.view = run.value().view();
   input.max_level = scene.value().max_level;
   input.polygons = scene.value().polygons || with == "polygons";
   input.backtracking = scene.value().backtracking || with == "backtracking";
   for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
     EXPECT_TRUE(run.value().before_frame(frame).ok());
+    input.view = run.value().view();
     run.value().world().step(input);
   }
   return run.value().world().state_hash();

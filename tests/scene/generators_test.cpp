@@ -56,6 +56,40 @@ TEST(Grid, KeepsItsFootprintWhenTheNumberIsChosen) {
   EXPECT_EQ(expand(scene, 1).size(), 1U);
 }
 
+TEST(Grid, IsRepeatedInBlocksOneAfterTheOther) {
+  const Scene scene = scene_with(
+      R"({"grid": {"shape": "ball", "material": "hard", "count": [2, 1, 2], "spacing_m": 2, "origin_m": [10, 20, 30],
+                   "blocks": {"count": [3, 2], "spacing_m": [100, 50]}}})");
+  EXPECT_EQ(generated_body_count(scene), 24U);
+  const std::vector<GeneratedBody> bodies = expand(scene);
+  ASSERT_EQ(bodies.size(), 24U);
+  EXPECT_EQ(bodies[3].center_m, Vec3(12, 20, 32));
+  EXPECT_EQ(bodies[4].center_m, Vec3(110, 20, 30));
+  EXPECT_EQ(bodies[8].center_m, Vec3(210, 20, 30));
+  EXPECT_EQ(bodies[12].center_m, Vec3(10, 70, 30));
+  EXPECT_EQ(bodies[23].center_m, Vec3(212, 70, 32));
+}
+
+TEST(Grid, KeepsItsBlocksAndGetsFewerOrMoreRowsOfThem) {
+  const Scene scene = scene_with(
+      R"({"grid": {"shape": "ball", "material": "hard", "count": [2, 1, 2], "spacing_m": 2, "jitter_m": 0.5,
+                   "blocks": {"count": [3, 2], "spacing_m": [100, 50]}}})");
+  const std::vector<GeneratedBody> own = expand(scene);
+  const std::vector<GeneratedBody> fewer = expand(scene, 7);
+  const std::vector<GeneratedBody> more = expand(scene, 25);
+  ASSERT_EQ(fewer.size(), 7U);
+  for (std::size_t i = 0; i < fewer.size(); ++i) EXPECT_EQ(fewer[i].center_m, own[i].center_m);
+  EXPECT_NEAR((more[24].center_m - Vec3(0, 100, 0)).lpNorm<Eigen::Infinity>(), 0, 0.5);
+}
+
+TEST(Grid, MakesStaticBodiesWhereItSaysSo) {
+  const Scene scene = scene_with(
+      R"({"grid": {"shape": "ball", "material": "hard", "static": true, "count": [2, 1, 1], "spacing_m": 2}}, )" +
+      std::string(kGrid));
+  const std::vector<GeneratedBody> bodies = expand(scene);
+  for (std::size_t i = 0; i < bodies.size(); ++i) EXPECT_EQ(bodies[i].is_static, i < 2) << i;
+}
+
 TEST(Grid, JittersWithinItsBoundAndTheSameEveryTime) {
   const Scene scene = scene_with(
       R"({"grid": {"shape": "ball", "material": "hard", "count": [20, 20, 5], "spacing_m": 2, "jitter_m": 0.25, "random_orientation": true, "speed_mps": 3, "spin_radps": 2}})");

@@ -26,13 +26,13 @@ TEST(StatesTable, HasTheStatedColumnsAndGivesEveryNumberBackExactly) {
   state.velocity_mps = {M_PI, 1e9, -0.0};
   state.angular_velocity_radps = {1, 2, 3};
   std::string text;
-  append_states(7, 7.0 / 60, std::vector<BodyState>{BodyState{}, state}, text);
+  append_states(7, 7.0 / 60, std::vector<NumberedState>{{0, BodyState{}}, {5, state}}, text);
   ASSERT_EQ(lines(text).size(), 2U);
   const std::vector<std::string> row = cells(lines(text)[1]);
   ASSERT_EQ(row.size(), 16U);
   EXPECT_EQ(row[0], "7");
   EXPECT_EQ(std::stod(row[1]), 7.0 / 60);
-  EXPECT_EQ(row[2], "1");
+  EXPECT_EQ(row[2], "5");
   const double expected[] = {0.1, -1.0 / 3, 1e-300, 0.5, -0.5, 0.5, std::nextafter(0.5, 1), M_PI, 1e9, -0.0, 1, 2, 3};
   for (std::size_t i = 0; i < 13; ++i) EXPECT_EQ(std::stod(row[3 + i]), expected[i]) << i;
 }

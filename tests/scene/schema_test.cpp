@@ -24,6 +24,11 @@ std::string message_with(const std::string& where, const std::string& key) {
                 {"shapes", {{"s", {{"sphere", {{"radius_m", 1}}}}}}}};
   const json odd = {{key, nullptr}};
   const json generator = {{where, odd}};
+  if (where == "key") scene["camera"] = {{"path", json::array({odd, odd})}};
+  if (where == "blocks") {
+    scene["generators"] = json::array(
+        {{{"grid", {{"shape", "s"}, {"material", "m"}, {"spacing_m", 1}, {"count", {1, 1, 1}}, {"blocks", odd}}}}});
+  }
   if (where == "top") scene[key] = nullptr;
   if (where == "material") scene["materials"]["m"] = odd;
   if (where == "body") scene["bodies"] = json::array({odd});
@@ -43,6 +48,7 @@ TEST(SceneSchema, NamesOnlyMembersThatTheReaderKnows) {
       {"material", top.at("materials").at("additionalProperties").at("properties")},
       {"body", top.at("bodies").at("items").at("properties")},
       {"camera", top.at("camera").at("properties")},
+      {"key", top.at("camera").at("properties").at("path").at("items").at("properties")},
       {"policy", top.at("policy").at("properties")},
       {"tray", top.at("tray").at("properties")},
       {"sphere", shapes.at("sphere").at("properties")},
@@ -51,6 +57,7 @@ TEST(SceneSchema, NamesOnlyMembersThatTheReaderKnows) {
       {"spheres", shapes.at("spheres").at("properties")},
       {"tree", shapes.at("tree").at("properties")},
       {"grid", generators.at("grid").at("properties")},
+      {"blocks", generators.at("grid").at("properties").at("blocks").at("properties")},
       {"stream", generators.at("stream").at("properties")}};
   std::size_t members = 0;
   for (const auto& [where, properties] : objects) {

@@ -95,11 +95,19 @@ struct GeneratedKind {
   double importance = 1;
 };
 
+/// Places where a free grid is repeated: x fastest, then y.
+struct GridBlocks {
+  std::array<std::uint64_t, 2> count{1, 1};
+  std::array<double, 2> spacing_m{0, 0};
+};
+
 /// A jittered grid: x fastest, then y, then z.
 struct GridGenerator {
   GeneratedKind kind;
+  bool is_static = false;                ///< its bodies never move
   std::array<std::uint64_t, 3> count{};  ///< free grid: along x, y, z; unused in the tray
   Vec3 origin_m = Vec3::Zero();          ///< free grid: point of the first body
+  std::optional<GridBlocks> blocks;      ///< free grid: one grid after the other
   double spacing_m = 1;
   double jitter_m = 0;       ///< each coordinate moves by up to this, uniformly distributed
   bool in_tray = false;      ///< layers that fill the tray from below, as many as needed for `bodies`
@@ -115,6 +123,7 @@ struct StreamGenerator {
   double to_s = 0;  ///< body k of n comes before the first frame at or after from + k (to - from) / n
   Vec3 region_min_m = Vec3::Zero();
   Vec3 region_max_m = Vec3::Zero();
+  std::optional<double> life_s;  ///< a body leaves before the first frame at or after its time to come plus this
 };
 
 using SceneGenerator = std::variant<GridGenerator, StreamGenerator>;
@@ -126,13 +135,23 @@ struct SceneTray {
   double side_per_sqrt_body_m = 0;  ///< side = this * sqrt(bodies that the generators make)
 };
 
+/// A place of a camera that moves.
+struct CameraKey {
+  double time_s = 0;  ///< of the run, after that of the key before
+  Vec3 position_m = Vec3::Zero();
+  Vec3 look_at_m = Vec3::UnitX();
+  double vertical_fov_deg = 50;
+};
+
 /// The viewer's camera, world frame.
 struct SceneCamera {
-  Vec3 position_m = Vec3::Zero();
+  Vec3 position_m = Vec3::Zero();  ///< with a path: of its first key, as are look_at_m and vertical_fov_deg
   Vec3 look_at_m = Vec3::UnitX();
   Vec3 up = Vec3::UnitZ();
   double vertical_fov_deg = 50;
   std::array<double, 2> resolution_px{1280, 720};
+  std::vector<CameraKey> path;  ///< empty: the camera stands still; otherwise at least two keys
+  bool loop = false;            ///< the path begins again after its last key, which is at the place of the first
 };
 
 /// The work that a host does in each frame after the step and before its deadline. It is simulated by busy waiting.
@@ -183,8 +202,11 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name, const 
 /// Number of bodies that the generators of a scene make by its own counts.
 std::uint64_t generated_body_count(const Scene& scene);
 
-/// The camera and gaze of a scene. View::present is false for a scene without a camera.
-View scene_view(const Scene& scene);
+/// The camera and gaze of a scene at a time of its run, seconds. View::present is false for a scene without a camera.
+/// Between the keys of a path, position and look_at follow cubic Hermite curves with the tangents of Catmull and Rom
+/// (1974) for unequal times, zero at the ends unless it is a loop; the field of view changes linearly. Where such a
+/// line of sight would have no direction, it has that of the key before.
+View scene_view(const Scene& scene, double time_s = 0);
 
 /// Settings of a run that the scene file does not hold.
 struct SceneRunOptions {
@@ -209,14 +231,15 @@ struct TreeCacheUse {
 /// One body of a running scene.
 struct RunBody {
   BodyId id;
+  std::uint64_t number = 0;  ///< from 0 in scene order; that of a body that has left is not given again
   std::size_t shape = 0;     ///< index into SceneRun::shapes()
   std::size_t material = 0;  ///< index into Scene::materials
   MotionType motion = MotionType::Dynamic;
 };
 
-/// Owns the World of a scene and adds the bodies of its streams when they are due. Invariant: bodies() is in scene
-/// order: the list of the file, the tray (floor, walls at -x, +x, -y, +y), the grids in order, then stream bodies in
-/// order of arrival.
+/// Owns the World of a scene, and adds and removes the bodies of its streams when they are due. Invariant: bodies() is
+/// what is in the World, in scene order: the list of the file, the tray (floor, walls at -x, +x, -y, +y), the grids in
+/// order, then stream bodies in order of arrival.
 ///
 /// One thread at a time. Two runs with the same scene and options have the same bodies, bit for bit, on any machine.
 class SceneRun {
@@ -227,7 +250,8 @@ class SceneRun {
   SceneRun& operator=(SceneRun&&) noexcept;
   ~SceneRun();
 
-  /// Adds the stream bodies that are due at the start of frame `frame` (time frame * dt). Call before each step.
+  /// Removes the stream bodies whose life has ended at the start of frame `frame` (time frame * dt), adds those that
+  /// are due, and sets the view. Call before each step; each frame is after the one before.
   Status before_frame(std::uint64_t frame);
 
   [[nodiscard]] World& world();
@@ -238,8 +262,10 @@ class SceneRun {
   [[nodiscard]] const TreeCacheUse& tree_cache_use() const;
   /// In the order of Scene::shapes; with a tray, its five planes follow.
   [[nodiscard]] std::span<const ShapePtr> shapes() const;
+  /// The camera at the start of the frame of the last before_frame, or of frame 0.
   [[nodiscard]] const View& view() const;
-  /// Number of bodies when every stream has ended, static ones and planes included.
+  /// Number of bodies when every stream has ended and all bodies with a life have left, static ones and planes
+  /// included.
   [[nodiscard]] std::uint64_t final_body_count() const;
   /// Side of the tray, metres; 0 without a tray.
   [[nodiscard]] double tray_side_m() const;

@@ -196,7 +196,7 @@ int replay(const ReplayOptions& options) {
     return refuse("replay", run.error());
   }
   std::string text;
-  const auto tell = [&](std::uint64_t frame, std::span<const BodyState> bodies) {
+  const auto tell = [&](std::uint64_t frame, std::span<const io::NumberedState> bodies) {
     text = frame == 0 ? io::states_header() : std::string();
     io::append_states(frame, static_cast<double>(frame) * header.dt_s, bodies, text);
     return states->write(text);

@@ -12,26 +12,20 @@
 namespace poise::app {
 namespace {
 
-StepInput step_input(const io::RecordHeader& header, const SceneRun& run) {
+StepInput step_input(const io::RecordHeader& header) {
   StepInput input;
   input.dt_s = header.dt_s;
-  input.view = run.view();
   input.max_level = header.max_level;
   input.polygons = header.polygons;
   input.backtracking = header.backtracking;
   return input;
 }
 
-Status pass_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer,
+Status pass_states(const SceneRun& run, std::uint64_t frame, std::vector<io::NumberedState>& buffer,
                    const ReplayStates& states) {
   if (!states) return Done{};
-  buffer.clear();
-  for (const RunBody& body : run.bodies()) {
-    const Result<BodyState> state = run.world().state(body.id);
-    if (!state) return state.error();
-    buffer.push_back(state.value());
-  }
-  return states(frame, buffer);
+  const Status read = io::read_states(run, buffer);
+  return read ? states(frame, buffer) : read;
 }
 
 }  // namespace
@@ -56,9 +50,9 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
                                  const ReplayProgress& progress) {
   ReplayResult result;
   result.state_hash = run.world().state_hash();
-  StepInput input = step_input(record.header(), run);
+  StepInput input = step_input(record.header());
   io::RecordedFrame recorded;
-  std::vector<BodyState> buffer;
+  std::vector<io::NumberedState> buffer;
   Status status = pass_states(run, 0, buffer, states);
   if (!status) return status.error();
   const std::uint64_t most = settings.explain ? *settings.explain + 1 : settings.frames.value_or(UINT64_MAX);
@@ -76,6 +70,7 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
     if (next != io::RecordReader::Next::Frame) break;
     status = run.before_frame(result.frames);
     if (!status) return status.error();
+    input.view = run.view();
     input.replay = &recorded.decisions;
     FrameExplanation explanation;
     const bool explains = settings.explain == result.frames;

@@ -11,6 +11,7 @@
 #include "poise/scene/scene.h"
 #include "record/explain_document.h"
 #include "record/record_file.h"
+#include "scene/run/numbered_states.h"
 
 namespace poise::app {
 
@@ -34,7 +35,7 @@ struct ReplayResult {
 };
 
 /// Told the states after each frame, and of the start as frame 0.
-using ReplayStates = std::function<Status(std::uint64_t frame, std::span<const BodyState> states)>;
+using ReplayStates = std::function<Status(std::uint64_t frame, std::span<const io::NumberedState> states)>;
 /// Told how many frames are done, of how many.
 using ReplayProgress = std::function<void(std::uint64_t done, std::uint64_t of)>;
 

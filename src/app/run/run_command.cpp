@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -61,7 +62,7 @@ class StatesWriter {
 
   StatesSink sink() {
     if (!file_) return {};
-    return [this](std::uint64_t frame, std::span<const BodyState> states) -> Status {
+    return [this](std::uint64_t frame, std::span<const io::NumberedState> states) -> Status {
       if (!keep_) return write(frame, states);
       states_by_frame_.emplace_back(states.begin(), states.end());
       return Done{};
@@ -77,7 +78,7 @@ class StatesWriter {
   }
 
  private:
-  Status write(std::uint64_t frame, std::span<const BodyState> states) {
+  Status write(std::uint64_t frame, std::span<const io::NumberedState> states) {
     text_.clear();
     if (frame == 0) text_ = io::states_header();
     io::append_states(frame, static_cast<double>(frame) * dt_s_, states, text_);
@@ -88,7 +89,7 @@ class StatesWriter {
   bool keep_;
   double dt_s_;
   std::string text_;
-  std::vector<std::vector<BodyState>> states_by_frame_;
+  std::vector<std::vector<io::NumberedState>> states_by_frame_;
 };
 
 LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
@@ -168,6 +169,8 @@ io::TimePriorsKey priors_key_of(const io::RunDocument& d) {
 void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult& result, io::RunDocument& d) {
   d.bodies = run.bodies().size();
   for (const RunBody& body : run.bodies()) d.dynamic_bodies += body.motion == MotionType::Dynamic ? 1 : 0;
+  for (const simulation::RunFrame& frame : result.frames)
+    d.dynamic_bodies_max = std::max(d.dynamic_bodies_max, frame.report.bodies);
   d.stopped = result.stopped;
   d.figures = simulation::run_figures(result.frames, {loop.wall_clock, d.alpha});
   d.start = result.start;

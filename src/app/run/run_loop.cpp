@@ -47,21 +47,22 @@ void sleep_until(SteadyClock::time_point when) {
   }
 }
 
-Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<BodyState>& buffer, const StatesSink& sink) {
+Status tell_states(const SceneRun& run, std::uint64_t frame, std::vector<io::NumberedState>& buffer,
+                   const StatesSink& sink) {
   if (!sink) return Done{};
-  buffer.clear();
-  for (const RunBody& body : run.bodies()) {
-    const Result<BodyState> state = run.world().state(body.id);
-    if (!state) return state.error();
-    buffer.push_back(state.value());
-  }
-  return sink(frame, buffer);
+  const Status read = io::read_states(run, buffer);
+  return read ? sink(frame, buffer) : read;
 }
 
-StepInput step_input(const SceneRun& run, const LoopSettings& settings) {
+std::uint64_t number_of(const SceneRun& run, BodyId id) {
+  const std::span<const RunBody> bodies = run.bodies();
+  const auto found = std::find_if(bodies.begin(), bodies.end(), [id](const RunBody& body) { return body.id == id; });
+  return found == bodies.end() ? 0 : found->number;
+}
+
+StepInput step_input(const LoopSettings& settings) {
   StepInput input;
   input.dt_s = settings.dt_s;
-  input.view = run.view();
   input.host_work.expected = settings.host_work;
   input.host_work.learn = settings.learn_host_work;
   input.max_level = settings.max_level;
@@ -79,12 +80,13 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
                             const FrameSink& told, const RecordSink& record) {
   const CtrlC ctrl_c;
   LoopResult result;
-  std::vector<BodyState> buffer;
+  std::vector<io::NumberedState> buffer;
   result.start = run.world().conserved();
   result.energy_max_j = result.start.kinetic_j + result.start.potential_j;
   Status status = tell_states(run, 0, buffer, states);
   if (!status) return status.error();
-  StepInput input = step_input(run, settings);
+  StepInput input = step_input(settings);
+  Nanoseconds longest_job{0};
   input.record = static_cast<bool>(record);
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
@@ -92,6 +94,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
   for (std::uint64_t i = 0; i < total && !CtrlC::asked(); ++i) {
     status = run.before_frame(i);
     if (!status) return status.error();
+    input.view = run.view();
     bool waited = false;
     if (settings.paced) {
       waited = SteadyClock::now() < grid.release();
@@ -116,6 +119,12 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     if (frame.report.cause == MissCause::Release) {
       const MissCause before = result.frames.empty() ? MissCause::None : result.frames.back().report.cause;
       frame.report.cause = simulation::cause_of_release(before, waited);
+    }
+    const bool longest = !frame.warm_up && frame.report.longest_job > longest_job;
+    if (longest) longest_job = frame.report.longest_job;
+    if (longest || frame.report.cause == MissCause::Overrun) {
+      frame.longest_job_bodies = {number_of(run, frame.report.longest_job_a),
+                                  number_of(run, frame.report.longest_job_b)};
     }
     const SteadyClock::time_point recorded_from = SteadyClock::now();
     status = record ? record(frame.report) : Status(Done{});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "poise/scene/scene.h"
+#include "scene/run/numbered_states.h"
 #include "scene/run/render_load.h"
 #include "scene/run/run_report.h"
 
@@ -41,7 +42,7 @@ struct LoopResult {
 };
 
 /// Told the states after each frame (and of the start, as frame 0), outside of the frame's time.
-using StatesSink = std::function<Status(std::uint64_t frame, std::span<const BodyState> states)>;
+using StatesSink = std::function<Status(std::uint64_t frame, std::span<const io::NumberedState> states)>;
 /// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame:
 /// releases are put off by it.
 using RecordSink = std::function<Status(const FrameReport&)>;

@@ -195,15 +195,18 @@ void Checker::bodies() {
     return;
   }
   if (scene_.tray) add_tray_planes();
-  check_.bodies = bodies_.size() + made.value().size();
+  const std::uint64_t most = most_at_once(made.value());
+  check_.bodies = bodies_.size() + most;
   for (const PlacedBody& body : bodies_) check_.dynamic_bodies += body.is_static ? 0 : 1;
-  check_.dynamic_bodies += made.value().size();
+  check_.dynamic_bodies += most;
+  for (const GeneratedBody& body : made.value()) check_.dynamic_bodies -= body.is_static ? 1 : 0;
   for (const GeneratedBody& body : made.value()) {
     if (bodies_.size() >= kMostLookedAt) break;
     PlacedBody placed{"generators", body.shape, body.center_m, body.orientation, body.velocity_mps};
     placed.radius_m = shapes_[body.shape].shape->bounding_radius_m;
     placed.group = body.kind->group;
     placed.collides_with = body.kind->collides_with;
+    placed.is_static = body.is_static;
     placed.streamed = body.streamed;
     bodies_.push_back(std::move(placed));
   }

@@ -23,7 +23,7 @@ struct SceneCheckOptions {
 struct SceneCheck {
   std::vector<std::string> errors;    ///< why the scene cannot run, one line each with file and field
   std::vector<std::string> warnings;  ///< probable mistakes, likewise
-  std::uint64_t bodies = 0;           ///< at the end of the run, static ones and the tray included
+  std::uint64_t bodies = 0;           ///< most at a time, static ones and the tray included
   std::uint64_t dynamic_bodies = 0;
   std::uint64_t trees_ready = 0;     ///< meshes whose tree is in the cache
   std::uint64_t trees_to_build = 0;  ///< meshes whose tree must be built

@@ -7,7 +7,8 @@
 namespace poise::simulation {
 namespace {
 
-WorstFrame worst_frame(const FrameReport& report) {
+WorstFrame worst_frame(const RunFrame& frame) {
+  const FrameReport& report = frame.report;
   WorstFrame worst;
   worst.frame = report.frame;
   worst.lateness = report.lateness;
@@ -21,7 +22,7 @@ WorstFrame worst_frame(const FrameReport& report) {
     worst.stage_time = report.times.*stage.time;
   }
   if (report.cause == MissCause::Overrun && report.longest_job.count() > 0) {
-    worst.piece = {report.frame, report.longest_job_a.slot, report.longest_job_b.slot};
+    worst.piece = {report.frame, frame.longest_job_bodies[0], frame.longest_job_bodies[1]};
     worst.piece_time = report.longest_job;
   }
   return worst;
@@ -32,7 +33,7 @@ WorstFrame worst_frame(const FrameReport& report) {
 std::vector<WorstFrame> worst_frames(std::span<const RunFrame> frames) {
   std::vector<WorstFrame> worst;
   for (const RunFrame& frame : frames) {
-    if (frame.report.lateness.count() > 0) worst.push_back(worst_frame(frame.report));
+    if (frame.report.lateness.count() > 0) worst.push_back(worst_frame(frame));
   }
   std::stable_sort(worst.begin(), worst.end(),
                    [](const WorstFrame& a, const WorstFrame& b) { return a.lateness > b.lateness; });

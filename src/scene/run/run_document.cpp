@@ -232,6 +232,7 @@ Json document_json(const RunDocument& d) {
   json["scene_file"] = d.scene_file;
   json["bodies"] = d.bodies;
   json["dynamic_bodies"] = d.dynamic_bodies;
+  json["dynamic_bodies_max"] = d.dynamic_bodies_max;
   json["frames"] = d.figures.frames;
   json["stopped"] = d.stopped;
   json["threads"] = d.threads;

@@ -19,8 +19,9 @@ struct RunDocument {
   std::string scene_file;
   std::size_t bodies = 0;  ///< at the end, static ones and planes included
   std::size_t dynamic_bodies = 0;
-  std::uint64_t frames_asked = 0;  ///< requested number, without warm-up
-  bool stopped = false;            ///< by Ctrl-C
+  std::size_t dynamic_bodies_max = 0;  ///< in any frame; more than at the end where bodies leave
+  std::uint64_t frames_asked = 0;      ///< requested number, without warm-up
+  bool stopped = false;                ///< by Ctrl-C
   double dt_s = 0;
   std::uint64_t seed = 0;
   int threads = 0;

@@ -161,7 +161,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     if (ms(report.longest_job) > figures.longest_job_ms_max) {
       figures.longest_job_ms_max = ms(report.longest_job);
-      figures.longest_job = {report.frame, report.longest_job_a.slot, report.longest_job_b.slot};
+      figures.longest_job = {report.frame, frame.longest_job_bodies[0], frame.longest_job_bodies[1]};
     }
   }
   if (frames.empty()) return;

@@ -20,6 +20,8 @@ struct RunFrame {
   FrameReport report;
   bool warm_up = false;                ///< simulated, but excluded from the figures
   std::uint64_t releases_skipped = 0;  ///< paced runs: releases that passed while this frame was still running
+  /// Numbers of the bodies of FrameReport::longest_job, where a report may name them.
+  std::array<std::uint64_t, 2> longest_job_bodies{};
 };
 
 /// Why a frame of a run was late whose report says MissCause::Release: the cause of the frame before it, if that one
@@ -130,7 +132,7 @@ struct SweptFigures {
 /// The longest piece of refinement: where a scene has a shape that is too dear for its deadline.
 struct LongestJob {
   std::uint64_t frame = 0;               ///< FrameReport::frame
-  std::uint32_t body_a = 0, body_b = 0;  ///< slots: bodies count from 0 in the order of the scene
+  std::uint64_t body_a = 0, body_b = 0;  ///< numbers: bodies count from 0 in the order of the scene
 };
 
 /// One of the frames that were late by most.

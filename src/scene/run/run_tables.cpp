@@ -189,11 +189,10 @@ std::string states_header() {
   return "frame,time_s,body,x_m,y_m,z_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps,wx_radps,wy_radps,wz_radps\n";
 }
 
-void append_states(std::uint64_t frame, double time_s, std::span<const BodyState> states, std::string& out) {
+void append_states(std::uint64_t frame, double time_s, std::span<const NumberedState> states, std::string& out) {
   const auto end = std::back_inserter(out);
   const std::string prefix = fmt::format("{},{:.17g},", frame, time_s);
-  for (std::size_t body = 0; body < states.size(); ++body) {
-    const BodyState& s = states[body];
+  for (const auto& [body, s] : states) {
     fmt::format_to(end, "{}{}", prefix, body);
     for (const double value :
          {s.position_m.x(), s.position_m.y(), s.position_m.z(), s.orientation.w(), s.orientation.x(), s.orientation.y(),

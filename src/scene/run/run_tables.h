@@ -5,15 +5,15 @@
 #include <span>
 #include <string>
 
-#include "poise/world.h"
+#include "scene/run/numbered_states.h"
 #include "scene/run/run_report.h"
 
 namespace poise::io {
 
 /// Header of the table of states, with its newline: one row a frame and body, world frame, 17 digits.
 std::string states_header();
-/// Appends the rows of one frame; `body` is the index in scene order.
-void append_states(std::uint64_t frame, double time_s, std::span<const BodyState> states, std::string& out);
+/// Appends the rows of one frame.
+void append_states(std::uint64_t frame, double time_s, std::span<const NumberedState> states, std::string& out);
 
 /// Header of the table of frames, with its newline: every field of FrameReport, times in ms.
 std::string frames_header();
