@@ -255,12 +255,12 @@ TEST(Command, EndsAtCtrlCWithItsReportsWritten) {
 TEST(Command, ListsTheScenesThatShip) {
   const CommandResult table = poise_command({"scenes"});
   EXPECT_EQ(table.exit_code, 0) << table.error;
-  for (const char* name : {"bullets", "two-body", "pile", "gas", "jacks", "real-meshes"}) {
+  for (const char* name : {"bullets", "two-body", "pile", "gas", "jacks", "real-meshes", "pour", "metropolis"}) {
     EXPECT_NE(table.out.find(name), std::string::npos) << name;
   }
   const json list = json::parse(poise_command({"scenes", "--json"}).out, nullptr, false);
   ASSERT_TRUE(list.is_array());
-  EXPECT_GE(list.size(), 5U);
+  EXPECT_EQ(list.size(), 8U);
   EXPECT_EQ(list.at(1).at("name"), "gas");
   EXPECT_EQ(list.at(1).at("bodies"), 1006);
 }

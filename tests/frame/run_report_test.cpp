@@ -214,8 +214,7 @@ TEST(RunFigures, NamesTheLatestFramesWithCauseAndLongestStage) {
     frames[i].report.cause = late_ms[i] > 0 ? MissCause::Forecast : MissCause::None;
     frames[i].report.times.solve = milliseconds(7);
     frames[i].report.longest_job = microseconds(800);
-    frames[i].report.longest_job_a = {4, 0};
-    frames[i].report.longest_job_b = {6, 1};
+    frames[i].longest_job_bodies = {4, 6};
   }
   frames[5].warm_up = true;
   frames[1].report.cause = MissCause::Overrun;
