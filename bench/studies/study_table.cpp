@@ -41,19 +41,64 @@ std::optional<double> number_of(const StudyCell& cell) {
   return std::nullopt;
 }
 
-// Header and rows as they are printed.
-std::vector<std::vector<std::string>> shown(const StudyTable& table) {
-  std::vector<std::vector<std::string>> lines(1);
-  for (const StudyColumn& column : table.columns) {
-    if (!column.title.empty()) lines[0].push_back(column.title);
+using Columns = std::vector<StudyColumn>;
+using Rows = std::vector<std::vector<StudyCell>>;
+
+// Header and rows as they are printed: without columns that have no title, or nothing in any row.
+std::vector<std::vector<std::string>> shown(const Columns& columns, const Rows& rows) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto empty = [&](const std::vector<StudyCell>& row) {
+      return std::holds_alternative<std::monostate>(row[i]);
+    };
+    if (!columns[i].title.empty() && (rows.empty() || !std::ranges::all_of(rows, empty))) kept.push_back(i);
   }
-  for (const std::vector<StudyCell>& row : table.rows) {
+  std::vector<std::vector<std::string>> lines(1);
+  for (const std::size_t i : kept) lines[0].push_back(columns[i].title);
+  for (const std::vector<StudyCell>& row : rows) {
     std::vector<std::string>& line = lines.emplace_back();
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-      if (!table.columns[i].title.empty()) line.push_back(text_of(row[i], table.columns[i].digits));
-    }
+    for (const std::size_t i : kept) line.push_back(text_of(row[i], columns[i].digits));
   }
   return lines;
+}
+
+Json json_rows(const Columns& columns, const Rows& rows) {
+  Json made = Json::array();
+  for (const std::vector<StudyCell>& row : rows) {
+    Json& object = made.emplace_back(Json::object());
+    for (std::size_t i = 0; i < columns.size(); ++i) object[columns[i].name] = json_of(row[i]);
+  }
+  return made;
+}
+
+std::string text_rows(const Columns& columns, const Rows& rows) {
+  const std::vector<std::vector<std::string>> lines = shown(columns, rows);
+  std::vector<std::size_t> widths(lines[0].size());
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      text += i == 0 ? fmt::format("{:<{}}", line[i], widths[i]) : fmt::format("  {:>{}}", line[i], widths[i]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string markdown_rows(const Columns& columns, const Rows& rows) {
+  std::string text;
+  bool head = true;
+  for (const auto& line : shown(columns, rows)) {
+    text += fmt::format("| {} |\n", fmt::join(line, " | "));
+    if (!head) continue;
+    text += "|";
+    for (std::size_t i = 0; i < line.size(); ++i) text += "---|";
+    text += "\n";
+    head = false;
+  }
+  return text + "\n";
 }
 
 std::string made_by(const StudyTable& table) {
@@ -69,48 +114,52 @@ std::string study_json(const StudyTable& table) {
   json["schema"] = table.schema;
   json["command"] = table.command;
   for (const auto& [name, value] : table.facts) json[name] = json_of(value);
-  json["rows"] = Json::array();
-  for (const std::vector<StudyCell>& row : table.rows) {
-    Json made = Json::object();
-    for (std::size_t i = 0; i < table.columns.size(); ++i) made[table.columns[i].name] = json_of(row[i]);
-    json["rows"].push_back(std::move(made));
-  }
+  json["rows"] = json_rows(table.columns, table.rows);
+  if (table.summary) json[table.summary->name] = json_rows(table.summary->columns, table.summary->rows);
   json["machine"] = table.machine;
   json["build"] = table.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string study_text(const StudyTable& table) {
-  const std::vector<std::vector<std::string>> lines = shown(table);
-  std::vector<std::size_t> widths(lines[0].size());
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      text += i == 0 ? fmt::format("{:<{}}", line[i], widths[i]) : fmt::format("  {:>{}}", line[i], widths[i]);
-    }
-    text += "\n";
-  }
+  std::string text = text_rows(table.columns, table.rows);
+  if (table.summary) text += "\n" + text_rows(table.summary->columns, table.summary->rows);
   for (const auto& [name, value] : table.facts) text += fmt::format("{}: {}\n", name, text_of(value, 3));
   return text;
 }
 
 std::string study_markdown(const StudyTable& table) {
-  std::string text;
-  bool head = true;
-  for (const auto& line : shown(table)) {
-    text += fmt::format("| {} |\n", fmt::join(line, " | "));
-    if (!head) continue;
-    text += "|";
-    for (std::size_t i = 0; i < line.size(); ++i) text += "---|";
-    text += "\n";
-    head = false;
-  }
-  text += "\n";
+  std::string text = markdown_rows(table.columns, table.rows);
+  if (table.summary) text += markdown_rows(table.summary->columns, table.summary->rows);
   for (const auto& [name, value] : table.facts) text += fmt::format("{}: {}; ", name, text_of(value, 3));
   return text + made_by(table);
+}
+
+Result<std::vector<StudyCell>> first_row_of(const std::string& json, const std::vector<StudyColumn>& columns) {
+  const Json document = Json::parse(json, nullptr, false);
+  const Error refused = bad_input("a study in a child process wrote no row");
+  if (!document.is_object() || !document.contains("rows") || !document["rows"].is_array() || document["rows"].empty())
+    return refused;
+  const Json& row = document["rows"].front();
+  std::vector<StudyCell> cells;
+  for (const StudyColumn& column : columns) {
+    if (!row.is_object() || !row.contains(column.name)) return refused;
+    const Json& value = row[column.name];
+    if (value.is_null()) {
+      cells.emplace_back();
+    } else if (value.is_boolean()) {
+      cells.emplace_back(value.get<bool>());
+    } else if (value.is_number_unsigned()) {
+      cells.emplace_back(value.get<std::uint64_t>());
+    } else if (value.is_number()) {
+      cells.emplace_back(value.get<double>());
+    } else if (value.is_string()) {
+      cells.emplace_back(value.get<std::string>());
+    } else {
+      return refused;
+    }
+  }
+  return cells;
 }
 
 std::string study_points(const StudyTable& table, const std::string& block, const std::string& x, const std::string& y,
@@ -133,6 +182,10 @@ std::string study_points(const StudyTable& table, const std::string& block, cons
     if (px && py) text += fmt::format("{:g} {:g}\n", *px, *py);
   }
   return text + "EOD\n";
+}
+
+bool has_numbers(const StudyTable& table, const std::string& column, const std::vector<StudyFilter>& only) {
+  return study_points(table, "none", column, column, only) != "$none << EOD\nEOD\n";
 }
 
 }  // namespace poise::io

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "poise/result.h"
 #include "scene/made_by.h"
 
 namespace poise::io {
@@ -21,20 +22,32 @@ struct StudyColumn {
   int digits = 3;     ///< of numbers in tables, after the point
 };
 
+/// Rows of their own that say what the rows of a study have in common. As those of StudyTable.
+struct StudySummary {
+  std::string name;  ///< in JSON
+  std::vector<StudyColumn> columns;
+  std::vector<std::vector<StudyCell>> rows;
+};
+
 /// Result of a study of times: one table, and its settings. Invariant: each row has one cell for each column.
 struct StudyTable {
   std::string schema;   ///< `poise.NAME/1`
   std::string command;  ///< command that produces it
   std::vector<StudyColumn> columns;
   std::vector<std::vector<StudyCell>> rows;
+  std::optional<StudySummary> summary;
   std::vector<std::pair<std::string, StudyCell>> facts;  ///< settings and overall figures
   Machine machine;
   BuildFacts build;
 };
 
-/// JSON of the table: facts, then `rows`, an object a row. Full precision; ends in a newline.
+/// JSON of the table: facts, then `rows`, an object a row, then the summary under its name. Full precision; ends in a
+/// newline.
 std::string study_json(const StudyTable& table);
-/// The table for a terminal, with aligned columns; and for docs.
+/// The first of the `rows` of such a JSON by columns: what a study in a child process found. Refused: anything else,
+/// and a cell that is neither a number, a text, a truth value nor null.
+Result<std::vector<StudyCell>> first_row_of(const std::string& json, const std::vector<StudyColumn>& columns);
+/// The table for a terminal, with aligned columns; and for docs. Both without columns that are empty in every row.
 std::string study_text(const StudyTable& table);
 std::string study_markdown(const StudyTable& table);
 
@@ -45,5 +58,7 @@ struct StudyFilter {
 };
 std::string study_points(const StudyTable& table, const std::string& block, const std::string& x, const std::string& y,
                          const std::vector<StudyFilter>& only);
+/// Whether any of those rows has a number in the column: gnuplot refuses to plot blocks without points.
+bool has_numbers(const StudyTable& table, const std::string& column, const std::vector<StudyFilter>& only);
 
 }  // namespace poise::io

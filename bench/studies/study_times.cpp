@@ -3,34 +3,54 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "app/process_memory.h"
 #include "app/run/run_options.h"
 #include "app/scene_files.h"
 #include "parallel/executor.h"
 #include "scene/result_file.h"
+#include "scene/run/milliseconds.h"
 #include "studies/gnuplot.h"
 
 namespace poise::app {
 
-void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene,
-                             std::uint64_t default_frames, std::uint64_t default_warm_up) {
+void add_study_outputs(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene) {
   command
       .add_option("--scene", o.scene,
                   fmt::format("A scene with generators, by file or name (default {})", default_scene))
       ->type_name("SCENE");
-  add_whole(command, "--frames", o.frames, 2, kMaxSceneFrames,
-            fmt::format("Measured frames a run (default {})", default_frames));
-  add_whole(command, "--warmup", o.warmup, 0, kMaxSceneFrames,
-            fmt::format("Frames before those, apart from the figures (default {})", default_warm_up));
-  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6,
-             "Deadline of a frame in ms (default: the scene's, else its time step)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
   add_path(command, "--picture", o.picture, "Draw the figures as a PNG (needs gnuplot)");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
+}
+
+void add_study_clock(CLI::App& command, std::string& clock) {
+  command
+      .add_option("--clock", clock,
+                  "wall: keep deadlines; work: count work, the same bits on any number of threads (default wall)")
+      ->check(CLI::IsMember({"wall", "work"}))
+      ->type_name("CLOCK");
+}
+
+void add_study_deadline(CLI::App& command, StudyTimesOptions& o) {
+  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6,
+             "Deadline of a frame in ms (default: the scene's, else its time step)");
+}
+
+void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene,
+                             std::uint64_t default_frames, std::uint64_t default_warm_up) {
+  add_whole(command, "--frames", o.frames, 2, kMaxSceneFrames,
+            fmt::format("Measured frames a run (default {})", default_frames));
+  add_whole(command, "--warmup", o.warmup, 0, kMaxSceneFrames,
+            fmt::format("Frames before those, apart from the figures (default {})", default_warm_up));
+  add_study_deadline(command, o);
+  add_study_outputs(command, o, default_scene);
 }
 
 Status check_study_times(const StudyTimesOptions& o) {
@@ -68,27 +88,40 @@ int StudyScene::threads() const {
   return asked > 0 ? asked : parallel::available_threads();
 }
 
-Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, const std::string& doing,
-                                                          Progress& progress) const {
-  progress.say(doing);
+SceneRunOptions StudyScene::start_options() const {
   SceneRunOptions start;
   start.world = world_settings(RunOptions{}, scene_);
   start.world.threads = static_cast<int>(options_.threads.value_or(0));
-  start.world.alpha = run.alpha;
-  start.bodies = run.bodies;
   start.tree_cache = tree_cache_settings(options_.tree_cache).value();
+  return start;
+}
+
+Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, const std::string& doing,
+                                                          Progress& progress, StudyRunCost* cost) const {
+  progress.say(doing);
+  SceneRunOptions start = start_options();
+  start.world.alpha = run.alpha;
+  start.world.hold_at_rest = run.hold_at_rest;
+  start.world.sleeping = start.world.sleeping || run.sleeping;
+  start.bodies = run.bodies;
+  forget_peak_memory();
+  const std::uint64_t before_bytes = peak_memory_bytes();
+  const SteadyClock::time_point begin = SteadyClock::now();
   Result<SceneRun> made = SceneRun::create(scene_, start);
   if (!made) return made.error();
+  const double load_ms = ms(SteadyClock::now() - begin);
   LoopSettings loop;
   loop.frames = run.frames;
   loop.warm_up = run.warm_up;
   loop.dt_s = scene_.dt_s;
   loop.wall_clock = run.deadline;
   loop.deadline = Nanoseconds(static_cast<std::int64_t>(deadline_ms() * 1e6));
+  loop.budget_work = run.budget_work;
   loop.paced = run.paced;
   loop.max_level = scene_.max_level;
   loop.polygons = scene_.polygons;
   loop.backtracking = scene_.backtracking;
+  loop.reference_every = run.reference_every;
   std::uint64_t done = 0;
   const auto told = [&](const simulation::RunFrame&) {
     ++done;
@@ -97,6 +130,11 @@ Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, c
   Result<LoopResult> result = run_loop(made.value(), loop, {}, told);
   if (!result) return result.error();
   if (result.value().stopped) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  if (cost != nullptr) {
+    // The reports of the frames belong to the study.
+    const std::uint64_t own_bytes = before_bytes + result.value().frames.size() * sizeof(simulation::RunFrame);
+    *cost = {load_ms, std::max(peak_memory_bytes(), own_bytes) - own_bytes};
+  }
   return std::move(result.value().frames);
 }
 

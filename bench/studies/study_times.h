@@ -17,7 +17,7 @@
 
 namespace poise::app {
 
-/// Command-line options shared by the studies of times (compliance, forecast, constant-time).
+/// Command-line options shared by the studies of times (compliance, forecast, constant-time, overload, population).
 struct StudyTimesOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, warmup, threads;
@@ -26,6 +26,12 @@ struct StudyTimesOptions {
   bool quiet = false;
   TreeCacheOptions tree_cache;
 };
+/// Those of the scene, of threads and of what is written.
+void add_study_outputs(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene);
+/// `--clock wall|work`; empty is wall.
+void add_study_clock(CLI::App& command, std::string& clock);
+void add_study_deadline(CLI::App& command, StudyTimesOptions& options);
+/// Those of the outputs, `--frames`, `--warmup` and `--deadline`.
 void add_study_times_options(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene,
                              std::uint64_t default_frames, std::uint64_t default_warm_up);
 /// Refused: two outputs into one file, a picture that is not a PNG, contradictory cache options.
@@ -38,6 +44,18 @@ struct StudyRun {
   bool deadline = true;  ///< false: every pair refined to its end
   bool paced = false;
   std::uint64_t frames = 1, warm_up = 0;
+  std::optional<std::uint64_t> budget_work;  ///< without a deadline: node-pair expansions of a frame
+  bool hold_at_rest = true;                  ///< as the scene says; false: never
+  bool sleeping = false;                     ///< as the scene says; true: always
+  std::optional<std::uint64_t> reference_every;
+};
+
+/// What a run takes besides the times of its frames.
+struct StudyRunCost {
+  double load_ms = 0;  ///< reading meshes, building or reading trees, adding the bodies of the start
+  /// Growth of the largest resident memory of the process, without the reports of the frames; 0 where the system does
+  /// not say. Right only for the first run of a process: later ones use memory that earlier ones have left.
+  std::uint64_t memory_bytes = 0;
 };
 
 /// Runs a scene repeatedly, each time from its start. Invariant: the scene was read, and has generators.
@@ -46,8 +64,11 @@ class StudyScene {
   /// Refused as by poise run, and: a scene without generators, since its population cannot be chosen.
   static Result<StudyScene> make(const StudyTimesOptions& options, const std::string& default_scene);
   /// The frames of one run, warm-up included. Refused: as the scene's run, and after Ctrl-C.
-  Result<std::vector<simulation::RunFrame>> run(const StudyRun& run, const std::string& doing,
-                                                Progress& progress) const;
+  Result<std::vector<simulation::RunFrame>> run(const StudyRun& run, const std::string& doing, Progress& progress,
+                                                StudyRunCost* cost = nullptr) const;
+  /// What a run of the scene starts with.
+  [[nodiscard]] SceneRunOptions start_options() const;
+  [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const std::string& name() const { return scene_.name; }
   [[nodiscard]] double deadline_ms() const;
   [[nodiscard]] int threads() const;

@@ -34,6 +34,49 @@ TEST(StudyTable, ShowsItsColumnsAndKeepsTheOthersForJson) {
   }
 }
 
+TEST(StudyTable, ShowsTheSummaryAfterTheRows) {
+  io::StudyTable table = some_table();
+  table.summary = io::StudySummary{"loops", {{"a", "a of it", 1}, {"b", "", 0}}, {{0.25, std::uint64_t{9}}}};
+  EXPECT_NE(io::study_markdown(table).find("| a | 5 | 2.00 |\n\n| a of it |\n|---|\n| 0.2 |\n\nscene: pile; "),
+            std::string::npos)
+      << io::study_markdown(table);
+  EXPECT_NE(io::study_text(table).find("\n\na of it\n0.2    \nscene: pile\n"), std::string::npos)
+      << io::study_text(table);
+  const std::string json = io::study_json(table);
+  EXPECT_LT(json.find("\"rows\""), json.find("\"loops\""));
+  EXPECT_NE(json.find("\"b\": 9"), std::string::npos);
+}
+
+TEST(StudyTable, LeavesOutColumnsThatAreEmptyInEveryRow) {
+  io::StudyTable table = some_table();
+  for (auto& row : table.rows) row[3] = {};
+  EXPECT_NE(io::study_markdown(table).find("| name | x of it |\n|---|---|\n| a | 3 |\n"), std::string::npos);
+  EXPECT_NE(io::study_json(table).find("\"y\": null"), std::string::npos);
+  table.rows.clear();
+  EXPECT_NE(io::study_markdown(table).find("| name | x of it | y |\n"), std::string::npos);
+}
+
+TEST(StudyTable, ReadsItsFirstRowBackAndRefusesWhatIsNone) {
+  const io::StudyTable table = some_table();
+  const auto row = io::first_row_of(io::study_json(table), table.columns);
+  ASSERT_TRUE(row);
+  EXPECT_EQ(row.value(), table.rows[0]);
+  for (const char* wrong : {"", "[]", "{}", R"({"rows": []})", R"({"rows": [3]})", R"({"rows": [{"name": "a"}]})",
+                            R"({"rows": [{"name": "a", "x": [1], "hidden": 1, "y": 2}]})"}) {
+    const auto refused = io::first_row_of(wrong, table.columns);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().message, "a study in a child process wrote no row");
+  }
+}
+
+TEST(StudyTable, KnowsColumnsWithoutNumbers) {
+  EXPECT_TRUE(io::has_numbers(some_table(), "y", {}));
+  EXPECT_TRUE(io::has_numbers(some_table(), "y", {{"name", "a"}}));
+  EXPECT_FALSE(io::has_numbers(some_table(), "y", {{"name", "b"}}));
+  EXPECT_FALSE(io::has_numbers(some_table(), "name", {}));
+  EXPECT_FALSE(io::has_numbers(some_table(), "nothing", {}));
+}
+
 TEST(StudyTable, GivesThePointsOfTheRowsThatAreAskedFor) {
   EXPECT_EQ(io::study_points(some_table(), "d", "x", "y", {}), "$d << EOD\n3 1.25\n5 2\nEOD\n");
   EXPECT_EQ(io::study_points(some_table(), "d", "x", "y", {{"x", "5"}}), "$d << EOD\n5 2\nEOD\n");
