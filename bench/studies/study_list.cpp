@@ -7,6 +7,7 @@
 #include "studies/study_compliance.h"
 #include "studies/study_forecast.h"
 #include "studies/study_levels.h"
+#include "studies/study_overload.h"
 #include "studies/study_timing.h"
 #include "studies/study_trees.h"
 
@@ -61,6 +62,11 @@ void add_studies(CLI::App& command, int& exit_code) {
       "constant-time", "Time of a frame against the number of bodies, with and without a deadline");
   add_study_constant_time_options(*constant_study, *constant);
   constant_study->callback([constant, &exit_code] { exit_code = study_constant_time(*constant); });
+  auto overload = std::make_shared<StudyOverloadOptions>();
+  CLI::App* overload_study =
+      command.add_subcommand("overload", "Does a scene get out of overload again? Demand goes up and comes back");
+  add_study_overload_options(*overload_study, *overload);
+  overload_study->callback([overload, &exit_code] { exit_code = study_overload(*overload); });
 }
 
 }  // namespace poise::app

@@ -30,7 +30,8 @@ TEST(StudyProgram, ListsItsStudiesUnderTheNameOfTheCommand) {
   const CommandResult result = poise_command({"study", "--help"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.out.find("Usage: poise study"), std::string::npos) << result.out;
-  for (const char* name : {"accuracy", "levels", "trees", "cost", "kept", "compliance", "constant-time"})
+  for (const char* name :
+       {"accuracy", "levels", "trees", "cost", "kept", "compliance", "constant-time", "overload"})
     EXPECT_NE(result.out.find(name), std::string::npos) << name;
 }
 
