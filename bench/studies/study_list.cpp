@@ -8,6 +8,7 @@
 #include "studies/study_forecast.h"
 #include "studies/study_levels.h"
 #include "studies/study_overload.h"
+#include "studies/study_population.h"
 #include "studies/study_timing.h"
 #include "studies/study_trees.h"
 
@@ -67,6 +68,11 @@ void add_studies(CLI::App& command, int& exit_code) {
       command.add_subcommand("overload", "Does a scene get out of overload again? Demand goes up and comes back");
   add_study_overload_options(*overload_study, *overload);
   overload_study->callback([overload, &exit_code] { exit_code = study_overload(*overload); });
+  auto population = std::make_shared<StudyPopulationOptions>();
+  CLI::App* population_study =
+      command.add_subcommand("population", "Late frames, levels, error and memory of a scene as its population grows");
+  add_study_population_options(*population_study, *population);
+  population_study->callback([population, &exit_code] { exit_code = study_population(*population); });
 }
 
 }  // namespace poise::app
