@@ -8,7 +8,7 @@ namespace poise::app {
 
 std::vector<io::StudyColumn> population_columns() {
   return {{"bodies", "bodies", 0},
-          {"hold_at_rest", "islands wait", 0},
+          {"islands_wait", "islands wait", 0},
           {"frames", "frames", 0},
           {"infeasible", "late: infeasible", 0},
           {"machine", "machine", 0},
@@ -57,7 +57,7 @@ std::vector<io::StudyCell> population_row(const StudyRun& run, const StudyRunCos
   const auto bytes = static_cast<double>(cost.memory_bytes);
   return {
       run.bodies,
-      run.hold_at_rest,
+      run.islands_wait,
       static_cast<std::uint64_t>(all.size()),
       misses(whole, &simulation::MissFigures::infeasible),
       misses(whole, &simulation::MissFigures::machine),

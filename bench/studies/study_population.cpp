@@ -67,12 +67,12 @@ Result<std::vector<io::StudyCell>> row_here(const StudyPopulationOptions& o, con
   run.frames = o.common.frames.value_or(kPopulationFrames);
   run.deadline = wall_clock(o);
   run.budget_work = o.budget_work;
-  run.hold_at_rest = holds(o).front();
+  run.islands_wait = holds(o).front();
   run.sleeping = o.sleeping;
   run.reference_every = reference_of(o, run.bodies);
   StudyRunCost cost;
   const auto frames = scene.run(
-      run, fmt::format("{} bodies{}", run.bodies, run.hold_at_rest ? ", islands may wait" : ""), progress, &cost);
+      run, fmt::format("{} bodies{}", run.bodies, run.islands_wait ? ", islands may wait" : ""), progress, &cost);
   if (!frames) return frames.error();
   return population_row(run, cost, frames.value());
 }
@@ -173,12 +173,12 @@ std::string population_plot(const io::StudyTable& table, std::optional<double> d
     std::string plots;
     for (const bool hold : {true, false}) {
       const std::string text_of_hold = hold ? "yes" : "no";
-      const std::vector<io::StudyFilter> only = {{"hold_at_rest", text_of_hold}};
+      const std::vector<io::StudyFilter> only = {{"islands_wait", text_of_hold}};
       if (!io::has_numbers(table, column, only)) continue;
       const std::string block = fmt::format("{}_{}", column, text_of_hold);
       text += io::study_points(table, block, "bodies", column, only);
       plots += fmt::format("{}${} using 1:2 with linespoints lw 2 pt 7 title \"{}\"", plots.empty() ? "" : ", ", block,
-                           hold ? "islands near rest may wait" : "every body in every frame");
+                           hold ? "islands may wait" : "every body in every frame");
     }
     if (times && deadline_ms)
       plots += fmt::format(", {:g} with lines dt 2 lc rgb \"black\" title \"deadline\"", *deadline_ms);
@@ -200,7 +200,7 @@ void add_study_population_options(CLI::App& command, StudyPopulationOptions& o) 
             fmt::format("Frames of each run (default {})", kPopulationFrames));
   add_number(command, "--deadline", o.common.deadline_ms, 0, true, 1e6,
              fmt::format("Deadline of a frame in ms (default {:g})", kPopulationDeadline_ms));
-  command.add_option("--hold", o.hold, "Whether islands near rest may wait: on, off or both (default both)")
+  command.add_option("--hold", o.hold, "Whether islands may wait: on, off or both (default both)")
       ->check(CLI::IsMember({"on", "off", "both"}))
       ->type_name("H");
   command.add_flag("--sleeping", o.sleeping, "Let bodies at rest fall asleep (default: the scene's)");
@@ -220,7 +220,7 @@ void add_study_population_options(CLI::App& command, StudyPopulationOptions& o) 
       "run\n"
       "  poise study population --bodies 1000,2000,5000 --reference-every 120 --json -\n"
       "  poise study population --bodies 1000000 --frames 60 --hold on\n\n"
-      "Each population runs from its start in a process of its own, once with islands near rest that may wait and "
+      "Each population runs from its start in a process of its own, once with islands that may wait and "
       "once without. Memory\n"
       "is what the scene adds to the process. Larger populations are left out once the median frame is more than 12 "
       "deadlines late.");

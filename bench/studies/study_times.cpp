@@ -101,7 +101,7 @@ Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, c
   progress.say(doing);
   SceneRunOptions start = start_options();
   start.world.alpha = run.alpha;
-  start.world.hold_at_rest = run.hold_at_rest;
+  if (!run.islands_wait) start.world.islands_wait = IslandsWait::Never;
   start.world.sleeping = start.world.sleeping || run.sleeping;
   start.bodies = run.bodies;
   forget_peak_memory();

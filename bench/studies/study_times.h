@@ -45,7 +45,7 @@ struct StudyRun {
   bool paced = false;
   std::uint64_t frames = 1, warm_up = 0;
   std::optional<std::uint64_t> budget_work;  ///< without a deadline: node-pair expansions of a frame
-  bool hold_at_rest = true;                  ///< as the scene says; false: never
+  bool islands_wait = true;                  ///< as the scene says; false: never
   bool sleeping = false;                     ///< as the scene says; true: always
   std::optional<std::uint64_t> reference_every;
 };

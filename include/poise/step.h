@@ -134,7 +134,7 @@ struct LevelsReached {
 struct Degraded {
   int substeps = 0;              ///< of the contact solver, if fewer than WorldSettings::substeps; else 0
   std::size_t pairs_reused = 0;  ///< pairs that reused an expired cached contact
-  std::size_t bodies_held = 0;   ///< bodies of islands near rest that waited: they kept position and velocity
+  std::size_t bodies_held = 0;   ///< bodies of islands that waited: they kept position and velocity
   /// The contact solver stopped after this number of point iterations in a substep, before it converged; 0: it did not
   /// stop early.
   std::uint32_t point_iterations = 0;

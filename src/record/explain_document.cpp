@@ -206,7 +206,7 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   if (f.decisions.substeps > 0)
     text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   if (!f.decisions.held.empty())
-    text += fmt::format("no time for all: islands near rest waited, {} of them\n", f.decisions.held.size());
+    text += fmt::format("no time for all: islands waited, {} of them\n", f.decisions.held.size());
   const scheduler::Policy& p = e.explanation.policy;
   text += fmt::format("policy: {}", policy_name(p.kind));
   if (p.kind == scheduler::PolicyKind::Perceptual) {
@@ -285,7 +285,7 @@ Json times_json(const ExplainedFrame& e) {
   for (const simulation::StageMember& stage : simulation::kStages) stages[stage.name] = ms(t.stages.*stage.time);
   Json piece = nullptr;
   if (t.piece.count() > 0) {
-    piece = {{"ms", ms(t.piece)}, {"a", body_of(e, {t.piece_a, 0}).index}, {"b", body_of(e, {t.piece_b, 0}).index}};
+    piece = {{"ms", ms(t.piece)}, {"a", body_of(e, {t.piece_a, 0}).number}, {"b", body_of(e, {t.piece_b, 0}).number}};
   }
   return {{"cause", simulation::cause_name(t.cause)},
           {"release_delay_ms", ms(t.release_delay)},

@@ -43,7 +43,7 @@ TEST(StudyPopulation, ByTheWorkClockHasARowForEachPopulationFromProcessesOfTheir
   EXPECT_EQ(study.at("rows")[1].at("bodies"), 24);
   for (const json& row : study.at("rows")) {
     EXPECT_EQ(row.at("frames"), 60);
-    EXPECT_EQ(row.at("hold_at_rest"), false);
+    EXPECT_EQ(row.at("islands_wait"), false);
     EXPECT_TRUE(row.at("infeasible").is_null());
     EXPECT_GT(row.at("memory_bytes"), 100'000);
     EXPECT_DOUBLE_EQ(row.at("bytes_per_body").get<double>(),
@@ -60,8 +60,8 @@ TEST(StudyPopulation, UnderADeadlineRunsEachPopulationWithAndWithoutIslandsThatW
   const json study = json::parse(result.out, nullptr, false);
   EXPECT_EQ(study.at("deadline_ms"), 1000.0);
   ASSERT_EQ(study.at("rows").size(), 2U);
-  EXPECT_EQ(study.at("rows")[0].at("hold_at_rest"), true);
-  EXPECT_EQ(study.at("rows")[1].at("hold_at_rest"), false);
+  EXPECT_EQ(study.at("rows")[0].at("islands_wait"), true);
+  EXPECT_EQ(study.at("rows")[1].at("islands_wait"), false);
   EXPECT_EQ(study.at("rows")[0].at("infeasible"), 0);
   EXPECT_EQ(study.at("rows")[0].at("infeasible_last"), 0);
 }

@@ -173,7 +173,7 @@ void degraded(const simulation::RunFigures& f, Out out) {
                  f.degraded.infeasible_forecast, f.degraded.fewer_iterations, f.degraded.fewer_substeps,
                  f.degraded.pairs_reused);
   if (f.degraded.frames_held == 0) return;
-  fmt::format_to(out, "               islands near rest waited in {} frames, {:.0f} bodies in the mean of these\n",
+  fmt::format_to(out, "               islands waited in {} frames, {:.0f} bodies in the mean of these\n",
                  f.degraded.frames_held,
                  static_cast<double>(f.degraded.bodies_held) / static_cast<double>(f.degraded.frames_held));
 }

@@ -103,7 +103,7 @@ int substeps_of(const RefineInput& input, const CompletedLevels& levels) {
   return levels.substeps > 0 ? levels.substeps : input.substeps;
 }
 
-// Lets islands near rest wait, once a frame, until the tail is shorter by so much.
+// Lets islands wait, once a frame, until the tail is shorter by so much.
 void hold(const RefineInput& input, Nanoseconds missing, Forecasts& forecasts, CompletedLevels& levels,
           Degraded& degraded, FramePlan& plan, parallel::Executor& executor) {
   if (degraded.bodies_held > 0) return;

@@ -81,7 +81,7 @@ struct DegradedFigures {
   std::uint64_t fewer_iterations = 0;     ///< of these, frames whose contact solver stopped before it converged
   std::uint64_t fewer_substeps = 0;       ///< of these, frames with fewer substeps
   std::uint64_t pairs_reused = 0;         ///< sum over the frames
-  std::uint64_t frames_held = 0;          ///< frames in which islands near rest waited
+  std::uint64_t frames_held = 0;          ///< frames in which islands waited
   std::uint64_t bodies_held = 0;          ///< sum over the frames
   std::uint64_t infeasible_forecast = 0;  ///< frames whose mandatory work was forecast not to fit
 };
