@@ -17,6 +17,7 @@ constexpr std::array<ForecastFeature, TailForecast::kFeatures> kTailFeatures{{
     {"sphere_contacts", 100.0},
     {"point_iterations", 30.0},
     {"coarse_contacts", 100.0},
+    {"held_pairs", 20.0},
 }};
 
 // Largest number of nanoseconds that a duration can hold safely.
@@ -44,7 +45,8 @@ TailForecast::Features TailForecast::values(const TailWork& work) {
           thousands(work.candidate_pairs),
           thousands(work.sphere_contacts),
           thousands(work.point_iterations),
-          thousands(work.coarse_contacts)};
+          thousands(work.coarse_contacts),
+          thousands(work.held_pairs)};
 }
 
 Nanoseconds TailForecast::forecast(const TailWork& work) const { return linear_.forecast(values(work)); }

@@ -165,11 +165,10 @@ std::string population_plot(const io::StudyTable& table, std::optional<double> d
   for (const auto& [column, label] : panels) {
     if (!io::has_numbers(table, column, {})) continue;
     const bool times = column == std::string_view("p99_ms");
-    text +=
-        fmt::format("{}set ylabel \"{}\"\n",
-                    times ? "set key top left\nset logscale y\n"
-                          : "set key top right\nunset logscale y\nset offsets 0,0,graph 0.05,0\nset yrange [0:*]\n",
-                    label);
+    text += fmt::format("{}set ylabel \"{}\"\n",
+                        times ? "set key top left\nset logscale y\n"
+                              : "set key top right\nunset logscale y\nset offsets 0,0,graph 0.05,0\nset yrange [0:*]\n",
+                        label);
     std::string plots;
     for (const bool hold : {true, false}) {
       const std::string text_of_hold = hold ? "yes" : "no";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "frame/budget/degrade.h"
 #include "frame/budget/hold.h"
@@ -145,9 +146,10 @@ void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_poi
 scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& counts, std::uint64_t contacts) {
   scheduler::TailWork work = forecasts.times.tail_work;
   work.sphere_contacts = 0;
-  work.bodies = counts.dynamic_bodies;
+  work.bodies = counts.dynamic_bodies - counts.levels.held.bodies;
   work.contacts = contacts;
-  work.candidate_pairs = counts.table.size();
+  work.candidate_pairs = counts.table.size() - counts.levels.held.pairs;
+  work.held_pairs = counts.levels.held.pairs;
   if (counts.contact == ContactModel::Paper) {
     for (const PairProgress& pair : counts.levels.progress) {
       if (!pair.apart() && !pair.held && !pair.by_polygons()) work.sphere_contacts += pair.level.front_entries;
@@ -171,6 +173,7 @@ void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int sub
   times.head_work.candidate_pairs = times.candidate_pairs;
   scheduler::TailWork tail = times.tail_work;
   tail.bodies = dynamic_bodies;
+  tail.candidate_pairs += std::exchange(tail.held_pairs, 0);
   tail.point_iterations = times.manifold_points * static_cast<std::uint64_t>(substeps);
   const Nanoseconds head = forecasts.head.forecast(times.head_work);
   const Nanoseconds host = host_reserve(forecasts, step);

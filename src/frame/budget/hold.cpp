@@ -74,6 +74,7 @@ class Islands {
     sum(table.size(), [&](std::uint32_t i, auto&& island_of) {
       const ActivePair& pair = table.pairs[i];
       HeldIslands::Island& island = island_of(bodies_.dynamic[pair.a] != 0 ? pair.a : pair.b);
+      ++island.pairs;
       if (bodies_.moves_by_itself(pair.a) || bodies_.moves_by_itself(pair.b)) island.restless = 1;
       if (!progress[i].apart()) {
         ++island.contacts;
@@ -107,10 +108,10 @@ class Islands {
 
   // Holds the islands of `work_.roots`.
   std::size_t hold(CompletedLevels& levels) const {
-    std::size_t held = 0;
     for (const std::uint32_t root : work_.roots) {
       work_.islands[root].held = true;
-      held += work_.islands[root].bodies;
+      work_.bodies += work_.islands[root].bodies;
+      work_.pairs += work_.islands[root].pairs;
     }
     work_.slots.resize(bodies_.slot_count());
     for_bodies([&](std::uint32_t slot) {
@@ -124,7 +125,7 @@ class Islands {
       levels.known.present -= work_.islands[root].contacts;
       levels.known.unknown -= work_.islands[root].unknown;
     }
-    return held;
+    return work_.bodies;
   }
 
  private:
@@ -182,6 +183,7 @@ bool none_may_wait(const RefineInput& input) {
 void HeldIslands::Island::add(const Island& part) {
   parallel::add_shared(seen, part.seen);
   parallel::add_shared(bodies, part.bodies);
+  parallel::add_shared(pairs, part.pairs);
   parallel::add_shared(moving, part.moving);
   parallel::add_shared(fast, part.fast);
   parallel::add_shared(flying, part.flying);
@@ -193,7 +195,7 @@ void HeldIslands::Island::add(const Island& part) {
 std::size_t hold_islands(const RefineInput& input, std::uint64_t contacts, CompletedLevels& levels,
                          parallel::Executor& executor) {
   HeldIslands& work = levels.held;
-  work.roots.clear();
+  work.clear();
   if (none_may_wait(input) || contacts == 0) return 0;
   work.resize(input.scene.bodies.slot_count());
   Islands islands(input, work, executor);
@@ -221,7 +223,7 @@ std::size_t hold_islands(const RefineInput& input, std::uint64_t contacts, Compl
 bool hold_as_recorded(const RefineInput& input, std::span<const std::uint32_t> roots, CompletedLevels& levels,
                       Degraded& degraded, parallel::Executor& executor) {
   HeldIslands& work = levels.held;
-  work.roots.clear();
+  work.clear();
   if (roots.empty()) return true;
   if (none_may_wait(input)) return false;
   work.resize(input.scene.bodies.slot_count());

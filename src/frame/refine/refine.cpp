@@ -214,7 +214,7 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
   levels.known = table.known_of_chunk.back();
   levels.substeps = 0;
   levels.reused.clear();
-  levels.held.roots.clear();
+  levels.held.clear();
   levels.tallies.assign(static_cast<std::size_t>(executor.concurrency()), WorkerTally{});
   parallel::parallel_for(executor, table.size(), kCopyGrain, [&](std::size_t begin, std::size_t end, int) {
     std::copy(table.start.begin() + static_cast<std::ptrdiff_t>(begin),
