@@ -18,6 +18,7 @@ constexpr std::array<ForecastFeature, TailForecast::kFeatures> kTailFeatures{{
     {"point_iterations", 30.0},
     {"coarse_contacts", 100.0},
     {"held_pairs", 20.0},
+    {"held_found", 100.0},
 }};
 
 // Largest number of nanoseconds that a duration can hold safely.
@@ -46,7 +47,8 @@ TailForecast::Features TailForecast::values(const TailWork& work) {
           thousands(work.sphere_contacts),
           thousands(work.point_iterations),
           thousands(work.coarse_contacts),
-          thousands(work.held_pairs)};
+          thousands(work.held_pairs),
+          thousands(work.held_found)};
 }
 
 Nanoseconds TailForecast::forecast(const TailWork& work) const { return linear_.forecast(values(work)); }

@@ -182,6 +182,7 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
   } else if (made.point_count > 0) {
     if (made.slot == kNoSlot) made.slot = cache.free_slot(count.new_slots++);
     if (!progress.from_cache()) write_points(input, i, made, cache);
+    if (progress.held) ++count.held_found;
     update_separations(input, i, made, cache);
   }
   if (progress.refinable()) ++count.left;
@@ -232,11 +233,13 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
   const PairTable& table = input.table;
   std::uint32_t solved = 0;
   manifolds.manifold_points = 0;
+  manifolds.held_found = 0;
   manifolds.impacts = false;
   for (SolvedCount& count : manifolds.solved_of_chunk) {
     count.before = solved;
     solved += count.solved;
     manifolds.manifold_points += count.manifold_points;
+    manifolds.held_found += count.held_found;
     manifolds.impacts = manifolds.impacts || count.any_fast;
     report.pairs_left += count.left;
     report.cached_separations += count.cached_separations;

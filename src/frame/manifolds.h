@@ -35,6 +35,7 @@ struct SolvedCount {
   bool any_fast = false;     ///< one of them may have an impact
   std::uint32_t solved = 0, left = 0, cached_separations = 0, cached_contacts = 0;
   std::uint32_t manifold_points = 0;  ///< of the solved ones
+  std::size_t held_found = 0;         ///< pairs that wait, with new points
   std::uint32_t new_slots = 0;
   std::array<std::uint32_t, kPolygonBin + 1> levels{};
 };
@@ -46,6 +47,7 @@ struct Manifolds {
   parallel::UnsetVector<solver::Coloring::Edge> edges;  ///< one a manifold
   solver::Coloring coloring;                            ///< of the edges
   std::uint64_t manifold_points = 0;                    ///< of all manifolds
+  std::size_t held_found = 0;                           ///< pairs that wait, with new points
   bool impacts = false;                                 ///< some pair may have an impact
   std::vector<SolvedCount> solved_of_chunk;             ///< per chunk of pairs
 

@@ -138,7 +138,8 @@ class Step {
   void end_publish() { report_.times.publish = laps_.lap(); }
 
   [[nodiscard]] FrameCounts counts() const {
-    return {terms_.contact, world_.bodies.dynamic_count(), world_.settings.substeps, frame_.table, frame_.levels};
+    return {terms_.contact, world_.bodies.dynamic_count(), world_.settings.substeps, frame_.table,
+            frame_.levels,  frame_.manifolds.held_found};
   }
 
  private:

@@ -15,7 +15,7 @@ io::TimePriorsKey some_key() { return {"a processor, a system", 2, 2, "tbb", "fi
 
 scheduler::TimePriors some_priors() {
   scheduler::TimePriors priors;
-  priors.tail_us = {1, 2, 3.25, 4, 5, 6, 7, 8};
+  priors.tail_us = {1, 2, 3.25, 4, 5, 6, 7, 8, 9};
   priors.head_us = {7, 6, 5, 4, 3, 2, 0.1 + 0.2};
   priors.log_quantile = 0.375;
   priors.spread = 0.125;

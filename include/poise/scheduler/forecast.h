@@ -21,14 +21,15 @@ struct TailWork {
   /// actual one.
   std::uint64_t point_iterations = 0;
   std::uint64_t coarse_contacts = 0;  ///< pairs whose coarsest contact is still missing when refinement begins
-  std::uint64_t held_pairs = 0;       ///< pairs whose bodies wait in this frame; no other count has them or their bodies
+  std::uint64_t held_pairs = 0;  ///< pairs whose bodies wait in this frame; no other count has them or their bodies
+  std::uint64_t held_found = 0;  ///< of these, that refinement finds contact points of: before it, the expected number
 };
 
 /// Point forecast of Poise's tail: a LinearForecast whose features are a constant and the counts of TailWork, in
 /// thousands. One thread at a time.
 class TailForecast {
  public:
-  static constexpr std::size_t kFeatures = 8;         ///< a constant and the counts of TailWork, in its order
+  static constexpr std::size_t kFeatures = 9;         ///< a constant and the counts of TailWork, in its order
   static constexpr std::size_t kContacts = 2;         ///< index of TailWork::contacts
   static constexpr std::size_t kPointIterations = 5;  ///< index of TailWork::point_iterations
   static constexpr std::size_t kCoarseContacts = 6;   ///< index of TailWork::coarse_contacts

@@ -11,11 +11,11 @@ namespace poise::simulation {
 /// The contact solver makes so many substeps in this frame; 0, or no fewer than the settings say: as they say.
 void use_substeps(const RefineInput& input, int substeps, CompletedLevels& levels);
 
-/// Chooses the pairs that must be reused to save `late`, if one that stays separated saves `apart_ns` and one that keeps
-/// its cached points `points_ns` (both > 0), into levels.reused; how many they are, at most as many as there are. These
-/// may be: pairs of which what is cached is too old to be sure of; they keep their points, or stay separated, only
-/// while no separation can have changed by more than the radius of the smaller body. The least seen come first, to a
-/// quarter of an octave (PairCueSource::seen); pairs that are seen alike in canonical order.
+/// Chooses the pairs that must be reused to save `late`, if one that stays separated saves `apart_ns` and one that
+/// keeps its cached points `points_ns` (both > 0), into levels.reused; how many they are, at most as many as there are.
+/// These may be: pairs of which what is cached is too old to be sure of; they keep their points, or stay separated,
+/// only while no separation can have changed by more than the radius of the smaller body. The least seen come first, to
+/// a quarter of an octave (PairCueSource::seen); pairs that are seen alike in canonical order.
 std::size_t choose_reused(const RefineInput& input, Nanoseconds late, double apart_ns, double points_ns,
                           CompletedLevels& levels, parallel::Executor& executor);
 

@@ -38,12 +38,22 @@ FrameCounts counts_of(const RefineInput& input, const CompletedLevels& levels) {
   return {input.terms.contact, input.scene.bodies.dynamic_count(), input.substeps, input.table, levels};
 }
 
+// A level of a pair of jacks, with all that goes with it, on one thread. Measured: 1 to 1.5 us.
+constexpr double kLevelNs = 1000;
+
+double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
+
 // What the tail will have to do with the pairs as they are.
 void count_pairs(const RefineInput& input, const CompletedLevels& levels, Forecasts& forecasts, FramePlan& plan) {
   plan.present = levels.known.present;
   plan.expected = expected_solved(forecasts, plan.present);
   forecasts.times.tail_work.coarse_contacts = levels.known.unknown;
   forecasts.times.tail_work = tail_work(forecasts, counts_of(input, levels), plan.expected);
+  // No more than refinement could find in the whole of the time that is left.
+  constexpr double kLevelsOfPair = 1.5;
+  const double could = ns_of(plan.time_left) * plan.threads / (kLevelsOfPair * kLevelNs);
+  const double open = std::min(static_cast<double>(levels.held.open), std::max(0.0, could));
+  forecasts.times.tail_work.held_found = expected_solved(forecasts, static_cast<std::int64_t>(open));
 }
 
 // Of the time that is left when all else of the tail is done, the contact solver is given at most so much for what it
@@ -53,10 +63,6 @@ constexpr double kShareOfIterations = 0.5;
 // What pairs cost as long as nothing is known of them they cost in every frame; what is found out of them they cost
 // once. So this much of a frame belongs to refinement wherever it has that much to do. Chosen.
 constexpr double kShareOfRefinement = 0.2;
-// A level of a pair of jacks, with all that goes with it, on one thread. Measured: 1 to 1.5 us.
-constexpr double kLevelNs = 1000;
-
-double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
 
 // With a margin, what a point iteration costs.
 double iteration_ns(const Forecasts& forecasts) {
@@ -100,6 +106,12 @@ Nanoseconds refinement_wanted(const RefineInput& input, const CompletedLevels& l
   return Nanoseconds(static_cast<std::int64_t>(std::min(share_ns, all_ns)));
 }
 
+// A level of every pair of which nothing is known. Bodies that are answered on level 0 while they come together sink
+// into each other, and nothing lifts them out again.
+Nanoseconds unknown_wanted(const CompletedLevels& levels, int threads) {
+  return Nanoseconds(static_cast<std::int64_t>(kLevelNs * levels.known.unknown / threads));
+}
+
 int substeps_of(const RefineInput& input, const CompletedLevels& levels) {
   return levels.substeps > 0 ? levels.substeps : input.substeps;
 }
@@ -118,27 +130,23 @@ void hold(const RefineInput& input, Nanoseconds missing, Forecasts& forecasts, C
   count_pairs(input, levels, forecasts, plan);
 }
 
-// Makes room for refinement where the reserve leaves less than it is to have: with fewer substeps, or out of the
-// margin.
+// Makes room for refinement: islands wait where the forecast leaves it less than it is to have, or the reserve not
+// enough for what is unknown; and where the reserve leaves it less than it is to have, it gets that out of the margin.
 void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts,
                CompletedLevels& levels, Degraded& degraded, FramePlan& plan, parallel::Executor& executor) {
-  const Nanoseconds wanted_time = refinement_wanted(input, levels, now);
-  if (wanted_time <= Nanoseconds(0)) return;
-  const SteadyClock::time_point wanted = now + wanted_time;
-  const int least = forecasts.times.iterations_a_substep > 0 ? 1 : input.substeps;
-  int substeps = substeps_of(input, levels);
-  while (--substeps >= least && plan.budget.cut(plan.expected) < wanted) {
-    set_budget(input.step, substeps, host, now, forecasts, plan);
-    levels.substeps = degraded.substeps = substeps;
-  }
-  if (plan.budget.cut(plan.expected) >= wanted) return;
-  const auto fits = [&] { return input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected); };
-  // By what is expected, as where a frame is infeasible: the margin alone holds nothing up.
-  if (fits() < wanted) {
-    hold(input, wanted - fits(), forecasts, levels, degraded, plan, executor);
-    set_budget(input.step, substeps_of(input, levels), host, now, forecasts, plan);
-  }
-  plan.budget.earliest_cut = std::min(wanted, fits());
+  const Nanoseconds share = refinement_wanted(input, levels, now);
+  if (share <= Nanoseconds(0)) return;
+  const auto give_share = [&] {
+    const auto fits = input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected);
+    plan.budget.earliest_cut = std::min(now + share, fits);
+  };
+  give_share();
+  const SteadyClock::time_point wanted = now + std::max(share, unknown_wanted(levels, plan.threads));
+  const SteadyClock::time_point cut = plan.budget.cut(plan.expected);
+  if (cut >= wanted) return;
+  hold(input, wanted - cut, forecasts, levels, degraded, plan, executor);
+  set_budget(input.step, substeps_of(input, levels), host, now, forecasts, plan);
+  give_share();
 }
 
 }  // namespace
@@ -150,6 +158,7 @@ scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& cou
   work.contacts = contacts;
   work.candidate_pairs = counts.table.size() - counts.levels.held.pairs;
   work.held_pairs = counts.levels.held.pairs;
+  work.held_found = counts.held_found;
   if (counts.contact == ContactModel::Paper) {
     for (const PairProgress& pair : counts.levels.progress) {
       if (!pair.apart() && !pair.held && !pair.by_polygons()) work.sphere_contacts += pair.level.front_entries;
@@ -174,6 +183,7 @@ void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int sub
   scheduler::TailWork tail = times.tail_work;
   tail.bodies = dynamic_bodies;
   tail.candidate_pairs += std::exchange(tail.held_pairs, 0);
+  tail.held_found = 0;
   tail.point_iterations = times.manifold_points * static_cast<std::uint64_t>(substeps);
   const Nanoseconds head = forecasts.head.forecast(times.head_work);
   const Nanoseconds host = host_reserve(forecasts, step);
@@ -191,6 +201,8 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   levels.reuse_band.reserve(input.table.capacity());
   levels.held.reserve(input.scene.bodies.slot_count());
   FramePlan plan;
+  plan.time_left = step.budget.deadline - host - now;
+  plan.threads = executor.concurrency();
   count_pairs(input, levels, forecasts, plan);
   set_budget(step, input.substeps, host, now, forecasts, plan);
   // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing
@@ -202,6 +214,8 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   if (late().count() > 0) {
     report.infeasible_forecast = true;
     Degraded degraded;
+    hold(input, late(), forecasts, levels, degraded, plan, executor);
+    set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);
     // Where nothing rests, as in free fall, fewer substeps save nothing.
     const int least = forecasts.times.iterations_a_substep > 0 ? 1 : input.substeps;
     for (int substeps = input.substeps - 1; substeps >= least && late().count() > 0; --substeps) {
@@ -209,10 +223,6 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
       degraded.substeps = substeps;
     }
     use_substeps(input, degraded.substeps, levels);
-    if (late().count() > 0) {
-      hold(input, late(), forecasts, levels, degraded, plan, executor);
-      set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);
-    }
     if (late().count() > 0) {
       const double coarse_ns = forecasts.tail.coefficients_us()[scheduler::TailForecast::kCoarseContacts];
       degraded.pairs_reused = choose_reused(input, late(), forecasts.solved_share * plan.budget.tail_per_contact_ns,

@@ -16,6 +16,7 @@ struct FrameCounts {
   int substeps = 2;  ///< of the settings
   const PairTable& table;
   const CompletedLevels& levels;
+  std::size_t held_found = 0;  ///< after the manifolds: of pairs that wait, those with new contact points
 };
 
 /// Where the time of the calling thread went in a frame.
@@ -34,6 +35,8 @@ struct FramePlan {
   std::int64_t present = 0;    ///< pairs that are not known to be separated
   std::uint64_t expected = 0;  ///< pairs that are likely to have a contact
   double share = 1;            ///< of the pairs with a contact: those that do not wait (budget/hold.h)
+  Nanoseconds time_left{0};    ///< until the deadline, when the plan was begun
+  int threads = 1;
 };
 
 /// After the pairs were found, at `now`: the reserve, and where what must be done does not fit before the deadline any

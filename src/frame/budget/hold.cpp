@@ -75,6 +75,7 @@ class Islands {
       const ActivePair& pair = table.pairs[i];
       HeldIslands::Island& island = island_of(bodies_.dynamic[pair.a] != 0 ? pair.a : pair.b);
       ++island.pairs;
+      if (progress[i].refinable()) ++island.open;
       if (bodies_.moves_by_itself(pair.a) || bodies_.moves_by_itself(pair.b)) island.restless = 1;
       if (!progress[i].apart()) {
         ++island.contacts;
@@ -112,6 +113,7 @@ class Islands {
       work_.islands[root].held = true;
       work_.bodies += work_.islands[root].bodies;
       work_.pairs += work_.islands[root].pairs;
+      work_.open += work_.islands[root].open;
     }
     work_.slots.resize(bodies_.slot_count());
     for_bodies([&](std::uint32_t slot) {
@@ -184,6 +186,7 @@ void HeldIslands::Island::add(const Island& part) {
   parallel::add_shared(seen, part.seen);
   parallel::add_shared(bodies, part.bodies);
   parallel::add_shared(pairs, part.pairs);
+  parallel::add_shared(open, part.open);
   parallel::add_shared(moving, part.moving);
   parallel::add_shared(fast, part.fast);
   parallel::add_shared(flying, part.flying);

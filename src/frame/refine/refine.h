@@ -49,18 +49,19 @@ struct WorkerTally {
 struct HeldIslands {
   struct Island {
     std::uint64_t seen = 0;  ///< sum of its pairs' weights
-    std::uint32_t bodies = 0, pairs = 0, moving = 0, fast = 0, flying = 0, contacts = 0, unknown = 0;
+    std::uint32_t bodies = 0, pairs = 0, open = 0, moving = 0, fast = 0, flying = 0, contacts = 0, unknown = 0;
     std::uint32_t restless = 0;
     bool held = false;
     void add(const Island& part);  ///< but for held; any thread
   };
-  std::vector<std::uint32_t> roots;           ///< of those that are held: the lowest slot of each, ascending
-  std::size_t bodies = 0, pairs = 0;          ///< of these
+  std::vector<std::uint32_t> roots;   ///< of those that are held: the lowest slot of each, ascending
+  std::size_t bodies = 0, pairs = 0;  ///< of these
+  std::size_t open = 0;               ///< of these pairs, that have something left to find out before refinement
   parallel::UnsetVector<std::uint8_t> slots;  ///< one a slot, if there are roots: 1 if its body is held
 
   void clear() {
     roots.clear();
-    bodies = pairs = 0;
+    bodies = pairs = open = 0;
   }
   [[nodiscard]] bool holds(std::size_t slot) const { return !roots.empty() && slots[slot] != 0; }
   void reserve(std::size_t slot_count) {

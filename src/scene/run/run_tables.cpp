@@ -101,6 +101,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("tail_point_iterations", r.tail_work.point_iterations);
   row.column("tail_coarse_contacts", r.tail_work.coarse_contacts);
   row.column("tail_held_pairs", r.tail_work.held_pairs);
+  row.column("tail_held_found", r.tail_work.held_found);
 }
 
 void work_columns(const FrameReport& r, FrameRow& row) {
