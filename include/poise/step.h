@@ -60,7 +60,7 @@ struct StepInput {
   /// When the frame could have begun, for hosts with frames on a grid: by how much the step begins later is not held
   /// against it if it ends late (MissCause::Release). Changes nothing else. Empty: now. A time in the future counts as
   /// now, one more than kFarthestTime ago as that long ago.
-  std::optional<SteadyClock::time_point> release;
+  std::optional<SteadyClock::time_point> release{};
   View view{};
   HostWork host_work{};
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees

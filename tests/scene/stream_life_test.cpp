@@ -58,7 +58,9 @@ TEST(StreamLife, EndsBeforeTheFirstFrameAtOrAfterArrivalAndLife) {
     ASSERT_TRUE(run.before_frame(frame));
     EXPECT_EQ(numbers_of(run), expected[frame]) << frame;
     EXPECT_EQ(run.final_body_count(), 1U);
-    run.world().step({.dt_s = 0.015625});
+    StepInput input;
+    input.dt_s = 0.015625;
+    run.world().step(input);
   }
 }
 
@@ -126,7 +128,9 @@ TEST(StreamLife, GivesTheSameStateTwice) {
     SceneRun run = stream_run(scene);
     for (std::uint64_t frame = 0; frame < 100; ++frame) {
       ASSERT_TRUE(run.before_frame(frame));
-      run.world().step({.dt_s = 0.015625});
+      StepInput input;
+      input.dt_s = 0.015625;
+      run.world().step(input);
     }
     EXPECT_LT(run.bodies().size(), 41U);
     hash = run.world().state_hash();

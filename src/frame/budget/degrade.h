@@ -3,9 +3,10 @@
 
 #include "frame/refine/refine.h"
 
-/// What is left out of a frame whose mandatory part does not fit before its deadline, in this order: substeps of the
-/// contact solver; then pairs reuse what is cached of them, the least seen first. Solver iterations beyond one a
-/// substep are no part of it: iterations_in_time (frame_time.h) stops them. A hook of *refine*, before its first level.
+/// What is left out of a frame whose mandatory part does not fit before its deadline although islands wait (hold.h), in
+/// this order: substeps of the contact solver; then pairs reuse what is cached of them, the least seen first. Solver
+/// iterations beyond one a substep are no part of it: iterations_in_time (frame_time.h) stops them. A hook of *refine*,
+/// before its first level.
 namespace poise::simulation {
 
 /// The contact solver makes so many substeps in this frame; 0, or no fewer than the settings say: as they say.
