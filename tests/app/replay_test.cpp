@@ -160,7 +160,7 @@ TEST(Replay, ExplainsWhyAFrameWasLateWithTheTimesOfItsStages) {
   EXPECT_GE(worst.at(0).at("late_ms"), worst.at(4).at("late_ms"));
   const std::string command = "poise replay " + file + " --explain " + std::to_string(frame);
   EXPECT_NE(run.out.find(command), std::string::npos) << run.out;
-  EXPECT_NE(run.out.find("latest frames"), std::string::npos);
+  EXPECT_NE(run.out.find("worst frames"), std::string::npos);
 
   const json explain = replayed(file, {"--explain", std::to_string(frame)}).at("explain");
   EXPECT_EQ(explain.at("lateness_ms"), worst.at(0).at("late_ms"));

@@ -70,7 +70,7 @@ void misses(const simulation::RunFigures& f, Out out) {
 void worst(const io::RunDocument& d, Out out) {
   const std::vector<simulation::WorstFrame>& frames = d.figures.worst_frames;
   if (frames.empty()) return;
-  fmt::format_to(out, "\nlatest frames  late by ms  cause       longest stage, ms\n");
+  fmt::format_to(out, "\nworst frames   late by ms  cause       longest stage, ms\n");
   for (const simulation::WorstFrame& frame : frames) {
     fmt::format_to(out, "  {:<12} {:10.3f}  {:<11} {} {:.3f}", frame.frame, ms(frame.lateness),
                    simulation::cause_name(frame.cause), frame.stage, ms(frame.stage_time));
