@@ -126,6 +126,9 @@ Status DrivenScene::shake_bodies() {
 }
 
 Result<simulation::RunFrame> DrivenScene::step(const FrameLimit& limit, bool reference) {
+  // Where the camera is; a driven scene has no streams.
+  const Status ready = run_.before_frame(frame_);
+  if (!ready) return ready.error();
   const Status shaken = shake_bodies();
   if (!shaken) return shaken.error();
   StepInput input;
