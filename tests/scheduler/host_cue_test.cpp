@@ -121,7 +121,7 @@ RC_GTEST_PROP(HostPolicy, NoNumberThatItGivesIsLeftUnranked, ()) {
   if (value >= 0 && value <= kMostScore) RC_ASSERT(got == value);
 }
 
-TEST(PairCues, AreNoLargerForTheHostsFactor) { EXPECT_LE(sizeof(PairCues), 48U); }
+TEST(PairCues, FitIntoACacheLine) { EXPECT_LE(sizeof(PairCues), 64U); }
 
 }  // namespace
 }  // namespace poise::scheduler

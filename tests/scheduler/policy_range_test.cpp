@@ -137,13 +137,24 @@ RC_GTEST_PROP(PolicyRange, NoAcceptedPolicyAndNoCueGivesANumberThatCannotBeRanke
     cues.angle_radpm = any_number();
     cues.eccentricity_rad = any_number();
     cues.closing_mps = any_number();
-    cues.importance = any_number();
+    cues.importance = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
     cues.host = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
     cues.frames_waited = *rc::gen::element(0U, 1U, 1000U, 0xffffffffU);
+    for (float* measured : {&cues.gap_rad, &cues.delay_s, &cues.age_s, &cues.separation})
+      *measured = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
+    cues.crowd = *rc::gen::arbitrary<std::uint16_t>();
+    cues.hidden = *rc::gen::arbitrary<bool>();
+    cues.attended = *rc::gen::arbitrary<bool>();
     std::array<float, 6> errors{};
     for (float& error_m : errors) error_m = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
-    const PairChain chain{*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::inRange(0U, 8U), errors,
-                          *rc::gen::element<std::uint64_t>(0, 1, 1000, ~std::uint64_t{0})};
+    std::array<float, 6> lifetimes{}, ended{};
+    for (float& number : lifetimes) number = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
+    for (float& number : ended) number = static_cast<float>(std::clamp(any_number(), -3e38, 3e38));
+    PairChain chain{*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::inRange(0U, 8U), errors,
+                    *rc::gen::element<std::uint64_t>(0, 1, 1000, ~std::uint64_t{0})};
+    chain.last_level = *rc::gen::inRange(0U, 8U);
+    if (*rc::gen::arbitrary<bool>()) chain.lifetime_frames = lifetimes;
+    if (*rc::gen::arbitrary<bool>()) chain.ended = ended;
     const FrameFacts facts{*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::arbitrary<std::uint64_t>(),
                            *rc::gen::inRange(0U, 20U), *rc::gen::inRange(0U, 1000U)};
     const double weight = cue_weight(policy, cues);

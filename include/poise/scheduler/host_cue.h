@@ -22,7 +22,7 @@ struct PairView {
   std::array<double, 3> point_m{};        ///< contact point, or the expected one
   std::array<double, 3> normal{0, 0, 1};  ///< approximately unit, from one body to the other
   double extent_m = 0;                    ///< radius of the smaller body
-  double closing_mps = 0;                 ///< approach speed of the two centres, >= 0
+  double closing_mps = 0;                 ///< approach speed of the two surfaces at point_m, spin included, >= 0
   double importance = 1;                  ///< factor that the scene gives to the two bodies
   std::uint32_t frames_waited = 0;        ///< since the pair was last refined
   bool has_view = false;                  ///< whether there is a viewer
@@ -30,6 +30,13 @@ struct PairView {
   double distance_m = 0;        ///< from the eye
   double angle_radpm = 0;       ///< visible angle of one metre of error
   double eccentricity_rad = 0;  ///< angle between gaze and pair, [0, pi]
+  // As PairCues; 0 or false where the weight of the cue is 0, since then it is not measured.
+  double gap_rad = 0;
+  double delay_s = 0;
+  double age_s = 0;
+  double crowd = 0;
+  bool hidden = false;
+  bool attended = false;
 };
 
 /// A host's own cue. The function returns a factor in [0, kMostHostFactor]: 1 changes nothing, 0 gives the lowest

@@ -14,24 +14,40 @@ namespace poise::scheduler {
 
 /// How the next refinement is chosen.
 enum class PolicyKind : std::uint8_t {
-  Perceptual,  ///< largest noticeable gain per unit of work first
-  Fifo,        ///< first in, first out; a refined pair goes to the back
-  Random,      ///< a random order of each frame, from the seed
-  Custom,      ///< the host's own function: Policy::custom
+  Perceptual,   ///< largest noticeable gain per unit of work first
+  Fifo,         ///< first in, first out; a refined pair goes to the back
+  Random,       ///< a random order of each frame, from the seed
+  Custom,       ///< the host's own function: Policy::custom
+  RoundRobin,   ///< groups near the gaze, in the frustum and outside it; a level of each pair in turn within a group
+  Size,         ///< largest visible error first, whatever its removal costs
+  Deepest,      ///< the pair that was refined deepest goes on, to its end
+  EqualLevels,  ///< all pairs on one level before any goes deeper, those first that have waited longest
 };
+inline constexpr PolicyKind kLastPolicyKind = PolicyKind::EqualLevels;
 
 /// The visible angle of one metre of error without a view: that of 1 m at 10 m. Chosen.
 inline constexpr double kDefaultPlainAngleRadpm = 0.1;
 
-/// The cues of a pair: what a viewer can notice of it. A number that is NaN or negative counts as 0.
+/// The cues of a pair: what a viewer can notice of it. A number that is NaN or, but for the separation,
+/// negative counts as 0. A cue whose weight
+/// is 0 is not measured and has its default here, but for visibility, angle and what costs nothing.
 struct PairCues {
   double visibility = 1;                         ///< Policy::outside_frustum outside the frustum, else 1; in (0, 1]
   double angle_radpm = kDefaultPlainAngleRadpm;  ///< visible angle of one metre of error at the pair, rad/m, >= 0
   double eccentricity_rad = 0;                   ///< angle between gaze and pair, [0, pi]
-  double closing_mps = 0;                        ///< approach speed of the two centres, >= 0
-  double importance = 1;                         ///< >= 0
-  std::uint32_t frames_waited = 0;               ///< frames since the pair was last refined
-  float host = 1;                                ///< HostFactor::factor
+  double closing_mps = 0;           ///< approach speed of the two surfaces at the contact point, spin included, >= 0
+  std::uint32_t frames_waited = 0;  ///< frames since the pair was last refined
+  float importance = 1;             ///< >= 0
+  float host = 1;                   ///< HostFactor::factor
+  float gap_rad = 0;  ///< visible angle of the separation or penetration of the pair as it was last answered, >= 0
+  float delay_s = 0;  ///< for how long surfaces that approach were not refined: the response may be so late, >= 0
+  float age_s = 0;    ///< since the contact began; 0: it begins now or later, >= 0
+  /// Separation of the surfaces as far as it is known, over the error that is expected of that; negative where they
+  /// overlap.
+  float separation = 0;
+  std::uint16_t crowd = 0;  ///< other events near by on the screen, at most 65535
+  bool hidden = false;      ///< all that moves of the pair is surely behind other bodies
+  bool attended = false;    ///< the host's attention is on it (StepInput::attention)
 };
 
 /// Cost and expected gain of refining a pair further.
@@ -42,6 +58,12 @@ struct PairChain {
   std::uint64_t front_entries = 1;  ///< cost of the next level in node-pair expansions
   UserData user_data{};             ///< of the two bodies, for a host's policy
   bool begun = false;               ///< a level of it was completed in this frame: its data is at hand
+  std::uint32_t last_level = 0;     ///< by which the pair was answered in the frame before
+  /// Of each level, from 0: for how many frames what it finds is valid. Empty: 1.
+  std::span<const float> lifetime_frames = {};
+  /// Of each level, from 0: probability that it or a level before it finds the pair separated. Empty: chance_of_ending
+  /// for any deeper level.
+  std::span<const float> ended = {};
 };
 
 /// Facts of a frame that a policy may use.
@@ -78,6 +100,14 @@ struct Policy {
   double waiting = 1;       ///< 1 + frames since the pair was last refined
   double importance = 1;    ///< the factor that the scene gives to the two bodies
   double host = 1;          ///< the host's own cue, `cue`
+  double occlusion = 0;     ///< 1, or hidden_visibility where the pair is hidden behind other bodies
+  double gap = 0;           ///< 1 + visible gap or penetration / gap_scale_rad
+  double delay = 0;         ///< 1 + delay of the response / delay_scale_s
+  double onset = 0;         ///< 1 + 1 / (1 + age of the contact / onset_scale_s)
+  double crowding = 0;      ///< 1 / (1 + other events near by on the screen / crowding_scale)
+  double attention = 0;     ///< attention_factor where the host's attention is, else 1
+  double hysteresis = 0;    ///< hysteresis_factor for levels up to that of the frame before, else 1
+  double touch = 1;         ///< root of twice the chance that the surfaces touch: sqrt(1 - s / sqrt(1 + s^2))
 
   // Parameters.
   /// Visibility outside the frustum. Never zero, since hidden motion may come into view later. Chosen.
@@ -96,6 +126,33 @@ struct Policy {
   double front_growth = 2;
   /// Overhead of starting a job, in node-pair expansions. Measured: about 100 ns, at 25 to 40 ns an expansion.
   double job_overhead_units = 4;
+  /// Visibility of a pair that is hidden. Never zero, as outside_frustum. Chosen; docs/reference.md uses the same.
+  double hidden_visibility = 0.25;
+  /// Visible gap that doubles the weight of a pair: 10 minutes of arc. Chosen, at ten times the acuity of the fovea.
+  double gap_scale_rad = 10 * 3.14159265358979323846 / (180.0 * 60.0);
+  /// Delay that doubles the weight of a pair. Chosen; with 0.1 to 0.15 s a collision no longer looks like a cause
+  /// (Michotte 1946).
+  double delay_scale_s = 0.1;
+  /// Age of a contact at which half of what its onset adds to the weight is left. Chosen, as delay_scale_s.
+  double onset_scale_s = 0.1;
+  /// Events near by that halve the weight of a pair. Chosen.
+  double crowding_scale = 8;
+  /// Factor of what the host's attention is on. Chosen.
+  double attention_factor = 4;
+  /// Factor of the gain of a level that the pair had in the frame before. Chosen.
+  double hysteresis_factor = 2;
+  /// Errors whose visible angle is below this, at the gaze, are not seen, and what is left of them is not refined; the
+  /// threshold rises with eccentricity as 1 + E / eccentricity_e2_rad. 0: all are seen. An acuity of 20/20 is 1 minute
+  /// of arc, 0.00029 rad.
+  double seen_threshold_rad = 0;
+  /// How much of the expected error, the chance of ending and the lifetime of levels is learned from the frames before:
+  /// 0 nothing, 1 all.
+  double learning = 0;
+  /// Value of not having to answer a contact: radians of visible error for a unit of work. 0: only errors count.
+  /// Chosen.
+  double time_price_rad = 0;
+  /// Work of answering a contact in a frame, in node-pair expansions; counts with time_price_rad. Chosen.
+  double answer_units = 64;
   /// Wall clock: units of work between two readings of the clock. At 25 to 40 ns an expansion, 512 units take 15 to 20
   /// us, which stays within 50 us on a machine half as fast.
   std::uint32_t quantum_units = 512;
@@ -143,8 +200,21 @@ double cue_weight(const Policy& policy, const PairCues& cues);
 
 /// The best average gain per unit of work over the remaining levels of the pair, radians per expansion: the greedy
 /// choice on the concave envelope of its chain. The overhead of a pair that was begun is paid. 0 if no level is left.
-/// `policy` must be valid. Any thread.
+/// The gain of level L' from level L is
+///
+///     angle * chance_of_ending * (error(L) - error(L')) * lifetime(L') * hysteresis
+///         + time_price * ended(L to L') * answer_units * lifetime(L')
+///
+/// with the angle in rad/m, errors in metres, lifetimes in frames (docs/cues.md). `policy` must be valid. Any thread.
 double best_gain_per_work(const Policy& policy, const PairChain& chain, double angle_radpm);
+
+/// Whether the error that is left of a pair is above Policy::seen_threshold_rad. Any thread.
+bool error_is_seen(const Policy& policy, const PairChain& chain, const PairCues& cues);
+
+/// Whether a pair with this score is left out of refinement: with a threshold, what is not seen costs nothing.
+inline bool left_out(const Policy& policy, double score) {
+  return policy.seen_threshold_rad > 0 && score <= 0 && policy.kind == PolicyKind::Perceptual;
+}
 
 /// The score of a pair, in [0, kMostScore]. Pairs with a larger score are served sooner, ties by pair. `queue_index` is
 /// the pair's index in this frame's queue, for Fifo. `policy` must be valid. Any thread; the same arguments give the
@@ -152,7 +222,7 @@ double best_gain_per_work(const Policy& policy, const PairChain& chain, double a
 double score(const Policy& policy, const FrameFacts& frame, const PairChain& chain, const PairCues& cues,
              std::uint32_t queue_index);
 
-/// The band of a score; kBands - 1 is served first. Monotone in the score. For Perceptual and Custom a band is a
+/// The band of a score; kBands - 1 is served first. Monotone in the score. For Perceptual, Custom and Size a band is a
 /// quarter of an octave. Any thread.
 std::uint32_t band_of(const Policy& policy, double score);
 

@@ -21,13 +21,18 @@ class PriorityBands {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffU;
 
+  /// So that reset() for up to so many items allocates nothing. What is in the bands is lost if it has to grow. One
+  /// thread, while no worker runs.
+  void reserve(std::uint32_t items) {
+    if (items <= capacity_) return;
+    next_ = std::make_unique<std::atomic<std::uint32_t>[]>(items);
+    capacity_ = items;
+  }
+
   /// Empties all bands and reserves capacity for items 0 .. items - 1. One thread, while no worker runs. Allocates only
   /// to grow.
   void reset(std::uint32_t items) {
-    if (items > capacity_) {
-      capacity_ = items + items / 2;
-      next_ = std::make_unique<std::atomic<std::uint32_t>[]>(capacity_);
-    }
+    if (items > capacity_) reserve(items + items / 2);
     for (auto& head : heads_) head.store(kNone, std::memory_order_relaxed);
     for (auto& word : filled_) word.store(0, std::memory_order_relaxed);
   }
