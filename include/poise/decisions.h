@@ -24,6 +24,13 @@ struct RefinementStep {
   friend bool operator==(const RefinementStep&, const RefinementStep&) = default;
 };
 
+/// Bodies that wait for several steps.
+struct PausedIsland {
+  std::uint32_t root = 0;   ///< the lowest slot of its bodies
+  std::uint32_t steps = 0;  ///< that it leaves out, 1 to 255
+  friend bool operator==(const PausedIsland&, const PausedIsland&) = default;
+};
+
 /// Everything that a step decided by time (or by counted work). The state after a step depends on the state before it,
 /// the calls since, the step's input without its budget, and these decisions. A pair's level is its first level plus
 /// its completed steps. The order of the steps and their workers do not affect the state; they are recorded for
@@ -33,9 +40,12 @@ struct FrameDecisions {
   std::uint32_t active_pairs = 0;      ///< of the step; detects decisions of another scene
   std::uint32_t substeps = 0;          ///< of the contact solver; 0: as in the settings
   std::uint32_t point_iterations = 0;  ///< limit of that solver in a substep; 0: its default limit
-  std::vector<std::uint32_t> reused;   ///< pairs that reused an expired cached contact, ascending
-  std::vector<std::uint32_t> held;     ///< islands that waited, by their lowest slot, ascending
-  std::vector<RefinementStep> steps;   ///< in the order of completion
+  bool learns = false;  ///< with a budget: scores of later steps depend on what completed (Policy::learning, onset)
+  std::vector<std::uint32_t> reused;  ///< pairs that reused an expired cached contact, ascending
+  std::vector<std::uint32_t> held;    ///< islands that waited, by their lowest slot, ascending
+  bool resumed = false;               ///< before the step all paused islands took part again
+  std::vector<PausedIsland> paused;   ///< after the step; roots ascending
+  std::vector<RefinementStep> steps;  ///< in the order of completion
   friend bool operator==(const FrameDecisions&, const FrameDecisions&) = default;
 };
 

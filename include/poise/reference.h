@@ -9,8 +9,8 @@
 namespace poise {
 
 /// One frame compared with its reference. The reference is the same frame computed again from the same state, with
-/// every candidate pair at its finest level, the contact model `fitted`, and solver iterations until no impulse changes
-/// by more than 1e-10 of the largest. A figure that is undefined for a frame is empty.
+/// every candidate pair at its finest level, the contact model `fitted`, and solver iterations until impulses or
+/// velocities have converged (docs/reference.md). A figure that is undefined for a frame is empty.
 ///
 /// A body is *touched* if it is dynamic and a contact of the run or of the reference gave it an impulse. Let du = (dv,
 /// dw) be the change of a body's velocity in the step, in the run and (with *) in the reference, m its mass and I its

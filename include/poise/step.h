@@ -43,6 +43,14 @@ struct View {
   Vec3 gaze = Vec3::UnitX();       ///< unit direction of the viewer's gaze
 };
 
+/// What matters to the host now, beside what the viewer sees: a ball of space, a body, or both. It affects the order of
+/// refinement, with Policy::attention, and nothing else.
+struct Attention {
+  Vec3 center_m = Vec3::Zero();  ///< of the ball, world frame
+  double radius_m = 0;           ///< contact points in the ball count; 0: there is no ball
+  BodyId body;                   ///< all its pairs count; by default none, and none if it was removed
+};
+
 /// Work of the host (rendering, game logic) that must still run before the deadline; time is reserved for it.
 struct HostWork {
   bool learn = false;       ///< reserve the duration learned from World::report_host_work instead of `expected`
@@ -62,6 +70,7 @@ struct StepInput {
   /// now, one more than kFarthestTime ago as that long ago.
   std::optional<SteadyClock::time_point> release{};
   View view{};
+  Attention attention{};
   HostWork host_work{};
   Level max_level = kMaxTreeDepth;  ///< no pair is refined beyond this level of its trees
   bool polygons = false;  ///< one more level, by the triangles of meshes, for pairs whose trees end within max_level
@@ -94,7 +103,8 @@ struct StepInput {
 enum class StepStatus : std::uint8_t {
   Done,
   RefusedTimeStep,  ///< dt_s is not in (0, kMaxTimeStepS]; the World is unchanged
-  RefusedView,      ///< a component of the view is not finite or out of range; the World is unchanged
+  RefusedView,      ///< a component of the view, or of the attention, is not finite or out of range; the World is
+                    ///< unchanged
   RefusedHostWork,  ///< negative host work; the World is unchanged
   RefusedReplay,    ///< the decisions belong to a step with another number; the World is unchanged
   ReplayDiffers,    ///< done, but the decisions name pairs or levels that this step does not have, or a front was full:
@@ -132,9 +142,10 @@ struct LevelsReached {
 
 /// Work that a frame left out because its mandatory work was forecast to end after the deadline; docs/scheduling.md.
 struct Degraded {
-  int substeps = 0;              ///< of the contact solver, if fewer than WorldSettings::substeps; else 0
-  std::size_t pairs_reused = 0;  ///< pairs that reused an expired cached contact
-  std::size_t bodies_held = 0;   ///< bodies of islands that waited: they kept position and velocity
+  int substeps = 0;               ///< of the contact solver, if fewer than WorldSettings::substeps; else 0
+  std::size_t pairs_reused = 0;   ///< pairs that reused an expired cached contact
+  std::size_t bodies_held = 0;    ///< bodies of islands that waited: they kept position and velocity
+  std::size_t bodies_paused = 0;  ///< of these, bodies that wait for several steps and cost nothing in between
   /// The contact solver stopped after this number of point iterations in a substep, before it converged; 0: it did not
   /// stop early.
   std::uint32_t point_iterations = 0;

@@ -75,7 +75,9 @@ struct WorldSettings {
   /// on. Costs nothing if off.
   bool sleeping = false;
   /// Where a frame would not meet its deadline, or has no time to refine, islands may wait, for up to seven frames in a
-  /// row: their bodies keep position and velocity and get no forces, and their contacts go on without being listed.
+  /// row, out of the view of a viewer up to 31: their bodies keep position and velocity and get no forces, and their
+  /// contacts go on without being listed. Where not even finding the pairs of all bodies fits, they take turns, and are
+  /// not looked at in between (Degraded::bodies_paused), unless a moving body, the caller or the view comes near them.
   /// What moves in them is seen in slow motion meanwhile, and is as accurate as without. Those near rest wait first
   /// (docs/scheduling.md says what that is), and with NearRest no others. Counted in Degraded::bodies_held. Never
   /// without gravity, with StepInput::backtracking, or without a deadline.

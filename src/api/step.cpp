@@ -19,9 +19,13 @@ bool sound(const View& view) {
          view.vertical_fov_rad < 3.14159 && std::isfinite(view.aspect) && view.aspect > 0;
 }
 
+bool sound(const Attention& attention) {
+  return attention.center_m.allFinite() && std::isfinite(attention.radius_m) && attention.radius_m >= 0;
+}
+
 StepStatus check(const StepInput& input, std::uint64_t frame) {
   if (!(input.dt_s > 0 && input.dt_s <= kMaxTimeStepS)) return StepStatus::RefusedTimeStep;
-  if (!sound(input.view)) return StepStatus::RefusedView;
+  if (!sound(input.view) || !sound(input.attention)) return StepStatus::RefusedView;
   if (input.host_work.expected.count() < 0) return StepStatus::RefusedHostWork;
   if (input.replay != nullptr && input.replay->frame != frame) return StepStatus::RefusedReplay;
   return StepStatus::Done;
@@ -41,7 +45,7 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   world.settle();
   report.reference = simulation::refer(world, input, world.pools, *world.reference);
   report.reference->time += copy_time;
-  if (world.settings.sleeping) simulation::sleep_after(world, input, report);
+  simulation::rest_after(world, input, report);
   return report;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "collision/time_of_impact/least_extent.h"
 #include "dynamics/conserved.h"
@@ -92,6 +93,7 @@ ShapeId World::add_shape(ShapePtr shape) {
   if (!shape) return {};
   state_->settle();
   state_->shapes.push_back(facts_of(std::move(shape)));
+  simulation::find_inner_solids(*state_);
   return {static_cast<std::uint32_t>(state_->shapes.size() - 1)};
 }
 
@@ -196,7 +198,7 @@ Status World::set_state(BodyId body, const BodyState& state) {
 
 Result<bool> World::asleep(BodyId body) const {
   if (!contains(body)) return stale_body(body);
-  return state_->bodies.asleep[body.slot] != 0;
+  return state_->bodies.asleep[body.slot] != 0 && state_->bodies.paused[body.slot] == 0;
 }
 
 Result<double> World::mass_kg(BodyId body) const {
@@ -245,12 +247,13 @@ Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& poi
   if (motion_of(bodies, body.slot) != MotionType::Dynamic) return Done{};
   // One that sleeps shows its mass for a moment; set_state wakes it if it accepts the new velocities.
   const bool asleep = bodies.asleep[body.slot] != 0;
+  const bool paused = bodies.paused[body.slot] != 0;
   if (asleep) bodies.wake(body.slot);
   BodyState state = this->state(body).value();
   state.velocity_mps += bodies.inverse_mass[body.slot] * impulse_ns;
   state.angular_velocity_radps +=
       dynamics::inverse_inertia_world(bodies, body.slot) * (point_m - state.position_m).cross(impulse_ns);
-  if (asleep) bodies.put_to_sleep(body.slot);
+  if (asleep) paused ? bodies.pause(body.slot) : bodies.put_to_sleep(body.slot);
   return set_state(body, state);
 }
 
@@ -258,6 +261,7 @@ Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collide
   if (!contains(body)) return stale_body(body);
   simulation::request_wake(state_->sleep_access(), body.slot);
   state_->bodies.group[body.slot] = group;
+  state_->bodies.changed[body.slot] = 1;
   state_->bodies.collides_with[body.slot] = collides_with;
   return Done{};
 }
@@ -333,14 +337,35 @@ std::uint64_t World::state_hash() const {
   if (bodies.kinematic_count() > 0) mix(bodies.kinematic);
   const std::vector<std::uint8_t>& held = bodies.frames_held;
   if (std::any_of(held.begin(), held.end(), [](std::uint8_t frames) { return frames > 0; })) mix(held);
-  if (!state_->settings.sleeping) return hash;
+  if (bodies.paused_count() > 0) mix(bodies.paused);
+  const auto mix_ages = [&](const simulation::CachedPairList& pairs) {
+    for (const simulation::CachedPair& pair : pairs) {
+      if (pair.frames_touched == 0) continue;
+      const std::uint64_t words[2] = {std::uint64_t{pair.low} << 32U | pair.high, pair.frames_touched};
+      hash = XXH64(words, sizeof(words), hash);
+    }
+  };
+  // Only steps with a budget leave something here.
+  mix_ages(state_->cache.pairs);
+  if (!state_->learned.empty()) {
+    mix(state_->learned.entries());
+    mix(std::as_const(state_->learned).observed());
+  }
+  if (!state_->settings.sleeping && bodies.paused_count() == 0) return hash;
   const simulation::SleepingState& sleep = state_->sleeping;
   mix(bodies.asleep);
   mix(sleep.still_s);
   mix(sleep.island);
   mix(sleep.wake_requested);
   mix(sleep.changed_statics);
-  mix_pairs(sleep.sleeping_pairs);
+  // One list, whatever sets they are in.
+  simulation::CachedPairList of_sleepers;
+  for (const simulation::SleepingSet& set : sleep.sets)
+    of_sleepers.insert(of_sleepers.end(), set.pairs.begin(), set.pairs.end());
+  std::sort(of_sleepers.begin(), of_sleepers.end(),
+            [](const auto& x, const auto& y) { return std::pair(x.low, x.high) < std::pair(y.low, y.high); });
+  mix_pairs(of_sleepers);
+  mix_ages(of_sleepers);
   return hash;
 }
 

@@ -65,12 +65,14 @@ Status World::set_settings(const WorldSettings& settings) {
   if (settings.gravity_mps2 != before.gravity_mps2 || !settings.sleeping)
     simulation::wake_all(state.sleep_access(), *state.executor);
   state.settings = settings;
+  simulation::find_inner_solids(state);
   if (before.sleeping && !settings.sleeping) state.sleeping = {};
   state.sleeping.on = settings.sleeping;
   if (settings.contact != before.contact) {
     for (std::uint32_t slot = 0; slot < state.bodies.slot_count(); ++slot) state.body_changes.displaced.push_back(slot);
+    state.learned.clear();
   }
-  if (settings.max_partners != before.max_partners) state.candidate_cache = {};
+  if (settings.max_partners != before.max_partners) state.broad_phase.cache = {};
   if (settings.alpha != before.alpha)
     simulation::forget_times(state.forecasts, settings.alpha, simulation::times_of(state.forecasts));
   return Done{};

@@ -29,14 +29,17 @@ BodyId BodyStore::add() {
     alive.push_back(1);
     dynamic.push_back(0);
     asleep.push_back(0);
+    paused.push_back(0);
     kinematic.push_back(0);
     pushed.push_back(0);
     frames_held.push_back(0);
+    changed.push_back(1);
   } else {
     std::pop_heap(free_.begin(), free_.end(), std::greater<>());
     slot = free_.back();
     free_.pop_back();
     alive[slot] = 1;
+    changed[slot] = 1;
   }
   ++alive_count_;
   return id_of(slot);
@@ -46,12 +49,14 @@ void BodyStore::remove(std::uint32_t slot) {
   POISE_ASSERT(slot < alive.size() && alive[slot] != 0);
   if (dynamic[slot] != 0) --dynamic_count_;
   if (asleep[slot] != 0) --asleep_count_;
+  if (paused[slot] != 0) --paused_count_;
   if (kinematic[slot] != 0) --kinematic_count_;
   --alive_count_;
   alive[slot] = 0;
   dynamic[slot] = 0;
   kinematic[slot] = 0;
   asleep[slot] = 0;
+  paused[slot] = 0;
   pushed[slot] = 0;
   frames_held[slot] = 0;
   ++generation[slot];
@@ -70,42 +75,60 @@ void BodyStore::remove(std::uint32_t slot) {
 void BodyStore::make_dynamic(std::uint32_t slot) {
   POISE_ASSERT(alive[slot] != 0 && dynamic[slot] == 0);
   dynamic[slot] = 1;
+  changed[slot] = 1;
   ++dynamic_count_;
 }
 
 void BodyStore::make_kinematic(std::uint32_t slot) {
   POISE_ASSERT(alive[slot] != 0 && dynamic[slot] == 0 && kinematic[slot] == 0);
   kinematic[slot] = 1;
+  changed[slot] = 1;
   ++kinematic_count_;
 }
 
 void BodyStore::put_to_sleep(std::uint32_t slot) {
+  stop(slot);
+  set_velocity(slot, Vec3::Zero());
+  set_spin(slot, Vec3::Zero());
+}
+
+void BodyStore::pause(std::uint32_t slot) {
+  stop(slot);
+  paused[slot] = 1;
+  ++paused_count_;
+}
+
+void BodyStore::stop(std::uint32_t slot) {
   POISE_ASSERT(dynamic[slot] != 0 && pushed[slot] == 0);
   dynamic[slot] = 0;
   asleep[slot] = 1;
+  changed[slot] = 1;
   inverse_mass[slot] = 0;
-  set_velocity(slot, Vec3::Zero());
-  set_spin(slot, Vec3::Zero());
   --dynamic_count_;
   ++asleep_count_;
 }
 
 void BodyStore::wake(std::uint32_t slot) {
   POISE_ASSERT(asleep[slot] != 0);
+  if (paused[slot] != 0) --paused_count_;
+  paused[slot] = 0;
   dynamic[slot] = 1;
   asleep[slot] = 0;
+  changed[slot] = 1;
   inverse_mass[slot] = 1.0 / mass_kg[slot];
   ++dynamic_count_;
   --asleep_count_;
 }
 
 void BodyStore::set_position(std::size_t i, const Vec3& p) {
+  changed[i] = 1;
   x_m[i] = p.x();
   y_m[i] = p.y();
   z_m[i] = p.z();
 }
 
 void BodyStore::set_orientation(std::size_t i, const Quat& q) {
+  changed[i] = 1;
   qw[i] = q.w();
   qx[i] = q.x();
   qy[i] = q.y();
@@ -113,12 +136,14 @@ void BodyStore::set_orientation(std::size_t i, const Quat& q) {
 }
 
 void BodyStore::set_velocity(std::size_t i, const Vec3& v) {
+  changed[i] = 1;
   vx_mps[i] = v.x();
   vy_mps[i] = v.y();
   vz_mps[i] = v.z();
 }
 
 void BodyStore::set_spin(std::size_t i, const Vec3& w) {
+  changed[i] = 1;
   wx_radps[i] = w.x();
   wy_radps[i] = w.y();
   wz_radps[i] = w.z();

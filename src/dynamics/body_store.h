@@ -34,20 +34,28 @@ struct BodyStore {
   std::vector<std::uint8_t> alive;
   std::vector<std::uint8_t> dynamic;    ///< alive, neither static nor kinematic, and awake: forces and impulses move it
   std::vector<std::uint8_t> asleep;     ///< alive, neither static nor kinematic, and treated as static while it sleeps
+  std::vector<std::uint8_t> paused;     ///< asleep, but only to wait: it keeps its velocity
   std::vector<std::uint8_t> kinematic;  ///< alive, and moved by its velocity alone
   std::vector<std::uint8_t> pushed;     ///< a force or torque is applied in the next step
+  /// State, group or kind were set since the last step ended: what stages know of a body that does not move is out of
+  /// date. Not part of the state.
+  std::vector<std::uint8_t> changed;
   std::vector<std::uint8_t> frames_held;  ///< for how many frames the body has waited (frame/budget/hold.h)
 
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }
   [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }  ///< awake ones
   [[nodiscard]] std::size_t asleep_count() const { return asleep_count_; }
+  [[nodiscard]] std::size_t paused_count() const { return paused_count_; }  ///< of these, those that only wait
   [[nodiscard]] std::size_t kinematic_count() const { return kinematic_count_; }
   /// Kinematic with a velocity: such a body moves, although contacts treat its mass as infinite, as they do for static
   /// and sleeping bodies.
   [[nodiscard]] bool moves_by_itself(std::size_t i) const {
     return kinematic[i] != 0 && !(velocity(i).isZero(0) && spin(i).isZero(0));
   }
+
+  /// Moves in a step, by forces or by its velocity.
+  [[nodiscard]] bool moves(std::size_t i) const { return dynamic[i] != 0 || moves_by_itself(i); }
 
   /// Takes the lowest free slot, with all numbers zero and identity orientation.
   BodyId add();
@@ -61,7 +69,9 @@ struct BodyStore {
   void make_kinematic(std::uint32_t slot);
   /// A dynamic body stops and is treated as static until it wakes; its inverse mass is saved.
   void put_to_sleep(std::uint32_t slot);
-  /// A sleeping body becomes dynamic again, at rest.
+  /// A dynamic body waits as if it slept, but keeps its velocity.
+  void pause(std::uint32_t slot);
+  /// A sleeping body becomes dynamic again, at rest unless it was paused.
   void wake(std::uint32_t slot);
 
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x_m[i], y_m[i], z_m[i]}; }
@@ -78,10 +88,13 @@ struct BodyStore {
   void set_torque(std::size_t i, const Vec3& t);
 
  private:
+  void stop(std::uint32_t slot);
+
   std::vector<std::uint32_t> free_;  // a heap whose front is the lowest free slot
   std::size_t alive_count_ = 0;
   std::size_t dynamic_count_ = 0;
   std::size_t asleep_count_ = 0;
+  std::size_t paused_count_ = 0;
   std::size_t kinematic_count_ = 0;
 };
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include "collision/broad_phase/broad_phase.h"
+#include "collision/broad_phase/resting_grid.h"
 #include "frame/predict.h"
 #include "world/candidate_cache.h"
 
@@ -9,19 +12,27 @@
 namespace poise::simulation {
 
 struct BroadPhaseInput {
+  SceneView scene;
   const PredictedMotion& motion;
   std::uint32_t max_partners = 0;  ///< candidates of one body at most
 };
 
-/// Output of *broad_phase*: sorted by (low, high), valid until the stage runs again with the same cache. May hold pairs
+/// What the stage keeps from step to step.
+struct BroadPhaseState {
+  collision::BroadPhase of_moving;
+  collision::RestingGrid resting;
+  CandidateCache cache;
+
+  std::vector<std::uint32_t> taken;         // scratch: bodies that rest no more, or elsewhere
+  std::vector<collision::MotionBound> put;  // scratch: bodies that rest now
+};
+
+/// Output of *broad_phase*: sorted by (low, high), valid until the stage runs again with the same state. May hold pairs
 /// whose bounds do not overlap any more.
 using CandidatePairs = collision::BroadPhase::Result;
 
-/// Answers from `cache` while bodies stay inside its bounds.
-inline void find_candidates(const BroadPhaseInput& input, collision::BroadPhase& broad_phase, CandidateCache& cache,
-                            CandidatePairs& candidates, parallel::Executor& executor) {
-  const PredictedMotion& motion = input.motion;
-  candidates = cache.find(broad_phase, motion.bounds, motion.planes, motion.swept.bounds, input.max_partners, executor);
-}
+/// Answers from the cache while bodies stay inside its bounds. Bodies that rest cost nothing while they do.
+void find_candidates(const BroadPhaseInput& input, BroadPhaseState& state, CandidatePairs& candidates,
+                     parallel::Executor& executor);
 
 }  // namespace poise::simulation

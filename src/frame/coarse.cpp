@@ -230,6 +230,13 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
 
 }  // namespace
 
+double coarsest_separation_m(const PredictedMotion& motion, const ActivePair& pair) {
+  const BodyBounds& a = motion.body_bounds[pair.a];
+  const BodyBounds& b = motion.body_bounds[pair.b];
+  if (b.plane) return b.position_m.dot(a.root_center_m) - b.bound_m - a.estimated_radius_m;
+  return (b.root_center_m - a.root_center_m).norm() - a.estimated_radius_m - b.estimated_radius_m;
+}
+
 bool coarsest_near(const PredictedMotion& motion, const ActivePair& pair) {
   const BodyBounds& a = motion.body_bounds[pair.a];
   const BodyBounds& b = motion.body_bounds[pair.b];

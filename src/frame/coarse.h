@@ -80,6 +80,17 @@ scheduler::UserData user_data_of(const SceneView& scene, const ActivePair& pair)
 /// that much longer.
 double wide_m(const ActivePair& pair);
 
+/// For how many frames that learn (FrameDecisions::learns) a pair has touched, until the last one; 0 if it does not
+/// touch.
+inline std::uint8_t frames_touched(const ActivePair& pair) {
+  constexpr std::uint8_t kMost = 0xff;
+  if (!pair.cached.touching) return 0;
+  return pair.cached.frames_touched < kMost ? static_cast<std::uint8_t>(pair.cached.frames_touched + 1) : kMost;
+}
+
+/// The estimated separation of a pair that is known by its root spheres alone.
+double coarsest_separation_m(const PredictedMotion& motion, const ActivePair& pair);
+
 /// May a pair that stays at level 0 have a contact: is its estimated separation less than its margin? True of a plane.
 bool coarsest_near(const PredictedMotion& motion, const ActivePair& pair);
 

@@ -16,8 +16,14 @@ scheduler::PairView host_view_of(const ViewQuery& view_query, const PairView& pa
   seen.extent_m = pair.extent_m;
   // The same numbers as the built-in cues go by.
   const scheduler::PairCues cues = cues_of(view_query, pair);
+  seen.gap_rad = static_cast<double>(cues.gap_rad);
+  seen.delay_s = static_cast<double>(cues.delay_s);
+  seen.age_s = static_cast<double>(cues.age_s);
+  seen.crowd = static_cast<double>(cues.crowd);
+  seen.hidden = cues.hidden;
+  seen.attended = cues.attended;
   seen.closing_mps = cues.closing_mps;
-  seen.importance = cues.importance;
+  seen.importance = static_cast<double>(cues.importance);
   seen.frames_waited = cues.frames_waited;
   seen.has_view = view_query.view.present;
   if (!seen.has_view) return seen;

@@ -59,22 +59,28 @@ StepMotion integrate_body(const Velocities& velocities, double h_s, dynamics::Bo
 
 }  // namespace
 
-void integrate(const Velocities& velocities, double dt_s, dynamics::BodyStore& bodies, StepMotions& motions,
+void integrate(const IntegrateInput& input, dynamics::BodyStore& bodies, StepMotions& motions,
                parallel::Executor& executor) {
+  const Velocities& velocities = input.velocities;
+  const double dt_s = input.dt_s;
+  const std::vector<std::uint32_t>& visited = input.motion.visited;
   motions.of_slot.resize(bodies.slot_count());
-  parallel::parallel_for(executor, bodies.slot_count(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
+  parallel::parallel_for(executor, visited.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = visited[k];
       motions.of_slot[i] = StepMotion{};
       if (bodies.kinematic[i] != 0) motions.of_slot[i] = move_kinematic(bodies, i, dt_s);
+      bodies.changed[i] = 0;
       if (bodies.dynamic[i] == 0) continue;
       if (velocities.bodies[i].held) {
         ++bodies.frames_held[i];
         continue;
       }
       bodies.frames_held[i] = 0;
-      const Trajectory* stopped = velocities.swept.stopped(static_cast<std::uint32_t>(i));
+      const Trajectory* stopped = velocities.swept.stopped(i);
       motions.of_slot[i] =
           stopped != nullptr ? place_stopped(*stopped, bodies, i) : integrate_body(velocities, dt_s, bodies, i);
+      bodies.changed[i] = 0;
     }
   });
 }

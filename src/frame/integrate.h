@@ -19,8 +19,14 @@ struct StepMotions {
   parallel::UnsetVector<StepMotion> of_slot;
 };
 
-/// Moves the bodies, and clears the forces that were applied for the step.
-void integrate(const Velocities& velocities, double dt_s, dynamics::BodyStore& bodies, StepMotions& motions,
+struct IntegrateInput {
+  const PredictedMotion& motion;
+  const Velocities& velocities;
+  double dt_s = 0;
+};
+
+/// Moves the bodies, and clears the forces that were applied for the step, and what was noted of changed bodies.
+void integrate(const IntegrateInput& input, dynamics::BodyStore& bodies, StepMotions& motions,
                parallel::Executor& executor);
 
 }  // namespace poise::simulation

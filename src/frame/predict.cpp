@@ -2,10 +2,12 @@
 #include "frame/predict.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "collision/front/pair_refinement.h"
 #include "frame/ccd/swept.h"
 #include "parallel/ranges.h"
+#include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
@@ -20,11 +22,6 @@ double motion_bound_m(const PredictInput& input, std::size_t slot) {
   double acceleration = input.terms.gravity_mps2.norm();
   if (bodies.pushed[slot] != 0) acceleration += bodies.force(slot).norm() * bodies.inverse_mass[slot];
   return (speed + acceleration * input.terms.dt_s) * input.terms.dt_s;
-}
-
-// Does the body move and have to wake what sleeps in its way? Without sleepers the broad phase need not look.
-bool wakes(const dynamics::BodyStore& bodies, std::size_t i) {
-  return bodies.asleep_count() > 0 && bodies.moves_by_itself(i);
 }
 
 BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& pose, std::size_t i) {
@@ -48,6 +45,7 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   made.root_center_m = pose.position_m + pose.rotation * root.center_m;
   made.root_radius_m = root.radius_m;
   made.estimated_radius_m = made.root_radius_m - collision::coarsest_lift_m(shape);
+  if (!bodies.moves(i)) return made;
   made.velocity_mps = bodies.velocity(i);
   // The surface moves by the spin at most across the body.
   made.own_m = std::min(bodies.spin(i).norm() * dt_s, 2.0) * made.radius_m;
@@ -55,33 +53,64 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   return made;
 }
 
-// The bounds of bodies that are not swept, and of planes, in order of slots.
+// The bodies that must be looked at.
+void list_visited(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor) {
+  const dynamics::BodyStore& bodies = input.scene.bodies;
+  const bool everything = std::exchange(motion.everything, false);
+  parallel::select(
+      executor, bodies.slot_count(), kPredictGrain, motion.counts,
+      [&](std::size_t i) { return everything || bodies.changed[i] != 0 || bodies.moves(i); },
+      [&](std::size_t count) { motion.visited.resize(count); },
+      [&](std::size_t i, std::size_t position) { motion.visited[position] = static_cast<std::uint32_t>(i); });
+}
+
+// The bounds of bodies that move and are not swept, in order of slots; with backtracking, which does not keep those at
+// rest, of all bodies.
 void list_bounds(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
-  const std::size_t slots = bodies.slot_count();
+  const bool all = input.terms.backtracking;
+  const auto slot_of = [&](std::size_t k) { return all ? static_cast<std::uint32_t>(k) : motion.visited[k]; };
   parallel::select(
-      executor, slots, kPredictGrain, motion.counts,
-      [&](std::size_t i) {
-        return bodies.alive[i] != 0 && !motion.body_bounds[i].plane &&
-               !motion.swept.fast(static_cast<std::uint32_t>(i));
+      executor, all ? bodies.slot_count() : motion.visited.size(), kPredictGrain, motion.counts,
+      [&](std::size_t k) {
+        const std::uint32_t i = slot_of(k);
+        return bodies.alive[i] != 0 && !motion.body_bounds[i].plane && (all || bodies.moves(i)) &&
+               !motion.swept.fast(i);
       },
       [&](std::size_t count) { motion.bounds.resize(count); },
-      [&](std::size_t i, std::size_t position) {
-        motion.bounds[position] = {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m,
-                                   static_cast<std::uint32_t>(i),    bodies.group[i],
-                                   bodies.collides_with[i],          bodies.dynamic[i] != 0 || wakes(bodies, i)};
-      });
-  parallel::select(
-      executor, slots, kPredictGrain, motion.counts,
-      [&](std::size_t i) { return bodies.alive[i] != 0 && motion.body_bounds[i].plane; },
-      [&](std::size_t count) { motion.planes.resize(count); },
-      [&](std::size_t i, std::size_t position) {
-        motion.planes[position] = {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m,
-                                   static_cast<std::uint32_t>(i), bodies.group[i], bodies.collides_with[i]};
+      [&](std::size_t k, std::size_t position) {
+        const std::uint32_t i = slot_of(k);
+        motion.bounds[position] = motion_bound_of(input.scene, motion, i);
       });
 }
 
+// All planes, if one of them may be another than before.
+void list_planes(const PredictInput& input, PredictedMotion& motion) {
+  const dynamics::BodyStore& bodies = input.scene.bodies;
+  if (!motion.planes_changed) return;
+  motion.planes_changed = false;
+  motion.planes.clear();
+  for (std::uint32_t i = 0; i < bodies.slot_count(); ++i) {
+    if (bodies.alive[i] == 0 || !motion.body_bounds[i].plane) continue;
+    motion.planes.push_back(
+        {motion.body_bounds[i].position_m, motion.body_bounds[i].bound_m, i, bodies.group[i], bodies.collides_with[i]});
+  }
+}
+
 }  // namespace
+
+collision::MotionBound motion_bound_of(const SceneView& scene, const PredictedMotion& motion, std::uint32_t slot) {
+  const dynamics::BodyStore& bodies = scene.bodies;
+  // A body that moves by itself has to wake what sleeps in its way. Without sleepers the broad phase need not look.
+  const bool wakes = bodies.asleep_count() > 0 && bodies.moves_by_itself(slot);
+  const BodyBounds& bounds = motion.body_bounds[slot];
+  return {bounds.position_m,
+          bounds.bound_m,
+          slot,
+          bodies.group[slot],
+          bodies.collides_with[slot],
+          bodies.dynamic[slot] != 0 || wakes};
+}
 
 void predict(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
@@ -89,19 +118,28 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
   motion.poses.resize(slots);
   motion.inverse_inertia.resize(slots);
   motion.body_bounds.resize(slots);
-  parallel::parallel_for(executor, slots, kPredictGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
+  // Backtracking keeps nothing of what rests.
+  if (motion.swept.on != input.terms.backtracking) motion.everything = true;
+  list_visited(input, motion, executor);
+  parallel::Shared<int> planes(0);
+  parallel::parallel_for(executor, motion.visited.size(), kPredictGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = motion.visited[k];
+      if (motion.body_bounds[i].plane && planes.get() == 0) planes.set(1);
       if (bodies.alive[i] == 0) continue;
       motion.poses[i] = {bodies.position(i), bodies.orientation(i).toRotationMatrix()};
       motion.inverse_inertia[i] = dynamics::inverse_inertia_world(bodies, i);
       motion.body_bounds[i] = make_body_bounds(input, motion.poses[i], i);
+      if (motion.body_bounds[i].plane && planes.get() == 0) planes.set(1);
     }
   });
+  motion.planes_changed = motion.planes_changed || planes.get() != 0;
   if (input.terms.backtracking || motion.swept.on) begin_swept(input, motion.swept);
   for (std::size_t i = 0; input.terms.backtracking && i < slots; ++i) {
     if (bodies.alive[i] != 0) sweep_if_fast(input, static_cast<std::uint32_t>(i), motion.swept);
   }
   list_bounds(input, motion, executor);
+  list_planes(input, motion);
 }
 
 }  // namespace poise::simulation

@@ -40,17 +40,24 @@ struct alignas(64) BodyBounds {
 };
 static_assert(sizeof(BodyBounds) == 128);
 
-/// Output of *predict*. Invariant: buffers only grow.
+/// Output of *predict*. What it says of a body that rests holds until the body is changed. Invariant: buffers only
+/// grow.
 struct PredictedMotion {
+  bool everything = true;              ///< nothing is known yet: the next step looks at all bodies
+  std::vector<std::uint32_t> visited;  ///< slots of bodies that move, or were changed since the last step; ascending
   parallel::LargeVector<collision::Pose> poses;          ///< one a slot, at the start of the step
   parallel::LargeVector<BodyBounds> body_bounds;         ///< one a slot
   parallel::LargeVector<Mat3> inverse_inertia;           ///< one a slot, world frame
-  parallel::UnsetVector<collision::MotionBound> bounds;  ///< of bodies that are not planes and not swept
+  parallel::UnsetVector<collision::MotionBound> bounds;  ///< of bodies that move, and are not swept
   std::vector<collision::PlaneBound> planes;
+  bool planes_changed = true;
   SweptBounds swept;  ///< with StepTerms::backtracking: of the bodies that move far
 
   std::vector<std::size_t> counts;  // scratch
 };
+
+/// What the broad phase asks of a body, once it is predicted.
+collision::MotionBound motion_bound_of(const SceneView& scene, const PredictedMotion& motion, std::uint32_t slot);
 
 void predict(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor);
 

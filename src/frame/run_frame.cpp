@@ -5,6 +5,7 @@
 
 #include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
+#include "frame/budget/pause.h"
 #include "frame/ccd/swept.h"
 #include "parallel/ranges.h"
 
@@ -97,6 +98,24 @@ void forget_displaced(BodyChanges& changes, ContactCache& cache, parallel::Execu
   displaced.clear();
 }
 
+RefineInput refine_input(const WorldState& world, const StepInput& input, const StepTerms& terms,
+                         SteadyClock::time_point begun) {
+  const WorldSettings& settings = world.settings;
+  const Frame& frame = world.outputs;
+  return {world.scene(),
+          terms,
+          frame.motion,
+          frame.table,
+          settings.policy,
+          input,
+          world.frame,
+          settings.seed,
+          settings.substeps,
+          settings.max_front_entries,
+          begun,
+          settings.islands_wait};
+}
+
 // The stages of one step. Invariant: a function is given as const what it must not change.
 class Step {
  public:
@@ -110,13 +129,14 @@ class Step {
         laps_(report.started) {}
 
   void run() {
-    if (world_.settings.sleeping) wake_near_changes(world_.sleep_access(), executor_);
+    resumed_ = begin_paused(input_, world_.settings, world_.frame, world_.forecasts, world_.sleep_access());
+    if (in_use(world_.sleep_access())) wake_near_changes(world_.sleep_access(), executor_);
     forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
     forget_displaced(world_.body_changes, world_.cache, executor_);
     // What sleeps and has a moving body near it wakes, so that none is met as if it were static.
     do {
       find_pairs();
-    } while (world_.settings.sleeping && wake_touched(frame_.table, world_.sleep_access(), executor_));
+    } while (in_use(world_.sleep_access()) && wake_touched(frame_.table, world_.sleep_access(), executor_));
     report_.times.coarse += laps_.lap();
     report_.refine_started = laps_.at();
     refine_pairs();
@@ -127,7 +147,7 @@ class Step {
     report_.times.manifolds = laps_.lap();
     solve(solved);
     report_.times.solve = laps_.lap();
-    integrate(frame_.velocities, terms_.dt_s, world_.bodies, frame_.motions, executor_);
+    integrate({frame_.motion, frame_.velocities, terms_.dt_s}, world_.bodies, frame_.motions, executor_);
     report_.times.integrate = laps_.lap();
     PublishInput published = publish_input(world_);
     published.persist_events = input_.persist_events;
@@ -147,8 +167,8 @@ class Step {
     const SceneView scene = world_.scene();
     predict({scene, terms_}, frame_.motion, executor_);
     report_.times.predict += laps_.lap();
-    find_candidates({frame_.motion, world_.settings.max_partners}, world_.broad_phase, world_.candidate_cache,
-                    frame_.candidates, executor_);
+    find_candidates({scene, frame_.motion, world_.settings.max_partners}, world_.broad_phase, frame_.candidates,
+                    executor_);
     report_.times.broad_phase += laps_.lap();
     find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter},
                       frame_.table, world_.pools, executor_);
@@ -166,15 +186,14 @@ class Step {
       if (!world_.decisions) world_.decisions = std::make_unique<DecisionLog>();
       log = world_.decisions.get();
     }
-    const WorldSettings& settings = world_.settings;
-    const RefineInput input{world_.scene(),    terms_,
-                            frame_.motion,     frame_.table,
-                            settings.policy,   input_,
-                            world_.frame,      settings.seed,
-                            settings.substeps, settings.max_front_entries,
-                            laps_.at(),        settings.islands_wait};
-    refine(input, {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, log}, frame_.levels,
-           report_, executor_);
+    const RefineInput input = refine_input(world_, input_, terms_, laps_.at());
+    refine(input,
+           {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, world_.learned,
+            world_.prepared_cues, world_.cache.points, log},
+           frame_.levels, report_, executor_);
+    report_.degraded.bodies_paused = world_.bodies.paused_count();
+    report_.degraded.bodies_held += report_.degraded.bodies_paused;
+    if (resumed_ && log != nullptr) log->resumed();
     report_.times.refine = laps_.lap();
     make_points_left(input, world_.pools, frame_.levels, executor_);
   }
@@ -224,6 +243,7 @@ class Step {
   parallel::Executor& executor_;
   Frame& frame_;
   Laps laps_;
+  bool resumed_ = false;  // all that was paused takes part again
 };
 
 }  // namespace
@@ -234,13 +254,23 @@ PublishInput publish_input(const WorldState& world) {
           frame.levels,  frame.manifolds,        frame.velocities, frame.motions};
 }
 
-void sleep_after(WorldState& world, const StepInput& input, FrameReport& report) {
+void rest_after(WorldState& world, const StepInput& input, FrameReport& report) {
   const Frame& frame = world.outputs;
-  fall_asleep({frame.table, frame.motions, input.dt_s, world.settings.gravity_mps2.norm()}, world.sleep_access(),
-              report, *world.executor);
+  const StepTerms terms = terms_of(world.settings, input);
+  if (world.settings.sleeping) {
+    fall_asleep({frame.motion, frame.table, frame.motions, input.dt_s, terms.gravity_mps2.norm()}, world.sleep_access(),
+                report, *world.executor);
+  }
+  DecisionLog* log = input.record && input.replay == nullptr ? world.decisions.get() : nullptr;
+  RefineInput of_frame = refine_input(world, input, terms, report.refine_started);
+  of_frame.frame = report.frame;
+  if (!pause_islands(of_frame, report, {world.outputs.levels, world.sleep_access(), world.forecasts, log},
+                     *world.executor)) {
+    report.status = StepStatus::ReplayDiffers;
+  }
 }
 
-FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep) {
+FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest) {
   const SteadyClock::time_point start = SteadyClock::now();
   FrameReport report;
   const Nanoseconds cpu_before = thread_cpu_time();
@@ -253,7 +283,7 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep)
   begin_frame_time(input, world.bodies.dynamic_count(), world.settings.substeps, start, world.forecasts, report);
   Step step(world, input, report);
   step.run();
-  if (may_sleep && world.settings.sleeping) sleep_after(world, input, report);
+  if (may_rest) rest_after(world, input, report);
   step.end_publish();
   report.times.total = SteadyClock::now() - start;
   // After the last stage: the clock of the CPU takes as long as a small stage.

@@ -6,11 +6,11 @@
 namespace poise::simulation {
 
 /// One checked step: its stages in order, each given what it may read and change, and timed here and nowhere else. From
-/// the thread that steps. With `may_sleep` bodies fall asleep at its end; without, sleep_after must follow.
-FrameReport run_frame(WorldState& world, const StepInput& input, bool may_sleep = true);
+/// the thread that steps. With `may_rest` bodies fall asleep at its end; without, rest_after must follow.
+FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest = true);
 
 /// Lets bodies fall asleep after a frame that was run without.
-void sleep_after(WorldState& world, const StepInput& input, FrameReport& report);
+void rest_after(WorldState& world, const StepInput& input, FrameReport& report);
 
 /// What *publish* and the list of contacts read of the last frame.
 PublishInput publish_input(const WorldState& world);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "frame/sleeping_sets.h"
 #include "parallel/disjoint_sets.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
@@ -21,67 +22,9 @@ constexpr double kStillSpeed = 0.01;
 // Static bodies wake what is nearer to them than this share of the sleeper's radius.
 constexpr double kNear = 0.02;
 
-void reserve_slots(const SleepAccess& access) {
-  const std::size_t slots = access.bodies.slot_count();
-  if (access.sleeping.still_s.size() >= slots) return;
-  access.sleeping.still_s.resize(slots, 0.0);
-  access.sleeping.island.resize(slots, 0);
-  access.sleeping.wake_requested.resize(slots, 0);
-}
-
-bool sleeps(const SleepAccess& access, const CachedPair& pair) {
-  return access.bodies.asleep[pair.low] != 0 || access.bodies.asleep[pair.high] != 0;
-}
-
 void request_island_wake(const SleepAccess& access, std::uint32_t slot) {
   access.sleeping.wake_requested[access.sleeping.island[slot]] = 1;
   access.sleeping.any_wake_requested = true;
-}
-
-// The body's own part of waking.
-void wake_body(const SleepAccess& access, std::uint32_t slot) {
-  access.bodies.wake(slot);
-  access.sleeping.still_s[slot] = 0;
-  ++access.sleeping.woken;
-}
-
-// Puts cached pairs where they belong: aside where a body of the pair sleeps, else to the pairs of the last step.
-void sort_cached(const SleepAccess& access, parallel::Executor& executor) {
-  SleepingState& sleep = access.sleeping;
-  const auto before = [](const CachedPair& x, const CachedPair& y) {
-    return std::pair(x.low, x.high) < std::pair(y.low, y.high);
-  };
-  const auto gather = [&](bool asleep, CachedPairList& into) {
-    const auto take = [&](const CachedPairList& from, CachedPairList& taken) {
-      parallel::select(
-          executor, from.size(), kIslandPairGrain, sleep.counts,
-          [&](std::size_t i) { return sleeps(access, from[i]) == asleep; },
-          [&](std::size_t count) { taken.resize(count); },
-          [&](std::size_t i, std::size_t position) { taken[position] = from[i]; });
-    };
-    take(access.cache.pairs, sleep.of_cache);
-    take(sleep.sleeping_pairs, sleep.of_sleeping);
-    into.resize(sleep.of_cache.size() + sleep.of_sleeping.size());
-    parallel::merge(executor, kIslandPairGrain, sleep.of_cache, sleep.of_sleeping, before,
-                    [&](const CachedPair& pair, std::size_t position) { into[position] = pair; });
-  };
-  gather(false, sleep.next_awake);
-  gather(true, sleep.next_sleeping_pairs);
-  std::swap(sleep.sleeping_pairs, sleep.next_sleeping_pairs);
-  std::swap(access.cache.pairs, sleep.next_awake);
-}
-
-void wake_requested_islands(const SleepAccess& access, parallel::Executor& executor) {
-  SleepingState& sleep = access.sleeping;
-  parallel::select(
-      executor, access.bodies.slot_count(), kIslandGrain, sleep.counts,
-      [&](std::size_t i) { return access.bodies.asleep[i] != 0 && sleep.wake_requested[sleep.island[i]] != 0; },
-      [&](std::size_t count) { sleep.slots.resize(count); },
-      [&](std::size_t i, std::size_t position) { sleep.slots[position] = static_cast<std::uint32_t>(i); });
-  for (const std::uint32_t slot : sleep.slots) wake_body(access, slot);
-  std::fill(sleep.wake_requested.begin(), sleep.wake_requested.end(), std::uint8_t{0});
-  sleep.any_wake_requested = false;
-  sort_cached(access, executor);
 }
 
 // Wakes what sleeps at a static body where it is now.
@@ -109,8 +52,10 @@ bool count_still(const FallAsleepInput& input, const SleepAccess& access, parall
   const double gravity = input.gravity_mps2;
   std::vector<double>& still_s = access.sleeping.still_s;
   parallel::Shared<int> any(0);
-  parallel::parallel_for(executor, bodies.slot_count(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
+  const std::vector<std::uint32_t>& visited = input.motion.visited;
+  parallel::parallel_for(executor, visited.size(), kIslandGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = visited[k];
       if (bodies.dynamic[i] == 0) continue;
       const double radius = bodies.shape[i]->bounding_radius_m;
       const double speed = kStillSpeed * std::sqrt(gravity * radius);
@@ -176,17 +121,20 @@ std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& acce
       },
       [&](std::size_t count) { sleep.slots.resize(count); },
       [&](std::size_t i, std::size_t position) { sleep.slots[position] = static_cast<std::uint32_t>(i); });
+  if (sleep.slots.empty()) return 0;
+  const std::uint32_t set = set_that_wakes(sleep, SleepingSet::kNever);
   for (const std::uint32_t slot : sleep.slots) {
-    sleep.island[slot] = islands.root(slot);
+    add_to_set(sleep, set, slot, islands.root(slot));
     bodies.put_to_sleep(slot);
   }
+  take_pairs_of_sleepers(access, executor);
   return sleep.slots.size();
 }
 
 }  // namespace
 
 void request_wake(const SleepAccess& access, std::uint32_t slot) {
-  if (!access.sleeping.on) return;
+  if (!in_use(access)) return;
   reserve_slots(access);
   if (access.bodies.asleep[slot] != 0) {
     request_island_wake(access, slot);
@@ -198,7 +146,7 @@ void request_wake(const SleepAccess& access, std::uint32_t slot) {
 }
 
 void wake_all(const SleepAccess& access, parallel::Executor& executor) {
-  if (!access.sleeping.on) return;
+  if (!in_use(access)) return;
   reserve_slots(access);
   for (std::uint32_t slot = 0; slot < access.bodies.slot_count(); ++slot) {
     if (access.bodies.asleep[slot] != 0) request_island_wake(access, slot);
@@ -207,7 +155,7 @@ void wake_all(const SleepAccess& access, parallel::Executor& executor) {
 }
 
 void wake_near_changes(const SleepAccess& access, parallel::Executor& executor) {
-  if (!access.sleeping.on) return;
+  if (!in_use(access)) return;
   SleepingState& sleep = access.sleeping;
   reserve_slots(access);
   if (!sleep.any_wake_requested && sleep.changed_statics.empty()) return;
@@ -217,9 +165,11 @@ void wake_near_changes(const SleepAccess& access, parallel::Executor& executor) 
   const auto changed_statics = [&](std::uint32_t slot) {
     return std::binary_search(sleep.changed_statics.begin(), sleep.changed_statics.end(), slot);
   };
-  for (const CachedPair& pair : sleep.sleeping_pairs) {
-    if (access.bodies.asleep[pair.low] != 0 && changed_statics(pair.high)) request_island_wake(access, pair.low);
-    if (access.bodies.asleep[pair.high] != 0 && changed_statics(pair.low)) request_island_wake(access, pair.high);
+  for (const SleepingSet& set : sleep.sets) {
+    for (const CachedPair& pair : set.pairs) {
+      if (access.bodies.asleep[pair.low] != 0 && changed_statics(pair.high)) request_island_wake(access, pair.low);
+      if (access.bodies.asleep[pair.high] != 0 && changed_statics(pair.low)) request_island_wake(access, pair.high);
+    }
   }
   for (const std::uint32_t slot : sleep.changed_statics) {
     if (access.bodies.asleep_count() > 0 && access.bodies.alive[slot] != 0 && access.bodies.dynamic[slot] == 0)
@@ -230,7 +180,7 @@ void wake_near_changes(const SleepAccess& access, parallel::Executor& executor) 
 }
 
 bool wake_touched(const PairTable& table, const SleepAccess& access, parallel::Executor& executor) {
-  if (!access.sleeping.on) return false;
+  if (!in_use(access)) return false;
   const dynamics::BodyStore& bodies = access.bodies;
   if (bodies.asleep_count() == 0) return false;
   SleepingState& sleep = access.sleeping;
@@ -257,17 +207,11 @@ void fall_asleep(const FallAsleepInput& input, const SleepAccess& access, FrameR
   if (!access.sleeping.on) return;
   SleepingState& sleep = access.sleeping;
   // The memory that an island will need, before it sleeps.
-  for (CachedPairList* cached :
-       {&sleep.sleeping_pairs, &sleep.next_awake, &sleep.next_sleeping_pairs, &sleep.of_cache, &sleep.of_sleeping})
-    cached->reserve(access.cache.pairs.capacity());
-  sleep.parent.reserve(access.bodies.slot_count());
-  sleep.restless.reserve(access.bodies.slot_count());
-  sleep.slots.reserve(access.bodies.slot_count());
+  reserve_sets(access);
   if (count_still(input, access, executor)) {
     report.fell_asleep = put_islands_to_sleep(input.table, access, executor);
-    if (report.fell_asleep > 0) sort_cached(access, executor);
   }
-  report.asleep = access.bodies.asleep_count();
+  report.asleep = access.bodies.asleep_count() - access.bodies.paused_count();
   report.woken = std::exchange(sleep.woken, 0);
 }
 

@@ -47,6 +47,7 @@ bool wake_touched(const PairTable& table, const SleepAccess& access, parallel::E
 /// fall through half its radius. An island is what the frame's pairs connect, static bodies aside; it sleeps once each
 /// of its bodies has been still for half a second, and none is in a pair with a kinematic body that moves.
 struct FallAsleepInput {
+  const PredictedMotion& motion;
   const PairTable& table;
   const StepMotions& motions;
   double dt_s = 0;

@@ -35,8 +35,12 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
   const dynamics::BodyStore& bodies = input.scene.bodies;
   velocities.bodies.resize(bodies.slot_count());
   velocities.accelerations.resize(bodies.slot_count());
-  parallel::parallel_for(executor, bodies.slot_count(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
+  const bool everything = std::exchange(velocities.everything, false);
+  const std::vector<std::uint32_t>& visited = input.motion.visited;
+  const std::size_t count = everything ? bodies.slot_count() : visited.size();
+  parallel::parallel_for(executor, count, kRowGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t i = everything ? k : visited[k];
       solver::SolverBody& body = velocities.bodies[i];
       solver::Acceleration& acceleration = velocities.accelerations[i];
       body = solver::SolverBody{};
@@ -281,22 +285,27 @@ solver::Convergence solve_impacts(const SolveInput& input, const PointCache& poi
   return ended;
 }
 
+solver::ContactSystem contact_system(const SolveInput& input, PointCache& points, Velocities& velocities) {
+  return {velocities.bodies,
+          velocities.accelerations,
+          input.motion.inverse_inertia,
+          input.motion.poses,
+          velocities.bounced ? velocities.not_bouncing : input.manifolds.manifolds,
+          points.points,
+          points.forces,
+          velocities.applied_impulse_ns,
+          input.manifolds.coloring,
+          velocities.point_count,
+          input.motion.visited,
+          true};
+}
+
 solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_iterations, PointCache& points,
                                    solver::ContactSolver& contact_solver, Velocities& velocities,
                                    parallel::Executor& executor) {
   solver::SolveSettings settings = input.settings();
   settings.point_iterations = max_iterations;
-  const solver::ContactSystem system{velocities.bodies,
-                                     velocities.accelerations,
-                                     input.motion.inverse_inertia,
-                                     input.motion.poses,
-                                     velocities.bounced ? velocities.not_bouncing : input.manifolds.manifolds,
-                                     points.points,
-                                     points.forces,
-                                     velocities.applied_impulse_ns,
-                                     input.manifolds.coloring,
-                                     velocities.point_count};
-  return contact_solver.solve(system, settings, executor);
+  return contact_solver.solve(contact_system(input, points, velocities), settings, executor);
 }
 
 }  // namespace poise::simulation

@@ -27,6 +27,7 @@ struct SolveInput {
 
 /// Output of *solve*: velocities after the step, and the impulses that made them. Invariant: buffers only grow.
 struct Velocities {
+  bool everything = true;                            ///< nothing is known of bodies at rest
   parallel::LargeVector<solver::SolverBody> bodies;  ///< one a slot
   std::vector<solver::Acceleration> accelerations;   ///< one a slot
   parallel::LargeVector<Vec3> applied_impulse_ns;    ///< one a manifold: what b received from the contact solver
@@ -50,12 +51,16 @@ struct Velocities {
   }
 };
 
-/// First: velocities at the start of the step, and memory for the rest.
+/// First: velocities at the start of the step, and memory for the rest. Looks at the bodies that *predict* has visited,
+/// or if velocities.everything, at all.
 void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Executor& executor);
 
 /// Then the impacts, if there are any: a row is filled when it is first needed. Counts degenerate rows.
 solver::Convergence solve_impacts(const SolveInput& input, const PointCache& points, Velocities& velocities,
                                   FrameReport& report, parallel::Executor& executor);
+
+/// What resting contact is solved of, after begin_solve and solve_impacts.
+solver::ContactSystem contact_system(const SolveInput& input, PointCache& points, Velocities& velocities);
 
 /// Then forces and the contacts, with at most `max_iterations` point iterations a substep. Warm started from the
 /// impulses in `points`, and leaves the new ones there.

@@ -38,8 +38,15 @@ scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, c
   scheduler::PairCues cues;
   cues.angle_radpm = policy.plain_angle_radpm;
   cues.closing_mps = std::max(0.0, pair.closing_mps);
-  cues.importance = pair.importance;
+  cues.importance = static_cast<float>(pair.importance);
   cues.frames_waited = pair.frames_waited;
+  cues.delay_s = static_cast<float>(pair.delay_s);
+  cues.age_s = static_cast<float>(pair.age_s);
+  cues.separation = static_cast<float>(pair.separation);
+  cues.crowd = pair.crowd;
+  cues.hidden = pair.hidden;
+  cues.attended = pair.attended;
+  cues.gap_rad = static_cast<float>(pair.gap_m * cues.angle_radpm);
   const View& view = view_query.view;
   if (!view.present) return cues;
   const Vec3 ray = pair.point_m - view.position_m;
@@ -48,7 +55,10 @@ scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, c
   cues.visibility = in_frustum(view_query, pair.point_m, pair.extent_m) ? 1.0 : policy.outside_frustum;
   const double along = std::min(1.0, std::abs(direction.dot(pair.normal)));
   cues.angle_radpm = std::max(kLeastAcross, std::sqrt(1.0 - along * along)) / distance;
-  cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));
+  cues.gap_rad = static_cast<float>(pair.gap_m * cues.angle_radpm);
+  // The arc cosine takes as long as the rest.
+  if (policy.eccentricity != 0 || policy.seen_threshold_rad > 0)
+    cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));
   return cues;
 }
 

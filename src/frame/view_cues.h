@@ -14,6 +14,13 @@ struct PairView {
   double closing_mps = 0;
   double importance = 1;
   std::uint32_t frames_waited = 0;
+  double gap_m = 0;  ///< as it was answered, >= 0
+  double delay_s = 0;
+  double age_s = 0;
+  double separation = 0;  ///< PairCues::separation
+  std::uint16_t crowd = 0;
+  bool hidden = false;
+  bool attended = false;
 };
 
 /// A view with what all questions about it share. Made of a view by itself, so that who asks once need not name it.
@@ -25,9 +32,10 @@ struct ViewQuery {
   double per_up = 1, per_right = 1;                ///< cosines of these
 };
 
-/// What the viewer can notice of a pair. Without a view: everything alike. The visible angle of an error is that of its
-/// part across the view ray: sin(angle between normal and ray) / distance, at least a tenth of it. Of the policy its
-/// parameters outside_frustum and plain_angle_radpm count. Any thread.
+/// What the viewer can notice of a pair. Without a view: everything alike but what a viewer need not see. The visible
+/// angle of an error is that of its part across the view ray: sin(angle between normal and ray) / distance, at least a
+/// tenth of it. Of the policy its parameters outside_frustum and plain_angle_radpm count, and the eccentricity is not
+/// measured where its weight is 0. Any thread.
 scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, const scheduler::Policy& policy = {});
 
 /// Does a ball meet the view's frustum?

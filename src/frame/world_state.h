@@ -4,9 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "collision/broad_phase/broad_phase.h"
 #include "collision/triangles/true_surface.h"
 #include "dynamics/body_store.h"
+#include "frame/broad_phase_stage.h"
+#include "frame/cues/prepared_cues.h"
 #include "frame/frame.h"
 #include "frame/refine/open_refinement.h"
 #include "frame/sleeping.h"
@@ -14,10 +15,11 @@
 #include "parallel/executor.h"
 #include "poise/world.h"
 #include "query/body_index.h"
-#include "world/candidate_cache.h"
+#include "solver/island_solver.h"
 #include "world/contact_cache.h"
 #include "world/decision_log.h"
 #include "world/forecasts.h"
+#include "world/learned_gains.h"
 
 namespace poise::simulation {
 
@@ -29,12 +31,19 @@ struct Reference {
   std::vector<std::uint8_t> pushed;
   PointCache points;  ///< of the start of the frame
   dynamics::BodyStore bodies;
+  PredictedMotion motion;       ///< if bodies wait that the run did not look at; and
+  BroadPhaseState broad_phase;  ///< likewise; and
+  CandidatePairs candidates;    ///< likewise
   PairTable table;
   CompletedLevels levels;
   Manifolds manifolds;
   Velocities velocities;
-  solver::ContactSolver contact_solver;
+  solver::IslandSolver island_solver;
   std::vector<std::unique_ptr<collision::TrueSurface>> surfaces;  ///< one a shape, made when it is first asked for
+  std::vector<double> gap_m;                                      ///< one a pair, likewise: NaN where nobody has asked
+  std::vector<double> weight;                                     ///< one a body, likewise
+  std::size_t not_finest = 0;                                     ///< pairs that are not at their finest level
+  solver::Convergence response;
 };
 
 /// Everything that a World holds: what lasts, in parts that are given one by one to the stage that may change them
@@ -70,9 +79,9 @@ struct WorldState {
   BodyChanges body_changes;
   ContactEvents events;
   SleepingState sleeping;
-  collision::BroadPhase broad_phase;
-  CandidateCache candidate_cache;
+  BroadPhaseState broad_phase;
   Forecasts forecasts;
+  LearnedGains learned;
   std::unique_ptr<DecisionLog> decisions;  // once a step was recorded
 
   // The last frame
@@ -85,9 +94,13 @@ struct WorldState {
   scheduler::PriorityBands bands;
   scheduler::RoundSelector rounds;
   OpenRefinement open;
+  PreparedCues prepared_cues;
   solver::ContactSolver contact_solver;
   std::unique_ptr<collision::FrontPool> swept_pool;  // for backtracking in *solve*, once it was asked for
   std::unique_ptr<Reference> reference;
 };
+
+/// Finds what is surely inside the shapes, once the policy asks for what hides what: not within a step.
+void find_inner_solids(WorldState& world);
 
 }  // namespace poise::simulation

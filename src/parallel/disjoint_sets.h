@@ -55,4 +55,13 @@ void add_shared(T& to, T value) {
   if (value != T{}) std::atomic_ref<T>(to).fetch_add(value, std::memory_order_relaxed);
 }
 
+/// Makes a number that other threads may raise at the same time at least `value`.
+template <class T>
+void raise_shared(T& to, T value) {
+  const std::atomic_ref<T> shared(to);
+  T before = shared.load(std::memory_order_relaxed);
+  while (before < value && !shared.compare_exchange_weak(before, value, std::memory_order_relaxed)) {
+  }
+}
+
 }  // namespace poise::parallel

@@ -150,11 +150,12 @@ std::string named(const ExplainedFrame& e, std::uint32_t slot) { return shown(e,
 
 std::string cue_cells(const PairExplanation& pair) {
   const scheduler::PairCues& c = pair.cues;
-  return fmt::format("{:>8.3g} {:>7.2f} {:>8.4f} {:>7.1f} {:>11.3g} {:>6} {:>7.3g}", pair.weight, c.visibility,
-                     c.angle_radpm, c.eccentricity_rad * kDegrees, c.closing_mps, c.frames_waited, c.importance);
+  return fmt::format("{:>8.3g} {:>7.2f} {:>8.4f} {:>7.1f} {:>11.3g} {:>6} {:>7.3g} {:>7.2f}", pair.weight, c.visibility,
+                     c.angle_radpm, c.eccentricity_rad * kDegrees, c.closing_mps, c.frames_waited, c.importance,
+                     c.separation);
 }
 
-constexpr const char* kCueHeads = "  weight visible    rad/m ecc deg closing m/s waited  import";
+constexpr const char* kCueHeads = "  weight visible    rad/m ecc deg closing m/s waited  import   apart";
 
 std::string shares(std::size_t shown, std::size_t all) {
   return shown < all ? fmt::format("{} of {}; --limit 0 shows all", shown, all) : fmt::format("{}", all);
@@ -207,13 +208,21 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
     text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   if (!f.decisions.held.empty())
     text += fmt::format("no time for all: islands waited, {} of them\n", f.decisions.held.size());
+  if (f.decisions.resumed) text += "time for all: all islands that had waited took part again\n";
+  if (!f.decisions.paused.empty()) {
+    const auto longest = std::max_element(f.decisions.paused.begin(), f.decisions.paused.end(),
+                                          [](const auto& x, const auto& y) { return x.steps < y.steps; });
+    text += fmt::format("no time for all: {} islands wait after it for up to {} frames\n", f.decisions.paused.size(),
+                        longest->steps);
+  }
   const scheduler::Policy& p = e.explanation.policy;
   text += fmt::format("policy: {}", policy_name(p.kind));
   if (p.kind == scheduler::PolicyKind::Perceptual) {
-    text += fmt::format(
-        "; exponents of the cues: frustum {:g}, size {:g}, eccentricity {:g}, closing {:g}, waiting {:g}, importance "
-        "{:g}",
-        p.frustum, p.size, p.eccentricity, p.closing, p.waiting, p.importance);
+    text += "; exponents of the cues:";
+    for (const scheduler::PolicyField& weight : scheduler::policy_weights()) {
+      const bool first = &weight == scheduler::policy_weights().data();
+      text += fmt::format("{} {} {:g}", first ? "" : ",", weight.name, p.*weight.value);
+    }
   }
   return text + "\n";
 }
@@ -265,7 +274,15 @@ Json pair_json(const ExplainedFrame& e, const PairExplanation& pair) {
             {"eccentricity_rad", c.eccentricity_rad},
             {"closing_mps", c.closing_mps},
             {"frames_waited", c.frames_waited},
-            {"importance", c.importance}}},
+            {"importance", c.importance},
+            {"host", c.host},
+            {"hidden", c.hidden},
+            {"gap_rad", c.gap_rad},
+            {"delay_s", c.delay_s},
+            {"age_s", c.age_s},
+            {"separation", c.separation},
+            {"crowd", c.crowd},
+            {"attended", c.attended}}},
           {"cached", cache_use_word(pair.cached)},
           {"cached_level", pair.cached_level},
           {"deepest", pair.deepest},
@@ -276,6 +293,13 @@ Json counts_json(const std::vector<Fate>& fates) {
   Json counts = Json::object();
   for (const FateText& text : kFates) counts[text.key] = std::count(fates.begin(), fates.end(), text.fate);
   return counts;
+}
+
+Json paused_json(const FrameDecisions& decisions) {
+  Json islands = Json::array();
+  for (const PausedIsland& island : decisions.paused)
+    islands.push_back({{"root", island.root}, {"steps", island.steps}});
+  return islands;
 }
 
 Json times_json(const ExplainedFrame& e) {
@@ -353,6 +377,8 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"times", times_json(e)},
           {"substeps", f.decisions.substeps},
           {"held", f.decisions.held},
+          {"paused", paused_json(f.decisions)},
+          {"resumed", f.decisions.resumed},
           {"point_iterations", f.decisions.point_iterations},
           {"pairs", counts_json(fates)},
           {"refined", std::move(refined)},

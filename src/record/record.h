@@ -38,6 +38,8 @@ struct RecordHeader {
   std::optional<std::uint64_t> bodies;  ///< SceneRunOptions::bodies
   std::optional<std::uint64_t> seed;    ///< SceneRunOptions::seed
   std::vector<RecordedShape> shapes;    ///< in the order of SceneRun::shapes
+  std::optional<std::string> gaze;      ///< the text of a recorded gaze: of the scene's file, or one given for the run
+  bool gaze_loop = false;               ///< SceneGaze::loop of it
   std::uint64_t start_hash = 0;         ///< World::state_hash before the first frame
 
   WorldSettings world;  ///< gravity and seed are the scene's; executor, threads and capacities are the run's

@@ -158,6 +158,25 @@ void take_ascending(std::uint64_t end, Reader& reader, std::vector<std::uint32_t
 
 constexpr std::uint64_t kMostSlots = std::uint64_t{1} << 32U;
 
+// Whether all took part again, the islands that wait for several steps, and for how many.
+void put_paused(const FrameDecisions& d, std::string& out) {
+  out.push_back(d.resumed ? '\1' : '\0');
+  std::vector<std::uint32_t> roots;
+  for (const PausedIsland& island : d.paused) roots.push_back(island.root);
+  put_ascending(roots, out);
+  for (const PausedIsland& island : d.paused) out.push_back(static_cast<char>(island.steps));
+}
+
+void take_paused(Reader& reader, FrameDecisions& d) {
+  const std::uint8_t resumed = reader.byte();
+  if (resumed > 1) reader.refuse();
+  d.resumed = resumed == 1;
+  std::vector<std::uint32_t> roots;
+  take_ascending(kMostSlots, reader, roots);
+  d.paused.clear();
+  for (const std::uint32_t root : roots) d.paused.push_back({root, reader.byte()});
+}
+
 // 0, or 1 and the times.
 void put_times(const std::optional<RecordedTimes>& times, std::string& out) {
   out.push_back(times ? '\1' : '\0');
@@ -199,8 +218,10 @@ void write_frame(const RecordedFrame& frame, std::string& out) {
   put(d.active_pairs, out);
   put(d.substeps, out);
   put(d.point_iterations, out);
+  out.push_back(d.learns ? '\1' : '\0');
   put_ascending(d.reused, out);
   put_ascending(d.held, out);
+  put_paused(d, out);
   put_steps(d.steps, out);
 }
 
@@ -215,8 +236,12 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
   d.active_pairs = reader.number32();
   d.substeps = reader.number32();
   d.point_iterations = reader.number32();
+  const std::uint8_t learns = reader.byte();
+  if (learns > 1) reader.refuse();
+  d.learns = learns == 1;
   take_ascending(d.active_pairs, reader, d.reused);
   take_ascending(kMostSlots, reader, d.held);
+  take_paused(reader, d);
   take_steps(d.active_pairs, reader, d.steps);
   return reader.end("the frame");
 }

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <array>
-#include <system_error>
 #include <utility>
 
+#include "assets/files/open_file.h"
 #include "record/record_bytes.h"
 
 namespace poise::io {
@@ -16,7 +16,7 @@ namespace {
 
 // A file is kMagic followed by blocks: kind, uncompressed size, stored size, stored bytes, CRC-32 of all of these.
 // Sizes and CRC have four bytes, the lowest first.
-constexpr std::string_view kMagic = "poise.record/4\n";
+constexpr std::string_view kMagic = "poise.record/5\n";
 constexpr std::string_view kMagicOfAny = "poise.record/";
 constexpr std::size_t kHeadBytes = 9;
 constexpr std::size_t kTailBytes = 4;
@@ -170,11 +170,10 @@ RecordReader::~RecordReader() = default;
 Result<RecordReader> RecordReader::open(const std::filesystem::path& path) {
   RecordReader reader;
   reader.name_ = path.string();
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(path, failure)) return bad_input(reader.name_ + ": no such file");
-  reader.stream_.open(path, std::ios::binary);
-  reader.size_ = std::filesystem::file_size(path, failure);
-  if (!reader.stream_ || failure) return bad_input(reader.name_ + ": cannot be opened for reading");
+  Result<geometry::OpenFile> file = geometry::open_file(path);
+  if (!file) return file.error();
+  reader.stream_ = std::move(file.value().stream);
+  reader.size_ = file.value().bytes;
   if (!reader.zlib_) return bad_input(reader.name_ + ": cannot be read: no memory");
   const Status begun = reader.begin();
   if (!begun) return bad_input(reader.name_ + ": " + begun.error().message);

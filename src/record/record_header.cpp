@@ -8,6 +8,7 @@
 
 #include "record/record_bytes.h"
 #include "scene/field_reader.h"
+#include "scene/run/policy_name.h"
 #include "world/contact_model_names.h"
 
 namespace poise::io {
@@ -18,13 +19,13 @@ using Json = nlohmann::ordered_json;
 // 16 hexadecimal digits: not every JSON reader preserves 64-bit numbers.
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
-struct PolicyName {
-  const char* name;
-  scheduler::PolicyKind kind;
-};
-constexpr std::array kPolicies{
-    PolicyName{"perceptual", scheduler::PolicyKind::Perceptual}, PolicyName{"custom", scheduler::PolicyKind::Custom},
-    PolicyName{"fifo", scheduler::PolicyKind::Fifo}, PolicyName{"random", scheduler::PolicyKind::Random}};
+// A record may also be of a program with a function of its own.
+constexpr auto kRecordedPolicies = [] {
+  std::array<NamedPolicy, kPolicies.size() + 1> all{};
+  for (std::size_t i = 0; i < kPolicies.size(); ++i) all[i] = kPolicies[i];
+  all.back() = {"custom", scheduler::PolicyKind::Custom};
+  return all;
+}();
 struct ExecutorName {
   const char* name;
   ExecutorKind kind;
@@ -50,9 +51,7 @@ Json world_json(const WorldSettings& world) {
   for (const simulation::NamedContactModel& named : simulation::kContactModels) {
     if (named.model == world.contact) json["contact"] = named.name;
   }
-  for (const PolicyName& named : kPolicies) {
-    if (named.kind == world.policy.kind) json["policy"] = named.name;
-  }
+  json["policy"] = policy_name(world.policy.kind);
   for (const scheduler::PolicyField& field : scheduler::policy_weights())
     json["weights"][std::string(field.name)] = world.policy.*field.value;
   for (const scheduler::PolicyField& field : scheduler::policy_parameters())
@@ -101,28 +100,17 @@ void read_optional(const ObjectReader& reader, std::string_view key, std::option
   target = number;
 }
 
-void read_text(const ObjectReader& reader, std::string_view key, std::string& target) {
-  reader.require(key);
-  reader.text(key, target);
-}
-
-void read_whole_of(const ObjectReader& reader, std::string_view key, std::uint64_t min, std::uint64_t max,
-                   std::uint64_t& target) {
-  reader.require(key);
-  reader.whole(key, min, max, target);
-}
-
 void read_shape(const JsonValue& value, const std::string& path, Problems& problems, RecordedShape& shape) {
   const ObjectReader reader(value, path, problems, {"name", "files", "xxh64"});
-  read_text(reader, "name", shape.name);
+  reader.require_text("name", shape.name);
   read_hex(reader, "xxh64", shape.hash);
   const JsonValue* files = reader.require("files");
   if (files == nullptr) return;
   for (std::size_t i = 0; i < files->items.size(); ++i) {
     const ObjectReader file(files->items[i], item_path(reader.path("files"), i), problems, {"path", "bytes", "xxh64"});
     RecordedFile read;
-    read_text(file, "path", read.path);
-    read_whole_of(file, "bytes", 0, UINT64_MAX, read.bytes);
+    file.require_text("path", read.path);
+    file.require_whole("bytes", 0, UINT64_MAX, read.bytes);
     read_hex(file, "xxh64", read.hash);
     shape.files.push_back(read);
   }
@@ -159,7 +147,7 @@ void read_world(const JsonValue& value, Problems& problems, WorldSettings& world
   if (const auto* named =
           named_in(reader, "contact", std::span<const simulation::NamedContactModel>(simulation::kContactModels)))
     world.contact = named->model;
-  if (const auto* named = named_in(reader, "policy", std::span<const PolicyName>(kPolicies)))
+  if (const auto* named = named_in(reader, "policy", std::span<const NamedPolicy>(kRecordedPolicies)))
     world.policy.kind = named->kind;
   if (const auto* named = named_in(reader, "executor", std::span<const ExecutorName>(kExecutors)))
     world.executor = named->kind;
@@ -167,10 +155,10 @@ void read_world(const JsonValue& value, Problems& problems, WorldSettings& world
   reader.require("sleeping");
   reader.flag("sleeping", world.sleeping);
   std::uint64_t threads = 1, substeps = 1, partners = 1, entries = 64;
-  read_whole_of(reader, "threads", 1, 256, threads);
-  read_whole_of(reader, "substeps", 1, 16, substeps);
-  read_whole_of(reader, "max_partners", 1, 65536, partners);
-  read_whole_of(reader, "max_front_entries", 64, 1U << 26U, entries);
+  reader.require_whole("threads", 1, 256, threads);
+  reader.require_whole("substeps", 1, 16, substeps);
+  reader.require_whole("max_partners", 1, 65536, partners);
+  reader.require_whole("max_front_entries", 64, 1U << 26U, entries);
   world.threads = static_cast<int>(threads);
   world.substeps = static_cast<int>(substeps);
   world.max_partners = static_cast<std::uint32_t>(partners);
@@ -182,14 +170,14 @@ void read_made_by(const ObjectReader& top, RecordHeader& header) {
   if (value == nullptr) return;
   const ObjectReader reader(*value, "made_by", top.problems(),
                             {"version", "commit", "compiler", "flags", "system", "processor", "cores"});
-  read_text(reader, "version", header.build.version);
-  read_text(reader, "commit", header.build.commit);
-  read_text(reader, "compiler", header.build.compiler);
-  read_text(reader, "flags", header.build.flags);
-  read_text(reader, "system", header.machine.system);
-  read_text(reader, "processor", header.machine.processor);
+  reader.require_text("version", header.build.version);
+  reader.require_text("commit", header.build.commit);
+  reader.require_text("compiler", header.build.compiler);
+  reader.require_text("flags", header.build.flags);
+  reader.require_text("system", header.machine.system);
+  reader.require_text("processor", header.machine.processor);
   std::uint64_t cores = 0;
-  read_whole_of(reader, "cores", 0, 1U << 20U, cores);
+  reader.require_whole("cores", 0, 1U << 20U, cores);
   header.machine.cores = static_cast<int>(cores);
 }
 
@@ -197,13 +185,17 @@ void read_scene_part(const ObjectReader& top, RecordHeader& header) {
   const JsonValue* value = top.require("scene");
   if (value == nullptr) return;
   const ObjectReader reader(*value, "scene", top.problems(),
-                            {"name", "file", "folder", "bodies", "seed", "start_hash", "shapes"});
-  read_text(reader, "name", header.scene_name);
-  read_text(reader, "file", header.scene_source);
-  read_text(reader, "folder", header.scene_folder);
+                            {"name", "file", "folder", "bodies", "seed", "start_hash", "shapes", "gaze", "gaze_loop"});
+  reader.require_text("name", header.scene_name);
+  reader.require_text("file", header.scene_source);
+  reader.require_text("folder", header.scene_folder);
   read_optional(reader, "bodies", header.bodies);
   read_optional(reader, "seed", header.seed);
   read_hex(reader, "start_hash", header.start_hash);
+  const JsonValue* gaze = reader.require("gaze");
+  if (gaze != nullptr && gaze->kind != JsonValue::Kind::Null) reader.text("gaze", header.gaze.emplace());
+  reader.require("gaze_loop");
+  reader.flag("gaze_loop", header.gaze_loop);
   const JsonValue* shapes = reader.require("shapes");
   if (shapes == nullptr) return;
   for (std::size_t i = 0; i < shapes->items.size(); ++i) {
@@ -221,15 +213,15 @@ void read_step_part(const ObjectReader& top, RecordHeader& header) {
   reader.require("dt_s");
   reader.number("dt_s", Range{0, kMaxTimeStepS, true}, header.dt_s);
   std::uint64_t level = 0;
-  read_whole_of(reader, "max_level", 0, kMaxTreeDepth, level);
+  reader.require_whole("max_level", 0, kMaxTreeDepth, level);
   header.max_level = static_cast<Level>(level);
   for (const auto& [key, flag] : {std::pair("polygons", &header.polygons),
                                   std::pair("backtracking", &header.backtracking), std::pair("paced", &header.paced)}) {
     reader.require(key);
     reader.flag(key, *flag);
   }
-  read_whole_of(reader, "frames", 0, UINT64_MAX, header.frames);
-  read_text(reader, "clock", header.clock);
+  reader.require_whole("frames", 0, UINT64_MAX, header.frames);
+  reader.require_text("clock", header.clock);
   reader.require("deadline_ms");
   reader.number("deadline_ms", kNotNegative, header.deadline_ms);
   read_optional(reader, "budget_work", header.budget_work);
@@ -245,7 +237,9 @@ std::string header_json(const RecordHeader& header) {
                        {"bodies", optional_number(header.bodies)},
                        {"seed", optional_number(header.seed)},
                        {"start_hash", hex(header.start_hash)},
-                       {"shapes", shapes_json(header.shapes)}}},
+                       {"shapes", shapes_json(header.shapes)},
+                       {"gaze", header.gaze ? Json(*header.gaze) : Json(nullptr)},
+                       {"gaze_loop", header.gaze_loop}}},
                      {"world", world_json(header.world)},
                      {"step",
                       {{"dt_s", header.dt_s},

@@ -18,6 +18,7 @@ struct Lanes {
   parallel::LargeVector<MotionChange<T>> motions;  // one a body
   parallel::LargeVector<MotionChange<T>> begun;    // velocities and spins when the substep began
   parallel::LargeVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
+  bool used_last = false;                                                  // by the last step: they know what rests
 
   std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {
     return std::span(manifold_points).subspan(block.first, block.manifold_points);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "solver/anderson_mixing.h"
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
+#include "solver/flight.h"
+#include "solver/settling.h"
 
 namespace poise::solver {
 namespace {
@@ -86,6 +89,7 @@ struct ContactSolver::Buffers {
   std::vector<std::size_t> lanes_of_range;       // scratch of make_blocks
   std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
   AndersonMixing mixing;
+  Settling settling;
   std::vector<double> before, after;  // impulses of all lanes, in roots of energy
   std::vector<double> swept;          // impulses of all lanes after the last plain iteration
   EnergyGuard energy;
@@ -303,24 +307,6 @@ void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
   for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
 }
 
-// Motion without contacts; impulses are added to it.
-void fly(const ContactSystem& system, std::size_t i, double dt_s) {
-  SolverBody& body = system.bodies[i];
-  body.moved_m = dt_s * body.velocity_mps;
-  body.turned_rad = dt_s * body.spin_radps;
-  body.velocity_mps += dt_s * system.accelerations[i].linear_mps2;
-  body.spin_radps += dt_s * system.accelerations[i].angular_radps2;
-}
-
-// Where its motion of the step leads a body, on top of its flight.
-template <class T>
-void land(const MotionChange<T>& motion, SolverBody& body) {
-  body.moved_m +=
-      Vec3(static_cast<double>(motion.x[0]), static_cast<double>(motion.x[1]), static_cast<double>(motion.x[2]));
-  body.turned_rad +=
-      Vec3(static_cast<double>(motion.q[0]), static_cast<double>(motion.q[1]), static_cast<double>(motion.q[2]));
-}
-
 template <class T>
 SubstepTerms<T> terms_of(const SolveSettings& settings, bool watch) {
   const double h_s = settings.dt_s / settings.substeps;
@@ -382,6 +368,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
   const BodyLanes<T> bodies = all.bodies();
   Iterated result;
   result.reached = !settings.stopping.converges();
+  settling.begin();
   if (limit.mixed) {
     mixing.begin(read_impulses(before));
     alone_j = energy.joules_alone(system, twofold.begun, settings.dt_s / settings.substeps);
@@ -399,7 +386,12 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     const IterationChange<double> sum = sum_of(changes);
     result.far = sum.residual_j > kFarOfStill * still_mps(settings) * sum.impulse_sum_ns;
     if (settings.stopping.converges()) {
-      result.settled = result.reached = sum.change_ns <= settings.stopping.share * sum.largest_ns;
+      const Stopping& stopping = settings.stopping;
+      result.settled = result.reached =
+          sum.change_ns <= stopping.share * sum.largest_ns ||
+          (stopping.settled_share > 0 &&
+           settling.settled(system, twofold.motions, twofold.begun, static_cast<double>(terms.h_s), round + 1,
+                            stopping.settled_share));
     } else {
       result.settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
     }
@@ -418,9 +410,13 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   const double h_s = settings.dt_s / settings.substeps;
   reserve<T>(system, limit.mixed, executor);
   Lanes<T>& all = lanes<T>();
+  // Lanes that were not used in the last step do not know what rests.
+  const bool everything = !std::exchange(all.used_last, true) || !system.only_active;
+  (std::is_same_v<T, float> ? twofold.used_last : single.used_last) = false;
+  const std::size_t looked_at = everything ? system.bodies.size() : system.active.size();
   const auto for_bodies = [&](auto&& visit) {
-    parallel::parallel_for(executor, system.bodies.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = begin; i < end; ++i) visit(i);
+    parallel::parallel_for(executor, looked_at, kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) visit(everything ? k : system.active[k]);
     });
   };
   const auto for_blocks = [&](auto&& visit) {

@@ -37,6 +37,10 @@ struct ContactSystem {
   std::span<Vec3> applied_impulse_ns;  ///< out, one a pair: the impulse that b received in the step
   const Coloring& coloring;
   std::uint64_t point_count = 0;  ///< of all pairs
+  /// With `only_active`, of all bodies those that may move, or are not what they were in the last step with the same
+  /// solver; the others were at rest then and are.
+  std::span<const std::uint32_t> active = {};
+  bool only_active = false;
 };
 
 /// Lanes of the solver: eight pairs of a colour side by side. Invariant: buffers only grow.

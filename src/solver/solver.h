@@ -14,10 +14,12 @@
 namespace poise::solver {
 
 /// When iterations end. By default after the few that a frame has time for. With a share above 0 they go on until no
-/// impulse changes by more than that share of the largest one, and at most max_iterations times in a row.
+/// impulse changes by more than that share of the largest one, or until the velocities have settled (Settling), and at
+/// most max_iterations times in a row.
 struct Stopping {
   double share = 0;                  ///< >= 0
   std::uint32_t max_iterations = 1;  ///< >= 1; of the impacts, and of each substep
+  double settled_share = 0;          ///< of resting contact, for Settling; 0: impulses alone decide
   [[nodiscard]] bool converges() const { return share > 0; }
 };
 

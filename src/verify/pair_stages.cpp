@@ -13,8 +13,11 @@ void PairStages::find(ProbeLevel level, double dt_s) {
   const StepInput step = step_to(level, dt_s);
   terms_ = terms_of(world_.settings, step);
   parallel::Executor& executor = *world_.executor;
+  // Other frames may have passed since the last time.
+  frame_.motion.everything = true;
+  frame_.velocities.everything = true;
   predict({world_.scene(), terms_}, frame_.motion, executor);
-  find_candidates({frame_.motion, world_.settings.max_partners}, broad_phase_, candidate_cache_, frame_.candidates,
+  find_candidates({world_.scene(), frame_.motion, world_.settings.max_partners}, broad_phase_, frame_.candidates,
                   executor);
   find_active_pairs({world_.scene(), terms_, frame_.motion, frame_.candidates, {}, world_.pair_filter}, frame_.table,
                     pools_, executor);

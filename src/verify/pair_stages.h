@@ -36,8 +36,7 @@ class PairStages {
   StepTerms terms_;
   Frame frame_;
   PointCache points_;
-  collision::BroadPhase broad_phase_;
-  CandidateCache candidate_cache_;
+  BroadPhaseState broad_phase_;
   std::vector<collision::FrontPool> pools_;
 };
 

@@ -12,8 +12,16 @@ namespace poise::simulation {
 void remember(const WorldState& world, Reference& reference);
 
 /// Computes the frame that has just ended again from the remembered state, with separate data and the predicted motion
-/// of the run, and compares the two. Uses the World's threads and `pools`, one a worker, which it clears. The result
-/// does not depend on the threads.
+/// of the run. Uses the World's threads and `pools`, one a worker, which it clears. The result does not depend on the
+/// threads.
+void make_reference(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
+                    Reference& reference);
+
+/// Compares a frame that has just ended with the reference, which was made after this frame or after another one from
+/// the same state. What depends on that state alone is computed once and kept in the reference.
+ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference);
+
+/// Both.
 ReferenceFigures refer(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
                        Reference& reference);
 

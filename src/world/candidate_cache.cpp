@@ -2,6 +2,7 @@
 #include "world/candidate_cache.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "parallel/shared_counters.h"
 
@@ -54,13 +55,15 @@ collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_
                                                    std::span<const collision::MotionBound> bounds,
                                                    std::span<const collision::PlaneBound> planes,
                                                    std::span<const collision::SweptBound> swept,
-                                                   std::uint32_t max_partners, parallel::Executor& executor) {
+                                                   const collision::RestingGrid& resting, std::uint32_t max_partners,
+                                                   parallel::Executor& executor) {
   if (!swept.empty()) {
     bounds_.clear();
-    return broad_phase.find(bounds, planes, max_partners, executor, swept);
+    return broad_phase.find(bounds, planes, max_partners, executor, swept, &resting);
   }
   const Look seen = look(bounds, planes, executor);
-  if (wide_ && seen.inside) return found_;
+  const bool same_resting = std::exchange(resting_version_, resting.version()) == resting.version();
+  if (wide_ && seen.inside && same_resting) return found_;
   wide_ = seen.calm && !bounds.empty();
   planes_.assign(planes.begin(), planes.end());
   bounds_.resize(bounds.size());
@@ -72,11 +75,11 @@ collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_
       if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
     }
   });
-  found_ = broad_phase.find(bounds_, planes_, max_partners, executor, {});
+  found_ = broad_phase.find(bounds_, planes_, max_partners, executor, {}, &resting);
   if (wide_ && found_.discarded > 0) {
     // Which pairs are discarded is decided from the bounds of the frame.
     wide_ = false;
-    found_ = broad_phase.find(bounds, planes, max_partners, executor, {});
+    found_ = broad_phase.find(bounds, planes, max_partners, executor, {}, &resting);
   }
   return found_;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collision/broad_phase/broad_phase.h"
+#include "collision/broad_phase/resting_grid.h"
 #include "parallel/executor.h"
 
 namespace poise::simulation {
@@ -19,7 +20,8 @@ class CandidateCache {
   /// As BroadPhase::find, but for pairs too many. With swept bounds nothing is cached.
   collision::BroadPhase::Result find(collision::BroadPhase& broad_phase, std::span<const collision::MotionBound> bounds,
                                      std::span<const collision::PlaneBound> planes,
-                                     std::span<const collision::SweptBound> swept, std::uint32_t max_partners,
+                                     std::span<const collision::SweptBound> swept,
+                                     const collision::RestingGrid& resting, std::uint32_t max_partners,
                                      parallel::Executor& executor);
 
  private:
@@ -34,6 +36,7 @@ class CandidateCache {
   std::vector<collision::PlaneBound> planes_;
   std::vector<double> radius_m_;  // as asked for
   collision::BroadPhase::Result found_;
+  std::uint64_t resting_version_ = 0;  // of the grid of resting bounds
   bool wide_ = false;
 };
 

@@ -68,7 +68,8 @@ struct CachedPair {
   std::uint32_t frames_waited = 0;  ///< since a level was completed, or nothing was left to complete
   std::uint32_t slot = kNoSlot;     ///< of its points in the PointCache; which one is not part of the state
   std::uint8_t point_count = 0;
-  Level level = 0;  ///< that found it out
+  std::uint8_t frames_touched = 0;  ///< in a row, that learn, before the last one in which it touched
+  Level level = 0;                  ///< that found it out
   bool touching = false;
   bool apart = false;     ///< nothing was nearer than reach_m
   bool solved = false;    ///< in the last step the solver had a manifold of it

@@ -10,10 +10,13 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   frame_ = frame;
   active_pairs_ = active_pairs;
   known_ = true;
+  learns_ = false;
   substeps_ = point_iterations_ = 0;
   reused_.clear();
   reused_.reserve(most_steps);
   held_.clear();
+  paused_.clear();
+  resumed_ = false;
   held_.reserve(most_steps);
   if (lanes_.size() < workers) lanes_.resize(workers);
   for (Lane& lane : lanes_) {
@@ -26,14 +29,19 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.steps.clear();
   decisions.reused.clear();
   decisions.held.clear();
+  decisions.paused.clear();
+  decisions.resumed = false;
   decisions.substeps = decisions.point_iterations = 0;
   decisions.frame = known_ ? frame_ : 0;
+  decisions.learns = known_ && learns_;
   decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
   if (!known_) return;
   decisions.substeps = substeps_;
   decisions.point_iterations = point_iterations_;
   decisions.reused = reused_;
   decisions.held = held_;
+  decisions.paused = paused_;
+  decisions.resumed = resumed_;
   std::sort(decisions.reused.begin(), decisions.reused.end());
   constexpr std::size_t kMostWorkers = 256;
   std::array<std::size_t, kMostWorkers> next{};

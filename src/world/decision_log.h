@@ -30,12 +30,17 @@ class DecisionLog {
   /// For work that goes in rounds: from the thread that chooses them, in their order.
   void note_round(std::uint32_t pair, RefinementStep::Kind kind) { note(0, pair, kind, SteadyClock::time_point{}); }
 
+  /// FrameDecisions::learns is true. From the thread of the step, after begin.
+  void learns() { learns_ = true; }
   /// What the frame left out because it could not be done in time: the substeps that it had (0: all), and a pair that
   /// reused what is cached of it though that was too old. From the thread of the step, after begin.
   void substeps(std::uint32_t count) { substeps_ = count; }
   /// Likewise the point iterations that a substep may make (0: as many as the solver does by itself).
   void point_iterations(std::uint32_t most) { point_iterations_ = most; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
+  /// That all paused islands took part again, and those that wait for several steps from now on.
+  void resumed() { resumed_ = true; }
+  void paused(std::span<const PausedIsland> islands) { paused_.assign(islands.begin(), islands.end()); }
   /// And the islands that waited, by their roots, ascending.
   void held(std::span<const std::uint32_t> roots) { held_.assign(roots.begin(), roots.end()); }
 
@@ -57,6 +62,9 @@ class DecisionLog {
   std::size_t active_pairs_ = 0;
   std::uint32_t substeps_ = 0, point_iterations_ = 0;
   std::vector<std::uint32_t> reused_, held_;
+  std::vector<PausedIsland> paused_;
+  bool resumed_ = false;
+  bool learns_ = false;
   bool known_ = false;
 };
 

@@ -14,6 +14,8 @@ struct TimeFacts {
   std::uint64_t candidate_pairs = 0, active_pairs = 0;  ///< of the last frame under a deadline
   double iterations_a_substep = 0;    ///< point iterations of the contact solver that a substep is likely to want
   Nanoseconds planning{0};            ///< FrameReport::planning of the last frame that was forecast infeasible
+  std::uint64_t load = 0;             ///< of the last frame: bodies that were stepped, and their pairs
+  double ns_of_load = 0;              ///< what one of these wants of a frame, with its refinement; learned
   std::uint64_t manifold_points = 0;  ///< of the last frame: point iterations that a substep makes at least
   scheduler::TailWork tail_work;      ///< of this frame; its contacts are those that were expected
   scheduler::TailWork head_work;
@@ -28,6 +30,7 @@ struct Forecasts {
   TimeFacts times;
   double solved_share = 1;   ///< of the pairs that are not separated; learned
   double unit_cost_ns = 60;  ///< of a node-pair expansion: a prior, replaced by what is measured
+  double pair_cost_ns = 0;   ///< likewise of refining a pair to its end, by all workers together; 0: not known
   double rank_cost_ns = 30;  ///< likewise of ranking a pair, by all workers together
 };
 

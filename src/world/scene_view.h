@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "dynamics/body_store.h"
 #include "poise/shape.h"
 #include "poise/world.h"
+#include "query/inner_solids.h"
 
 namespace poise::simulation {
 
@@ -19,6 +21,8 @@ struct ShapeFacts {
   std::array<double, kMaxTreeDepth + 1>
       deviation_m{};          ///< of the surface from the fits of each level, the mean over its nodes; likewise
   double least_extent_m = 0;  ///< collision::least_extent_m
+  std::vector<query::InnerSolid> inner_solids;  ///< found when a policy first asks for what hides what
+  bool inner_solids_found = false;
 };
 
 /// The bodies of a World and what they are made of, for reading. Any thread, while nobody writes the bodies.

@@ -63,12 +63,13 @@ namespace poise {
 namespace {
 
 std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, ContactModel model,
-                                  Trace* trace = nullptr, bool record = false) {
+                                  Trace* trace = nullptr, bool record = false, const scheduler::Policy& policy = {}) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);
   settings.executor = executor;
   settings.threads = 2;
   settings.contact = model;
+  settings.policy = policy;
   Stage stage(settings, 0.2);
   stage.jacks(80, 5);
   std::vector<BodyState> start;
@@ -77,13 +78,18 @@ std::size_t allocations_once_warm(ExecutorKind executor, const Budget& budget, C
   input.budget = budget;
   input.trace = trace;
   input.record = record;
+  const Vec3 forward = Vec3(-1, 1, -0.5).normalized();
+  input.view = {true, Vec3(8, -8, 5), forward, Vec3::UnitZ(), 0.87, 1.78, forward};
   const auto fall = [&] {
     for (int i = 0; i < 100; ++i) stage.world.step(input);
   };
-  fall();
-  // Repeats the same fall, equal to the bit except for the frame number: no capacity has to grow.
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    EXPECT_TRUE(stage.world.set_state(stage.bodies[i], start[i]).ok());
+  // Repeats the same fall, equal to the bit except for the frame number: no capacity has to grow. What a policy has
+  // learned by then makes the next falls others, until it changes little.
+  for (int falls = policy.learning > 0 ? 4 : 1; falls > 0; --falls) {
+    fall();
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      EXPECT_TRUE(stage.world.set_state(stage.bodies[i], start[i]).ok());
+    }
   }
   const std::size_t before = allocations.load();
   fall();
@@ -101,6 +107,16 @@ TEST(Allocation, ATraceAllocatesNothingAndWhatFindsNoRoomIsCounted) {
   EXPECT_EQ(allocations_once_warm(ExecutorKind::Serial, ample, ContactModel::Fitted, &small), 0U);
   EXPECT_EQ(small.spans().size(), 10U);
   EXPECT_GE(small.discarded(), 200U * 9U - 10U);
+}
+
+TEST(Allocation, AllCuesAndLearningAllocateNothingOnceWarm) {
+  scheduler::Policy policy;
+  for (const scheduler::PolicyField& weight : scheduler::policy_weights()) policy.*weight.value = 1;
+  policy.learning = 1;
+  EXPECT_EQ(allocations_once_warm(ExecutorKind::Threads, Budget::work(60), ContactModel::Fitted, nullptr, true, policy),
+            0U);
+  const Budget ample = Budget::until(SteadyClock::now() + std::chrono::hours(1));
+  EXPECT_EQ(allocations_once_warm(ExecutorKind::Serial, ample, ContactModel::Fitted, nullptr, false, policy), 0U);
 }
 
 TEST(Allocation, PolygonsAllocateNothing) {

@@ -8,6 +8,7 @@
 
 #include "frame/refine/rank.h"
 #include "frame/scenes.h"
+#include "geometry/meshes.h"
 #include "verify/world_access.h"
 
 namespace poise {
@@ -138,6 +139,7 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   const auto step_with = [&](double rank_cost_ns) {
     for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
     world.forecasts.rank_cost_ns = rank_cost_ns;
+    world.forecasts.pair_cost_ns = 1e18;  // so long that the order matters
     input.budget = Budget::within(std::chrono::hours(1));
     return stage.world.step(input);
   };
@@ -164,6 +166,35 @@ TEST(Budget, NoMorePairsArePutInOrderThanThereIsTimeFor) {
   for (std::size_t chunk = 0; chunk < 15; ++chunk) EXPECT_GT(turns[chunk], 0) << "each has its turn";
   EXPECT_EQ(step_with(1e15).jobs_done, 0U) << "there is no time for any";
   EXPECT_EQ(step_with(30).pairs_left, 0U);
+}
+
+TEST(Budget, PairsAreRankedOnlyWhereHalfOfTheTimeMayNotBeEnough) {
+  Stage stage(falling(), 0.2);
+  stage.jacks(200, 5);
+  simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
+  StepInput input = step_of(1.0 / 60);
+  const auto step_with = [&](double pair_cost_ns) {
+    for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
+    world.forecasts.pair_cost_ns = pair_cost_ns;
+    world.forecasts.rank_cost_ns = 1e15;  // there is no time to rank any
+    input.budget = Budget::within(std::chrono::hours(1));
+    return stage.world.step(input);
+  };
+  for (int i = 0; i < 100; ++i) step_with(1);
+  const auto refinable = static_cast<double>(world.outputs.table.known_of_chunk.back().refinable);
+  ASSERT_GE(refinable, 120);
+  const double half_an_hour_ns = 1.8e12;
+  FrameReport report = step_with(0.9 * half_an_hour_ns / refinable);
+  EXPECT_EQ(report.pairs_left, 0U);
+  EXPECT_GT(report.jobs_done, 120U);
+  EXPECT_LT(world.forecasts.pair_cost_ns, 0.9 * half_an_hour_ns / refinable) << "it learns";
+  EXPECT_EQ(step_with(1.1 * half_an_hour_ns / refinable).jobs_done, 0U);
+  EXPECT_EQ(step_with(0).jobs_done, 0U) << "nothing is known";
+  // What is to be left out, and what a host says of pairs, is asked for.
+  WorldSettings settings = world.settings;
+  settings.policy.seen_threshold_rad = 1e-9;
+  ASSERT_TRUE(stage.world.set_settings(settings));
+  EXPECT_EQ(step_with(1).jobs_done, 0U);
 }
 
 TEST(Budget, MaxLevelBoundsEveryPair) {
@@ -228,17 +259,23 @@ TEST(Capacity, AFullFrontLeavesThePairAtItsLevelAndIsCounted) {
 
 TEST(Capacity, AFullFrontUnderADeadlineIsCountedToo) {
   WorldSettings settings = falling();
-  settings.max_front_entries = 256;
+  settings.max_front_entries = 64;  // less than one pair of boxes needs that lie on each other
   settings.threads = 1;
-  Stage stage(settings, 0.2);
-  stage.jacks(120, 5);
-  std::size_t full = 0;
-  for (int i = 0; i < 90; ++i) {
-    StepInput input = step_of(1.0 / 60);
-    input.budget = Budget::within(std::chrono::minutes(1));
-    full += stage.world.step(input).fronts_full;
+  for (const bool in_order : {true, false}) {
+    Stage stage(settings, 0.2);
+    stage.plane(Vec3::UnitZ(), 0);
+    const ShapeId box = stage.world.add_shape(
+        make_mesh_shape(test::box_mesh(Vec3(0.6, 0.6, 0.6)), {.depth = 3, .preset = TreePreset::Fast}).value());
+    for (int i = 0; i < 8; ++i) stage.add(box, Vec3(0.1 * i, 0, 0.35 + 0.62 * i));
+    std::size_t full = 0;
+    for (int i = 0; i < 30; ++i) {
+      simulation::WorldAccess::of(stage.world).forecasts.pair_cost_ns = in_order ? 1 : 1e18;
+      StepInput input = step_of(1.0 / 60);
+      input.budget = Budget::within(std::chrono::minutes(1));
+      full += stage.world.step(input).fronts_full;
+    }
+    EXPECT_GT(full, 0U) << in_order;
   }
-  EXPECT_GT(full, 0U);
 }
 
 TEST(Capacity, PartnersBeyondTheLimitAreCounted) {

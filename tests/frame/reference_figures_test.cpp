@@ -126,7 +126,7 @@ TEST(CompareFrame, TakesGapsOverContactsOfTheRunThatAreApart) {
   EXPECT_FALSE(compare_frames({}, pairs, false).gap_mean_px);
 }
 
-TEST(ReferenceRunFigures, PutsTogetherTheFramesThatDefineAFigure) {
+TEST(ReferenceRunFigures, PutsTogetherTheConvergedFramesThatDefineAFigure) {
   std::vector<ReferenceFigures> frames(4);
   for (ReferenceFigures& frame : frames) frame.converged = true;
   frames[1].converged = false;
@@ -145,7 +145,7 @@ TEST(ReferenceRunFigures, PutsTogetherTheFramesThatDefineAFigure) {
   EXPECT_EQ(figures.e_mps.value().p50, 2);
   EXPECT_EQ(figures.e_mps.value().max, 3);
   EXPECT_EQ(figures.gap_max_mm.value().p50, 4);
-  EXPECT_EQ(figures.false_share.value(), 0.3);
+  EXPECT_EQ(figures.false_share.value(), 0.125);
   EXPECT_EQ(figures.iterations.value().max, 7);
   EXPECT_FALSE(figures.e_rel || figures.missed_share || figures.gap_mean_px);
   EXPECT_FALSE(reference_run_figures({}).e_mps || reference_run_figures({}).time_ms);

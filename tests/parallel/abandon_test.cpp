@@ -153,9 +153,10 @@ void work_for_two_milliseconds() {
 TEST(WorkerGate, TellsWhatItSleptForAWorkerFromWhatTheSystemTookOfThatWorker) {
   for (const bool works : {true, false}) {
     WorkerGate gate(2, std::chrono::nanoseconds(0));
-    std::atomic<bool> begun{false}, woken{false}, read{false};
+    std::atomic<bool> begun{false}, woken{false}, read{false}, closed{false};
+    // Or until it has slept: a thread may begin late.
     const auto until_asleep = [&] {
-      while (!WorkerGateAccess::caller_sleeps(gate)) std::this_thread::yield();
+      while (!WorkerGateAccess::caller_sleeps(gate) && !closed) std::this_thread::yield();
     };
     const auto step = [&](int) {
       begun = true;
@@ -182,6 +183,7 @@ TEST(WorkerGate, TellsWhatItSleptForAWorkerFromWhatTheSystemTookOfThatWorker) {
     });
     EXPECT_EQ(gate.waits().slept.count(), 0);
     gate.close();
+    closed = true;
     const Waits waits = gate.waits();
     read = true;
     read.notify_all();

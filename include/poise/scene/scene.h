@@ -154,6 +154,21 @@ struct SceneCamera {
   bool loop = false;            ///< the path begins again after its last key, which is at the place of the first
 };
 
+/// Where a viewer looks at a time.
+struct GazeKey {
+  double time_s = 0;  ///< of the run, after that of the key before
+  std::array<double, 2> at_px{};
+};
+
+/// A gaze that moves over the image.
+struct SceneGaze {
+  std::vector<GazeKey> path;   ///< at least one key, or empty until the file is read
+  bool jumps = false;          ///< it stays at each key until the next; otherwise it moves straight from key to key
+  bool loop = false;           ///< the path begins again after its last key
+  std::filesystem::path file;  ///< a recorded gaze, as MeshSource::file; empty: the path is that of the scene
+  std::string text;            ///< what was read from the file
+};
+
 /// The work that a host does in each frame after the step and before its deadline. It is simulated by busy waiting.
 struct SceneHostWork {
   double load_ms = 0;                ///< time on the CPU, >= 0
@@ -182,6 +197,7 @@ struct Scene {
   scheduler::Policy policy;
   std::optional<SceneCamera> camera;
   std::optional<std::array<double, 2>> gaze_px;  ///< from the top left corner; the centre of the image otherwise
+  std::optional<SceneGaze> gaze;                 ///< instead of gaze_px
   std::vector<SceneMaterial> materials;          ///< in file order, as are the lists below
   std::vector<SceneShape> shapes;
   std::vector<SceneBody> bodies;
@@ -198,6 +214,15 @@ Result<Scene> read_scene(const std::filesystem::path& file);
 /// number).
 Result<Scene> parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& base,
                           std::vector<std::string>* errors = nullptr);
+
+/// A recorded gaze (docs/scene-format.md) from its text, for an image of this size; `name` begins each message. Refused
+/// with line, field, value and rule. Any thread.
+Result<std::vector<GazeKey>> parse_gaze(std::string_view text, const std::string& name,
+                                        const std::array<double, 2>& resolution_px);
+
+/// Reads the file of a scene's gaze, if it has one that was not read yet; SceneRun::create does so by itself. Refused
+/// as parse_gaze, and a file that cannot be read.
+Status read_gaze(Scene& scene);
 
 /// Number of bodies that the generators of a scene make by its own counts.
 std::uint64_t generated_body_count(const Scene& scene);
@@ -239,7 +264,7 @@ struct RunBody {
 
 /// Owns the World of a scene, and adds and removes the bodies of its streams when they are due. Invariant: bodies() is
 /// what is in the World, in scene order: the list of the file, the tray (floor, walls at -x, +x, -y, +y), the grids in
-/// order, then stream bodies in order of arrival.
+/// order, then stream bodies and poured ones in order of arrival.
 ///
 /// One thread at a time. Two runs with the same scene and options have the same bodies, bit for bit, on any machine.
 class SceneRun {
@@ -253,6 +278,17 @@ class SceneRun {
   /// Removes the stream bodies whose life has ended at the start of frame `frame` (time frame * dt), adds those that
   /// are due, and sets the view. Call before each step; each frame is after the one before.
   Status before_frame(std::uint64_t frame);
+
+  /// Adds up to `count` bodies more, for hosts whose user asks for them: of the kinds of the scene's generators but
+  /// static grids, in proportion to their counts, or without any as the dynamic bodies of its list. With gravity they
+  /// are dropped above where such bodies begin, else they come at free places there. They have no life. Returns how
+  /// many found room; the others may be asked for again after a step. Takes time linear in the bodies. Refused: a scene
+  /// without dynamic bodies.
+  Result<std::uint64_t> pour(std::uint64_t count);
+  /// Removes up to `count` dynamic bodies, those that came last first. Returns how many there were.
+  Result<std::uint64_t> remove_last(std::uint64_t count);
+  /// The scene from its start, with the shapes that were loaded for this run. Refused as create().
+  [[nodiscard]] Result<SceneRun> again(const SceneRunOptions& options) const;
 
   [[nodiscard]] World& world();
   [[nodiscard]] const World& world() const;

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
 #include "collision/broad_phase/broad_phase_cells.h"
+#include "collision/broad_phase/resting_grid.h"
 #include "geometry/primitives/bounds.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
@@ -18,14 +18,6 @@ namespace {
 
 constexpr std::size_t kBoundGrain = 256;
 constexpr double kLeastCellM = 1e-6;
-
-// The grid of a ball: those whose diameters lie within one octave share it. Its cells are as wide as its largest ball,
-// so they are wider than any ball of a finer grid.
-int grid_of(double radius_m) {
-  int exponent = 0;
-  std::frexp(std::max(2.0 * radius_m, kLeastCellM), &exponent);
-  return std::clamp(exponent + 24, 0, 63);
-}
 
 }  // namespace
 
@@ -183,7 +175,7 @@ void BroadPhase::find_ranges() {
 }
 
 void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                        std::uint32_t max_partners, Collector& found) const {
+                        std::uint32_t max_partners, const RestingGrid* resting, Collector& found) const {
   const Entry& self = entries_[entry];
   const MotionBound& bound = bounds[self.bound];
   found.partners.clear();
@@ -238,6 +230,15 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
       for (std::int32_t y = cell_of(low.y(), grid.cells_per_m); y <= last_y; ++y) visit({first_x, y, z, g}, count);
     }
   }
+  if (resting != nullptr && bound.dynamic) {
+    found.discarded += resting->visit_near(
+        self.center_m, self.radius_m, room, [&](std::uint32_t slot, const RestingGrid::Entry& other) {
+          const double reach = self.radius_m + other.radius_m;
+          const double beyond_m2 = (other.center_m - self.center_m).squaredNorm() - reach * reach;
+          if (beyond_m2 < 0 && meet(bound.group, bound.collides_with, other.group, other.collides_with))
+            found.partners.push_back({beyond_m2, slot});
+        });
+  }
   found.looked_at += most_tests(max_partners) - room;
   found.keep_nearest(bound.slot, max_partners);
   if (!bound.dynamic) return;
@@ -249,7 +250,7 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
 
 std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                                 std::span<const SweptBound> swept, std::uint32_t max_partners,
-                                parallel::Executor& executor, Result& result) {
+                                const RestingGrid* resting, parallel::Executor& executor, Result& result) {
   parallel::Tickets points;
   parallel::Tickets lost;
   parallel::Tickets looked_at;
@@ -259,7 +260,7 @@ std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<c
   };
   parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int worker) {
     Collector found = collector(worker);
-    for (std::size_t entry = begin; entry < end; ++entry) search(entry, bounds, planes, max_partners, found);
+    for (std::size_t entry = begin; entry < end; ++entry) search(entry, bounds, planes, max_partners, resting, found);
     found.flush();
     if (found.discarded > 0) lost.take(found.discarded);
     looked_at.take(found.looked_at);
@@ -323,15 +324,15 @@ void BroadPhase::sort_pairs(std::size_t count, parallel::Executor& executor) {
 
 BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                                     std::uint32_t max_partners, parallel::Executor& executor,
-                                    std::span<const SweptBound> swept) {
+                                    std::span<const SweptBound> swept, const RestingGrid* resting) {
   Result result;
   if (bounds.empty() && swept.empty()) return result;
   sort_into_cells(bounds, executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
-  std::size_t count = collect(bounds, planes, swept, max_partners, executor, result);
+  std::size_t count = collect(bounds, planes, swept, max_partners, resting, executor, result);
   if (count > found_.size()) {
     found_.resize(count + count / 2);
-    count = collect(bounds, planes, swept, max_partners, executor, result);
+    count = collect(bounds, planes, swept, max_partners, resting, executor, result);
   }
   sort_pairs(count, executor);
   result.pairs = std::span<const CandidatePair>(sorted_).first(count);

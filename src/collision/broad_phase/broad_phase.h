@@ -45,6 +45,8 @@ struct CandidatePair {
   friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
 };
 
+class RestingGrid;
+
 /// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table that holds
 /// blocks of neighbouring cells side by side. Invariant: buffers only grow, so that a scene that was seen once needs no
 /// allocation.
@@ -61,9 +63,11 @@ class BroadPhase {
   /// than most_tests(max_partners) others and counts the rest as discarded. `swept` bodies are not in the grid: each
   /// searches the cells along its path, or all entries if these are fewer, and keeps every partner on it; swept bodies
   /// whose paths are near along the axis on which they are spread most are compared with each other. Without swept
-  /// bodies this costs nothing.
+  /// bodies this costs nothing. Bounds in `resting` are found by those that move and search for nothing themselves;
+  /// swept bodies do not look there.
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
-              parallel::Executor& executor, std::span<const SweptBound> swept = {});
+              parallel::Executor& executor, std::span<const SweptBound> swept = {},
+              const RestingGrid* resting = nullptr);
   /// Bounds that the search of one looks at, at most. Far more than cells hold where bounds do not overlap.
   static std::uint32_t most_tests(std::uint32_t max_partners) { return std::max(4096U, 16 * max_partners); }
 
@@ -109,7 +113,7 @@ class BroadPhase {
   void find_ranges();
   void sort_swept(std::span<const SweptBound> swept);
   void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-              std::uint32_t max_partners, Collector& found) const;
+              std::uint32_t max_partners, const RestingGrid* resting, Collector& found) const;
   void search_along(std::size_t place, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                     std::span<const SweptBound> swept, Collector& found) const;
   template <class Visit>
@@ -120,8 +124,8 @@ class BroadPhase {
   std::size_t visit_row(const Cell& first, std::int32_t count, std::uint32_t& room, Visit&& visit) const;
   [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
   std::size_t collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                      std::span<const SweptBound> swept, std::uint32_t max_partners, parallel::Executor& executor,
-                      Result& result);
+                      std::span<const SweptBound> swept, std::uint32_t max_partners, const RestingGrid* resting,
+                      parallel::Executor& executor, Result& result);
   void sort_pairs(std::size_t count, parallel::Executor& executor);
   void sort_segment(std::size_t segment, std::uint32_t slots);
   template <class SegmentOf, class Write>

@@ -2,23 +2,17 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "collision/broad_phase/broad_phase.h"
+#include "collision/broad_phase/grid_blocks.h"
 #include "parallel/shared_counters.h"
 
 /// What the two searches of the broad phase share: cells and the list of what was found.
 namespace poise::collision {
-
-inline constexpr double kFarthestCell = 1e9;
-
-inline std::int32_t cell_of(double x_m, double cells_per_meter) {
-  return static_cast<std::int32_t>(std::clamp(std::floor(x_m * cells_per_meter), -kFarthestCell, kFarthestCell));
-}
 
 inline bool meet(std::uint32_t group_a, std::uint32_t with_a, std::uint32_t group_b, std::uint32_t with_b) {
   return (group_a & with_b) != 0 && (group_b & with_a) != 0;
@@ -59,18 +53,8 @@ struct BroadPhase::Collector {
   }
 };
 
-// Buckets of neighbouring cells lie side by side, in blocks of 16 x 4 x 4 that are placed by a hash: a search of
-// neighbours reads what lies together, and no arrangement of bodies puts many cells into one bucket.
-inline constexpr std::int32_t kBlockRow = 16;
-inline constexpr std::uint64_t kBlockCells = std::uint64_t{kBlockRow} * 4 * 4;
-
 inline std::uint64_t BroadPhase::bucket(const Cell& cell) const {
-  const auto block = [](std::int32_t at, int bits) { return static_cast<std::uint64_t>(at >> bits); };
-  const std::uint64_t hash = block(cell.x, 4) * 0x9e3779b97f4a7c15U + block(cell.y, 2) * 0xc2b2ae3d27d4eb4fU +
-                             block(cell.z, 2) * 0x165667b19e3779f9U +
-                             static_cast<std::uint64_t>(cell.grid) * 0x27d4eb2f165667c5U;
-  const auto inside = static_cast<std::uint64_t>((cell.z & 3) << 6 | (cell.y & 3) << 4 | (cell.x & 15));
-  return ((hash >> 32U) & block_mask_) * kBlockCells + inside;
+  return bucket_of(cell.x, cell.y, cell.z, cell.grid, block_mask_);
 }
 
 template <class Visit>

@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kUnknownUnitCostNs = 60;
 
+// How much of what is learned of a frame's cost comes from the last one. Chosen.
+constexpr double kNewShare = 0.25;
+
 // Where the margin begins when nothing is known: half as much again at 1 %, twice as much at 0.1 %. Chosen.
 double first_log_quantile(double alpha) { return 0.4 + 0.3 * std::clamp(std::log10(0.01 / alpha), -1.0, 3.0); }
 
@@ -200,6 +203,7 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   levels.reused.reserve(input.table.capacity());
   levels.reuse_band.reserve(input.table.capacity());
   levels.held.reserve(input.scene.bodies.slot_count());
+  levels.islands.reserve(input.scene.bodies.slot_count());
   FramePlan plan;
   plan.time_left = step.budget.deadline - host - now;
   plan.threads = executor.concurrency();
@@ -297,6 +301,16 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   forecasts.head.learn(facts.head_work, times.predict + times.broad_phase + times.coarse);
   facts.candidate_pairs = report.candidate_pairs;
   facts.active_pairs = report.coarse_pairs;
+  facts.load = counts.dynamic_bodies + report.coarse_pairs;
+  if (facts.load > 0) {
+    // What was refined, and a level of what was left.
+    const Nanoseconds refined = std::max(Nanoseconds(0), times.refine - report.planning - of_refinement);
+    const double left_ns =
+        kLevelNs * static_cast<double>(report.pairs_left) / std::max(1.0, static_cast<double>(tallies.size()));
+    const double wanted_ns = ns_of(report.mandatory - report.host_reserved + refined) + left_ns;
+    const double one_ns = wanted_ns / static_cast<double>(facts.load);
+    facts.ns_of_load = facts.ns_of_load > 0 ? facts.ns_of_load + kNewShare * (one_ns - facts.ns_of_load) : one_ns;
+  }
   // What waits will want what it wanted when it was stepped last.
   if (report.degraded.bodies_held == 0) {
     facts.manifold_points = manifold_points;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "frame/refine/pair_cues.h"
 #include "frame/refine/refine.h"
 #include "parallel/shared_counters.h"
 #include "poise/scheduler/frame_budget.h"
@@ -12,12 +14,20 @@
 
 namespace poise::simulation {
 
+/// A step of refinement that a job has made, for the log.
+struct RefinementNote {
+  std::uint32_t item;
+  RefinementStep::Kind kind;
+  SteadyClock::time_point when;
+};
+
 /// What the workers of a refinement under a deadline read and write before they publish a level. It belongs to the
 /// World, not to the frame: a worker that the system holds up in the middle of a job is not waited for
 /// (parallel::Executor::run_with), and may still read this, the outputs of *predict* and *coarse*, the shapes and the
 /// fronts when the solver has long begun. It settles before the next step.
 struct OpenRefinement {
-  /// One job of one worker: the best that there is, if the forecast lets it begin. False: nothing more for this worker.
+  /// One job of one worker: some of the best pairs that there are, if the forecast lets them begin. False: nothing more
+  /// for this worker.
   bool operator()(int worker);
   class Job;
 
@@ -33,19 +43,38 @@ struct OpenRefinement {
     double solved_share = 1;     ///< of the pairs not found separated
     DecisionLog* log = nullptr;  ///< of a step that is recorded
   };
-  /// What a job has found out of a pair, and the level that is being worked out; it becomes the pair's when the job
-  /// commits.
-  struct alignas(64) Hand {
+  /// What a job has found out of one pair.
+  struct Hand {
+    std::uint32_t item = scheduler::PriorityBands::kNone;  ///< in the pair table
     PairProgress progress;
     collision::LevelContact found;
-    collision::PairLevel level;
-    collision::LevelContact next;
+    Outcome ended = Outcome::Completed;  ///< of the last level
+    bool completed = false;              ///< at least one level
+    bool again = false;                  ///< the next level has its turn later, in this band
+    std::uint32_t band = 0;
+  };
+  /// What one worker holds: the pairs of its job, which become everybody's when the job commits.
+  struct alignas(64) Batch {
+    static constexpr std::size_t kMost = 16;  ///< chosen: with what goes with them they fit a first-level cache
+    std::array<Hand, kMost> hands;
+    std::size_t count = 0;
+    collision::LevelContact before;     ///< of a level that may be cut: what was known until then
+    std::uint32_t next = 0, past = 0;   ///< in order: what is left of the worker's chunk of pairs
+    bool looks = false;                 ///< likewise: how well they are seen is found out again
+    std::vector<RefinementNote> notes;  ///< of a step that is recorded
+
+    /// For all that one job can note.
+    void reserve() { notes.reserve(kMost * (kPolygonBin + 2)); }
   };
   std::optional<Run> run;
-  parallel::Shared<std::int64_t> contacts{0};  ///< pairs not found separated
-  parallel::Shared<int> cut{0};                ///< not 0: the time is up for a job that was next
-  std::vector<Hand> hands;                     ///< one a worker
-  std::vector<std::uint32_t> chunks;           // scratch: of pairs that are ranked
+  std::optional<PairCueSource> cues;                ///< of the run
+  parallel::Shared<std::int64_t> contacts{0};       ///< pairs not found separated
+  parallel::Shared<std::int64_t> ended{0};          ///< pairs that have come as deep as they go
+  parallel::Shared<int> cut{0};                     ///< not 0: the time is up for a job that was next
+  std::optional<parallel::Shares> chunks_in_order;  ///< there: pairs go as they stand, whatever their score
+  SteadyClock::time_point in_order_until{};         ///< but no longer than this
+  std::vector<Batch> batches;                       ///< one a worker
+  std::vector<std::uint32_t> chunks;                // scratch: of pairs that are ranked
 };
 
 }  // namespace poise::simulation

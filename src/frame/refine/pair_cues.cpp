@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "frame/refine/pair_cues.h"
 
+#include "frame/cues/answered_gap.h"
+#include "frame/cues/attended.h"
+#include "frame/cues/known_separation.h"
+#include "frame/cues/pair_place.h"
+#include "frame/cues/prepared_cues.h"
+#include "frame/cues/surface_speed.h"
 #include "frame/host_cues.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
@@ -8,28 +14,45 @@
 namespace poise::simulation {
 namespace {
 
-// What the viewer sees of a pair that is known by its root spheres alone: it touches where the smaller one is nearest
-// to the other.
+// Is a cue asked for? What a host's function reads counts as asked for.
+bool measures(const scheduler::Policy& policy, double scheduler::Policy::*weight) { return policy.*weight != 0; }
+bool measures_closing(const scheduler::Policy& policy) {
+  return measures(policy, &scheduler::Policy::closing) || measures(policy, &scheduler::Policy::delay) ||
+         policy.cue.function != nullptr || policy.kind == scheduler::PolicyKind::Custom;
+}
+
+// Is all that moves of a pair hidden?
+bool is_hidden(const RefineInput& input, const ActivePair& pair) {
+  const Occlusion& occlusion = input.prepared->occlusion;
+  const std::vector<std::uint8_t>& dynamic = input.scene.bodies.dynamic;
+  const auto seen = [&](std::uint32_t slot) { return dynamic[slot] != 0 && occlusion.hidden[slot] == 0; };
+  return (dynamic[pair.a] != 0 || dynamic[pair.b] != 0) && !seen(pair.a) && !seen(pair.b);
+}
+
+// What the viewer sees of a pair, as far as the policy asks for it.
 PairView pair_view_of(const RefineInput& input, const ActivePair& pair) {
-  const BodyBounds& a = input.motion.body_bounds[pair.a];
-  const BodyBounds& b = input.motion.body_bounds[pair.b];
-  PairView pair_view;
-  if (b.plane) {
-    pair_view.normal = -b.position_m;
-    pair_view.point_m = a.root_center_m + a.root_radius_m * pair_view.normal;
-  } else {
-    const Vec3 between = b.root_center_m - a.root_center_m;
-    const double distance = between.norm();
-    if (distance > 0) pair_view.normal = between / distance;
-    pair_view.point_m = a.root_radius_m <= b.root_radius_m
-                            ? Vec3(a.root_center_m + std::min(a.root_radius_m, distance) * pair_view.normal)
-                            : Vec3(b.root_center_m - std::min(b.root_radius_m, distance) * pair_view.normal);
-  }
-  pair_view.extent_m = pair.skin_m / kSkin;
-  pair_view.closing_mps = pair_view.normal.dot(a.velocity_mps - b.velocity_mps);
-  pair_view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
-  pair_view.frames_waited = pair.cached.frames_waited;
-  return pair_view;
+  using scheduler::Policy;
+  const Policy& policy = input.policy;
+  const PairPlace place =
+      input.points != nullptr ? place_of(input.motion, pair, *input.points) : place_of(input.motion, pair);
+  PairView view;
+  view.point_m = place.point_m;
+  view.normal = place.normal;
+  view.extent_m = pair.skin_m / kSkin;
+  if (measures_closing(policy)) view.closing_mps = surface_closing_mps(input.scene.bodies, input.motion, pair, place);
+  view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
+  view.frames_waited = pair.cached.frames_waited;
+  if (measures(policy, &Policy::gap)) view.gap_m = answered_gap_m(input.motion, pair);
+  if (measures(policy, &Policy::delay) && view.closing_mps > 0)
+    view.delay_s = input.terms.dt_s * static_cast<double>(view.frames_waited);
+  if (measures(policy, &Policy::onset)) view.age_s = input.terms.dt_s * static_cast<double>(frames_touched(pair));
+  if (measures(policy, &Policy::touch)) view.separation = known_separation(input.scene, input.motion, pair);
+  if (measures(policy, &Policy::attention))
+    view.attended = is_attended(input.step.attention, input.scene.bodies, pair, place.point_m);
+  if (input.prepared == nullptr) return view;
+  if (input.prepared->occlusion.found) view.hidden = is_hidden(input, pair);
+  if (input.prepared->crowd_counted) view.crowd = input.prepared->crowd.others_at(place.point_m);
+  return view;
 }
 
 }  // namespace
@@ -48,6 +71,7 @@ bool PairCueSource::fill(std::uint32_t index, scheduler::PairCues& cues) const {
 double PairCueSource::seen(std::uint32_t index) const {
   PairView view = pair_view_of(input_, input_.table.pairs[index]);
   view.frames_waited = 0;
+  view.delay_s = 0;
   const scheduler::PairCues cues = cues_of(view_query_, view, input_.policy);
   return scheduler::cue_weight(input_.policy, cues) * cues.angle_radpm;
 }

@@ -17,13 +17,13 @@ namespace {
 // ended late in one frame of ten.
 constexpr double kShare = 0.25;
 
-// The band of what a viewer sees of a pair, whatever else it is ranked by; never that of a pair that was never ranked.
-std::uint8_t seen_band(const scheduler::PairCues& cues) {
-  const std::uint32_t band = scheduler::octave_band(cues.visibility * cues.angle_radpm);
+}  // namespace
+
+std::uint8_t seen_band(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
+  const double visibility = cues.visibility * (cues.hidden ? policy.hidden_visibility : 1.0);
+  const std::uint32_t band = scheduler::octave_band(visibility * cues.angle_radpm);
   return static_cast<std::uint8_t>(std::clamp<std::uint32_t>(band, 1, scheduler::kBands - 1));
 }
-
-}  // namespace
 
 void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most, std::vector<std::uint32_t>& chosen) {
   chosen.clear();
@@ -71,12 +71,14 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
     for (std::size_t k = past; k-- > first;) {
       for (std::size_t i = table.end_of(chosen[k]); i-- > table.begin_of(chosen[k]);) {
         PairProgress& pair = levels.progress[i];
-        if (!pair.refinable()) continue;
+        if (!pair.refinable() || pair.full) continue;
         const auto item = static_cast<std::uint32_t>(i);
         if (!source.fill(item, levels.cues[i])) ++not_taken;
-        pair.seen = seen_band(levels.cues[i]);
-        resources.bands.put(item, scheduler::band_of(input.policy, score_of(input, facts, levels.cues[i], pair, item)));
+        pair.seen = seen_band(input.policy, levels.cues[i]);
         ++put;
+        const double score = score_of(input, facts, levels.cues[i], pair, levels.found[i], item);
+        if (!scheduler::left_out(input.policy, score))
+          resources.bands.put(item, scheduler::band_of(input.policy, score));
       }
     }
     ranked.add(put);

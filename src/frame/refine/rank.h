@@ -12,6 +12,10 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
                 SteadyClock::time_point start, SteadyClock::time_point cut, CompletedLevels& levels,
                 FrameReport& report, parallel::Executor& executor);
 
+/// The band of what a viewer sees of a pair, whatever else it is ranked by; never 0, that of a pair that was never
+/// looked at.
+std::uint8_t seen_band(const scheduler::Policy& policy, const scheduler::PairCues& cues);
+
 /// Which chunks of a table are ranked where `most` pairs of it are: in ascending order. Deterministic for the table,
 /// the frame and `most`.
 void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most, std::vector<std::uint32_t>& chosen);

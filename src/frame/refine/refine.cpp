@@ -2,9 +2,10 @@
 #include "frame/refine/refine.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
+#include "frame/cues/prepared_cues.h"
+#include "frame/refine/observe_gains.h"
 #include "frame/refine/pair_cues.h"
 #include "frame/refine/replay_decisions.h"
 #include "parallel/ranges.h"
@@ -39,12 +40,17 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   scheduler::RoundSelector& rounds = refinement.resources.rounds;
   parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
-    return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index], index),
+    return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index],
+                                         refinement.levels.found[index], index),
                                 index, all[index].level.next_units};
+  };
+  const auto add = [&](std::uint32_t index) {
+    const scheduler::Candidate next = candidate(index);
+    if (!scheduler::left_out(input.policy, next.score)) rounds.add(next);
   };
   rounds.begin_frame(budget_units, all.size(), input.policy.round_pairs);
   for (std::uint32_t i = 0; i < all.size(); ++i) {
-    if (all[i].refinable()) rounds.add(candidate(i));
+    if (all[i].refinable()) add(i);
   }
   // Whether fronts fit is decided from worst cases before a round, not by whose pool fills up first: a result must
   // not depend on threads.
@@ -94,7 +100,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
       const PairProgress& pair = all[chosen.pair];
       if (refinement.resources.log != nullptr)
         refinement.resources.log->note_round(chosen.pair, kind_of(pair.full ? Outcome::Full : Outcome::Completed));
-      if (!pair.full && pair.refinable()) rounds.add(candidate(chosen.pair));
+      if (!pair.full && pair.refinable()) add(chosen.pair);
     }
   }
 }
@@ -151,42 +157,6 @@ void sum_tallies(const RefineInput& input, const CompletedLevels& levels, Foreca
 }
 
 }  // namespace
-
-scheduler::FrameFacts frame_facts(const RefineInput& input) {
-  scheduler::FrameFacts facts;
-  for (const ShapeFacts& shape : input.scene.shapes) {
-    if (shape.shape) facts.deepest_level = std::max<std::uint32_t>(facts.deepest_level, shape.shape->tree.depth());
-  }
-  if (input.terms.polygons) ++facts.deepest_level;
-  facts.frame = input.frame;
-  facts.seed = input.seed;
-  facts.pairs = static_cast<std::uint32_t>(input.table.size());
-  return facts;
-}
-
-double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
-                const PairProgress& progress, std::uint32_t index) {
-  const ActivePair& pair = input.table.pairs[index];
-  std::array<float, kPolygonBin + 1> error_m{};
-  const auto& error_a = input.scene.facts_of(pair.a).error_m;
-  const auto& error_b = input.scene.facts_of(pair.b).error_m;
-  for (std::size_t level = 0; level < error_a.size(); ++level) error_m[level] = error_a[level] + error_b[level];
-  // What is known of a deeper level, and how far the bodies have moved since. Shallower levels bring nothing more.
-  if (progress.has_cached_points() || progress.cached == CacheUse::Parted) {
-    const float moved_m = progress.cached == CacheUse::Points ? 0.0F : static_cast<float>(pair.cached.moved_m);
-    const float known_m = error_m[progress.cached_level] + moved_m;
-    for (std::size_t level = 0; level < progress.cached_level; ++level)
-      error_m[level] = std::min(error_m[level], known_m);
-  }
-  if (progress.level.polygons) error_m[progress.level.deepest] = 0;
-  const scheduler::PairChain chain{pair.id(),
-                                   progress.level.level,
-                                   std::span(error_m).first(progress.level.deepest + 1U),
-                                   progress.level.next_units,
-                                   user_data_of(input.scene, pair),
-                                   progress.level.level > 0};
-  return scheduler::score(input.policy, facts, chain, cues, index);
-}
 
 RefinementStep::Kind kind_of(Outcome outcome) {
   if (outcome == Outcome::Completed) return RefinementStep::Kind::Completed;
@@ -254,15 +224,27 @@ void make_points_left(const RefineInput& input, std::span<const collision::Front
   });
 }
 
-void refine(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,
+void refine(const RefineInput& given, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,
             parallel::Executor& executor) {
+  RefineInput input = given;
+  input.learned = &resources.learned;
+  input.prepared = &resources.prepared;
+  input.points = &resources.points;
   begin_levels(input.table, levels, executor);
+  const bool budget_given = input.step.budget.kind != Budget::Kind::Unlimited;
+  levels.learns = input.step.replay != nullptr ? input.step.replay->learns
+                                               : budget_given && (input.policy.learning > 0 || input.policy.onset != 0);
+  if (levels.learns) resources.learned.learn();
+  const bool scores = input.step.replay == nullptr ? budget_given : input.step.explain != nullptr;
+  resources.prepared.forget();
+  if (scores) prepare_cues(input, resources.prepared, executor);
   const Refinement refinement{input, resources, frame_facts(input), levels, executor};
   for (collision::FrontPool& pool : resources.pools) pool.clear();
   if (resources.log != nullptr) {
     // Each level of each pair once, and a pair's last one may have been discarded.
     const std::size_t most = input.table.capacity() * (refinement.facts.deepest_level + std::size_t{1});
     resources.log->begin(input.frame, input.table.size(), resources.pools.size(), most);
+    if (levels.learns) resources.log->learns();
   }
   const Budget& budget = input.step.budget;
   if (input.step.replay != nullptr) {
@@ -278,6 +260,7 @@ void refine(const RefineInput& input, const RefineResources& resources, Complete
     refine_by_rounds(refinement,
                      budget.kind == Budget::Kind::Work ? budget.work_units : std::numeric_limits<std::uint64_t>::max());
   }
+  if (levels.learns) observe_gains(input, levels, resources.learned.observed());
   sum_tallies(input, levels, resources.forecasts, report);
 }
 

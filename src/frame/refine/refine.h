@@ -4,18 +4,21 @@
 #include <span>
 #include <vector>
 
+#include "frame/budget/occupied_cells.h"
 #include "frame/coarse.h"
 #include "frame/refine/refine_level.h"
 #include "poise/scheduler/priority_bands.h"
 #include "poise/scheduler/rounds.h"
 #include "world/decision_log.h"
 #include "world/forecasts.h"
+#include "world/learned_gains.h"
 
 /// Stage *refine*: deeper levels of the active pairs, best score first, until the budget is spent. The one stage that
 /// the deadline cuts (refine_until_cut.cpp).
 namespace poise::simulation {
 
 struct OpenRefinement;
+struct PreparedCues;
 
 struct RefineInput {
   SceneView scene;
@@ -29,6 +32,10 @@ struct RefineInput {
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
   SteadyClock::time_point begun{};      ///< when the stage begins
   IslandsWait islands_wait = IslandsWait::Never;
+  // Of the stage itself, where scores are asked for.
+  const LearnedGains* learned = nullptr;
+  const PreparedCues* prepared = nullptr;
+  const PointCache* points = nullptr;  ///< of the last step
 
   [[nodiscard]] PairRefiner refiner() const { return {scene, terms.contact, policy.quantum_units}; }
 };
@@ -44,16 +51,31 @@ struct WorkerTally {
   SteadyClock::time_point begun{}, ended{}, longest_begun{};
 };
 
-/// Islands that wait in this frame (budget/hold.h), and the memory in which they are found. Invariant: buffers only
+/// Memory in which the islands of a frame are found (budget/islands.h), and what they hold. Invariant: buffers only
 /// grow.
-struct HeldIslands {
+struct IslandSums {
   struct Island {
-    std::uint64_t seen = 0;  ///< sum of its pairs' weights
+    std::uint64_t seen = 0;  ///< sum of the weights of its pairs, or bodies
     std::uint32_t bodies = 0, pairs = 0, open = 0, moving = 0, fast = 0, flying = 0, contacts = 0, unknown = 0;
     std::uint32_t restless = 0;
+    std::uint32_t angle_urad = 0;  ///< the largest visible angle (radius by distance) of its bodies in view
     bool held = false;
-    void add(const Island& part);  ///< but for held; any thread
+    std::uint8_t steps_paused = 0;  ///< that it leaves out after this one
+    void add(const Island& part);   ///< but for the last two; any thread
   };
+  parallel::UnsetVector<std::uint32_t> parent;  ///< one a slot: the union-find forest
+  OccupiedCells cells;
+  parallel::UnsetVector<Island> islands;  ///< one a slot, those of roots are in use
+
+  void reserve(std::size_t slot_count) {
+    parent.reserve(slot_count);
+    islands.reserve(slot_count);
+    cells.reserve(slot_count);
+  }
+};
+
+/// Islands that wait in this frame (budget/hold.h). Invariant: buffers only grow.
+struct HeldIslands {
   std::vector<std::uint32_t> roots;   ///< of those that are held: the lowest slot of each, ascending
   std::size_t bodies = 0, pairs = 0;  ///< of these
   std::size_t open = 0;               ///< of these pairs, that have something left to find out before refinement
@@ -67,16 +89,7 @@ struct HeldIslands {
   void reserve(std::size_t slot_count) {
     roots.reserve(slot_count);
     slots.reserve(slot_count);
-    parent.reserve(slot_count);
-    islands.reserve(slot_count);
   }
-  void resize(std::size_t slot_count) {
-    parent.resize(slot_count);
-    islands.resize(slot_count);
-  }
-
-  parallel::UnsetVector<std::uint32_t> parent;  // scratch: the union-find forest
-  parallel::UnsetVector<Island> islands;        // scratch: one a slot, those of roots are in use
 };
 
 /// Output of *refine*: how far each pair has come, and what its deepest level found. Invariant: buffers only grow.
@@ -89,8 +102,10 @@ struct CompletedLevels {
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
   parallel::Waits waits;     ///< under a deadline: of the calling thread, for jobs of others
   int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
+  bool learns = false;       ///< FrameDecisions::learns
 
   HeldIslands held;
+  IslandSums islands;                 ///< scratch
   std::vector<std::uint32_t> reused;  ///< pairs that are reused because the frame does not fit (budget/degrade.h)
   parallel::UnsetVector<std::uint8_t> reuse_band;  // scratch: one a pair; 0: it may not be reused
   std::vector<std::size_t> counts;                 // scratch
@@ -103,6 +118,9 @@ struct RefineResources {
   scheduler::PriorityBands& bands;
   scheduler::RoundSelector& rounds;
   OpenRefinement& open;
+  LearnedGains& learned;
+  PreparedCues& prepared;
+  const PointCache& points;
   DecisionLog* log = nullptr;  ///< of a step that is recorded
 };
 
@@ -126,9 +144,10 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
 /// What a policy may know of the frame.
 scheduler::FrameFacts frame_facts(const RefineInput& input);
 
-/// What decides when the next level of an active pair has its turn.
+/// What decides when the next level of an active pair has its turn. `found` is by its completed level, if that is
+/// beyond 0.
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
-                const PairProgress& progress, std::uint32_t index);
+                const PairProgress& progress, const collision::LevelContact& found, std::uint32_t index);
 
 /// Counts a level that has ended. `apart`: it has found the pair separated.
 void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally& tally);

@@ -13,15 +13,90 @@
 namespace poise::simulation {
 namespace {
 
-std::uint64_t solved_of(double share, std::int64_t present) {
-  return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
-}
-
 // The larger of two excesses, each with what the system took from it.
 void note_overrun(Nanoseconds own, Nanoseconds off_cpu, FrameReport& report) {
   if (own + off_cpu <= report.longest_overrun + report.overrun_off_cpu) return;
   report.longest_overrun = own;
   report.overrun_off_cpu = off_cpu;
+}
+
+// What a pair takes in order, of what it takes by score. Chosen above what is measured: 0.35 where a heap lands.
+constexpr double kInOrderShare = 0.5;
+
+// What it took to bring so many pairs to their end.
+void learn_pair_cost(Nanoseconds took, std::int64_t pairs, double share, Forecasts& forecasts) {
+  constexpr std::int64_t kLeastPairs = 16;
+  if (pairs < kLeastPairs) return;
+  const double measured_ns = share * static_cast<double>(took.count()) / static_cast<double>(pairs);
+  double& cost_ns = forecasts.pair_cost_ns;
+  cost_ns = cost_ns == 0 ? measured_ns : cost_ns + 0.2 * (measured_ns - cost_ns);
+}
+
+// Where half of the time is enough for all pairs, the order does not matter, and they go as they stand in memory: that
+// takes a third of the time. What a host's function says of a pair is asked for, and what is to be left out is.
+bool goes_in_order(const RefineInput& input, const Forecasts& forecasts, const CompletedLevels& levels,
+                   SteadyClock::time_point now, SteadyClock::time_point cut) {
+  const scheduler::Policy& policy = input.policy;
+  if (policy.kind == scheduler::PolicyKind::Custom || policy.cue.function != nullptr || policy.seen_threshold_rad > 0)
+    return false;
+  const double expected_ns = forecasts.pair_cost_ns * static_cast<double>(levels.known.refinable);
+  return expected_ns > 0 && expected_ns < 0.5 * static_cast<double>((cut - now).count());
+}
+
+// For all that this frame's jobs can come to, also where the machine decides whether they rank at all.
+void reserve_for_jobs(const PairTable& table, std::size_t workers, const RefineResources& resources) {
+  OpenRefinement& open = resources.open;
+  open.batches.resize(workers);
+  for (OpenRefinement::Batch& batch : open.batches) batch.reserve();
+  open.chunks.reserve(table.known_of_chunk.capacity());
+  resources.bands.reserve(static_cast<std::uint32_t>(table.capacity()));
+}
+
+// When refinement has its time.
+struct RefinementTime {
+  SteadyClock::time_point begin, cut;
+  Nanoseconds patience{0};  // with jobs that are under way at the cut
+};
+
+// All pairs as they stand, until half of the time is over.
+void run_in_order(const RefinementTime& time, const RefineResources& resources, std::size_t chunks, FrameReport& report,
+                  parallel::Executor& executor) {
+  OpenRefinement& open = resources.open;
+  open.chunks_in_order.emplace(chunks, executor.concurrency());
+  open.in_order_until = time.begin + (time.cut - time.begin) / 2;
+  for (OpenRefinement::Batch& batch : open.batches) batch.next = batch.past = 0;
+  report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
+  // A worker that is not waited for may still look there.
+  if (report.jobs_abandoned == 0) open.chunks_in_order.reset();
+  learn_pair_cost(SteadyClock::now() - time.begin, open.ended.get(), 1, resources.forecasts);
+}
+
+// What may be refined by score, until the cut. False where there was no time to rank any.
+bool run_ranked(const RefineInput& input, const RefinementTime& time, const RefineResources& resources,
+                CompletedLevels& levels, FrameReport& report, parallel::Executor& executor) {
+  OpenRefinement& open = resources.open;
+  const std::int64_t before = open.ended.get();
+  const SteadyClock::time_point begin = SteadyClock::now();
+  if (begin >= time.cut || !rank_pairs(input, resources, open.run->facts, begin, time.cut, levels, report, executor))
+    return false;
+  // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
+  // do.
+  do {
+    report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
+  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
+  learn_pair_cost(SteadyClock::now() - begin, open.ended.get() - before, kInOrderShare, resources.forecasts);
+  return true;
+}
+
+// False where nothing was run at all.
+bool run_jobs(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels,
+              const RefinementTime& time, FrameReport& report, parallel::Executor& executor) {
+  const bool in_order = goes_in_order(input, resources.forecasts, levels, time.begin, time.cut);
+  if (in_order) run_in_order(time, resources, input.table.chunks(), report, executor);
+  const bool more = resources.open.ended.get() < static_cast<std::int64_t>(levels.known.refinable);
+  const bool ranked =
+      report.jobs_abandoned == 0 && more && run_ranked(input, time, resources, levels, report, executor);
+  return in_order || ranked;
 }
 
 }  // namespace
@@ -37,25 +112,23 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   OpenRefinement& open = resources.open;
   open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
                                        forecasts.solved_share, resources.log});
-  open.hands.resize(levels.tallies.size());
+  open.cues.emplace(open.run->input);
+  reserve_for_jobs(input.table, levels.tallies.size(), resources);
   open.contacts.set(plan.present);
+  open.ended.set(0);
   levels.present = plan.present;
   open.cut.set(0);
+  open.chunks_in_order.reset();
   const scheduler::FrameBudget& budget = open.run->budget;
   const SteadyClock::time_point first_cut = budget.cut(plan.expected);
   const SteadyClock::time_point planned = SteadyClock::now();
   report.planning = planned - start;
-  if (first_cut <= planned || !rank_pairs(input, resources, facts, planned, first_cut, levels, report, executor))
-    return;
+  if (first_cut <= planned) return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(input.policy.quantum_units));
   const parallel::Waits waits_before = executor.waits();
   const Nanoseconds cpu_before = thread_cpu_time();
   const SteadyClock::time_point run_begun = SteadyClock::now();
-  // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
-  // do.
-  do {
-    report.jobs_abandoned += executor.run_with({first_cut, patience}, open);
-  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
+  if (!run_jobs(input, resources, levels, {planned, first_cut, patience}, report, executor)) return;
   report.jobs_discarded += report.jobs_abandoned;
   const SteadyClock::time_point end = SteadyClock::now();
   levels.waits = executor.waits() - waits_before;
@@ -79,146 +152,5 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   note_overrun(past_cut - taken, taken, report);
   for (const WorkerTally& tally : levels.tallies) note_overrun(tally.overrun, tally.overrun_off_cpu, report);
 }
-
-// A job brings one pair to its next level, and goes on with the one after that as long as no other pair has more to
-// gain for the time it takes.
-class OpenRefinement::Job {
- public:
-  Job(OpenRefinement& open, int worker)
-      : open_(open), run_(*open.run), worker_(worker), tally_(run_.levels.tallies[static_cast<std::size_t>(worker)]) {
-    now_ = SteadyClock::now();
-    if (tally_.begun != SteadyClock::time_point{}) return;
-    tally_.begun = now_;
-    tally_.cpu_before = thread_cpu_time();
-  }
-
-  bool run() {
-    item_ = run_.bands.take();
-    const bool there = item_ != scheduler::PriorityBands::kNone;
-    if (!there || !admits(run_.levels.progress[item_].level.next_units)) {
-      if (!run_.executor.commit(worker_)) return false;
-      if (there) open_.cut.set(1);
-      return end(false);
-    }
-    refine();
-    // Until here this has written what is this worker's own and nothing else.
-    return run_.executor.commit(worker_) && publish();
-  }
-
- private:
-  [[nodiscard]] std::uint64_t piece_of(std::uint64_t units) const {
-    return std::min<std::uint64_t>(units, run_.input.policy.quantum_units);
-  }
-  [[nodiscard]] bool admits(std::uint64_t units) {
-    piece_units_ = piece_of(units);
-    return run_.budget.admits(now_, piece_units_, solved_of(run_.solved_share, open_.contacts.get()));
-  }
-  bool end(bool more) {
-    tally_.ended = now_;
-    if (!more) tally_.off_cpu = off_cpu();
-    run_.levels.tallies[static_cast<std::size_t>(worker_)] = tally_;
-    return more;
-  }
-  // Since this worker's first job.
-  [[nodiscard]] Nanoseconds off_cpu() const {
-    return std::max(Nanoseconds(0), now_ - tally_.begun - (thread_cpu_time() - tally_.cpu_before));
-  }
-  void note_piece(SteadyClock::time_point begun) {
-    now_ = SteadyClock::now();
-    const Nanoseconds took = now_ - begun;
-    tally_.busy += took;
-    if (took > tally_.longest) {
-      tally_.longest = took;
-      tally_.longest_pair = item_;
-      tally_.longest_units = static_cast<std::uint32_t>(piece_units_);
-      tally_.longest_begun = begun;
-    }
-    const Nanoseconds excess = took - run_.budget.job_cost(piece_units_);
-    if (excess > tally_.overrun + tally_.overrun_off_cpu) note_excess(excess);
-  }
-  void note_excess(Nanoseconds excess) {
-    // A shorter one makes no frame late, and is not worth the clock's time. Chosen.
-    constexpr Nanoseconds kLookedInto{50'000};
-    tally_.overrun_off_cpu = Nanoseconds(0);
-    if (excess >= kLookedInto) {
-      const Nanoseconds before = tally_.off_cpu;
-      tally_.off_cpu = off_cpu();
-      tally_.overrun_off_cpu = std::clamp(tally_.off_cpu - before, Nanoseconds(0), excess);
-    }
-    tally_.overrun = excess - tally_.overrun_off_cpu;
-  }
-
-  // Levels of the pair, in this worker's own memory.
-  void refine() {
-    const RefineInput& input = run_.input;
-    Hand& hand = open_.hands[static_cast<std::size_t>(worker_)];
-    const PosedPair placed = posed(input.motion, input.table.pairs[item_]);
-    hand.progress = run_.levels.progress[item_];
-    if (hand.progress.level.level > 0) hand.found = run_.levels.found[item_];
-    collision::PairFrame frame = frame_of(input.refiner(), placed);
-    for (;;) {
-      // A level that is cut leaves the one before it as it was.
-      hand.level = hand.progress.level;
-      hand.next = hand.found;
-      const std::uint64_t units = hand.level.next_units;
-      SteadyClock::time_point piece_begun = now_;
-      ended_ = complete_level(input.refiner(), run_.pools, placed, frame, hand.level, hand.next, worker_,
-                              [&](std::uint64_t next_units) {
-                                note_piece(piece_begun);
-                                piece_begun = now_;
-                                return admits(next_units);
-                              });
-      note_piece(piece_begun);
-      note_outcome(hand.level.apart, units, ended_, tally_);
-      if (ended_ != Outcome::Completed) return;
-      completed_at_[completed_++] = now_;
-      hand.progress.level = hand.level;
-      std::swap(hand.found, hand.next);
-      if (!hand.progress.refinable() || !goes_on(hand.progress)) return;
-    }
-  }
-  [[nodiscard]] bool goes_on(const PairProgress& progress) {
-    const RefineInput& input = run_.input;
-    const std::uint32_t band =
-        scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], progress, item_));
-    return band >= run_.bands.highest() && admits(progress.level.next_units);
-  }
-
-  bool publish() {
-    const RefineInput& input = run_.input;
-    const Hand& hand = open_.hands[static_cast<std::size_t>(worker_)];
-    PairProgress& pair = run_.levels.progress[item_];
-    if (completed_ > 0) {
-      const bool was_apart = pair.apart();
-      pair.level = hand.progress.level;
-      run_.levels.found[item_] = hand.found;
-      if (pair.apart() != was_apart && !pair.held) open_.contacts.add(was_apart ? 1 : -1);
-    }
-    if (run_.log != nullptr) {
-      for (std::size_t k = 0; k < completed_; ++k)
-        run_.log->note(worker_, item_, RefinementStep::Kind::Completed, completed_at_[k]);
-      if (ended_ != Outcome::Completed) run_.log->note(worker_, item_, kind_of(ended_), now_);
-    }
-    if (ended_ == Outcome::Full) pair.full = true;
-    if (ended_ == Outcome::Cut) open_.cut.set(1);
-    if (ended_ == Outcome::Completed && pair.refinable())
-      run_.bands.put(
-          item_, scheduler::band_of(input.policy, score_of(input, run_.facts, run_.levels.cues[item_], pair, item_)));
-    return end(ended_ != Outcome::Cut);
-  }
-
-  OpenRefinement& open_;
-  Run& run_;
-  const int worker_;
-  WorkerTally tally_;
-  SteadyClock::time_point now_;
-  std::uint32_t item_ = scheduler::PriorityBands::kNone;
-  std::uint64_t piece_units_ = 0;
-  Outcome ended_ = Outcome::Completed;  // of the last level
-  std::size_t completed_ = 0;
-  std::array<SteadyClock::time_point, kPolygonBin + 1> completed_at_;
-};
-
-bool OpenRefinement::operator()(int worker) { return Job(*this, worker).run(); }
 
 }  // namespace poise::simulation

@@ -141,7 +141,7 @@ class Replay {
       PairExplanation e = explained(input_, levels_, i);
       while (left_[i] > 0 && pair.refinable()) {
         LevelExplanation level{index, Level{0}, pair.level.next_units,
-                               score_of(input_, facts_, levels_.cues[index], pair, index), false};
+                               score_of(input_, facts_, levels_.cues[index], pair, levels_.found[index], index), false};
         if (!complete_anywhere(i)) break;
         level.level = pair.level.level;
         level.ended = pair.level.apart;
@@ -153,7 +153,7 @@ class Replay {
       e.refinable = pair.refinable();
       if (e.refinable) {
         e.next_units = pair.level.next_units;
-        e.next_score = score_of(input_, facts_, levels_.cues[index], pair, index);
+        e.next_score = score_of(input_, facts_, levels_.cues[index], pair, levels_.found[index], index);
       }
       explanation.pairs.push_back(e);
     }

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "frame/budget/islands.h"
+#include "frame/sleeping_sets.h"
+#include "world/decision_log.h"
+#include "world/forecasts.h"
+
+/// Islands at lower rates: where frames have no time for all bodies, some islands are stepped in every second frame
+/// only, or up to every eighth. In between they are not looked at, as if they slept, so that a frame costs what is
+/// stepped in it. A hook before *predict*, and one after *publish*.
+///
+/// A paused island keeps position and velocity, so it is seen in slow motion. It takes part again after the steps that
+/// it was to leave out, or at once if a moving body comes near it, the caller touches it, or the time suffices for all.
+/// No pair of a paused and a moving body is ever solved, so momentum and energy are as they would be later.
+namespace poise::simulation {
+
+/// Before the step: what was paused until now, or all of it if there is time for all or the step has no deadline,
+/// is requested to wake. True if all.
+bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t frame, const Forecasts& forecasts,
+                  const SleepAccess& access);
+
+struct PauseResources {
+  CompletedLevels& levels;  ///< its memory for islands
+  SleepAccess access;
+  Forecasts& forecasts;
+  DecisionLog* log = nullptr;  ///< of a step that is recorded
+};
+
+/// After the step: pauses islands, if not all that there are fit into a frame. Best seen islands are stepped in every
+/// frame, as many as half of a frame holds if there is a viewer; the others take turns, at the rate that fits. False if
+/// the decisions of a replay name what is no island, or may not wait.
+bool pause_islands(const RefineInput& input, const FrameReport& report, const PauseResources& resources,
+                   parallel::Executor& executor);
+
+}  // namespace poise::simulation

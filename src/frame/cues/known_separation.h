@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+
+#include "frame/coarse.h"
+#include "world/scene_view.h"
+
+namespace poise::simulation {
+
+// Of how far the bodies may have moved, and of the mean protrusion of a level, this is expected; of what is cached,
+// which has been refined further, less. Chosen (docs/priorities.md).
+inline constexpr double kExpected = 0.5;
+inline constexpr double kExpectedOfCached = 0.2;
+
+inline double protrusion_m(const SceneView& scene, const ActivePair& pair, std::size_t level) {
+  return static_cast<double>(scene.facts_of(pair.a).error_m[level] + scene.facts_of(pair.b).error_m[level]);
+}
+
+inline double relative_separation(double separation_m, double error_m) {
+  constexpr double kLeastError = 1e-9;
+  return separation_m / std::max(error_m, kLeastError);
+}
+
+/// Measures the cue *touch*: the separation of a pair as far as it is known, over the error that is expected of that;
+/// negative where the surfaces overlap. What is cached is wrong by what has moved since, what the root spheres say by
+/// what they protrude.
+inline double known_separation(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair) {
+  const CachedPair& cached = pair.cached;
+  double separation_m = 0;
+  double error_m = 0;
+  if (cached.point_count > 0) {
+    separation_m = cached.nearest_m;
+    error_m = kExpected * cached.moved_m + kExpectedOfCached * protrusion_m(scene, pair, cached.level);
+  } else if (cached.apart && cached.reach_m > 0) {
+    separation_m = cached.reach_m;
+    error_m = kExpected * cached.moved_m;
+  } else {
+    separation_m = coarsest_separation_m(motion, pair);
+    error_m = kExpected * protrusion_m(scene, pair, 0);
+  }
+  return relative_separation(separation_m, error_m);
+}
+
+/// The same of a pair of which a level has just been completed: by what that has found.
+inline double found_separation(const SceneView& scene, const ActivePair& pair, std::size_t level,
+                               const collision::LevelContact& found) {
+  const double separation_m = found.contact.present ? found.contact.estimated_separation_m : pair.margin_m;
+  return relative_separation(separation_m, kExpected * protrusion_m(scene, pair, level));
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "frame/budget/cpu_clock.h"
+#include "frame/refine/open_refinement.h"
+#include "frame/refine/pair_cues.h"
+#include "frame/refine/rank.h"
+
+namespace poise::simulation {
+namespace {
+
+// Work between two looks at the clock where pieces are small: a look takes as long as an expansion. Chosen.
+constexpr std::uint64_t kUnwatchedUnits = 128;
+// A level of so few units is not cut, so nothing need be kept of the one before. Chosen.
+constexpr std::uint64_t kWholeUnits = 64;
+// One of so few is done at once after the one before: to compare the pair with others, and to come back to it, takes as
+// long. Chosen.
+constexpr std::uint64_t kSmallUnits = 16;
+// Where pairs go in order, one chunk of so many is looked at in each frame for how well it is seen. Chosen.
+constexpr std::uint64_t kSeenEvery = 16;
+
+std::uint64_t solved_of(double share, std::int64_t present) {
+  return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
+}
+
+// What was found of a pair; of one that is apart nobody asks more than how far it was looked.
+void copy_found(const OpenRefinement::Hand& hand, collision::LevelContact& into) {
+  if (hand.progress.level.apart) {
+    into.reach_m = hand.found.reach_m;
+  } else {
+    into = hand.found;
+  }
+}
+
+}  // namespace
+
+// A job takes pairs, one after another, until it has done about a quantum of work. It brings each to its next level,
+// and on to the one after that as long as no other pair has more to gain for the time it takes. Nobody sees any of it
+// before the job commits.
+class OpenRefinement::Job {
+ public:
+  Job(OpenRefinement& open, int worker)
+      : open_(open),
+        run_(*open.run),
+        worker_(worker),
+        batch_(open.batches[static_cast<std::size_t>(worker)]),
+        tally_(run_.levels.tallies[static_cast<std::size_t>(worker)]) {
+    now_ = SteadyClock::now();
+    if (tally_.begun != SteadyClock::time_point{}) return;
+    tally_.begun = now_;
+    tally_.cpu_before = thread_cpu_time();
+  }
+
+  bool run() {
+    const bool more = fill_batch();
+    if (unwatched_units_ > 0) look_at_clock();
+    // Until here this has written what is this worker's own and nothing else.
+    if (!run_.executor.commit(worker_)) return false;
+    publish();
+    tally_.ended = now_;
+    if (!more) tally_.off_cpu = off_cpu();
+    run_.levels.tallies[static_cast<std::size_t>(worker_)] = tally_;
+    return more;
+  }
+
+ private:
+  [[nodiscard]] bool in_order() const { return open_.chunks_in_order.has_value(); }
+
+  // False: there is nothing more to take for this worker, or no time for it.
+  bool fill_batch() {
+    batch_.count = 0;
+    batch_.notes.clear();
+    do {
+      if (in_order() && now_ >= open_.in_order_until) return false;
+      const std::uint32_t item = in_order() ? next_in_order() : run_.bands.take();
+      if (item == scheduler::PriorityBands::kNone) return false;
+      if (!admits(run_.levels.progress[item].level.next_units)) return stop();
+      Hand& hand = batch_.hands[batch_.count++];
+      hand.item = item;
+      refine(hand);
+      if (hand.ended == Outcome::Cut) return stop();
+    } while (batch_.count < Batch::kMost && batch_units_ < run_.input.policy.quantum_units);
+    return true;
+  }
+  bool stop() {
+    cut_ = true;
+    return false;
+  }
+  std::uint32_t next_in_order() {
+    const PairTable& table = run_.input.table;
+    for (;;) {
+      while (batch_.next < batch_.past) {
+        const PairProgress& pair = run_.levels.progress[batch_.next++];
+        if (pair.refinable() && !pair.full) return batch_.next - 1;
+      }
+      const std::size_t chunk = open_.chunks_in_order->take(worker_);
+      if (chunk == parallel::Shares::kNone) return scheduler::PriorityBands::kNone;
+      if (table.known_of_chunk[chunk].refinable == 0) continue;
+      batch_.next = static_cast<std::uint32_t>(table.begin_of(chunk));
+      batch_.past = static_cast<std::uint32_t>(table.end_of(chunk));
+      batch_.looks = (chunk + run_.input.frame) % kSeenEvery == 0;
+    }
+  }
+
+  // May a piece of the next `units` begin? If so it counts as begun.
+  [[nodiscard]] bool admits(std::uint64_t units) {
+    const std::uint64_t piece = std::min<std::uint64_t>(units, run_.input.policy.quantum_units);
+    const bool admitted =
+        run_.budget.admits(now_, unwatched_units_ + piece, solved_of(run_.solved_share, open_.contacts.get()));
+    if (admitted) {
+      unwatched_units_ += piece;
+      batch_units_ += piece;
+    }
+    return admitted;
+  }
+  // Since this worker's first job.
+  [[nodiscard]] Nanoseconds off_cpu() const {
+    return std::max(Nanoseconds(0), now_ - tally_.begun - (thread_cpu_time() - tally_.cpu_before));
+  }
+  void look_at_clock() {
+    const SteadyClock::time_point begun = now_;
+    now_ = SteadyClock::now();
+    const Nanoseconds took = now_ - begun;
+    tally_.busy += took;
+    if (took > tally_.longest) {
+      tally_.longest = took;
+      tally_.longest_pair = batch_.hands[batch_.count - 1].item;
+      tally_.longest_units = static_cast<std::uint32_t>(unwatched_units_);
+      tally_.longest_begun = begun;
+    }
+    const Nanoseconds excess = took - run_.budget.job_cost(unwatched_units_);
+    if (excess > tally_.overrun + tally_.overrun_off_cpu) note_excess(excess);
+    unwatched_units_ = 0;
+  }
+  void note_excess(Nanoseconds excess) {
+    // A shorter one makes no frame late, and is not worth the clock's time. Chosen.
+    constexpr Nanoseconds kLookedInto{50'000};
+    tally_.overrun_off_cpu = Nanoseconds(0);
+    if (excess >= kLookedInto) {
+      const Nanoseconds before = tally_.off_cpu;
+      tally_.off_cpu = off_cpu();
+      tally_.overrun_off_cpu = std::clamp(tally_.off_cpu - before, Nanoseconds(0), excess);
+    }
+    tally_.overrun = excess - tally_.overrun_off_cpu;
+  }
+
+  // Levels of the pair, in this worker's own memory.
+  void refine(Hand& hand) {
+    const RefineInput& input = run_.input;
+    hand.progress = run_.levels.progress[hand.item];
+    hand.completed = hand.again = false;
+    if (hand.progress.level.level > 0) hand.found = run_.levels.found[hand.item];
+    if (in_order() && batch_.looks) {
+      scheduler::PairCues looked;
+      open_.cues->fill(hand.item, looked);
+      hand.progress.seen = seen_band(input.policy, looked);
+    }
+    const PosedPair placed = posed(input.motion, input.table.pairs[hand.item]);
+    collision::PairFrame frame = frame_of(input.refiner(), placed);
+    collision::FrontPool& pool = run_.pools[static_cast<std::size_t>(worker_)];
+    const collision::FrontPool::Mark mark = pool.mark();
+    do {
+      next_level(hand, placed, frame);
+    } while (hand.ended == Outcome::Completed && hand.progress.refinable() && goes_on(hand));
+    if (!hand.progress.refinable() && input.terms.contact != ContactModel::Paper) pool.release(mark);
+  }
+  void next_level(Hand& hand, const PosedPair& placed, collision::PairFrame& frame) {
+    const collision::PairLevel before = hand.progress.level;
+    const bool whole = before.next_units <= kWholeUnits && !before.next_is_polygons();
+    if (!whole) batch_.before = hand.found;
+    hand.ended = complete_level(run_.input.refiner(), run_.pools, placed, frame, hand.progress.level, hand.found,
+                                worker_, [&](std::uint64_t next_units) {
+                                  if (whole) return true;
+                                  look_at_clock();
+                                  return admits(next_units);
+                                });
+    if (unwatched_units_ >= kUnwatchedUnits || run_.log != nullptr) look_at_clock();
+    note_outcome(hand.progress.level.apart, before.next_units, hand.ended, tally_);
+    if (run_.log != nullptr) batch_.notes.push_back({hand.item, kind_of(hand.ended), now_});
+    if (hand.ended == Outcome::Completed) {
+      hand.completed = true;
+      return;
+    }
+    hand.progress.level = before;
+    if (!whole) hand.found = batch_.before;
+  }
+  // To the next level of the same pair at once?
+  [[nodiscard]] bool goes_on(Hand& hand) {
+    if (!in_order() && !has_turn(hand)) return false;
+    if (!admits(hand.progress.level.next_units)) return false;
+    hand.again = false;
+    return true;
+  }
+  // Where the pair has its turn by its score, and whether that is now.
+  [[nodiscard]] bool has_turn(Hand& hand) {
+    const RefineInput& input = run_.input;
+    const collision::PairLevel& level = hand.progress.level;
+    hand.again = true;
+    if (perceptual_ && level.next_units <= kSmallUnits && !level.next_is_polygons()) {
+      hand.band = run_.bands.highest();
+      return true;
+    }
+    const double score = score_of(input, run_.facts, run_.levels.cues[hand.item], hand.progress, hand.found, hand.item);
+    hand.again = !scheduler::left_out(input.policy, score);
+    hand.band = scheduler::band_of(input.policy, score);
+    return hand.again && hand.band >= run_.bands.highest();
+  }
+
+  void publish() {
+    std::int64_t more_contacts = 0;
+    std::int64_t more_ended = 0;
+    for (const Hand& hand : std::span(batch_.hands).first(batch_.count)) {
+      PairProgress& pair = run_.levels.progress[hand.item];
+      pair.seen = hand.progress.seen;
+      if (hand.completed) {
+        const bool was_apart = pair.apart();
+        pair.level = hand.progress.level;
+        copy_found(hand, run_.levels.found[hand.item]);
+        if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
+      }
+      if (hand.ended == Outcome::Full) pair.full = true;
+      if (!pair.refinable() || pair.full) ++more_ended;
+      if (hand.again) run_.bands.put(hand.item, hand.band);
+    }
+    if (more_contacts != 0) open_.contacts.add(more_contacts);
+    if (more_ended != 0) open_.ended.add(more_ended);
+    if (cut_) open_.cut.set(1);
+    for (const RefinementNote& note : batch_.notes) run_.log->note(worker_, note.item, note.kind, note.when);
+  }
+
+  OpenRefinement& open_;
+  Run& run_;
+  const int worker_;
+  Batch& batch_;
+  WorkerTally tally_;
+  SteadyClock::time_point now_;
+  std::uint64_t unwatched_units_ = 0;  // since now_
+  std::uint64_t batch_units_ = 0;
+  bool cut_ = false;
+  const bool perceptual_ = run_.input.policy.kind == scheduler::PolicyKind::Perceptual &&
+                           run_.input.policy.seen_threshold_rad == 0;  // other policies compare pairs at each level
+};
+
+bool OpenRefinement::operator()(int worker) { return Job(*this, worker).run(); }
+
+}  // namespace poise::simulation

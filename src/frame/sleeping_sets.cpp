@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "frame/sleeping_sets.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "parallel/ranges.h"
+
+namespace poise::simulation {
+namespace {
+
+constexpr std::size_t kSetGrain = 1024;
+// What a set has room for from the beginning: a few bodies, and a share of all.
+constexpr std::size_t kLeastOfSet = 256, kShareOfSet = 4;
+
+bool sleeps(const SleepAccess& access, std::uint32_t slot) { return access.bodies.asleep[slot] != 0; }
+bool sleeps(const SleepAccess& access, const CachedPair& pair) {
+  return sleeps(access, pair.low) || sleeps(access, pair.high);
+}
+
+bool before(const CachedPair& x, const CachedPair& y) { return std::pair(x.low, x.high) < std::pair(y.low, y.high); }
+
+// Takes the pairs that keep(pair) is false of out of a list, in order.
+template <class Keep>
+void split(SleepingState& sleep, CachedPairList& list, Keep&& keep, CachedPairList& out, parallel::Executor& executor) {
+  const auto move = [&](bool kept, CachedPairList& into) {
+    parallel::select(
+        executor, list.size(), kSetGrain, sleep.counts, [&](std::size_t i) { return keep(list[i]) == kept; },
+        [&](std::size_t count) { into.resize(count); },
+        [&](std::size_t i, std::size_t position) { into[position] = list[i]; });
+  };
+  move(false, out);
+  if (out.empty()) return;
+  move(true, sleep.merged);
+  std::swap(list, sleep.merged);
+}
+
+// Adds sorted pairs to a sorted list.
+void join(SleepingState& sleep, const CachedPairList& from, CachedPairList& list, parallel::Executor& executor) {
+  if (from.empty()) return;
+  sleep.merged.resize(from.size() + list.size());
+  parallel::merge(executor, kSetGrain, from, list, before,
+                  [&](const CachedPair& pair, std::size_t position) { sleep.merged[position] = pair; });
+  std::swap(list, sleep.merged);
+}
+
+// The islands of a set that are to wake.
+void wake_requested_of(const SleepAccess& access, SleepingSet& set, parallel::Executor& executor) {
+  SleepingState& sleep = access.sleeping;
+  const auto wakes = [&](std::uint32_t slot) { return sleep.wake_requested[sleep.island[slot]] != 0; };
+  if (std::none_of(set.slots.begin(), set.slots.end(), wakes)) return;
+  for (const std::uint32_t slot : set.slots) {
+    if (wakes(slot) && access.bodies.asleep[slot] != 0) wake_body(access, slot);
+  }
+  std::erase_if(set.slots, wakes);
+  if (set.slots.empty()) {
+    join(sleep, set.pairs, access.cache.pairs, executor);
+    set.pairs.clear();
+    return;
+  }
+  split(
+      sleep, set.pairs, [&](const CachedPair& pair) { return sleeps(access, pair); }, sleep.taken, executor);
+  join(sleep, sleep.taken, access.cache.pairs, executor);
+}
+
+}  // namespace
+
+void reserve_sets(const SleepAccess& access) {
+  reserve_slots(access);
+  SleepingState& sleep = access.sleeping;
+  const std::size_t slots = access.bodies.slot_count();
+  const std::size_t pairs = access.cache.pairs.capacity();
+  for (CachedPairList* list : {&sleep.merged, &sleep.taken, &sleep.of_set}) list->reserve(pairs);
+  sleep.parent.reserve(slots);
+  sleep.restless.reserve(slots);
+  sleep.slots.reserve(slots);
+  sleep.islands_paused.reserve(slots);
+  // One for each step that something may wait for, and what sleeps. Memory that is not used costs nothing.
+  constexpr std::size_t kSets = 2 * (std::size_t{kMostStepsUnseen} + 1);
+  sleep.sets.reserve(kSets);
+  while (sleep.sets.size() < std::size_t{kMostStepsUnseen} + 1) sleep.sets.emplace_back();
+  for (SleepingSet& set : sleep.sets) {
+    set.slots.reserve(std::min(slots, kLeastOfSet + slots / kShareOfSet));
+    set.pairs.reserve(std::min(pairs, kLeastOfSet + pairs / kShareOfSet));
+    set.unseen.reserve(std::min(slots, kLeastOfSet + slots / kShareOfSet));
+  }
+}
+
+void reserve_slots(const SleepAccess& access) {
+  const std::size_t slots = access.bodies.slot_count();
+  if (access.sleeping.still_s.size() >= slots) return;
+  access.sleeping.still_s.resize(slots, 0.0);
+  access.sleeping.island.resize(slots, 0);
+  access.sleeping.set_of.resize(slots, 0);
+  access.sleeping.wake_requested.resize(slots, 0);
+}
+
+std::uint32_t set_that_wakes(SleepingState& sleep, std::uint64_t wakes) {
+  const auto fits = [&](const SleepingSet& set) {
+    return wakes != SleepingSet::kNever && !set.slots.empty() && set.wakes == wakes;
+  };
+  const auto is_free = [](const SleepingSet& set) { return set.slots.empty() && set.pairs.empty(); };
+  auto at = std::find_if(sleep.sets.begin(), sleep.sets.end(), fits);
+  if (at == sleep.sets.end()) at = std::find_if(sleep.sets.begin(), sleep.sets.end(), is_free);
+  const auto index = static_cast<std::uint32_t>(at - sleep.sets.begin());
+  if (index == sleep.sets.size()) sleep.sets.emplace_back();
+  sleep.sets[index].wakes = wakes;
+  return index;
+}
+
+void add_to_set(SleepingState& sleep, std::uint32_t set, std::uint32_t slot, std::uint32_t island) {
+  sleep.sets[set].slots.push_back(slot);
+  sleep.set_of[slot] = set;
+  sleep.island[slot] = island;
+}
+
+void take_pairs_of_sleepers(const SleepAccess& access, parallel::Executor& executor) {
+  SleepingState& sleep = access.sleeping;
+  split(
+      sleep, access.cache.pairs, [&](const CachedPair& pair) { return !sleeps(access, pair); }, sleep.taken, executor);
+  // Those of one set after those of another: nearly always there is one, or one for each of the next few steps.
+  while (!sleep.taken.empty()) {
+    const auto set_of = [&](const CachedPair& pair) {
+      return sleep.set_of[sleeps(access, pair.low) ? pair.low : pair.high];
+    };
+    const std::uint32_t set = set_of(sleep.taken.front());
+    split(
+        sleep, sleep.taken, [&](const CachedPair& pair) { return set_of(pair) != set; }, sleep.of_set, executor);
+    join(sleep, sleep.of_set, sleep.sets[set].pairs, executor);
+  }
+}
+
+void wake_body(const SleepAccess& access, std::uint32_t slot) {
+  if (access.bodies.paused[slot] != 0) {
+    // It has waited long enough, or is wanted.
+    access.bodies.frames_held[slot] = kMostFramesHeld;
+  } else {
+    access.sleeping.still_s[slot] = 0;
+    ++access.sleeping.woken;
+  }
+  access.bodies.wake(slot);
+}
+
+void wake_requested_islands(const SleepAccess& access, parallel::Executor& executor) {
+  SleepingState& sleep = access.sleeping;
+  for (SleepingSet& set : sleep.sets) {
+    if (!set.slots.empty()) wake_requested_of(access, set, executor);
+  }
+  std::fill(sleep.wake_requested.begin(), sleep.wake_requested.end(), std::uint8_t{0});
+  sleep.any_wake_requested = false;
+}
+
+}  // namespace poise::simulation
