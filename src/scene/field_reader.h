@@ -100,6 +100,19 @@ class ObjectReader {
   void text(std::string_view key, std::string& target) const;
   void vec3(std::string_view key, Range range, Vec3& target) const;
   void pair(std::string_view key, Range range, std::array<double, 2>& target) const;
+  // The same of members that must be there.
+  void require_number(std::string_view key, Range range, double& target) const {
+    if (require(key) != nullptr) number(key, range, target);
+  }
+  void require_whole(std::string_view key, std::uint64_t min, std::uint64_t max, std::uint64_t& target) const {
+    if (require(key) != nullptr) whole(key, min, max, target);
+  }
+  void require_flag(std::string_view key, bool& target) const {
+    if (require(key) != nullptr) flag(key, target);
+  }
+  void require_text(std::string_view key, std::string& target) const {
+    if (require(key) != nullptr) text(key, target);
+  }
   /// Reads one of these texts and sets the index of it.
   void one_of(std::string_view key, const std::vector<std::string_view>& names, std::size_t& target) const;
 

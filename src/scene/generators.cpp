@@ -9,8 +9,6 @@
 #include <numeric>
 #include <utility>
 
-#include "geometry/primitives/random.h"
-
 namespace poise {
 namespace io {
 namespace {
@@ -30,19 +28,6 @@ std::uint64_t own_count(const SceneGenerator& generator) {
   if (grid.in_tray) return grid.bodies;
   const std::uint64_t blocks = grid.blocks ? product_of(grid.blocks->count) : 1;
   return std::min(blocks * product_of(grid.count), kMaxSceneBodies + 1);
-}
-
-/// Draws everything except the position, in a fixed order from a generator of the body's own.
-GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& random) {
-  GeneratedBody body;
-  body.kind = &kind;
-  const std::uint64_t pick = kind.mix_by_seed ? random.below(kind.shapes.size()) : index % kind.shapes.size();
-  body.shape = kind.shapes[pick];
-  if (kind.random_orientation) body.orientation = random.rotation();
-  body.velocity_mps = kind.velocity_mps;
-  if (kind.speed_mps > 0) body.velocity_mps += kind.speed_mps * random.direction();
-  if (kind.spin_radps > 0) body.angular_velocity_radps = kind.spin_radps * random.direction();
-  return body;
 }
 
 /// Largest distance from a grid point to any point of its body: the largest bounding radius plus the jitter.
@@ -124,6 +109,18 @@ void expand_stream(const StreamGenerator& stream, std::uint64_t bodies, std::uin
 }
 
 }  // namespace
+
+GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, Random& random) {
+  GeneratedBody body;
+  body.kind = &kind;
+  const std::uint64_t pick = kind.mix_by_seed ? random.below(kind.shapes.size()) : index % kind.shapes.size();
+  body.shape = kind.shapes[pick];
+  if (kind.random_orientation) body.orientation = random.rotation();
+  body.velocity_mps = kind.velocity_mps;
+  if (kind.speed_mps > 0) body.velocity_mps += kind.speed_mps * random.direction();
+  if (kind.spin_radps > 0) body.angular_velocity_radps = kind.spin_radps * random.direction();
+  return body;
+}
 
 std::vector<std::uint64_t> share_bodies(std::span<const std::uint64_t> own, std::uint64_t total) {
   const std::uint64_t sum = std::accumulate(own.begin(), own.end(), std::uint64_t{0});

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/primitives/random.h"
 #include "poise/scene/scene.h"
 
 namespace poise::io {
@@ -31,6 +32,10 @@ struct ExpandOptions {
   std::span<const double> radius_m;     ///< bounding radius of each shape about its centre of mass
   double tray_side_m = 0;
 };
+
+/// Everything of a generated body but its position, drawn in a fixed order from a generator of its own; `index` counts
+/// the bodies of the kind.
+GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, geometry::Random& random);
 
 /// Divides `total` in proportion to `own` (each at least 1), rounded down; the remainder goes one each to the first
 /// ones.

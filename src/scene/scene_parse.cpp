@@ -100,7 +100,7 @@ void parse_max_level(const ObjectReader& top, Scene& scene) {
   scene.max_level = static_cast<Level>(level);
 }
 
-void parse_gaze(const ObjectReader& top, Scene& scene) {
+void parse_gaze_px(const ObjectReader& top, Scene& scene) {
   const JsonValue* value = top.find("gaze_px");
   if (value == nullptr) return;
   const SoundSoFar sound(top.problems());
@@ -122,9 +122,9 @@ void parse_gaze(const ObjectReader& top, Scene& scene) {
 void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   const ObjectReader top(
       root, "", problems,
-      {"name",   "description", "gravity_mps2", "dt_s",         "frames",   "seed",         "deadline_ms",
-       "alpha",  "host_work",   "max_level",    "backtracking", "sleeping", "islands_wait", "policy",
-       "camera", "gaze_px",     "materials",    "shapes",       "bodies",   "tray",         "generators"});
+      {"name",      "description", "gravity_mps2", "dt_s",     "frames",       "seed",      "deadline_ms", "alpha",
+       "host_work", "max_level",   "backtracking", "sleeping", "islands_wait", "policy",    "camera",      "gaze_px",
+       "gaze",      "materials",   "shapes",       "bodies",   "tray",         "generators"});
   if (root.kind != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
@@ -134,9 +134,10 @@ void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   top.one_of("islands_wait", {kIslandsWaitNames.begin(), kIslandsWaitNames.end()}, wait);
   scene.islands_wait = static_cast<IslandsWait>(wait);
   if (const JsonValue* value = top.find("host_work")) parse_host_work(*value, problems, scene);
-  if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene);
+  if (const JsonValue* value = top.find("policy")) parse_policy(*value, problems, scene.policy);
   if (const JsonValue* value = top.find("camera")) parse_camera(*value, problems, scene);
-  parse_gaze(top, scene);
+  parse_gaze_px(top, scene);
+  if (const JsonValue* value = top.find("gaze")) parse_scene_gaze(*value, problems, scene);
   if (const JsonValue* value = top.require("materials")) parse_materials(*value, problems, scene);
   if (const JsonValue* value = top.require("shapes")) parse_shapes(*value, problems, scene);
   const SoundSoFar sound(problems);

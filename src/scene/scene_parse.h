@@ -24,7 +24,8 @@ void parse_bodies(const JsonValue& value, Problems& problems, Scene& scene);
 void parse_tray(const JsonValue& value, Problems& problems, Scene& scene);
 void parse_generators(const JsonValue& value, Problems& problems, Scene& scene);
 void parse_camera(const JsonValue& value, Problems& problems, Scene& scene);
-void parse_policy(const JsonValue& value, Problems& problems, Scene& scene);
+void parse_scene_gaze(const JsonValue& value, Problems& problems, Scene& scene);
+void parse_policy(const JsonValue& value, Problems& problems, scheduler::Policy& policy);
 
 /// Finds a shape or material by the text in `value`; adds a problem with the nearest name if there is none.
 void read_shape_name(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene,

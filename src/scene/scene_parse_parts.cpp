@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scene/run/policy_name.h"
 #include "scene/scene_parse.h"
 
 namespace poise::io {
@@ -273,24 +274,22 @@ void parse_bodies(const JsonValue& value, Problems& problems, Scene& scene) {
   }
 }
 
-void parse_policy(const JsonValue& value, Problems& problems, Scene& scene) {
+void parse_policy(const JsonValue& value, Problems& problems, scheduler::Policy& policy) {
   std::vector<std::string_view> known{"kind"};
   for (const scheduler::PolicyField& field : scheduler::policy_weights()) known.push_back(field.name);
   for (const scheduler::PolicyField& field : scheduler::policy_parameters()) known.push_back(field.name);
   for (const scheduler::PolicyCount& field : scheduler::policy_counts()) known.push_back(field.name);
   const ObjectReader reader(value, "policy", problems, known);
-  scheduler::Policy& policy = scene.policy;
   const JsonValue* kind = reader.find("kind");
   if (kind != nullptr && kind->kind == JsonValue::Kind::String && kind->text == "custom") {
     problems.refuse("policy.kind", *kind,
-                    "is for programs that hand the World a function of their own; a scene file may say perceptual, "
-                    "fifo or random");
+                    fmt::format("is for programs that hand the World a function of their own; a scene file may say {}",
+                                fmt::join(kPolicyNames, ", ")));
   } else {
-    constexpr std::array kKinds{scheduler::PolicyKind::Perceptual, scheduler::PolicyKind::Fifo,
-                                scheduler::PolicyKind::Random};
     std::size_t named = 0;
-    reader.one_of("kind", {"perceptual", "fifo", "random"}, named);
-    policy.kind = kKinds[named];
+    for (std::size_t k = 0; k < kPolicies.size(); ++k) named = kPolicies[k].kind == policy.kind ? k : named;
+    reader.one_of("kind", {kPolicyNames.begin(), kPolicyNames.end()}, named);
+    policy.kind = kPolicies[named].kind;
   }
   for (const auto& fields : {scheduler::policy_weights(), scheduler::policy_parameters()}) {
     for (const scheduler::PolicyField& field : fields)

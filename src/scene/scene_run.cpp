@@ -3,18 +3,22 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "poise/scene/scene.h"
 #include "scene/generators.h"
 #include "scene/json_document.h"
+#include "scene/pouring.h"
 #include "scene/scene_shapes.h"
 
 namespace poise {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+/// No body has this number.
+constexpr std::uint64_t kRemoved = std::numeric_limits<std::uint64_t>::max();
 
 }  // namespace
 
@@ -29,16 +33,21 @@ struct SceneRun::Impl {
   std::uint64_t next_number = 0;                  ///< of the next body that is added
   std::vector<io::GeneratedBody> generated = {};  ///< refers to scene
   std::size_t next_streamed = 0;                  ///< index into generated
-  std::uint64_t first_generated = 0;              ///< number of the body of generated[0]
+  std::uint64_t first_generated = 0;              ///< number of the first body that may leave
+  std::vector<double> leave_s = {};               ///< of the bodies from first_generated on, by number
   double next_leave_s = kNever;                   ///< of the bodies that are there
   double tray_side_m = 0;
   TreeCacheUse tree_cache_use = {};
+  std::uint64_t seed = 1;
+  std::optional<io::Pouring> pouring = {};  ///< made when it is first asked for
 
+  static Result<std::unique_ptr<Impl>> begin(const Scene& scene, const SceneRunOptions& options);
   Status add(const BodyDefinition& definition, std::size_t shape, std::size_t material, const std::string& place);
   Status add_generated(const io::GeneratedBody& body);
-  Status add_shapes_and_materials(const io::LoadSettings& settings);
+  Status load_shapes(const io::LoadSettings& settings);
+  Status add_shapes_and_materials();
   Status add_tray();
-  Status add_start(const SceneRunOptions& options, std::uint64_t seed);
+  Status add_start(const SceneRunOptions& options);
   [[nodiscard]] double leaves_s(const RunBody& body) const;
   Status remove_due(double now_s);
 };
@@ -66,11 +75,12 @@ Status SceneRun::Impl::add_generated(const io::GeneratedBody& body) {
   definition.collides_with = body.kind->collides_with;
   definition.importance = body.kind->importance;
   next_leave_s = std::min(next_leave_s, body.leaves_s);
+  leave_s.push_back(body.leaves_s);
   return add(definition, body.shape, body.kind->material, "generators");
 }
 
 double SceneRun::Impl::leaves_s(const RunBody& body) const {
-  return body.number < first_generated ? kNever : generated[body.number - first_generated].leaves_s;
+  return body.number < first_generated ? kNever : leave_s[body.number - first_generated];
 }
 
 Status SceneRun::Impl::remove_due(double now_s) {
@@ -89,11 +99,15 @@ Status SceneRun::Impl::remove_due(double now_s) {
   return Done{};
 }
 
-Status SceneRun::Impl::add_shapes_and_materials(const io::LoadSettings& settings) {
+Status SceneRun::Impl::load_shapes(const io::LoadSettings& settings) {
   Result<io::LoadedShapes> loaded = io::load_shapes(scene, settings);
   if (!loaded) return loaded.error();
   tree_cache_use = loaded.value().tree_cache_use;
   shapes = std::move(loaded.value().shapes);
+  return Done{};
+}
+
+Status SceneRun::Impl::add_shapes_and_materials() {
   for (const ShapePtr& shape : shapes) shape_ids.push_back(world.add_shape(shape));
   for (const SceneMaterial& material : scene.materials) {
     const Result<MaterialId> made = world.add_material(material.material);
@@ -126,7 +140,7 @@ Status SceneRun::Impl::add_tray() {
   return Done{};
 }
 
-Status SceneRun::Impl::add_start(const SceneRunOptions& options, std::uint64_t seed) {
+Status SceneRun::Impl::add_start(const SceneRunOptions& options) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const SceneBody& body = scene.bodies[i];
     const Status added = add(body.definition, body.shape, body.material, io::item_path("bodies", i));
@@ -160,7 +174,7 @@ SceneRun::SceneRun(SceneRun&&) noexcept = default;
 SceneRun& SceneRun::operator=(SceneRun&&) noexcept = default;
 SceneRun::~SceneRun() = default;
 
-Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& options) {
+Result<std::unique_ptr<SceneRun::Impl>> SceneRun::Impl::begin(const Scene& scene, const SceneRunOptions& options) {
   if (options.bodies && scene.generators.empty()) {
     return bad_input(scene.source + ": has no generators, so the number of bodies cannot be chosen");
   }
@@ -174,13 +188,68 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   settings.islands_wait = std::min(settings.islands_wait, scene.islands_wait);
   Result<World> world = World::create(settings);
   if (!world) return world.error();
-  auto impl =
-      std::make_unique<Impl>(Impl{.scene = scene, .world = std::move(world).value(), .view = scene_view(scene)});
-  const Status loaded = impl->add_shapes_and_materials({settings.threads, options.tree_cache, options.tree_progress});
-  if (!loaded) return loaded.error();
-  const Status started = impl->add_start(options, settings.seed);
-  if (!started) return started.error();
+  auto impl = std::make_unique<Impl>(Impl{.scene = scene, .world = std::move(world).value(), .view = View{}});
+  impl->seed = settings.seed;
+  const Status gaze = read_gaze(impl->scene);
+  if (!gaze) return gaze.error();
+  impl->view = scene_view(impl->scene);
+  return impl;
+}
+
+Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& options) {
+  Result<std::unique_ptr<Impl>> begun = Impl::begin(scene, options);
+  if (!begun) return begun.error();
+  std::unique_ptr<Impl> impl = std::move(begun).value();
+  Status done = impl->load_shapes({options.world.threads, options.tree_cache, options.tree_progress});
+  if (done) done = impl->add_shapes_and_materials();
+  if (done) done = impl->add_start(options);
+  if (!done) return done.error();
   return SceneRun(std::move(impl));
+}
+
+Result<SceneRun> SceneRun::again(const SceneRunOptions& options) const {
+  Result<std::unique_ptr<Impl>> begun = Impl::begin(impl_->scene, options);
+  if (!begun) return begun.error();
+  std::unique_ptr<Impl> impl = std::move(begun).value();
+  // Those of the tray, which come after them, depend on the number of bodies.
+  const auto shapes = std::span(impl_->shapes).first(impl_->scene.shapes.size());
+  impl->shapes.assign(shapes.begin(), shapes.end());
+  impl->tree_cache_use = impl_->tree_cache_use;
+  Status done = impl->add_shapes_and_materials();
+  if (done) done = impl->add_start(options);
+  if (!done) return done.error();
+  return SceneRun(std::move(impl));
+}
+
+Result<std::uint64_t> SceneRun::pour(std::uint64_t count) {
+  if (!impl_->pouring) {
+    std::vector<double> radius_m;
+    for (const ShapePtr& shape : impl_->shapes) radius_m.push_back(shape->bounding_radius_m);
+    impl_->pouring.emplace(impl_->scene, impl_->generated, radius_m, impl_->tray_side_m, impl_->seed);
+  }
+  if (!impl_->pouring->any())
+    return bad_input(impl_->scene.source + ": has no dynamic bodies, so there is nothing to pour");
+  const Result<std::vector<io::GeneratedBody>> bodies = impl_->pouring->next(impl_->world, count);
+  if (!bodies) return bodies.error();
+  for (const io::GeneratedBody& body : bodies.value()) {
+    const Status added = impl_->add_generated(body);
+    if (!added) return added.error();
+  }
+  return std::uint64_t{bodies.value().size()};
+}
+
+Result<std::uint64_t> SceneRun::remove_last(std::uint64_t count) {
+  std::uint64_t removed = 0;
+  std::vector<RunBody>& bodies = impl_->bodies;
+  for (std::size_t i = bodies.size(); i-- > 0 && removed < count;) {
+    if (bodies[i].motion != MotionType::Dynamic) continue;
+    const Status done = impl_->world.remove_body(bodies[i].id);
+    if (!done) return done.error();
+    bodies[i].number = kRemoved;
+    ++removed;
+  }
+  std::erase_if(bodies, [](const RunBody& body) { return body.number == kRemoved; });
+  return removed;
 }
 
 Status SceneRun::before_frame(std::uint64_t frame) {
@@ -188,7 +257,8 @@ Status SceneRun::before_frame(std::uint64_t frame) {
   // First those that leave, so that a body with a short life is there for a frame.
   const Status removed = impl_->remove_due(now_s);
   if (!removed) return removed;
-  if (impl_->scene.camera && !impl_->scene.camera->path.empty()) impl_->view = scene_view(impl_->scene, now_s);
+  if (impl_->scene.camera && (!impl_->scene.camera->path.empty() || impl_->scene.gaze))
+    impl_->view = scene_view(impl_->scene, now_s);
   std::size_t& next = impl_->next_streamed;
   while (next < impl_->generated.size() && impl_->generated[next].due_s <= now_s) {
     const Status added = impl_->add_generated(impl_->generated[next]);
@@ -207,8 +277,10 @@ std::span<const ShapePtr> SceneRun::shapes() const { return impl_->shapes; }
 const View& SceneRun::view() const { return impl_->view; }
 double SceneRun::tray_side_m() const { return impl_->tray_side_m; }
 std::uint64_t SceneRun::final_body_count() const {
-  std::uint64_t count = impl_->first_generated;
-  for (const io::GeneratedBody& body : impl_->generated) count += body.leaves_s < kNever ? 0 : 1;
+  std::uint64_t count = 0;
+  for (const RunBody& body : impl_->bodies) count += impl_->leaves_s(body) < kNever ? 0U : 1U;
+  for (std::size_t i = impl_->next_streamed; i < impl_->generated.size(); ++i)
+    count += impl_->generated[i].leaves_s < kNever ? 0U : 1U;
   return count;
 }
 

@@ -25,6 +25,8 @@ RecordHeader some_header() {
   header.scene_folder = "/somewhere";
   header.scene_text = "{\"name\": \"a\"} // with a comment";
   header.bodies = 12;
+  header.gaze = "0,1,2\n";
+  header.gaze_loop = true;
   header.start_hash = 0xfedcba9876543210U;
   header.shapes = {{"ball", {}, 7}, {"jack", {{"meshes/jack.obj", 1234, 0xffffffffffffffffU}, {"jack.sph", 5, 6}}, 9}};
   header.world.contact = ContactModel::Paper;
@@ -58,6 +60,7 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.active_pairs = 5000;
   frame.decisions.substeps = number % 3 == 2 ? 1 : 0;
   frame.decisions.point_iterations = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
+  frame.decisions.learns = number % 2 == 0;
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
   for (std::uint32_t slot = 1; slot < 3 * number; slot += 5) frame.decisions.held.push_back(slot);
   for (std::uint64_t i = 0; i < 20 * (number % 4); ++i) {
@@ -246,7 +249,7 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   put(file, "");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "poise.record/1\n and so on");
-  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/4");
+  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/5");
 }
 
 TEST(Record, IsNotThereUntilItIsWhole) {

@@ -121,9 +121,10 @@ TEST(ScenePolicy, RefusesWhatIsForHostsAndWhatItDoesNotKnow) {
   EXPECT_EQ(
       refusal(scene_text(R"("policy": {"kind": "custom"}, )")),
       "s.json: policy.kind = \"custom\", is for programs that hand the World a function of their own; a scene file "
-      "may say perceptual, fifo or random");
+      "may say perceptual, fifo, random, round-robin, size, deepest, equal-levels");
   EXPECT_EQ(refusal(scene_text(R"("policy": {"kind": "fifi"}, )")),
-            "s.json: policy.kind = \"fifi\", must be perceptual, fifo or random; did you mean \"fifo\"?");
+            "s.json: policy.kind = \"fifi\", must be perceptual, fifo, random, round-robin, size, deepest or "
+            "equal-levels; did you mean \"fifo\"?");
   EXPECT_EQ(refusal(scene_text(R"("policy": {"front_grwth": 1}, )")),
             "s.json: policy.front_grwth: no such field; did you mean \"front_growth\"?");
 }

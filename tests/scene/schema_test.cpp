@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "poise/scheduler/cues.h"
 #include "scene/scene_text.h"
 #include "scene/temporary_folder.h"
 
@@ -24,6 +25,9 @@ std::string message_with(const std::string& where, const std::string& key) {
                 {"shapes", {{"s", {{"sphere", {{"radius_m", 1}}}}}}}};
   const json odd = {{key, nullptr}};
   const json generator = {{where, odd}};
+  if (where == "gaze" || where == "gaze_key") scene["camera"] = {{"position_m", {0, 0, 0}}, {"look_at_m", {1, 0, 0}}};
+  if (where == "gaze") scene["gaze"] = odd;
+  if (where == "gaze_key") scene["gaze"] = {{"path", json::array({odd})}};
   if (where == "key") scene["camera"] = {{"path", json::array({odd, odd})}};
   if (where == "blocks") {
     scene["generators"] = json::array(
@@ -49,6 +53,8 @@ TEST(SceneSchema, NamesOnlyMembersThatTheReaderKnows) {
       {"body", top.at("bodies").at("items").at("properties")},
       {"camera", top.at("camera").at("properties")},
       {"key", top.at("camera").at("properties").at("path").at("items").at("properties")},
+      {"gaze", top.at("gaze").at("properties")},
+      {"gaze_key", top.at("gaze").at("properties").at("path").at("items").at("properties")},
       {"policy", top.at("policy").at("properties")},
       {"tray", top.at("tray").at("properties")},
       {"sphere", shapes.at("sphere").at("properties")},
@@ -70,6 +76,17 @@ TEST(SceneSchema, NamesOnlyMembersThatTheReaderKnows) {
     EXPECT_NE(message_with(where, "zebra").find("zebra: no such field"), std::string::npos) << where;
   }
   EXPECT_GE(members, 80U);
+}
+
+TEST(CuesPage, NamesEveryCueWithUnitAndSource) {
+  const std::string page = contents(POISE_SOURCE_DIR "/docs/cues.md");
+  for (const scheduler::Cue* cue : scheduler::cue_list()) {
+    const std::string row = "| `" + std::string(cue->name) + "` | " + std::string(cue->unit);
+    const std::size_t at = page.find(row);
+    ASSERT_NE(at, std::string::npos) << row;
+    const std::string line = page.substr(at, page.find('\n', at) - at);
+    EXPECT_NE(line.find("| " + std::string(cue->source) + " |"), std::string::npos) << line;
+  }
 }
 
 TEST(SceneSchema, KnowsEveryMemberThatTheShippedScenesUse) {

@@ -352,6 +352,15 @@ SceneCheck check_scene(const Scene& scene, const SceneCheckOptions& options) {
   SceneCheck check;
   if (options.bodies && scene.generators.empty())
     check.errors.push_back(scene.source + ": has no generators, so the number of bodies cannot be chosen");
+  if (scene.gaze && scene.gaze->path.empty()) {
+    Scene with_gaze;
+    with_gaze.source = scene.source;
+    with_gaze.base = scene.base;
+    with_gaze.camera = scene.camera;
+    with_gaze.gaze = scene.gaze;
+    const Status read = read_gaze(with_gaze);
+    if (!read) check.errors.push_back(read.error().message);
+  }
   Checker checker(scene, options, check);
   checker.shapes();
   if (check.errors.empty()) checker.bodies();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scene/run/reference_run.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -31,12 +33,15 @@ std::optional<double> scaled(const std::optional<double>& value, double factor) 
 
 }  // namespace
 
-ReferenceRunFigures reference_run_figures(std::span<const ReferenceFigures> frames) {
+ReferenceRunFigures reference_run_figures(std::span<const ReferenceFigures> all) {
   ReferenceRunFigures figures;
-  figures.frames = frames.size();
+  figures.frames = all.size();
+  std::vector<ReferenceFigures> frames;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(frames),
+               [](const ReferenceFigures& frame) { return frame.converged; });
+  figures.not_converged = all.size() - frames.size();
+  for (const ReferenceFigures& frame : all) figures.pairs_not_finest += frame.pairs_not_finest;
   for (const ReferenceFigures& frame : frames) {
-    if (!frame.converged) ++figures.not_converged;
-    figures.pairs_not_finest += frame.pairs_not_finest;
     figures.run_contacts += frame.run_contacts;
     figures.reference_contacts += frame.reference_contacts;
     figures.false_contacts += frame.false_contacts;
@@ -45,7 +50,7 @@ ReferenceRunFigures reference_run_figures(std::span<const ReferenceFigures> fram
   }
   figures.false_share = share(figures.false_contacts, figures.run_contacts);
   figures.missed_share = share(figures.missed_contacts, figures.reference_contacts);
-  const auto member = [frames](std::optional<double> ReferenceFigures::*which, double factor = 1) {
+  const auto member = [&frames](std::optional<double> ReferenceFigures::*which, double factor = 1) {
     return over(frames, [=](const ReferenceFigures& frame) { return scaled(frame.*which, factor); });
   };
   constexpr double kMmPerM = 1000;
@@ -58,10 +63,13 @@ ReferenceRunFigures reference_run_figures(std::span<const ReferenceFigures> fram
   figures.gap_max_px = member(&ReferenceFigures::gap_max_px);
   figures.false_rate = member(&ReferenceFigures::false_rate);
   figures.missed_rate = member(&ReferenceFigures::missed_rate);
-  const auto number = [frames](auto&& value) {
-    return over(frames, [&](const ReferenceFigures& frame) { return std::optional<double>(value(frame)); });
+  const auto number = [all](auto&& value) {
+    return over(all, [&](const ReferenceFigures& frame) { return std::optional<double>(value(frame)); });
   };
-  figures.bodies_touched = number([](const ReferenceFigures& f) { return static_cast<double>(f.bodies_touched); });
+  const auto touched = [](const ReferenceFigures& f) {
+    return std::optional<double>(static_cast<double>(f.bodies_touched));
+  };
+  figures.bodies_touched = over(frames, touched);
   figures.iterations = number([](const ReferenceFigures& f) { return static_cast<double>(f.iterations); });
   figures.time_ms = number([](const ReferenceFigures& f) { return static_cast<double>(f.time.count()) / 1e6; });
   return figures;

@@ -11,7 +11,7 @@
 namespace poise::simulation {
 
 /// Statistics of the references of a run: percentiles over the frames in which a figure is defined; empty if there is
-/// none.
+/// none. A reference that has not converged is counted, and in no figure but `iterations` and `time_ms`.
 struct ReferenceRunFigures {
   std::uint64_t frames = 0;            ///< number with a reference
   std::uint64_t not_converged = 0;     ///< number of these frames

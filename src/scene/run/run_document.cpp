@@ -203,6 +203,7 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"pairs_reused", f.degraded.pairs_reused},
                       {"frames_held", f.degraded.frames_held},
                       {"bodies_held", f.degraded.bodies_held},
+                      {"bodies_paused", f.degraded.bodies_paused},
                       {"infeasible_forecast", f.degraded.infeasible_forecast}};
   json["work"] = work_json(f.work);
   json["capacity"] = {{"pairs_discarded", f.capacity.pairs_discarded},
@@ -254,6 +255,13 @@ Json document_json(const RunDocument& d) {
                         {"evicted", d.tree_cache_use.evicted}};
   json["require"] = {{"expression", d.requirement ? Json(*d.requirement) : Json(nullptr)},
                      {"failed", d.requirements_failed}};
+  json["capture"] = nullptr;
+  if (d.capture) {
+    json["capture"] = {{"file", d.capture->file},
+                       {"frames", d.capture->frames},
+                       {"left_out", d.capture->left_out},
+                       {"bytes", d.capture->bytes}};
+  }
   json["machine"] = d.machine;
   json["build"] = d.build;
   return json;

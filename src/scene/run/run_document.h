@@ -49,6 +49,13 @@ struct RunDocument {
   BuildFacts build;
   simulation::RunFigures figures;
   std::string record;  ///< file of the run's record; empty: none
+  /// The capture of the run.
+  struct Capture {
+    std::string file;
+    std::uint64_t frames = 0, left_out = 0;
+    std::uint64_t bytes = 0;
+  };
+  std::optional<Capture> capture;
   Conserved start, end;
   double energy_max_j = 0;  ///< largest sum of kinetic and potential energy after any frame
   std::uint64_t state_hash = 0;

@@ -157,6 +157,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     figures.degraded.pairs_reused += report.degraded.pairs_reused;
     if (report.degraded.bodies_held > 0) ++figures.degraded.frames_held;
     figures.degraded.bodies_held += report.degraded.bodies_held;
+    figures.degraded.bodies_paused += report.degraded.bodies_paused;
     if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     if (ms(report.longest_job) > figures.longest_job_ms_max) {

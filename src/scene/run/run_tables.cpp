@@ -92,6 +92,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("degraded_point_iterations", r.degraded.point_iterations);
   row.column("pairs_reused", r.degraded.pairs_reused);
   row.column("bodies_held", r.degraded.bodies_held);
+  row.column("bodies_paused", r.degraded.bodies_paused);
   row.column("host_actual_ms", ms(r.host_actual));
   row.column("tail_beyond_clip", r.tail_beyond_clip ? 1 : 0);
   row.column("tail_bodies", r.tail_work.bodies);
@@ -189,6 +190,34 @@ void frame_row(const simulation::RunFrame& frame, double time_s, bool header, st
 
 std::string states_header() {
   return "frame,time_s,body,x_m,y_m,z_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps,wx_radps,wy_radps,wz_radps\n";
+}
+
+std::string bodies_header() { return "body,name,motion,shape,file,material,mass_kg\n"; }
+
+void append_body(const Scene& scene, const RunBody& body, double mass_kg, std::string& out) {
+  const auto cell = [](const std::string& text) {
+    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + '"';
+  };
+  const bool named = body.number < scene.bodies.size();
+  const char* const motion = body.motion == MotionType::Static      ? "static"
+                             : body.motion == MotionType::Kinematic ? "kinematic"
+                                                                    : "dynamic";
+  std::string name, file;
+  // The tray and what generators make are in no list of the scene.
+  const bool has_shape = body.shape < scene.shapes.size();
+  if (has_shape) {
+    name = scene.shapes[body.shape].name;
+    if (const auto* mesh = std::get_if<MeshSource>(&scene.shapes[body.shape].source)) file = mesh->file.string();
+    if (const auto* tree = std::get_if<TreeSource>(&scene.shapes[body.shape].source))
+      file = (tree->mesh.empty() ? tree->file : tree->mesh).string();
+  }
+  const std::string material = body.material < scene.materials.size() ? scene.materials[body.material].name : "";
+  fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{:.17g}\n", body.number,
+                 named ? cell(scene.bodies[body.number].name) : "", motion, cell(name), cell(file), cell(material),
+                 mass_kg);
 }
 
 void append_states(std::uint64_t frame, double time_s, std::span<const NumberedState> states, std::string& out) {
