@@ -25,6 +25,13 @@ function(poise_install_layers)
   if(POISE_COMMAND)
     install(TARGETS poise_command COMPONENT command)
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/scenes/" DESTINATION "${CMAKE_INSTALL_DATADIR}/poise/scenes" COMPONENT command)
+    # Left out where the pages were not built.
+    foreach(page report figures live)
+      install(FILES "${PROJECT_SOURCE_DIR}/viewer/build/${page}.html" DESTINATION "${CMAKE_INSTALL_DATADIR}/poise"
+        COMPONENT command OPTIONAL)
+    endforeach()
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/app/tune/" DESTINATION "${CMAKE_INSTALL_DATADIR}/poise/tune" COMPONENT command
+      FILES_MATCHING PATTERN "*.py")
   endif()
   # Beside `poise`, where that looks for it; left out where only the command was built.
   if(POISE_STUDIES)

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// The page of `poise compare --report` and `poise study --report`: what came out, in pictures and tables.
+import { commandPanel, list, plain } from "../details_parts.js";
+import { byId, element } from "../elements.js";
+import { createStore } from "../store.js";
+import { startTheme } from "../theme.js";
+import { Curves } from "./curves.js";
+import { tableElements, withCode } from "./tables.js";
+
+const kSign = { good: "✓ ", bad: "✕ " };
+
+/** A picture that was drawn before, in the colours of paper. */
+const pictureElement = ({ title, type, base64 }) =>
+  element(
+    "figure",
+    { class: "panel picture" },
+    element("img", { src: `data:${type};base64,${base64}`, alt: title }),
+    element("figcaption", {}, title),
+  );
+
+function headlineElement({ mark, title, text }) {
+  return element(
+    "article",
+    { class: `panel card ${mark}` },
+    element("h2", {}, (kSign[mark] ?? "") + title),
+    ...(text ? [element("p", {}, ...withCode(text))] : []),
+  );
+}
+
+function start() {
+  const toggle = startTheme(createStore({ theme: "light" }));
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key.toLowerCase() === "t") toggle();
+  });
+  const embedded = byId("poise-figures");
+  if (!embedded) {
+    byId("problem").hidden = false;
+    byId("problem").textContent = "This page holds no figures. poise compare SCENE --report FOLDER makes one.";
+    return;
+  }
+  const data = JSON.parse(embedded.textContent);
+  document.title = `${data.title} · Poise`;
+  byId("title").textContent = data.title;
+  byId("subtitle").textContent = data.subtitle;
+  byId("headline").append(headlineElement(data.headline));
+  const charts = data.charts.map((chart) => new Curves(chart));
+  byId("figures").append(...charts.map((chart) => chart.element), ...data.pictures.map(pictureElement));
+  byId("figures").classList.toggle("one", charts.length + data.pictures.length === 1);
+  byId("tables").append(...tableElements(data.tables));
+  const details = byId("details");
+  if (data.command) details.append(commandPanel(data.command));
+  if (plain(data.settings).length > 0) details.append(list("Settings", plain(data.settings)));
+  details.append(list("Machine", plain(data.machine)), list("Build", plain(data.build)));
+  // For tests.
+  window.poise = { data, charts };
+}
+
+start();
