@@ -7,15 +7,20 @@
 #include <exception>
 #include <string_view>
 
+#include "app/capture/export_command.h"
 #include "app/check/check_command.h"
+#include "app/compare/compare_command.h"
 #include "app/exit_codes.h"
+#include "app/live/live_command.h"
 #include "app/replay/replay_command.h"
+#include "app/report/view_command.h"
 #include "app/run/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
 #include "app/study_command.h"
 #include "app/suggestions.h"
 #include "app/tree/tree_command.h"
+#include "app/tune_command.h"
 #include "scene/made_by.h"
 
 namespace {
@@ -29,11 +34,16 @@ int run(int argc, char** argv) {
   app.footer("Example:\n  poise run two-body\n\nEach command has its own --help.");
   int exit_code = poise::app::kExitDone;
   poise::app::add_run_command(app, exit_code);
+  poise::app::add_live_command(app, exit_code);
   poise::app::add_check_command(app, exit_code);
+  poise::app::add_compare_command(app, exit_code);
   poise::app::add_replay_command(app, exit_code);
+  poise::app::add_export_command(app, exit_code);
+  poise::app::add_view_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
   poise::app::add_study_command(app);
+  poise::app::add_tune_command(app);
   poise::app::add_scenes_command(app, exit_code);
   try {
     app.parse(argc, argv);
@@ -55,8 +65,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Before anything else is read, so that every word behind it, --help too, is the study's.
+  // Before anything else is read, so that every word behind it, --help too, is the study's or the search's.
   if (argc > 1 && std::string_view(argv[1]) == "study") return poise::app::start_study(argc, argv);
+  if (argc > 1 && std::string_view(argv[1]) == "tune") return poise::app::start_tune(argc, argv);
   // A reader that goes away must end in exit code 4, not in a signal.
   std::signal(SIGPIPE, SIG_IGN);
   try {

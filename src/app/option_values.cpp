@@ -68,4 +68,12 @@ CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& targe
   return app.add_option(name, target, help)->check(not_empty)->type_name("FILE");
 }
 
+CLI::Option* add_scene(CLI::App& app, std::string& target) {
+  return app
+      .add_option("scene", target,
+                  "A scene file, the name of a scene that ships (poise scenes), or - for the standard input")
+      ->required()
+      ->type_name("SCENE");
+}
+
 }  // namespace poise::app

@@ -23,4 +23,7 @@ CLI::Option* add_every(CLI::App& app, const std::string& name, std::optional<std
 /// Adds `name` for a file or folder. An empty name is a usage error: it comes from a variable that was not set.
 CLI::Option* add_path(CLI::App& app, const std::string& name, std::string& target, const std::string& help);
 
+/// The argument SCENE, which must be there: see read_scene_argument.
+CLI::Option* add_scene(CLI::App& app, std::string& target);
+
 }  // namespace poise::app

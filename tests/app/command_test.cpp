@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "scene/temporary_folder.h"
@@ -112,7 +113,35 @@ TEST(Command, WritesTheStatesOfEveryBodyFromTheStartOn) {
   EXPECT_EQ(last[2], "1");
   EXPECT_NEAR(std::stod(last[1]), 0.2, 1e-15);
   EXPECT_NEAR(std::stod(last[3]), 2 - 0.2, 1e-12) << "free flight before they meet";
-  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(folder.entries(), 2U) << "the table of bodies is beside it";
+}
+
+TEST(Command, WritesWhatEachBodyIsBesideTheStates) {
+  const TemporaryFolder folder;
+  const CommandResult result = poise_command({"run", "pour", "--bodies", "100", "--frames", "90", "--clock", "work",
+                                              "--states", folder.file("a.csv"), "--states-every", "10", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  std::set<std::string> numbers;
+  for (const std::string& line : lines(contents(folder.file("a.csv")))) numbers.insert(cells(line)[2]);
+  const std::vector<std::string> rows = lines(contents(folder.file("a.bodies.csv")));
+  ASSERT_EQ(rows.size(), numbers.size()) << "a row for each body that has a state, and the header";
+  EXPECT_EQ(rows[0], "body,name,motion,shape,file,material,mass_kg");
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const std::vector<std::string> row = cells(rows[i]);
+    ASSERT_EQ(row.size(), 7U);
+    EXPECT_TRUE(numbers.contains(row[0])) << rows[i];
+    EXPECT_EQ(std::stod(row[6]) > 0, row[2] == "dynamic") << rows[i];
+  }
+  const CommandResult meshes = poise_command(
+      {"run", "billiards", "--frames", "1", "--clock", "work", "--states", folder.file("m.csv"), "--quiet"});
+  ASSERT_EQ(meshes.exit_code, 0) << meshes.error;
+  EXPECT_NE(contents(folder.file("m.bodies.csv")).find(".obj,"), std::string::npos) << "meshes have files";
+  const CommandResult twice = poise_command(
+      {"run", "two-body", "--states", folder.file("b.csv"), "--json", folder.file("b.bodies.csv"), "--quiet"});
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_NE(twice.error.find("is named for two outputs: --json and the bodies of --states"), std::string::npos)
+      << twice.error;
+  EXPECT_EQ(poise_command({"run", "two-body", "--frames", "1", "--states", "/dev/null", "--quiet"}).exit_code, 0);
 }
 
 TEST(Command, WritesStaticBodiesAndPlanesWithFiniteNumbersAndWarmUpFramesToo) {
@@ -194,6 +223,23 @@ TEST(Command, TakesItsOptionsIntoTheReport) {
   EXPECT_FALSE(report.at("build").at("commit").get<std::string>().empty());
 }
 
+TEST(Command, TakesAPolicyFileAndWeights) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("mine.json"))
+      << R"({"schema": "poise.policy/1", "name": "mine", "policy": {"kind": "size", "closing": 3, "waiting": 2}})";
+  const json report = figures_of({"run", "jacks", "--bodies", "20", "--frames", "2", "--clock", "work", "--policy",
+                                  folder.file("mine.json"), "--weight", "waiting=0.5", "--weight", "host=0"});
+  EXPECT_EQ(report.at("policy"), "size");
+  const json& weights = report.at("settings").at("policy_weights");
+  EXPECT_EQ(weights.at("closing"), 3);
+  EXPECT_EQ(weights.at("waiting"), 0.5) << "the command line comes after the file";
+  EXPECT_EQ(weights.at("host"), 0);
+  EXPECT_EQ(weights.at("frustum"), 1);
+  const CommandResult none = poise_command({"run", "jacks", "--policy", folder.file("none.json")});
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_NE(none.error.find("none.json: no such file"), std::string::npos) << none.error;
+}
+
 TEST(Command, KeepsMomentumAndEnergyOfTheTwoBalls) {
   const json report = figures_of({"run", "two-body", "--clock", "work"});
   const json& momentum = report.at("momentum");
@@ -255,14 +301,15 @@ TEST(Command, EndsAtCtrlCWithItsReportsWritten) {
 TEST(Command, ListsTheScenesThatShip) {
   const CommandResult table = poise_command({"scenes"});
   EXPECT_EQ(table.exit_code, 0) << table.error;
-  for (const char* name : {"bullets", "two-body", "pile", "gas", "jacks", "real-meshes", "pour", "metropolis"}) {
+  for (const char* name : {"bullets", "two-body", "pile", "gas", "jacks", "real-meshes", "pour", "metropolis",
+                           "gallery", "billiards", "avalanche", "street", "maze"}) {
     EXPECT_NE(table.out.find(name), std::string::npos) << name;
   }
   const json list = json::parse(poise_command({"scenes", "--json"}).out, nullptr, false);
   ASSERT_TRUE(list.is_array());
-  EXPECT_EQ(list.size(), 8U);
-  EXPECT_EQ(list.at(1).at("name"), "gas");
-  EXPECT_EQ(list.at(1).at("bodies"), 1006);
+  EXPECT_EQ(list.size(), 13U);
+  EXPECT_EQ(list.at(4).at("name"), "gas");
+  EXPECT_EQ(list.at(4).at("bodies"), 1006);
 }
 
 TEST(Command, HelpsAndTellsItsVersion) {

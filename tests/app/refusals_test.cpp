@@ -70,8 +70,12 @@ TEST(Refusals, OfBadUsageEndWithTwo) {
           run({"--reference", "every="}, "--reference = every=, must be every=K"),
           run({"--reference", "each=3"}, "--reference = each=3, must be every=K"),
           run({"--reference"}, "--reference"),
-          run({"--policy", "best"}, "--policy: \"best\" must be perceptual, fifo or random"),
-          run({"--policy", "radnom"}, "must be perceptual, fifo or random; did you mean \"random\"?"),
+          run({"--policy", "best"},
+              "--policy: \"best\" must be perceptual, fifo, random, round-robin, size, deepest or equal-levels"),
+          run({"--policy", "radnom"},
+              "must be perceptual, fifo, random, round-robin, size, deepest or equal-levels; did you mean \"random\"?"),
+          run({"--weight", "closing"}, "--weight: \"closing\", must be CUE=VALUE with a CUE of frustum"),
+          run({"--weight", "closing=11"}, "--weight: closing = 11, must be from 0 to 10"),
           run({"--contact", "magic"}, "--contact"),
           run({"--clock", "sun"}, "--clock"),
           run({"--executor", "magic"}, "--executor"),
@@ -84,6 +88,13 @@ TEST(Refusals, OfBadUsageEndWithTwo) {
           run({"--states", "-"}, "only --json can go to the standard output"),
           run({"--json", "a", "--states", "./a"}, "named for two outputs"),
           run({"--picture", "a.jpg"}, "the ending must be .png"),
+          run({"--picture", "-"}, "only --json can go to the standard output"),
+          run({"--camera", "1,2,3:0,0,0"}, "--camera needs --picture"),
+          run({"--picture-size", "640x360"}, "--picture-size needs --picture"),
+          run({"--picture-plain"}, "--picture-plain needs --picture"),
+          run({"--picture", "a.png", "--camera", "1,2,3"}, "--camera = 1,2,3, must be x,y,z:tx,ty,tz or"),
+          run({"--picture", "a.png", "--picture-size", "9x9"}, "--picture-size = 9x9, must be WxH"),
+          run({"--frames-dir", "film"}, "--frames-dir"),
           run({"--require", "miss_rate <"}, "must be a name or a number"),
           run({"--require", ""}, "--require"),
           run({"--require", "mis_rate < 1"}, "no figure of a run is called \"mis_rate\"; did you mean \"miss_rate\"?"),
@@ -96,19 +107,20 @@ TEST(Refusals, OfBadInputEndWithThree) {
   std::ofstream(folder.file("syntax.json")) << "{\n  \"name\": \"x\",\n  \"dt_s\" 1\n}\n";
   std::ofstream(folder.file("empty.json"));
   expect_refusals(
-      3, {
-             {{"run", "no-such-scene"},
-              "no scene of this name ships (bullets, gas, jacks, metropolis, pile, pour, real-meshes, "
-              "two-body"},
-             {{"run", "jack"}, "a file needs a path such as ./jack; did you mean \"jacks\"?"},
-             {{"run", "/dev/zero"}, "is a pipe or a device, must be a file; SCENE - reads the standard input"},
-             {{"run", "-"}, "standard input: the file is empty"},
-             {{"run", folder.file("none.json")}, "none.json: no such file"},
-             {{"run", folder.path().string()}, "is a directory, must be a scene file"},
-             {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
-             {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
-             {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
-         });
+      3,
+      {
+          {{"run", "no-such-scene"},
+           "no scene of this name ships (avalanche, billiards, bullets, gallery, gas, jacks, maze, metropolis, pile, "
+           "pour, real-meshes, street, two-body"},
+          {{"run", "jack"}, "a file needs a path such as ./jack; did you mean \"jacks\"?"},
+          {{"run", "/dev/zero"}, "is a pipe or a device, must be a file; SCENE - reads the standard input"},
+          {{"run", "-"}, "standard input: the file is empty"},
+          {{"run", folder.file("none.json")}, "none.json: no such file"},
+          {{"run", folder.path().string()}, "is a directory, must be a scene file"},
+          {{"run", folder.file("bad.json")}, "bad.json: dt_s = 1e400, cannot be represented as a double (line 3)"},
+          {{"run", folder.file("syntax.json")}, "syntax.json: line 3, column 10: not valid JSON"},
+          {{"run", folder.file("empty.json")}, "empty.json: the file is empty"},
+      });
   EXPECT_EQ(folder.entries(), 3U);
 }
 

@@ -250,6 +250,87 @@ TEST(Replay, RefusesOptionsThatDoNotGoTogether) {
   EXPECT_EQ(poise_command({"run", "two-body", "--record", "-"}).exit_code, 2);
   EXPECT_EQ(poise_command({"run", "two-body", "--record", folder.file("no/such/run")}).exit_code, 4);
   EXPECT_EQ(replayed(file, {"--frames", "2"}).at("frames"), 2);
+  EXPECT_EQ(replayed(file, {"--frames", "1..2"}).at("frames"), 2);
+  const auto refused = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"replay", file, "--quiet"});
+    const CommandResult result = poise_command(arguments);
+    return std::to_string(result.exit_code) + " " + result.error;
+  };
+  EXPECT_EQ(refused({"--frame", "2"}), "2 poise replay: --frame needs --picture\n");
+  EXPECT_EQ(refused({"--frame", "2", "--picture", "a.png", "--frames", "2"}),
+            "2 poise replay: --frame and --frames cannot both be given\n");
+  EXPECT_EQ(refused({"--frame", "2", "--picture", "a.png", "--explain", "2"}),
+            "2 poise replay: --frame and --explain cannot both be given\n");
+  EXPECT_EQ(refused({"--frames-every", "2"}), "2 poise replay: --frames-every needs --frames-dir\n");
+  for (const char* wrong : {"0", "x", "2..1", "..", "1000001"}) {
+    EXPECT_EQ(refused({"--frames", wrong}), std::string("2 poise replay: --frames = ") + wrong +
+                                                ", must be N >= 1, A..B, A.. or ..B with whole A <= B, at most "
+                                                "1000000\n");
+  }
+  EXPECT_EQ(refused({"--report", "-"}), "2 poise replay: only --json can go to the standard output\n");
+  EXPECT_EQ(refused({"--frame", "9", "--picture", folder.file("a.png")}),
+            "3 poise replay: --frame 9: the record ends with frame 3\n");
+  EXPECT_EQ(refused({"--frames", "7..9", "--frames-dir", folder.file("film")}),
+            "3 poise replay: --frames 7..9: the record ends with frame 3\n");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.png")));
+}
+
+TEST(Replay, DrawsAndCapturesTheFramesOfTheRunThatAreAskedFor) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  const std::vector<std::string> size{"--picture-size", "160x96"};
+  const auto with_size = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), size.begin(), size.end());
+    return arguments;
+  };
+  recorded_run(file, with_size({"jacks", "--bodies", "30", "--frames", "60", "--deadline", "1", "--picture",
+                                folder.file("run.png"), "--capture", folder.file("run.capture")}));
+  replayed(file, with_size({"--picture", folder.file("last.png")}));
+  EXPECT_EQ(contents(folder.file("last.png")), contents(folder.file("run.png")));
+  EXPECT_EQ(replayed(file, with_size({"--frame", "50", "--picture", folder.file("50.png")})).at("frames"), 50);
+  replayed(file, with_size({"--frames", "40..50", "--frames-every", "5", "--frames-dir", folder.file("film"),
+                            "--capture", folder.file("part.capture")}));
+  EXPECT_EQ(contents(folder.file("film/frame-000050.png")), contents(folder.file("50.png")));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("film/frame-000040.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("film/frame-000041.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("film/frame-000035.png")));
+  // The part says of its frames what the capture of the run says of them.
+  const auto table = [&](const std::string& capture) {
+    const CommandResult result = poise_command({"export", capture, "--csv", "-", "--frames", "40..50"});
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return lines(result.out);
+  };
+  const std::vector<std::string> part = table(folder.file("part.capture"));
+  const std::vector<std::string> whole = table(folder.file("run.capture"));
+  ASSERT_EQ(part.size(), 12U);
+  for (const std::size_t row : {1U, 11U}) {
+    for (std::size_t column = 0; column < 4; ++column) EXPECT_EQ(cells(part[row])[column], cells(whole[row])[column]);
+  }
+}
+
+TEST(Replay, OfCountedWorkSaysThatThePageHasTheTimesOfTheReplay) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, {"jacks", "--bodies", "10", "--frames", "5", "--clock", "work"});
+  const CommandResult result = poise_command({"replay", file, "--report", folder.file("out")});
+  if (result.error.find("is not built") != std::string::npos) GTEST_SKIP() << result.error;
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(
+      result.out.find("report.html: its times are those of this replay, since a record with counted work has none"),
+      std::string::npos)
+      << result.out;
+  for (const char* name : {"report.html", "run.capture", "frame-times.svg", "frame-times.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / name)) << name;
+}
+
+TEST(Replay, OfADeadlineMakesThePageWithTheTimesOfTheRun) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  recorded_run(file, {"jacks", "--bodies", "10", "--frames", "5", "--deadline", "5"});
+  const CommandResult result = poise_command({"replay", file, "--report", folder.file("out"), "--frames", "2..4"});
+  if (result.error.find("is not built") != std::string::npos) GTEST_SKIP() << result.error;
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("its times are those of the recorded run"), std::string::npos) << result.out;
 }
 
 TEST(Replay, ARunStoppedByCtrlCLeavesAWholeRecord) {

@@ -12,7 +12,7 @@
 #include "app/command.h"
 #include "scene/temporary_folder.h"
 
-/// The scenes whose bodies leave and whose camera moves, scaled down.
+/// The scenes whose bodies leave, whose camera moves and whose gaze jumps, scaled down.
 namespace poise::testing {
 namespace {
 
@@ -22,6 +22,7 @@ using Words = std::vector<std::string>;
 // Of pour one body comes each 4 frames up to frame 480, and from frame 360 on they leave.
 const Words kPour{"pour", "--bodies", "120", "--frames", "600"};
 const Words kMetropolis{"metropolis", "--bodies", "150", "--frames", "200"};
+const Words kStreet{"street", "--bodies", "150", "--frames", "90"};
 
 json done(Words arguments, const Words& more) {
   arguments.insert(arguments.begin(), arguments.front() == "replay" ? 0 : 1, "run");
@@ -69,8 +70,18 @@ TEST_P(ShippedScenes, GiveTheSameStateOnAnyThreads) {
   EXPECT_EQ(hashes.size(), 1U);
 }
 
-INSTANTIATE_TEST_SUITE_P(OfTheCommand, ShippedScenes, ::testing::Values(kPour, kMetropolis),
+INSTANTIATE_TEST_SUITE_P(OfTheCommand, ShippedScenes, ::testing::Values(kPour, kMetropolis, kStreet),
                          [](const ::testing::TestParamInfo<Words>& info) { return info.param.front(); });
+
+TEST(Street, IsRefinedByItsGaze) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("gaze.csv")) << "0,640,360\n";
+  const Words work{"--clock", "work", "--budget-work", "200"};
+  const json jumping = done(kStreet, work);
+  Words arguments = kStreet;
+  arguments.insert(arguments.end(), {"--gaze", folder.file("gaze.csv")});
+  EXPECT_NE(done(arguments, work).at("state_hash"), jumping.at("state_hash")) << "other pairs were refined first";
+}
 
 TEST(Pour, FillsItsTrayAndEmptiesItAgain) {
   const TemporaryFolder folder;

@@ -96,11 +96,7 @@ int check_command(const CheckOptions& options) {
 void add_check_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Say what is wrong with a scene, what it needs and what looks wrong");
-  command
-      ->add_option("scene", options->scene,
-                   "A scene file, the name of a scene that ships (poise scenes), or - for the standard input")
-      ->required()
-      ->type_name("SCENE");
+  add_scene(*command, options->scene);
   add_whole(*command, "--bodies", options->bodies, 1, kMaxSceneBodies, "As for poise run");
   add_whole(*command, "--seed", options->seed, 0, UINT64_MAX, "As for poise run");
   add_whole(*command, "--threads", options->threads, 0, 256, "As for poise run");

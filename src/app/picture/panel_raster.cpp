@@ -66,7 +66,7 @@ void PanelRaster::draw_ball(const Vec3& center_m, double radius_m, std::uint32_t
   }
 }
 
-void PanelRaster::draw_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t item) {
+void PanelRaster::fill_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t item) {
   const double area = (b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y());
   if (area == 0) return;
   const int right = first_sample(std::max({a.x(), b.x(), c.x()}), width_);
@@ -86,14 +86,37 @@ void PanelRaster::draw_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std
   }
 }
 
+void PanelRaster::draw_triangle(const Vec3& a_m, const Vec3& b_m, const Vec3& c_m, std::uint32_t item) {
+  fill_triangle(in_samples(a_m), in_samples(b_m), in_samples(c_m), item);
+}
+
 void PanelRaster::draw_mesh(const TriangleMesh& mesh) {
   std::vector<Vec3> corners;
   corners.reserve(mesh.vertices_m.size());
   for (const Vec3& vertex_m : mesh.vertices_m) corners.push_back(in_samples(vertex_m));
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto& t = mesh.triangles[i];
-    draw_triangle(corners[t[0]], corners[t[1]], corners[t[2]], static_cast<std::uint32_t>(i));
+    fill_triangle(corners[t[0]], corners[t[1]], corners[t[2]], static_cast<std::uint32_t>(i));
   }
+}
+
+double PanelRaster::lit_share(const Vec3& point_m, double slack_m) const {
+  const Vec3 at = in_samples(point_m);
+  const double slack = slack_m * view_.samples_per_m;
+  // The four samples around the point, each with the share that a straight line between them gives it.
+  const double left = std::floor(at.x() - 0.5);
+  const double above = std::floor(at.y() - 0.5);
+  const double far = static_cast<double>(std::max(width_, height_));
+  if (!(std::abs(left) < far && std::abs(above) < far)) return 1;
+  double share = 0;
+  for (int k = 0; k < 4; ++k) {
+    const int x = static_cast<int>(left) + k % 2;
+    const int y = static_cast<int>(above) + k / 2;
+    const double weight = (1 - std::abs(x + 0.5 - at.x())) * (1 - std::abs(y + 0.5 - at.y()));
+    const bool hidden = item(x, y) != kNothing && static_cast<double>(depth_[place(x, y)]) < at.z() - slack;
+    if (!hidden) share += weight;
+  }
+  return share;
 }
 
 std::uint32_t PanelRaster::item(int x, int y) const {

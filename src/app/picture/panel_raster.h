@@ -34,6 +34,8 @@ class PanelRaster {
 
   /// Draws a ball where it is nearer than what is there. `item` is what the sample will say.
   void draw_ball(const Vec3& center_m, double radius_m, std::uint32_t item);
+  /// Draws a triangle, either side.
+  void draw_triangle(const Vec3& a_m, const Vec3& b_m, const Vec3& c_m, std::uint32_t item);
   /// Draws every triangle, either side; the item is its number.
   void draw_mesh(const TriangleMesh& mesh);
 
@@ -44,10 +46,13 @@ class PanelRaster {
   /// The point seen at a sample, in the frame of the mesh; meaningless where nothing is.
   [[nodiscard]] Vec3 point_m(int x, int y) const;
   [[nodiscard]] const ParallelView& view() const { return view_; }
+  /// For a raster seen from a light: how much of it comes to a point past what is drawn, 0 to 1: the share of the
+  /// samples around it where nothing lies more than `slack_m` before it.
+  [[nodiscard]] double lit_share(const Vec3& point_m, double slack_m) const;
 
  private:
   [[nodiscard]] Vec3 in_samples(const Vec3& point_m) const;
-  void draw_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t item);
+  void fill_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t item);
   [[nodiscard]] std::size_t place(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }

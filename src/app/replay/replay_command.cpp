@@ -12,13 +12,12 @@
 #include <utility>
 
 #include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
+#include "app/replay/replay_files.h"
 #include "app/replay/replay_loop.h"
+#include "app/replay/replay_options.h"
 #include "app/run/run_options.h"
-#include "app/suggestions.h"
 #include "app/tree_cache_options.h"
 #include "parallel/interrupt.h"
 #include "record/record_shapes.h"
@@ -28,33 +27,18 @@
 namespace poise::app {
 namespace {
 
-struct ReplayOptions {
-  std::string record, files, executor, json, states;
-  std::optional<std::uint64_t> threads, frames, explain, limit;
-  TreeCacheOptions tree_cache;
-  bool quiet = false;
-};
-
-constexpr std::uint64_t kRows = 20;
-
-Status check(const ReplayOptions& options) {
-#ifndef POISE_APP_HAVE_TBB
-  if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
-#endif
-  if (options.states == "-") return bad_input("only --json can go to the standard output");
-  if (options.explain && options.frames)
-    return bad_input("--frames has no meaning with --explain, which replays up to its frame");
-  if (options.limit && !options.explain) return bad_input("--limit needs --explain");
-  const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
-  if (!cache) return cache.error();
-  return check_outputs({{"--json", options.json}, {"--states", options.states}}, {{"RECORD", options.record}});
-}
-
 /// The scene of a record, with its files where they are now.
 Result<Scene> scene_of(const ReplayOptions& options, const io::RecordHeader& header) {
   const std::string folder = options.files.empty() ? header.scene_folder : options.files;
   Result<Scene> scene = parse_scene(header.scene_text, options.record + ": scene " + header.scene_source, folder);
   if (!scene) return scene;
+  if (header.gaze) {
+    const std::string name = options.record + ": gaze";
+    if (!scene.value().camera) return bad_input(name + ": the recorded scene has no camera");
+    Result<std::vector<GazeKey>> path = parse_gaze(*header.gaze, name, scene.value().camera->resolution_px);
+    if (!path) return path.error();
+    scene.value().gaze = SceneGaze{std::move(path).value(), true, header.gaze_loop, {}, *header.gaze};
+  }
   const Status files = io::check_files(scene.value(), header.shapes);
   if (!files) return files.error();
   return scene;
@@ -116,7 +100,7 @@ std::string table(const ReplayOptions& options, const io::RecordHeader& h, const
   text += fmt::format("made by poise {} commit {}, replayed on {} threads by {}\n", h.build.version, h.build.commit,
                       world.threads(), build_of(h));
   text += report(r);
-  if (r.explained) text += "\n" + io::explain_table(*r.explained, options.limit.value_or(kRows));
+  if (r.explained) text += "\n" + io::explain_table(*r.explained, options.limit.value_or(kExplainedRows));
   return text;
 }
 
@@ -172,7 +156,7 @@ Status write_text(std::optional<io::AtomicFile>& file, const std::string& text) 
 }
 
 int replay(const ReplayOptions& options) {
-  const Status sound = check(options);
+  const Status sound = check_replay_options(options);
   if (!sound) return refuse("replay", kExitBadUsage, sound.error().message);
   Result<io::RecordReader> record = io::RecordReader::open(options.record);
   if (!record) return refuse("replay", record.error());
@@ -186,6 +170,8 @@ int replay(const ReplayOptions& options) {
     if (!opened) return refuse("replay", opened.error());
     *file = std::move(opened).value();
   }
+  Result<ReplayFiles> outputs = ReplayFiles::open(options);
+  if (!outputs) return refuse("replay", outputs.error());
   if (!options.quiet) warn_of_threads("replay", static_cast<int>(options.threads.value_or(0)));
   const parallel::Interrupt interrupt;
   Progress progress(!options.quiet);
@@ -195,6 +181,8 @@ int replay(const ReplayOptions& options) {
     progress.end();
     return refuse("replay", run.error());
   }
+  const Status begun = outputs.value().begin(header, scene.value(), run.value());
+  if (!begun) return refuse("replay", begun.error());
   std::string text;
   const auto tell = [&](std::uint64_t frame, std::span<const io::NumberedState> bodies) {
     text = frame == 0 ? io::states_header() : std::string();
@@ -204,20 +192,25 @@ int replay(const ReplayOptions& options) {
   const auto told = [&](std::uint64_t done, std::uint64_t of) {
     progress.share("replaying", of > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(of)) : 1.0);
   };
+  const std::uint64_t last = replayed_frames(options).value().to;
+  const ReplaySettings settings{last == FrameRange{}.to ? std::nullopt : std::optional(last), options.explain,
+                                interrupt.token()};
   const Result<ReplayResult> result =
-      replay_loop(record.value(), scene.value(), run.value(), {options.frames, options.explain, interrupt.token()},
-                  states ? ReplayStates(tell) : ReplayStates(), told);
+      replay_loop(record.value(), scene.value(), run.value(), settings,
+                  {states ? ReplayStates(tell) : ReplayStates(), outputs.value().capture_sink(),
+                   outputs.value().picture_sink(), told});
   progress.end();
   if (!result) return refuse("replay", result.error());
   const World& world = run.value().world();
   Status written = states ? states->commit() : Status(Done{});
+  if (written) written = outputs.value().finish(result.value());
   if (!written) return refuse("replay", written.error());
   const std::string document = options.json.empty() ? std::string() : json_of(options, header, result.value(), world);
   if (json) written = write_text(json, document);
   if (!written) return refuse("replay", written.error());
   if (options.json == "-") written = io::write_stdout(document);
   if (written && !options.quiet && options.json != "-")
-    written = io::write_stdout(table(options, header, result.value(), world));
+    written = io::write_stdout(table(options, header, result.value(), world) + outputs.value().told());
   if (!written) return refuse("replay", written.error());
   if (options.quiet && result.value().differs) fmt::print(stderr, "poise replay: {}", report(result.value()));
   return exit_code(options, result.value());
@@ -228,29 +221,15 @@ int replay(const ReplayOptions& options) {
 void add_replay_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand("replay", "Do a recorded run again, bit for bit, and explain a frame");
-  command->add_option("record", options->record, "A file of poise run --record")->required()->type_name("RECORD");
-  add_whole(*command, "--explain", options->explain, 0, kMaxSceneFrames,
-            "Replay up to this frame (from 0, warm-up included) and tell which pairs it refined, in which order and "
-            "why, and what it left coarse");
-  add_whole(*command, "--limit", options->limit, 0, UINT64_MAX,
-            fmt::format("Rows of each list of --explain, 0 = all (default {})", kRows));
-  add_whole(*command, "--frames", options->frames, 1, kMaxSceneFrames, "Replay at most so many frames");
-  add_whole(*command, "--threads", options->threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
-  command
-      ->add_option("--executor", options->executor, "Threads by tbb, threads or serial (default: tbb where built in)")
-      ->check(one_of({"tbb", "threads", "serial"}))
-      ->type_name("E");
-  add_path(*command, "--files", options->files,
-           "The folder that the scene's files are relative to (default: where it was when recorded)");
-  add_path(*command, "--json", options->json, "Write the result as JSON (poise.replay/2), - for the standard output");
-  add_path(*command, "--states", options->states, "Write every body after every frame as CSV");
-  add_tree_cache_options(*command, options->tree_cache);
-  command->add_flag("--quiet", options->quiet, "No progress and no table");
+  add_replay_options(*command, *options);
   command->footer(
       "Examples:\n"
       "  poise run pile --deadline 4 --record pile.poise\n"
       "  poise replay pile.poise --threads 1\n"
-      "  poise replay pile.poise --explain 200 --limit 40\n\n"
+      "  poise replay pile.poise --explain 200 --limit 40\n"
+      "  poise replay pile.poise --picture heap.png --frame 200 --camera 9,-9,6:0,0,1\n"
+      "  poise replay pile.poise --report out --frames 100..200   and then open out/report.html\n"
+      "  poise replay pile.poise --frames-dir film --frames-every 2\n\n"
       "Exit codes: 0 the state is that of the record after each frame, 1 it differs, 2 bad usage, 3 bad input or a "
       "record that is cut short or "
       "damaged (what could be read was replayed), 4 output failed, 130 stopped by Ctrl-C.");

@@ -46,14 +46,15 @@ WorldSettings replay_world(const io::RecordHeader& header, ExecutorKind executor
 }
 
 Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, SceneRun& run,
-                                 const ReplaySettings& settings, const ReplayStates& states,
-                                 const ReplayProgress& progress) {
+                                 const ReplaySettings& settings, const ReplaySinks& sinks) {
   ReplayResult result;
   result.state_hash = run.world().state_hash();
   StepInput input = step_input(record.header());
+  input.measure_energy = static_cast<bool>(sinks.capture);
   io::RecordedFrame recorded;
   std::vector<io::NumberedState> buffer;
-  Status status = pass_states(run, 0, buffer, states);
+  Status status = pass_states(run, 0, buffer, sinks.states);
+  if (status && sinks.picture) status = sinks.picture(0);
   if (!status) return status.error();
   const std::uint64_t most = settings.explain ? *settings.explain + 1 : settings.frames.value_or(UINT64_MAX);
   while (result.frames < most) {
@@ -79,7 +80,9 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
     if (report.status != StepStatus::Done && report.status != StepStatus::ReplayDiffers)
       return bad_input("the step was refused: its input is out of range");
     result.state_hash = run.world().state_hash();
-    status = pass_states(run, result.frames + 1, buffer, states);
+    status = pass_states(run, result.frames + 1, buffer, sinks.states);
+    if (status && sinks.capture) status = sinks.capture(report, recorded);
+    if (status && sinks.picture) status = sinks.picture(result.frames + 1);
     if (!status) return status.error();
     if (explains) {
       result.explained = io::ExplainedFrame{recorded, std::move(explanation), io::bodies_by_slot(scene, run),
@@ -90,7 +93,7 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
       result.recorded_hash = recorded.state_hash;
     }
     ++result.frames;
-    if (progress) progress(result.frames, std::min(most, record.header().frames));
+    if (sinks.progress) sinks.progress(result.frames, std::min(most, record.header().frames));
     if (result.differs) break;
   }
   return result;

@@ -36,17 +36,28 @@ struct ReplayResult {
 
 /// Told the states after each frame, and of the start as frame 0.
 using ReplayStates = std::function<Status(std::uint64_t frame, std::span<const io::NumberedState> states)>;
+/// Told each frame and what its record says, for a capture, while the World stands as the frame left it.
+using ReplayCapture = std::function<Status(const FrameReport& report, const io::RecordedFrame& recorded)>;
 /// Told how many frames are done, of how many.
 using ReplayProgress = std::function<void(std::uint64_t done, std::uint64_t of)>;
+/// Told each frame while the World stands as the frame left it, and the start as frame 0; after the others.
+using ReplayPicture = std::function<Status(std::uint64_t frame)>;
+
+/// Who is told of a replay; each may be empty.
+struct ReplaySinks {
+  ReplayStates states = {};
+  ReplayCapture capture = {};
+  ReplayPicture picture = {};
+  ReplayProgress progress = {};
+};
 
 /// What the World of a replay is made with: as recorded, on `threads` threads (0 = all) of `executor`, with the room
 /// for fronts that the recorded threads had together.
 WorldSettings replay_world(const io::RecordHeader& header, ExecutorKind executor, int threads);
 
-/// Does the frames of a record again, each with what was decided in it. Refused: what the World, the scene or the sink
+/// Does the frames of a record again, each with what was decided in it. Refused: what the World, the scene or a sink
 /// refuses.
 Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, SceneRun& run,
-                                 const ReplaySettings& settings, const ReplayStates& states,
-                                 const ReplayProgress& progress);
+                                 const ReplaySettings& settings, const ReplaySinks& sinks);
 
 }  // namespace poise::app

@@ -11,16 +11,22 @@
 #include <optional>
 #include <utility>
 
+#include "app/capture/run_capture.h"
 #include "app/exit_codes.h"
+#include "app/picture/drawn_frame.h"
+#include "app/picture/frame_picture.h"
 #include "app/picture/picture.h"
 #include "app/progress.h"
 #include "app/refusal.h"
+#include "app/report/report_files.h"
+#include "app/run/body_table.h"
 #include "app/run/run_loop.h"
 #include "app/run/run_options.h"
 #include "app/run/run_record.h"
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
 #include "app/scene_input.h"
+#include "capture/observe.h"
 #include "parallel/executor.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
@@ -28,6 +34,7 @@
 #include "scene/run/requirement.h"
 #include "scene/run/run_document.h"
 #include "scene/run/run_tables.h"
+#include "scene/scene_gaze.h"
 
 namespace poise::app {
 namespace {
@@ -36,6 +43,7 @@ namespace {
 /// unless it is written to its end.
 struct Outputs {
   std::optional<io::AtomicFile> json, states, frames_csv, picture, trace;
+  BodyTable bodies;
 
   static Result<Outputs> open(const RunOptions& options) {
     Outputs outputs;
@@ -43,7 +51,7 @@ struct Outputs {
         {&options.json, &outputs.json},
         {&options.states, &outputs.states},
         {&options.frames_csv, &outputs.frames_csv},
-        {&options.picture, &outputs.picture},
+        {&options.picture.file, &outputs.picture},
         {&options.trace, &outputs.trace}};
     for (const auto& [path, file] : wanted) {
       if (path->empty() || *path == "-") continue;
@@ -51,6 +59,9 @@ struct Outputs {
       if (!opened) return opened.error();
       *file = std::move(opened).value();
     }
+    Result<BodyTable> bodies = BodyTable::open(options.states);
+    if (!bodies) return bodies.error();
+    outputs.bodies = std::move(bodies).value();
     return outputs;
   }
 };
@@ -58,23 +69,27 @@ struct Outputs {
 /// Writes states as they come; in a paced run after it, since writing would eat the time between frames.
 class StatesWriter {
  public:
-  StatesWriter(std::optional<io::AtomicFile>& file, bool keep, double dt_s) : file_(file), keep_(keep), dt_s_(dt_s) {}
+  StatesWriter(std::optional<io::AtomicFile>& file, BodyTable& bodies, bool keep, double dt_s)
+      : file_(file), bodies_(bodies), keep_(keep), dt_s_(dt_s) {}
 
-  StatesSink sink() {
+  StatesSink sink(const Scene& scene, const SceneRun& run) {
     if (!file_) return {};
-    return [this](std::uint64_t frame, std::span<const io::NumberedState> states) -> Status {
+    return [this, &scene, &run](std::uint64_t frame, std::span<const io::NumberedState> states) -> Status {
+      const Status listed = bodies_.add(scene, run);
+      if (!listed) return listed;
       if (!keep_) return write(frame, states);
-      states_by_frame_.emplace_back(states.begin(), states.end());
+      states_by_frame_.emplace_back(frame, std::vector<io::NumberedState>(states.begin(), states.end()));
       return Done{};
     };
   }
   Status finish() {
     if (!file_) return Done{};
-    for (std::size_t frame = 0; frame < states_by_frame_.size(); ++frame) {
-      const Status written = write(frame, states_by_frame_[frame]);
+    for (const auto& [frame, states] : states_by_frame_) {
+      const Status written = write(frame, states);
       if (!written) return written;
     }
-    return file_->commit();
+    const Status written = bodies_.finish();
+    return written ? file_->commit() : written;
   }
 
  private:
@@ -86,10 +101,11 @@ class StatesWriter {
   }
 
   std::optional<io::AtomicFile>& file_;
+  BodyTable& bodies_;
   bool keep_;
   double dt_s_;
   std::string text_;
-  std::vector<std::vector<io::NumberedState>> states_by_frame_;
+  std::vector<std::pair<std::uint64_t, std::vector<io::NumberedState>>> states_by_frame_;
 };
 
 LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
@@ -110,6 +126,7 @@ LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   loop.polygons = options.max_level ? options.polygons : scene.polygons;
   loop.backtracking = options.backtracking || scene.backtracking;
   loop.reference_every = options.reference_every;
+  loop.states_every = options.states_every.value_or(1);
   return loop;
 }
 
@@ -179,12 +196,16 @@ void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult
   d.state_hash = run.world().state_hash();
 }
 
-Status write_frames(const LoopResult& result, double dt_s, io::AtomicFile& file) {
+std::string frames_text(const LoopResult& result, double dt_s) {
   std::string text = io::frames_header();
   for (std::size_t i = 0; i < result.frames.size(); ++i) {
     io::append_frame(result.frames[i], static_cast<double>(i + 1) * dt_s, text);
   }
-  const Status written = file.write(text);
+  return text;
+}
+
+Status write_frames(const LoopResult& result, double dt_s, io::AtomicFile& file) {
+  const Status written = file.write(frames_text(result, dt_s));
   return written ? file.commit() : written;
 }
 
@@ -204,12 +225,12 @@ Status print_table(const RunOptions& options, const io::RunDocument& document) {
   return Done{};
 }
 
-/// As large as the scene's camera says.
-Status write_picture(const Scene& scene, const SceneRun& run, io::AtomicFile& file) {
-  const std::array<double, 2> size_px = scene.camera.value_or(SceneCamera{}).resolution_px;
-  const io::Image image =
-      io::draw_run(run, static_cast<std::uint32_t>(size_px[0]), static_cast<std::uint32_t>(size_px[1]));
-  const Result<std::string> png = io::png_bytes(image);
+Status write_picture(const RunOptions& options, const Scene& scene, SceneRun& run, std::uint64_t frame,
+                     io::AtomicFile& file) {
+  const Result<io::DrawnFrame> drawn = io::drawn_frame(scene, run, frame, static_cast<double>(frame) * scene.dt_s);
+  if (!drawn) return drawn.error();
+  const io::FramePictures pictures(capture::captured_shapes(scene, run), picture_settings(options.picture));
+  const Result<std::string> png = io::png_bytes(pictures.draw(drawn.value()));
   if (!png) return png.error();
   const Status written = file.write(png.value());
   return written ? file.commit() : written;
@@ -225,9 +246,52 @@ std::string placing_refused(const RunOptions& options, const Error& error) {
                      error.message);
 }
 
+/// What is written of each frame while the run goes on.
+struct FrameFiles {
+  RunRecord record;
+  RunCapture capture;
+  ReportFiles report;  ///< of all frames, after the run
+
+  static Result<FrameFiles> open(const RunOptions& options) {
+    // First, since it makes the folder in which the capture may lie.
+    Result<ReportFiles> report = ReportFiles::open(options.report);
+    if (!report) return report.error();
+    Result<RunRecord> record = RunRecord::open(options.record);
+    if (!record) return record.error();
+    Result<RunCapture> capture = RunCapture::open(options.capture);
+    if (!capture) return capture.error();
+    return FrameFiles{std::move(record).value(), std::move(capture).value(), std::move(report).value()};
+  }
+};
+
+Status begin_capture(const io::RunDocument& document, const LoopSettings& loop, const Scene& scene, SceneRun& run,
+                     RunCapture& capture) {
+  if (!capture.on()) return Done{};
+  capture::CaptureHeader header = capture::header_of(scene, run);
+  header.dt_s = document.dt_s;
+  header.deadline_ms = document.deadline_ms;
+  header.paced = document.paced;
+  header.frames_asked = loop.warm_up + loop.frames;
+  header.policy = document.policy;
+  header.contact = document.contact;
+  return capture.begin(scene, run, std::move(header),
+                       document.paced ? RunCapture::WhenFull::LeaveOut : RunCapture::WhenFull::Wait);
+}
+
+CaptureSink capture_sink(const SceneRun& run, double dt_s, RunCapture& capture) {
+  if (!capture.on()) return {};
+  return [&run, dt_s, &capture](const simulation::RunFrame& frame) {
+    capture::FrameFacts facts = capture::facts_of(frame.report, run.view(), dt_s);
+    facts.warm_up = frame.warm_up;
+    facts.kinetic_j = frame.report.kinetic_j;
+    facts.potential_j = frame.report.potential_j;
+    return capture.frame(facts);
+  };
+}
+
 /// From a scene that stands to the exit code.
 int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene,
-                 const std::string& scene_text, SceneRun& run, Outputs& outputs, RunRecord& record,
+                 const std::string& scene_text, SceneRun& run, Outputs& outputs, FrameFiles& files,
                  Progress& progress) {
   LoopSettings loop = loop_settings(options, scene);
   std::optional<Trace> trace;
@@ -247,16 +311,18 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     run.world().set_time_priors(*priors);
     document.time_priors_frames = priors->frames;
   }
-  const Status begun = record.begin(options, scene, scene_text, run, loop);
+  Status begun = files.record.begin(options, scene, scene_text, run, loop);
+  if (begun) begun = begin_capture(document, loop, scene, run, files.capture);
   if (!begun) return refuse("run", begun.error());
-  StatesWriter states(outputs.states, loop.paced, loop.dt_s);
+  StatesWriter states(outputs.states, outputs.bodies, loop.paced, loop.dt_s);
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
   const auto told = [&](const simulation::RunFrame& frame) {
     missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
     progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
   };
-  const Result<LoopResult> result = run_loop(run, loop, states.sink(), told, record.sink(run));
+  const Result<LoopResult> result = run_loop(run, loop, states.sink(scene, run), told, files.record.sink(run),
+                                             capture_sink(run, loop.dt_s, files.capture));
   progress.end();
   if (!result) return refuse("run", result.error());
 
@@ -264,8 +330,10 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
   add_results(run, loop, result.value(), document);
   document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
-  Status written = record.finish(result.value().stopped);
+  Status written = files.record.finish(result.value().stopped);
+  if (written) written = files.capture.finish(result.value().stopped);
   if (!written) return refuse("run", written.error());
+  document.capture = files.capture.facts();
   written = states.finish();
   if (!written) return refuse("run", written.error());
   if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
@@ -277,9 +345,13 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
       fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n",
                  trace->discarded(), kTraceRoom);
   }
-  if (outputs.picture) written = write_picture(scene, run, *outputs.picture);
+  if (outputs.picture) written = write_picture(options, scene, run, result.value().frames.size(), *outputs.picture);
   if (!written) return refuse("run", written.error());
   written = write_json(options, document, outputs);
+  if (written && !options.report.empty()) {
+    written = files.report.write(document, result.value().frames, frames_text(result.value(), loop.dt_s),
+                                 options.capture.file);
+  }
   if (!written) return refuse("run", written.error());
   written = print_table(options, document);
   if (!written) return refuse("run", written.error());
@@ -301,16 +373,28 @@ int run_scene(const RunOptions& options) {
   const Result<SceneText> text = read_scene_argument(options.scene, "run", options.quiet);
   if (!text) return refuse("run", text.error());
   std::vector<std::string> errors;
-  const Result<Scene> scene = parse_scene_text(text.value(), errors);
+  Result<Scene> scene = parse_scene_text(text.value(), errors);
   for (const std::string& error : errors) refuse("run", kExitBadInput, error);
   if (!scene) return exit_code_of(scene.error());
+  const Status policy = apply_policy(options, scene.value(), errors);
+  for (const std::string& error : errors) refuse("run", kExitBadInput, error);
+  if (!policy) return exit_code_of(policy.error());
   if (options.bodies && scene.value().generators.empty()) {
     return refuse("run", kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
   }
+  if (!options.gaze.empty() && !scene.value().camera)
+    return refuse("run", kExitBadUsage, "--gaze: the scene " + scene.value().name + " has no camera");
+  if (!options.gaze.empty()) {
+    Result<SceneGaze> gaze = io::read_gaze_file(options.gaze, scene.value().camera->resolution_px);
+    if (!gaze) return refuse("run", gaze.error());
+    scene.value().gaze = std::move(gaze).value();
+  }
+  const Status gaze_read = read_gaze(scene.value());
+  if (!gaze_read) return refuse("run", gaze_read.error());
   Result<Outputs> outputs = Outputs::open(options);
   if (!outputs) return refuse("run", outputs.error());
-  Result<RunRecord> record = RunRecord::open(options.record);
-  if (!record) return refuse("run", record.error());
+  Result<FrameFiles> files = FrameFiles::open(options);
+  if (!files) return refuse("run", files.error());
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
   SceneRunOptions start;
@@ -346,7 +430,7 @@ int run_scene(const RunOptions& options) {
     fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
   return run_prepared(options, requirement, scene.value(), text.value().text, run.value(), outputs.value(),
-                      record.value(), progress);
+                      files.value(), progress);
 }
 
 }  // namespace
@@ -358,13 +442,14 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  poise run pile --deadline 16 --paced --json report.json\n"
+      "  poise run jacks --bodies 500 --deadline 8 --report out   and then open out/report.html\n"
       "  poise run jacks --bodies 5000 --frames 300 --require 'miss_rate < 0.01'\n"
       "  poise run gas --clock work --budget-work 2000 --states states.csv\n"
       "  poise run pile --deadline 4 --record pile.poise   and then   poise replay pile.poise --explain 200\n"
       "  poise run pile --deadline 4 --reference every=60 --require 'reference.e_rel_p50 < 0.2'\n\n"
       "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
       "Ctrl-C.");
-  command->callback([options, &exit_code] { exit_code = run_scene(*options); });
+  command->callback([options, &exit_code] { exit_code = run_scene(with_report(*options)); });
 }
 
 }  // namespace poise::app

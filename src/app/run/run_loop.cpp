@@ -77,7 +77,7 @@ StepInput step_input(const LoopSettings& settings) {
 }  // namespace
 
 Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& told, const RecordSink& record) {
+                            const FrameSink& told, const RecordSink& record, const CaptureSink& capture) {
   const CtrlC ctrl_c;
   LoopResult result;
   std::vector<io::NumberedState> buffer;
@@ -128,9 +128,10 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     }
     const SteadyClock::time_point recorded_from = SteadyClock::now();
     status = record ? record(frame.report) : Status(Done{});
+    if (status && capture) status = capture(frame);
     if (!status) return status.error();
-    const Nanoseconds recorded = record ? SteadyClock::now() - recorded_from : Nanoseconds(0);
-    status = tell_states(run, i + 1, buffer, states);
+    const Nanoseconds recorded = record || capture ? SteadyClock::now() - recorded_from : Nanoseconds(0);
+    if ((i + 1) % settings.states_every == 0) status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
     if (settings.paced) {
       if (input.measure_levels) {

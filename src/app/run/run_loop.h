@@ -31,7 +31,8 @@ struct LoopSettings {
   bool backtracking = false;
   Trace* trace = nullptr;  ///< where the steps leave what the threads did when
   std::optional<std::uint64_t>
-      reference_every;  ///< >= 1: a reference of each measured frame whose number from 1 it divides
+      reference_every;             ///< >= 1: a reference of each measured frame whose number from 1 it divides
+  std::uint64_t states_every = 1;  ///< states are told of frames whose number this divides
 };
 
 struct LoopResult {
@@ -41,16 +42,20 @@ struct LoopResult {
   bool stopped = false;  ///< by Ctrl-C
 };
 
-/// Told the states after each frame (and of the start, as frame 0), outside of the frame's time.
+/// Told the states after frames (and of the start, as frame 0), outside of the frame's time.
 using StatesSink = std::function<Status(std::uint64_t frame, std::span<const io::NumberedState> states)>;
 /// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame:
 /// releases are put off by it.
 using RecordSink = std::function<Status(const FrameReport&)>;
+/// Told what each frame did, for a capture, while the World stands as the frame left it. As with a record, the time
+/// that this takes belongs to no frame.
+using CaptureSink = std::function<Status(const simulation::RunFrame&)>;
 /// Told after each frame.
 using FrameSink = std::function<void(const simulation::RunFrame&)>;
 
-/// Runs a scene to its end or to Ctrl-C. `states` and `record` may be empty. Refused: what the World or a sink refuses.
+/// Runs a scene to its end or to Ctrl-C. `states`, `record` and `capture` may be empty. Refused: what the World or a
+/// sink refuses.
 Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& frame, const RecordSink& record = {});
+                            const FrameSink& frame, const RecordSink& record = {}, const CaptureSink& capture = {});
 
 }  // namespace poise::app

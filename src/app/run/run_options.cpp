@@ -12,9 +12,13 @@
 
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "app/report/report_files.h"
+#include "app/run/body_table.h"
 #include "app/suggestions.h"
 #include "parallel/executor.h"
 #include "scene/islands_wait_name.h"
+#include "scene/policy_file.h"
+#include "scene/run/policy_name.h"
 #include "world/contact_model_names.h"
 
 namespace poise::app {
@@ -46,15 +50,27 @@ void add_max_level(CLI::App& command, RunOptions& options) {
       ->type_name("N|polygons");
 }
 
+CLI::Validator policy_or_file() {
+  const CLI::Validator name = one_of({io::kPolicyNames.begin(), io::kPolicyNames.end()});
+  return {[name](std::string& text) { return io::names_policy_file(text) ? std::string() : name(text); }, ""};
+}
+
 }  // namespace
+
+void add_policy_options(CLI::App& command, RunOptions& options) {
+  command
+      .add_option("--policy", options.policy,
+                  fmt::format("What is refined first: {}, or a policy file (docs/priorities.md; default: the scene's)",
+                              fmt::join(io::kPolicyNames, ", ")))
+      ->check(policy_or_file())
+      ->type_name("P|FILE");
+  command.add_option("--weight", options.weights, "Exponent of a cue, as closing=2; may be given several times")
+      ->type_name("CUE=VALUE");
+}
 
 void add_run_options(CLI::App& command, RunOptions& options) {
   constexpr std::uint64_t kMany = std::numeric_limits<std::uint64_t>::max();
-  command
-      .add_option("scene", options.scene,
-                  "A scene file, the name of a scene that ships (poise scenes), or - for the standard input")
-      ->required()
-      ->type_name("SCENE");
+  add_scene(command, options.scene);
   add_whole(command, "--frames", options.frames, 1, kMaxSceneFrames,
             "Frames to simulate and measure (default: the scene's)");
   add_whole(command, "--bodies", options.bodies, 1, kMaxSceneBodies, "How many bodies the generators make together");
@@ -66,11 +82,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   add_number(command, "--host-work", options.host_work_ms, 0, false, kLongestMs,
              "Work of the host in ms that is kept free before each deadline");
   add_whole(command, "--threads", options.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
-  command
-      .add_option("--policy", options.policy,
-                  "What is refined first: perceptual, fifo or random (default: the scene's)")
-      ->check(one_of({"perceptual", "fifo", "random"}))
-      ->type_name("P");
+  add_policy_options(command, options);
   command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default fitted)")
       ->check(one_of({"paper", "wrench", "fitted"}))
       ->type_name("MODEL");
@@ -92,6 +104,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "scene's, and at most those)")
       ->check(one_of({io::kIslandsWaitNames.begin(), io::kIslandsWaitNames.end()}))
       ->type_name("WHICH");
+  add_path(command, "--gaze", options.gaze,
+           "Look where this recorded gaze says (CSV: time_s,x_px,y_px), whatever the scene says");
   add_whole(command, "--seed", options.seed, 0, kMany, "Instead of the scene's seed; moves generated bodies too");
   command.add_option("--executor", options.executor, "Threads by tbb, threads or serial (default: tbb where built in)")
       ->check(one_of({"tbb", "threads", "serial"}))
@@ -109,12 +123,21 @@ void add_run_options(CLI::App& command, RunOptions& options) {
             "Run the threads under SCHED_FIFO with this priority, where the system permits it (likewise not with "
             "--executor tbb)");
   add_path(command, "--json", options.json, "Write the figures as JSON (poise.run/2), - for the standard output");
-  add_path(command, "--states", options.states, "Write every body after every frame as CSV");
+  add_path(command, "--states", options.states,
+           "Write every body after every frame as CSV, and beside it what each body is (FILE.bodies.csv)");
+  add_whole(command, "--states-every", options.states_every, 1, kMaxSceneFrames,
+            "With --states: the start and each N-th frame after it only (default 1)");
   add_path(command, "--frames-csv", options.frames_csv, "Write one row a frame as CSV");
   add_path(command, "--trace", options.trace,
            "Write what the threads did when as Chrome trace events (opens in ui.perfetto.dev)");
   add_path(command, "--record", options.record, "Write what each frame decided, for poise replay");
-  add_path(command, "--picture", options.picture, "Draw the bodies after the last frame as a PNG, coloured by level");
+  add_capture_options(command, options.capture);
+  add_path(command, "--report", options.report,
+           "Write a page into this folder that shows the run: charts and a replay (docs/viewing.md); its capture goes "
+           "there too, unless --capture names a file");
+  // No film: drawing between frames would empty the caches of the next one. A capture costs less.
+  add_picture_options(command, options.picture,
+                      "after the last frame. For a film: --capture, then poise export --frames-dir (docs/pictures.md)");
   command
       .add_option("--require", options.require,
                   "Exit with 1 unless this holds, e.g. 'miss_rate < 0.01 && frame_ms.p99 < 16.7'")
@@ -127,6 +150,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
 }
 
 Status check_run_options(const RunOptions& options) {
+  scheduler::Policy any;
+  for (const std::string& weight : options.weights) {
+    const Status set = io::set_weight(weight, any);
+    if (!set) return bad_input("--weight: " + set.error().message);
+  }
   const bool work = options.clock == "work";
   if (options.budget_work && !work) return bad_input("--budget-work needs --clock work");
   if (work && options.deadline_ms) return bad_input("--deadline has no meaning with --clock work");
@@ -143,18 +171,26 @@ Status check_run_options(const RunOptions& options) {
   const Result<std::vector<int>> processors = processor_list(options.affinity);
   if (!processors) return processors.error();
   for (const std::string* path :
-       {&options.states, &options.frames_csv, &options.picture, &options.trace, &options.record}) {
+       {&options.states, &options.frames_csv, &options.trace, &options.record, &options.report}) {
     if (*path == "-") return bad_input("only --json can go to the standard output");
   }
-  const Status picture = check_picture(options.picture);
+  if (options.states_every && options.states.empty()) return bad_input("--states-every needs --states");
+  const Status captured = check_capture_options(options.capture);
+  if (!captured) return captured;
+  const Status picture = check_picture_options(options.picture);
   if (!picture) return picture;
+  const std::string page = report_page_of(options.report);
+  const std::string bodies = body_table_of(options.states);
   return check_outputs({{"--json", options.json},
                         {"--states", options.states},
+                        {"the bodies of --states", bodies},
                         {"--frames-csv", options.frames_csv},
                         {"--trace", options.trace},
-                        {"--picture", options.picture},
-                        {"--record", options.record}},
-                       {{"SCENE", options.scene}});
+                        {"--picture", options.picture.file},
+                        {"--record", options.record},
+                        {"--capture", options.capture.file},
+                        {"--report", page}},
+                       {{"SCENE", options.scene}, {"--gaze", options.gaze}});
 }
 
 Result<std::vector<int>> processor_list(const std::string& text) {
@@ -200,15 +236,26 @@ ExecutorKind executor_kind(const RunOptions& options) {
 #endif
 }
 
+Status apply_policy(const RunOptions& options, Scene& scene, std::vector<std::string>& errors) {
+  if (io::names_policy_file(options.policy)) {
+    const Result<io::PolicyFile> file = io::read_policy_file(options.policy, scene.policy, &errors);
+    if (!file) return file.error();
+    scene.policy = file.value().policy;
+  }
+  for (const std::string& weight : options.weights) {
+    const Status set = io::set_weight(weight, scene.policy);
+    if (!set) return set;
+  }
+  return Done{};
+}
+
 WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
   WorldSettings settings;
   for (const simulation::NamedContactModel& named : simulation::kContactModels) {
     if (options.contact == named.name) settings.contact = named.model;
   }
   settings.policy = scene.policy;
-  if (options.policy == "perceptual") settings.policy.kind = scheduler::PolicyKind::Perceptual;
-  if (options.policy == "fifo") settings.policy.kind = scheduler::PolicyKind::Fifo;
-  if (options.policy == "random") settings.policy.kind = scheduler::PolicyKind::Random;
+  if (const io::NamedPolicy* named = io::policy_named(options.policy)) settings.policy.kind = named->kind;
   settings.alpha = options.time.alpha.value_or(scene.alpha.value_or(settings.alpha));
   settings.sleeping = options.sleeping || scene.sleeping;
   settings.islands_wait = scene.islands_wait;

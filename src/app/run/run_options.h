@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "app/capture/run_capture.h"
+#include "app/picture/picture_options.h"
 #include "app/time_options.h"
 #include "app/tree_cache_options.h"
 #include "poise/result.h"
@@ -19,7 +21,8 @@ namespace poise::app {
 /// The command line of `poise run`, each value in its range, not yet checked against each other.
 struct RunOptions {
   std::string scene;
-  std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every;
+  std::optional<std::uint64_t> frames, bodies, warmup, threads, budget_work, max_level, seed, reference_every,
+      states_every;
   bool polygons = false;  ///< --max-level polygons
   bool backtracking = false;
   std::optional<double> deadline_ms, host_work_ms, spin_us;
@@ -28,10 +31,15 @@ struct RunOptions {
   bool paced = false;
   bool quiet = false;
   std::string policy, contact = "fitted", clock = "wall", executor;
-  std::string json, states, frames_csv, picture, trace, record;
+  std::string json, states, frames_csv, trace, record;
+  std::string report;  ///< a folder
+  std::string gaze;
   std::string affinity;
   std::optional<std::uint64_t> realtime;
   std::optional<std::string> require;
+  std::vector<std::string> weights;  ///< CUE=VALUE each
+  PictureOptions picture;
+  CaptureOptions capture;
   TreeCacheOptions tree_cache;
   TimeOptions time;
 };
@@ -39,9 +47,15 @@ struct RunOptions {
 /// Declares the options on a subcommand.
 void add_run_options(CLI::App& command, RunOptions& options);
 
+/// Of these `--policy` and `--weight` alone.
+void add_policy_options(CLI::App& command, RunOptions& options);
+
 /// Refused: options that contradict each other, as one line.
 Status check_run_options(const RunOptions& options);
 
+/// Puts the policy file and the weights of the command line into the scene. `errors` gets every refusal of the file,
+/// one line each.
+Status apply_policy(const RunOptions& options, Scene& scene, std::vector<std::string>& errors);
 /// What the World is made with; gravity and seed come from the scene.
 WorldSettings world_settings(const RunOptions& options, const Scene& scene);
 ExecutorKind executor_kind(const RunOptions& options);

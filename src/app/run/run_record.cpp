@@ -27,6 +27,10 @@ Status RunRecord::begin(const RunOptions& options, const Scene& scene, const std
   std::error_code ignored;
   header.scene_folder = std::filesystem::absolute(scene.base, ignored).lexically_normal().string();
   header.scene_text = text;
+  if (scene.gaze && !scene.gaze->text.empty()) {
+    header.gaze = scene.gaze->text;
+    header.gaze_loop = scene.gaze->loop;
+  }
   header.bodies = options.bodies;
   header.seed = options.seed;
   header.shapes = std::move(shapes).value();

@@ -173,9 +173,11 @@ void degraded(const simulation::RunFigures& f, Out out) {
                  f.degraded.infeasible_forecast, f.degraded.fewer_iterations, f.degraded.fewer_substeps,
                  f.degraded.pairs_reused);
   if (f.degraded.frames_held == 0) return;
-  fmt::format_to(out, "               islands waited in {} frames, {:.0f} bodies in the mean of these\n",
-                 f.degraded.frames_held,
-                 static_cast<double>(f.degraded.bodies_held) / static_cast<double>(f.degraded.frames_held));
+  const auto frames = static_cast<double>(f.degraded.frames_held);
+  fmt::format_to(
+      out, "               islands waited in {} frames, {:.0f} bodies in the mean of these, {:.0f} not looked at\n",
+      f.degraded.frames_held, static_cast<double>(f.degraded.bodies_held) / frames,
+      static_cast<double>(f.degraded.bodies_paused) / frames);
 }
 
 void swept(const simulation::RunFigures& f, Out out) {
@@ -227,6 +229,13 @@ void state(const io::RunDocument& d, Out out) {
         out,
         "full           {} pairs left out, {} fronts without room, {} contacts beyond the colours, {} degenerate\n",
         c.pairs_discarded, c.fronts_full, c.colors_full, c.degenerate);
+  }
+  if (d.capture) {
+    fmt::format_to(out, "capture        {} frames, {:.1f} kB", d.capture->frames,
+                   static_cast<double>(d.capture->bytes) / 1e3);
+    if (d.capture->left_out > 0)
+      fmt::format_to(out, "; {} frames left out, since the file was written too slowly", d.capture->left_out);
+    fmt::format_to(out, "\n");
   }
   fmt::format_to(out, "state hash     {:016x}\n", d.state_hash);
 }

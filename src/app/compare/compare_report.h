@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/report/figures_page.h"
+#include "scene/compare/comparison_document.h"
+
+namespace poise::app {
+
+/// The page of a comparison: conclusion, curves of E_seen, E_rel, E and regret against the budget, tables. `command` is
+/// the command line.
+FiguresDocument comparison_figures(const io::ComparisonDocument& document, std::vector<std::string> command);
+
+}  // namespace poise::app

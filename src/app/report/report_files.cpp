@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "app/report/report_files.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "app/capture/run_capture.h"
+#include "app/report/frame_chart.h"
+#include "app/report/report_page.h"
+#include "app/report/report_template.h"
+
+namespace poise::app {
+namespace {
+
+std::string in_folder(const std::string& folder, const char* name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+Status finish(io::AtomicFile& file, const std::string& text) {
+  const Status written = file.write(text);
+  return written ? file.commit() : written;
+}
+
+}  // namespace
+
+RunOptions with_report(RunOptions options) {
+  if (!options.report.empty() && options.capture.file.empty()) options.capture.file = report_capture_of(options.report);
+  return options;
+}
+
+std::string report_capture_of(const std::string& folder) { return in_folder(folder, "run.capture"); }
+
+std::string report_page_of(const std::string& folder) {
+  return folder.empty() ? std::string() : in_folder(folder, "report.html");
+}
+
+Result<ReportFiles> ReportFiles::open(const std::string& folder) {
+  ReportFiles made;
+  if (folder.empty()) return made;
+  Result<std::string> page = read_report_template();
+  if (!page) return bad_input("--report: " + page.error().message);
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return Error{ErrorKind::OutputFailed, folder + ": " + failure.message()};
+  Result<io::AtomicFile> html = io::AtomicFile::open(report_page_of(folder));
+  if (!html) return html.error();
+  Result<io::AtomicFile> svg = io::AtomicFile::open(in_folder(folder, "frame-times.svg"));
+  if (!svg) return svg.error();
+  Result<io::AtomicFile> png = io::AtomicFile::open(in_folder(folder, "frame-times.png"));
+  if (!png) return png.error();
+  made.files_.emplace(
+      Files{std::move(page).value(), std::move(html).value(), std::move(svg).value(), std::move(png).value()});
+  return made;
+}
+
+Status ReportFiles::write(const io::RunDocument& document, std::span<const simulation::RunFrame> frames,
+                          const std::string& frames_csv, const std::string& capture) {
+  if (!files_) return Done{};
+  return write("run", {command_line(), io::run_json(document), frames_csv, {}}, capture,
+               frame_chart(document.scene, document.deadline_ms, frames));
+}
+
+Status ReportFiles::write(const char* command, ReportParts parts, const std::string& capture, const FrameChart& chart) {
+  if (!files_) return Done{};
+  const Status embeds = check_capture_file(capture);
+  if (embeds) {
+    parts.captures.push_back(capture);
+  } else {
+    fmt::print(stderr, "poise {}: warning: the report has no replay: {}\n", command, embeds.error().message);
+  }
+  Status written = write_report_page(files_->page, parts, files_->html);
+  if (written) written = files_->html.commit();
+  if (!written) return written;
+  written = finish(files_->svg, frame_chart_svg(chart));
+  if (!written) return written;
+  const Result<std::string> png = io::png_bytes(frame_chart_image(chart));
+  return png ? finish(files_->png, png.value()) : Status(png.error());
+}
+
+}  // namespace poise::app

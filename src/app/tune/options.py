@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""The command line of `poise tune`."""
+import argparse
+import json
+import os
+
+import fields
+
+BAD_USAGE = 2
+BAD_INPUT = 3
+
+_EPILOG = """examples:
+  poise tune jacks street --holdout pile maze --bodies 250 --polygons --trials 60 --out mine.json
+  poise run pile --policy mine.json
+  poise tune jacks street --bodies 250 --cues --out cues.json
+  poise tune pile maze --bodies 250 --measure --out rivals.json
+
+exit codes: 0 done, 2 bad usage or Optuna is missing, 3 bad input or no trial succeeded, 4 output failed, 130 stopped by
+Ctrl-C; the journal keeps what was done, and the same command goes on."""
+
+
+class Refused(Exception):
+    """The command cannot be done; `code` is the exit code."""
+
+    def __init__(self, message, code=BAD_USAGE):
+        super().__init__(message)
+        self.code = code
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise Refused(message)
+
+
+def _whole(least, most):
+    def read(text):
+        if not text.isascii() or not text.isdigit() or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number from {least} to {most}")
+        return int(text)
+    return read
+
+
+def _seeds(text):
+    seeds = [_whole(0, 2**64 - 1)(part) for part in text.split(",")]
+    if len(set(seeds)) < len(seeds):
+        raise argparse.ArgumentTypeError(f"{text!r}, must not name a seed twice")
+    return seeds
+
+
+def _searched(text):
+    names = text.split(",")
+    for name in names:
+        if name not in fields.CHOICES:
+            raise argparse.ArgumentTypeError(f"{name!r}, must be of {', '.join(fields.CHOICES)}")
+    if len(set(names)) < len(names):
+        raise argparse.ArgumentTypeError(f"{text!r}, must not name a field twice")
+    return names
+
+
+def _path(text):
+    if not text:
+        raise argparse.ArgumentTypeError("must not be empty")
+    return text
+
+
+def parser():
+    p = _Parser(prog="poise tune", allow_abbrev=False, epilog=_EPILOG,
+                formatter_class=argparse.RawDescriptionHelpFormatter,
+                description="Search the weights of a policy by what it leaves to be seen (E_seen, docs/priorities.md), "
+                            "on some scenes and seeds, and measure it on others.")
+    p.add_argument("--poise", help=argparse.SUPPRESS, required=True)
+    p.add_argument("scenes", metavar="SCENE", nargs="+", help="a scene file, or a scene that ships")
+    p.add_argument("--out", metavar="FILE", type=_path, required=True,
+                   help="write the policy (poise.policy/1) with its evidence; with --cues or --measure the figures")
+    what = p.add_mutually_exclusive_group()
+    what.add_argument("--cues", action="store_true", help="search nothing: measure what each cue is worth")
+    what.add_argument("--measure", action="store_true", help="search nothing: measure the base policy against its rivals")
+    p.add_argument("--holdout", metavar="SCENE", nargs="+", default=[], help="scenes to measure the result on")
+    p.add_argument("--seeds", metavar="N,N", type=_seeds, default=[1, 2], help="seeds of the scenes (default 1,2)")
+    p.add_argument("--holdout-seeds", metavar="N,N", type=_seeds, default=[11, 12],
+                   help="seeds to measure the result on, of all scenes (default 11,12)")
+    p.add_argument("--trials", metavar="N", type=_whole(1, 100000), default=40,
+                   help="trials of the study, those in the journal included (default 40)")
+    p.add_argument("--jobs", metavar="N", type=_whole(1, 256), default=os.cpu_count() or 1,
+                   help="scenes that are stepped at a time (default: as many as processors)")
+    p.add_argument("--journal", metavar="FILE", type=_path,
+                   help="the study: it is gone on with, and several processes may share it (default OUT.journal)")
+    p.add_argument("--base", metavar="FILE", type=_path, help="policy file with what is not searched")
+    p.add_argument("--search", metavar="FIELD,FIELD", type=_searched, default=list(fields.SEARCHED),
+                   help=f"fields of the policy (default {','.join(fields.SEARCHED)}; also "
+                        f"{','.join(f for f in fields.CHOICES if f not in fields.SEARCHED)})")
+    p.add_argument("--rivals", metavar="P,P", type=lambda text: [name for name in text.split(",") if name],
+                   help="policies to measure against (default size,random,fifo,round-robin and, without --history, "
+                        "oracle)")
+    p.add_argument("--budgets", metavar="B,B", default="12.5%,25%,50%",
+                   help="as in poise compare (default 12.5%%,25%%,50%%)")
+    p.add_argument("--from", metavar="B", dest="budget_from", default="25%",
+                   help="budget of the run that makes the states (default 25%%)")
+    p.add_argument("--frames", metavar="N", type=_whole(1, 100000), default=8, help="states of a run (default 8)")
+    p.add_argument("--every", metavar="N", type=_whole(1, 100000), default=10,
+                   help="frames from state to state (default 10)")
+    p.add_argument("--warmup", metavar="N", type=_whole(0, 100000), default=40,
+                   help="frames before the first state (default 40)")
+    p.add_argument("--history", metavar="N", type=_whole(1, 10000), default=1,
+                   help="frames that each policy steps by itself from a state (default 1)")
+    p.add_argument("--bodies", metavar="N", type=_whole(1, 10**7), help="bodies of the generators of each scene")
+    p.add_argument("--polygons", action="store_true", help="the last level of meshes is their polygons")
+    p.add_argument("--seed", metavar="N", type=_whole(0, 2**32 - 1), default=1,
+                   help="of the search and of the intervals (default 1)")
+    p.add_argument("--name", metavar="TEXT", type=_path, help="name of the policy (default: that of the file)")
+    p.add_argument("--quiet", action="store_true", help="no progress and no table")
+    return p
+
+
+def read_base(file):
+    """What the policy file says of the policy. poise reads it again and refuses what is out of range."""
+    if file is None:
+        return {"kind": "perceptual"}
+    try:
+        with open(file, encoding="utf-8") as opened:
+            policy = json.load(opened)["policy"]
+    except OSError as failure:
+        raise Refused(f"{file}: {failure.strerror}", BAD_INPUT) from failure
+    except (ValueError, KeyError, TypeError) as failure:
+        raise Refused(f"{file}: must be a policy file (poise.policy/1) in JSON without comments", BAD_INPUT) from failure
+    if not isinstance(policy, dict):
+        raise Refused(f"{file}: policy, must be an object", BAD_INPUT)
+    return {"kind": "perceptual", **policy}
+
+
+def check(options):
+    """Refuses options that contradict each other."""
+    for group, name in ((options.scenes, "SCENE"), (options.holdout, "--holdout")):
+        for scene in group:
+            if scene == "-":
+                raise Refused(f"{name}: the standard input is read once and cannot be a scene here")
+            if group.count(scene) > 1:
+                raise Refused(f"{name}: {scene} is given twice")
+    for scene in options.holdout:
+        if scene in options.scenes:
+            raise Refused(f"--holdout: {scene} is searched on; its held-out seeds are measured anyway")
+    both = sorted(set(options.seeds) & set(options.holdout_seeds))
+    if both and not (options.cues or options.measure):
+        raise Refused(f"--holdout-seeds: {both[0]} is searched on")
+    if options.rivals is None:
+        options.rivals = ["size", "random", "fifo", "round-robin"] + (["oracle"] if options.history == 1 else [])
+    if options.history > 1 and "oracle" in options.rivals:
+        raise Refused("--rivals: oracle knows one frame: it cannot be asked with --history above 1")
+    if os.path.isdir(options.out):
+        raise Refused(f"--out {options.out}: is a folder")
+    journal = options.journal or options.out + ".journal"
+    if os.path.abspath(journal) == os.path.abspath(options.out):
+        raise Refused("--journal and --out are the same file")
+    return journal

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""`poise tune`: searches the weights of a policy. The command starts this program with its own path as --poise."""
+import datetime
+import json
+import os
+import shlex
+import sys
+import tempfile
+
+import cue_worth
+import fields
+import figures
+import rivals
+import options as command_line
+import served
+from options import BAD_INPUT, BAD_USAGE, Refused
+
+OUTPUT_FAILED = 4
+STOPPED = 130
+
+
+def check_output(path):
+    """Tells a file that cannot be written before long work."""
+    folder = os.path.dirname(os.path.abspath(path))
+    if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
+        raise Refused(f"{path}: cannot be written", OUTPUT_FAILED)
+
+
+def write(path, document):
+    """By a temporary file and its renaming: there is never half a file."""
+    part = f"{path}.part{os.getpid()}"
+    try:
+        with open(part, "w", encoding="utf-8") as file:
+            json.dump(document, file, indent=2)
+            file.write("\n")
+        os.replace(part, path)
+    except OSError as failure:
+        if os.path.exists(part):
+            os.remove(part)
+        raise Refused(f"{path}: {failure.strerror}", OUTPUT_FAILED) from failure
+
+
+class Work:
+    """What a command needs while it runs: folder, runs that are to be ended, and how it was called."""
+
+    def __init__(self, options, folder):
+        self.options, self.folder = options, folder
+        self.base = command_line.read_base(options.base)
+        self._groups = []
+        observer = os.path.join(folder, "observer.json")
+        with open(observer, "w", encoding="utf-8") as file:
+            json.dump({"schema": "poise.policy/1", "name": "observer", "policy": {**fields.OBSERVED, **{
+                name: max(value, fields.OBSERVED.get(name, value)) for name, value in self.base.items()
+                if not isinstance(value, str)}}}, file)
+        self._compare = ["--budgets", options.budgets, "--from", options.budget_from, "--from-policy", observer,
+                         "--frames", str(options.frames), "--every", str(options.every), "--warmup",
+                         str(options.warmup), "--history", str(options.history)]
+        self._compare += ["--bodies", str(options.bodies)] if options.bodies else []
+        self._compare += ["--polygons"] if options.polygons else []
+
+    def say(self, text):
+        if not self.options.quiet:
+            print("poise tune: " + text, file=sys.stderr, flush=True)
+
+    def runs(self, scenes, seeds):
+        """Runs whose states are made."""
+        runs = served.Runs([served.Run(self.options.poise, scene, seed, self._compare) for scene in scenes
+                            for seed in seeds], self.options.jobs,
+                           tempfile.mkdtemp(dir=self.folder))
+        self._groups.append(runs)
+        self.say(f"making the states of {len(runs.runs)} runs")
+        runs.start()
+        return runs
+
+    def end(self):
+        for group in self._groups:
+            group.end()
+
+    def facts(self, runs):
+        """What the figures were made with."""
+        some = runs.runs[0].facts
+        o = self.options
+        return {"schema": "poise.tune/1", "command": "poise tune " + shlex.join(self.words), "date":
+                datetime.date.today().isoformat(), "machine": some["machine"], "build": some["build"],
+                "budgets": some["budgets"], "budget_unit": some["budget_unit"], "from": o.budget_from,
+                "every": o.every, "warmup": o.warmup, "history": o.history, "polygons": o.polygons,
+                "objective": "mean over runs and budgets of log(E_seen / E_seen of the base policy)"}
+
+
+def measure_cues(work):
+    o = work.options
+    runs = work.runs(o.scenes, o.seeds)
+    rows = cue_worth.measure(runs, work.base, o.seed, work.say)
+    write(o.out, {**work.facts(runs), "schema": "poise.cues/1", "policy": work.base, "runs": [
+        {"scene": run.scene, "seed": run.seed, "bodies": run.facts["bodies"], "states": run.facts["states"]}
+        for run in runs.runs], "cues": rows})
+    if not o.quiet:
+        print(cue_worth.table(rows), end="")
+
+
+def measure_base(work):
+    o = work.options
+    runs = work.runs(o.scenes, o.seeds)
+    group = rivals.measure(runs, None, work.base, o.rivals, o.seed, work.say)
+    facts = work.facts(runs)
+    write(o.out, {**facts, "schema": "poise.rivals/1", "policy": work.base, "against_rivals": group})
+    if not o.quiet:
+        print(rivals.table("base policy", group, facts["budgets"], facts["budget_unit"]), end="")
+
+
+def tune(work, journal):
+    try:
+        import optuna
+    except ImportError as missing:
+        raise Refused(f"Optuna is missing in {sys.executable}: install the Debian package python3-optuna, or name a "
+                      "Python that has it in POISE_PYTHON") from missing
+    import search
+    o = work.options
+    runs = work.runs(o.scenes, o.seeds)
+    setup = {"scenes": o.scenes, "seeds": o.seeds, "budgets": o.budgets, "from": o.budget_from, "frames": o.frames,
+             "every": o.every, "warmup": o.warmup, "history": o.history, "bodies": o.bodies, "polygons": o.polygons,
+             "base": work.base, "search": o.search, "build": runs.runs[0].facts["build"]["commit"]}
+    try:
+        study = search.open_study(optuna, journal, setup)
+    except search.WrongJournal as wrong:
+        raise Refused(str(wrong)) from wrong
+    policy, done, failed = search.search(optuna, study, runs, work.base, o.search, o.trials, o.seed, work.say)
+    if policy is None:
+        raise Refused(f"none of {failed} trials succeeded", BAD_INPUT)
+    facts = work.facts(runs)
+    evidence = {**facts, "trials": {"done": done, "failed": failed}, "search": o.search, "tuning": rivals.measure(
+        runs, policy, work.base, o.rivals, o.seed, work.say)}
+    tables = [rivals.table("searched on", evidence["tuning"], facts["budgets"], facts["budget_unit"])]
+    groups = [("held_out_seeds", "held-out seeds of the same scenes", o.scenes)]
+    if o.holdout:
+        groups.append(("held_out_scenes", "held-out scenes", o.holdout))
+    for name, title, scenes in groups:
+        held_out = work.runs(scenes, o.holdout_seeds)
+        evidence[name] = rivals.measure(held_out, policy, work.base, o.rivals, o.seed, work.say)
+        tables.append(rivals.table(title, evidence[name], facts["budgets"], facts["budget_unit"]))
+    name = o.name or os.path.basename(o.out).removesuffix(".json")
+    write(o.out, {"schema": "poise.policy/1", "name": name, "policy": policy, "evidence": evidence})
+    if not o.quiet:
+        print("\n".join(tables), end="")
+
+
+def main(words):
+    try:
+        options = command_line.parser().parse_args(words)
+        journal = command_line.check(options)
+        check_output(options.out)
+        check_output(journal)
+        with tempfile.TemporaryDirectory(prefix="poise-tune-") as folder:
+            work = Work(options, folder)
+            work.words = words[words.index("--poise") + 2:] if "--poise" in words else words
+            try:
+                if options.cues:
+                    measure_cues(work)
+                elif options.measure:
+                    measure_base(work)
+                else:
+                    tune(work, journal)
+            finally:
+                work.end()
+    except Refused as refused:
+        print(f"poise tune: {refused}", file=sys.stderr)
+        return refused.code
+    except (served.RunFailed, served.PolicyRefused) as failed:
+        print(f"poise tune: {failed}", file=sys.stderr)
+        return failed.code if getattr(failed, "code", 0) in (BAD_USAGE, BAD_INPUT) else BAD_INPUT
+    except KeyboardInterrupt:
+        print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
+        return STOPPED
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

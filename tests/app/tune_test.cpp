@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/command.h"
+#include "scene/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> words(std::vector<std::string> first, const std::vector<std::string>& more) {
+  first.insert(first.end(), more.begin(), more.end());
+  return first;
+}
+
+// Two runs of few bodies: what is searched on, and held-out seeds.
+std::vector<std::string> small_search(const std::vector<std::string>& more) {
+  return words({"tune", "jacks", "--bodies", "40", "--frames", "2", "--seeds", "1", "--holdout-seeds", "5", "--jobs",
+                "2", "--rivals", "size,oracle"},
+               more);
+}
+
+// Whether Python and Optuna are there: the command says so itself, before it looks for scenes.
+bool can_search(std::string& why) {
+  const TemporaryFolder folder;
+  const CommandResult result = poise_command({"tune", "no-such-scene", "--out", folder.file("mine.json")});
+  why = result.error;
+  return result.exit_code != 2;
+}
+
+#define POISE_SKIP_WITHOUT_OPTUNA() \
+  if (std::string why; !can_search(why)) GTEST_SKIP() << why
+
+TEST(Tune, WritesAPolicyWithItsEvidenceAndGoesOnWithItsJournal) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string out = folder.file("mine.json");
+  const CommandResult first = poise_command(small_search({"--trials", "2", "--out", out}));
+  ASSERT_EQ(first.exit_code, 0) << first.error;
+  EXPECT_NE(first.error.find("2 of 2 trials"), std::string::npos) << first.error;
+  EXPECT_NE(first.out.find("| `oracle` |"), std::string::npos) << first.out;
+  const CommandResult second = poise_command(small_search({"--trials", "3", "--out", out}));
+  ASSERT_EQ(second.exit_code, 0) << second.error;
+  EXPECT_NE(second.error.find("3 of 3 trials"), std::string::npos) << second.error;
+  EXPECT_EQ(second.error.find("2 of 3 trials"), std::string::npos) << "two are in the journal: " << second.error;
+  const json file = json::parse(contents(out));
+  EXPECT_EQ(file.at("name"), "mine");
+  const json& evidence = file.at("evidence");
+  EXPECT_EQ(evidence.at("schema"), "poise.tune/1");
+  EXPECT_EQ(evidence.at("trials"), json({{"done", 3}, {"failed", 0}}));
+  EXPECT_EQ(evidence.at("tuning").at("runs")[0].at("seed"), 1);
+  EXPECT_EQ(evidence.at("held_out_seeds").at("runs")[0].at("seed"), 5);
+  const json& shipped = evidence.at("tuning").at("against")[0];
+  EXPECT_EQ(shipped.at("policy"), "shipped");
+  EXPECT_LE(shipped.at("low"), shipped.at("ratio"));
+  EXPECT_LE(shipped.at("ratio"), shipped.at("high"));
+  EXPECT_LE(shipped.at("ratio"), 1.0) << "the shipped policy is among the trials";
+  for (const auto& entry : std::filesystem::directory_iterator(folder.file("")))
+    EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << "nothing temporary stays";
+  const CommandResult run =
+      poise_command({"run", "jacks", "--bodies", "20", "--frames", "2", "--quiet", "--policy", out});
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+}
+
+TEST(Tune, FindsTheSameHoweverOftenItIsStoppedAndWithAnyNumberOfJobs) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const auto policy = [&](const std::string& name, const std::vector<std::string>& more) {
+    const CommandResult result = poise_command(small_search(words({"--out", folder.file(name), "--quiet"}, more)));
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    EXPECT_EQ(result.error + result.out, "");
+    return json::parse(contents(folder.file(name))).at("policy");
+  };
+  policy("parts.json", {"--trials", "3"});
+  EXPECT_EQ(policy("parts.json", {"--trials", "6"}), policy("whole.json", {"--trials", "6", "--jobs", "1"}));
+}
+
+TEST(Tune, RefusesAJournalOfAnotherSearch) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::vector<std::string> rest{"--trials", "1", "--out", folder.file("mine.json")};
+  ASSERT_EQ(poise_command(small_search(rest)).exit_code, 0);
+  const CommandResult other = poise_command(small_search(words(rest, {"--budgets", "30%"})));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.error.find("its study has budgets = \"12.5%,25%,50%\", not \"30%\""), std::string::npos)
+      << other.error;
+  std::ofstream(folder.file("text")) << "no journal\n";
+  const CommandResult text = poise_command(small_search(words(rest, {"--journal", folder.file("text")})));
+  EXPECT_EQ(text.exit_code, 2);
+  EXPECT_NE(text.error.find("--journal " + folder.file("text")), std::string::npos) << text.error;
+}
+
+// A program that answers as `poise compare --serve` does, and refuses the third policy of seed 1.
+std::string pretender(const TemporaryFolder& folder) {
+  const std::string file = folder.file("pretender");
+  std::ofstream(file)
+      << "#!/bin/sh\n"
+         "echo '{\"bodies\": 1, \"states\": 1, \"budgets\": [50], \"budget_unit\": \"percent\", "
+         "\"machine\": {}, \"build\": {\"commit\": \"a\"}}'\n"
+         "n=0\n"
+         "while read -r line; do\n"
+         "  n=$((n + 1))\n"
+         "  if [ \"$n $4\" = '3 1' ]; then echo '{\"error\": \"not this one\"}'; else echo '{\"E_seen\": "
+         "[[0.5]]}'; fi\n"
+         "done\n";
+  std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  return file;
+}
+
+TEST(Tune, TellsATrialThatFailsAndGoesOn) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::string out = folder.file("mine.json");
+  const CommandResult result =
+      poise_command(small_search({"--trials", "4", "--out", out, "--poise", pretender(folder)}));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.error.find("failed: jacks, seed 1: not this one"), std::string::npos) << result.error;
+  EXPECT_EQ(json::parse(contents(out)).at("evidence").at("trials"), json({{"done", 3}, {"failed", 1}}));
+}
+
+TEST(Tune, StoppedByCtrlCKeepsItsJournal) {
+  POISE_SKIP_WITHOUT_OPTUNA();
+  const TemporaryFolder folder;
+  const std::vector<std::string> command = small_search({"--trials", "2", "--out", folder.file("mine.json")});
+  const CommandResult stopped = interrupted_on_terminal(command);
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
+  EXPECT_NE(stopped.error.find("the same command goes on"), std::string::npos) << stopped.error;
+  EXPECT_FALSE(std::filesystem::exists(folder.file("mine.json")));
+  EXPECT_EQ(poise_command(command).exit_code, 0);
+}
+
+TEST(Tune, MeasuresWhatEachCueIsWorthWithoutOptuna) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("cues.json");
+  const CommandResult result = poise_command({"tune", "jacks", "--bodies", "40", "--frames", "2", "--seeds", "1",
+                                              "--cues", "--budgets", "30%", "--quiet", "--out", out});
+  if (result.error.find("python3-optuna") != std::string::npos) GTEST_SKIP() << result.error;
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json file = json::parse(contents(out));
+  EXPECT_EQ(file.at("schema"), "poise.cues/1");
+  ASSERT_GE(file.at("cues").size(), 12U);
+  for (const json& row : file.at("cues")) {
+    for (const char* way : {"alone", "among"}) {
+      EXPECT_LE(row.at(way).at("low"), row.at(way).at("ratio")) << row;
+      EXPECT_LE(row.at(way).at("ratio"), row.at(way).at("high")) << row;
+    }
+  }
+}
+
+TEST(Tune, MeasuresAPolicyAgainstItsRivals) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("rivals.json");
+  const CommandResult result = poise_command({"tune", "jacks", "--bodies", "40", "--frames", "2", "--seeds", "1,2",
+                                              "--measure", "--rivals", "perceptual,fifo", "--quiet", "--out", out});
+  if (result.error.find("python3-optuna") != std::string::npos) GTEST_SKIP() << result.error;
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json measured = json::parse(contents(out)).at("against_rivals");
+  EXPECT_EQ(measured.at("runs").size(), 2U);
+  EXPECT_EQ(measured.at("against")[0].at("ratio"), 1.0) << "the base is the shipped policy";
+  EXPECT_EQ(measured.at("against")[1].at("policy"), "fifo");
+  EXPECT_EQ(measured.at("against")[1].at("by_budget").size(), 3U);
+}
+
+TEST(Tune, RefusesWhatItCannotDo) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("mine.json");
+  struct Case {
+    std::vector<std::string> options;
+    int exit_code;
+    std::string message;
+  };
+  std::ofstream(folder.file("list.json")) << "[]";
+  const std::vector<Case> cases = {
+      {{"--trials", "0"}, 2, "argument --trials: '0', must be a whole number from 1 to 100000"},
+      {{"--jobs", "many"}, 2, "argument --jobs: 'many', must be a whole number from 1 to 256"},
+      {{"--seeds", "1,-2"}, 2, "argument --seeds: '-2', must be a whole number from 0"},
+      {{"--seeds", "1,1"}, 2, "argument --seeds: '1,1', must not name a seed twice"},
+      {{"--seeds", "1,11"}, 2, "--holdout-seeds: 11 is searched on"},
+      {{"--search", "speed"}, 2, "argument --search: 'speed', must be of frustum, size"},
+      {{"--search", "size,size"}, 2, "argument --search: 'size,size', must not name a field twice"},
+      {{"--holdout", "jacks"}, 2, "--holdout: jacks is searched on"},
+      {{"--holdout", "pile", "pile"}, 2, "--holdout: pile is given twice"},
+      {{"--history", "2", "--rivals", "oracle"}, 2, "--rivals: oracle knows one frame"},
+      {{"--journal", out}, 2, "--journal and --out are the same file"},
+      {{"--cues", "--measure"}, 2, "not allowed with argument"},
+      {{"--speed", "2"}, 2, "unrecognized arguments: --speed"},
+      {{"--out", "/no-such-folder/mine.json"}, 4, "/no-such-folder/mine.json: cannot be written"},
+      {{"--out", folder.file("")}, 2, "is a folder"},
+      {{"--base", folder.file("none.json")}, 3, "none.json: No such file"},
+      {{"--base", folder.file("list.json")}, 3, "list.json: must be a policy file (poise.policy/1)"},
+      {{"--cues", "--budgets", "101%"}, 2, "--budgets: \"101%\", must be"},
+      {{"--cues", "--from", "-1"}, 2, "--from"},
+      {{"--measure", "--rivals", "best"}, 3, "jacks, seed 1: \"best\", must be of perceptual, fifo"}};
+  for (const Case& c : cases) {
+    const CommandResult result =
+        poise_command(words({"tune", "jacks", "--bodies", "20", "--frames", "1", "--out", out}, c.options));
+    if (result.error.find("python3-optuna") != std::string::npos) GTEST_SKIP() << result.error;
+    EXPECT_EQ(result.exit_code, c.exit_code) << c.message << "\n" << result.error;
+    EXPECT_TRUE(result.error.starts_with("poise tune: ")) << result.error;
+    EXPECT_NE(result.error.find(c.message), std::string::npos) << result.error;
+    EXPECT_FALSE(std::filesystem::exists(out)) << c.message;
+  }
+  EXPECT_NE(poise_command({"tune", "jacks"}).error.find("required: --out"), std::string::npos);
+  const CommandResult scene = poise_command({"tune", "no-such-scene", "--cues", "--out", out});
+  EXPECT_EQ(scene.exit_code, 3);
+  EXPECT_NE(scene.error.find("no-such-scene: no scene of this name ships"), std::string::npos) << scene.error;
+}
+
+TEST(Tune, SaysWhatToInstallWhereOptunaIsMissing) {
+  const TemporaryFolder folder;
+  const std::string python = folder.file("python");
+  // Without the folders of packages.
+  std::ofstream(python) << "#!/bin/sh\nexec python3 -S \"$@\"\n";
+  std::filesystem::permissions(python, std::filesystem::perms::owner_all);
+  ::setenv("POISE_PYTHON", python.c_str(), 1);
+  const CommandResult missing = poise_command(small_search({"--trials", "1", "--out", folder.file("mine.json")}));
+  ::setenv("POISE_PYTHON", folder.file("none").c_str(), 1);
+  const CommandResult no_python = poise_command(small_search({"--trials", "1", "--out", folder.file("mine.json")}));
+  ::unsetenv("POISE_PYTHON");
+  for (const CommandResult& result : {missing, no_python}) {
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.error.find("install the Debian package python3-optuna"), std::string::npos) << result.error;
+  }
+}
+
+}  // namespace
+}  // namespace poise::testing

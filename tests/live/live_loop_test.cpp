@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include "app/live/live_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace poise::app {
+namespace {
+
+const char* const kScene = R"({"name": "s", "dt_s": 0.01, "gravity_mps2": [0, 0, -9.81], "materials": {"wood": {}},
+  "shapes": {"ball": {"sphere": {"radius_m": 0.5}}},
+  "camera": {"position_m": [9, 0, 1], "look_at_m": [0, 0, 1], "up": [0, 0, 1]},
+  "tray": {"material": "wood", "side_m": 20},
+  "generators": [{"grid": {"shape": "ball", "material": "wood", "count": [3, 3, 1], "spacing_m": 2,
+                           "origin_m": [-2, -2, 1]}}]})";
+
+struct Started {
+  explicit Started(const std::string& text = kScene)
+      : scene(parse_scene(text, "s.json", {}).value()),
+        run(scene, start(), SceneRun::create(scene, start()).value(), kDeadline) {}
+  static SceneRunOptions start() {
+    SceneRunOptions options;
+    options.world.executor = ExecutorKind::Serial;
+    return options;
+  }
+  static constexpr Nanoseconds kDeadline{1'000'000'000};
+
+  void ask(const LiveMessage& message, ClientId client = 1) {
+    LiveRequest request{client, message};
+    EXPECT_TRUE(link.requests.give(request));
+  }
+  /// Steps without waiting for the time of frames; `before` each look whether to stop, told how many there were.
+  std::uint64_t go(
+      std::uint64_t frames, std::function<bool(int)> stops = [](int) { return false; }) {
+    LiveLoopSettings settings;
+    settings.frames = frames;
+    settings.paced = false;
+    int looks = 0;
+    settings.stops = [&looks, stops = std::move(stops)] { return stops(looks++); };
+    const Result<std::uint64_t> done = live_loop(run, link, settings);
+    EXPECT_TRUE(done.ok());
+    return done.value();
+  }
+  std::vector<LiveRecord> records() {
+    std::vector<LiveRecord> all;
+    for (LiveRecord record; link.records.take(record); record = {}) all.push_back(std::move(record));
+    return all;
+  }
+
+  Scene scene;
+  LiveLink link;
+  LiveRun run;
+};
+
+TEST(LiveLoop, TellsTheStartAndEachFrame) {
+  Started setup;
+  EXPECT_EQ(setup.go(5), 5U);
+  const std::vector<LiveRecord> records = setup.records();
+  ASSERT_EQ(records.size(), 6U);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    EXPECT_TRUE(records[i].has_frame);
+    EXPECT_EQ(records[i].frame.facts.frame, i);
+    EXPECT_EQ(records[i].frame.facts.measured, i > 0);
+    EXPECT_EQ(records[i].frame.bodies.size(), 14U);
+    EXPECT_EQ(records[i].frame.new_bodies.size(), i == 0 ? 14U : 0U);
+    EXPECT_EQ(records[i].status.bodies, 9U);
+    EXPECT_EQ(records[i].status.frame, i);
+  }
+}
+
+TEST(LiveLoop, DoesWhatIsAskedBetweenFrames) {
+  Started setup;
+  setup.ask(SetDeadline{12.5});
+  setup.ask(SetAlpha{0.05});
+  setup.ask(SetWeight{&scheduler::Policy::closing, 3});
+  setup.ask(SetPolicy{scheduler::PolicyKind::Fifo});
+  setup.go(1);
+  const LiveStatus status = setup.records().back().status;
+  EXPECT_EQ(status.deadline_ms, 12.5);
+  EXPECT_EQ(status.alpha, 0.05);
+  EXPECT_EQ(status.policy.closing, 3);
+  EXPECT_EQ(status.policy.kind, scheduler::PolicyKind::Fifo);
+  EXPECT_EQ(setup.run.scene_run().world().settings().alpha, 0.05);
+}
+
+TEST(LiveLoop, LooksFromWhereAndToWhereItIsAsked) {
+  Started setup;
+  setup.go(1);
+  const std::array<float, 3> before = setup.records().back().frame.facts.gaze;
+  setup.ask(SetView{std::nullopt, Vec3(0, 1, 0)});
+  setup.go(1);
+  EXPECT_EQ(setup.records().back().frame.facts.gaze, (std::array<float, 3>{0, 1, 0}));
+  View camera;
+  camera.present = true;
+  camera.position_m = {1, 2, 3};
+  camera.forward = {0, 0, -1};
+  camera.up = {0, 1, 0};
+  camera.gaze = camera.forward;
+  setup.ask(SetView{camera, std::optional<Vec3>()});
+  setup.go(1);
+  const capture::FrameFacts seen = setup.records().back().frame.facts;
+  EXPECT_EQ(seen.position_m, (std::array<double, 3>{1, 2, 3}));
+  EXPECT_EQ(seen.gaze, (std::array<float, 3>{0, 0, -1}));
+  setup.ask(SetView{std::optional<View>(), std::nullopt});
+  setup.go(1);
+  EXPECT_EQ(setup.records().back().frame.facts.gaze, before) << "that of the scene again";
+}
+
+TEST(LiveLoop, PoursBodiesInAndTakesTheLastAway) {
+  Started setup;
+  setup.ask(SetBodies{12});
+  setup.go(1);
+  EXPECT_EQ(setup.records().back().status.bodies_asked, 12U);
+  setup.go(10);
+  std::vector<LiveRecord> records = setup.records();
+  EXPECT_EQ(records.back().status.bodies, 12U);
+  EXPECT_EQ(records.back().frame.bodies.size(), 17U);
+  setup.ask(PourBodies{2});
+  setup.ask(PourBodies{1});
+  setup.go(10);
+  EXPECT_EQ(setup.records().back().status.bodies, 15U);
+  setup.ask(SetBodies{4});
+  setup.go(1);
+  records = setup.records();
+  EXPECT_EQ(records.back().status.bodies, 4U);
+  EXPECT_EQ(records.back().frame.bodies.back().number, 8U) << "the first stay";
+}
+
+TEST(LiveLoop, APausedRunDoesTheStepsThatAreAskedFor) {
+  Started setup;
+  setup.ask(SetPaused{true});
+  const auto stops = [&](int look) {
+    if (look == 2) setup.ask(StepFrames{2});
+    return look > 6;
+  };
+  EXPECT_EQ(setup.go(100, stops), 2U);
+  const std::vector<LiveRecord> records = setup.records();
+  EXPECT_TRUE(records.back().status.paused);
+  EXPECT_EQ(records.back().status.frame, 2U);
+  EXPECT_FALSE(records.back().has_frame);
+  setup.ask(SetPaused{false});
+  EXPECT_EQ(setup.go(3), 3U);
+}
+
+TEST(LiveLoop, StartsTheSceneAgainWithWhatWasSet) {
+  Started setup;
+  setup.ask(SetWeight{&scheduler::Policy::closing, 3});
+  setup.ask(PourBodies{3});
+  setup.go(10);
+  setup.records();
+  setup.ask(StartAgain{});
+  setup.go(2);
+  const std::vector<LiveRecord> records = setup.records();
+  EXPECT_EQ(records.back().run, 2U);
+  EXPECT_EQ(records.back().frame.facts.frame, 2U);
+  EXPECT_EQ(records.back().status.bodies, 9U);
+  EXPECT_EQ(records.back().status.policy.closing, 3);
+  // The start itself is told.
+  EXPECT_EQ(records[records.size() - 3].frame.facts.frame, 0U);
+  EXPECT_EQ(records[records.size() - 3].frame.new_bodies.size(), 14U);
+}
+
+TEST(LiveLoop, RefusesTheOneWhoAsksAndChangesNothing) {
+  Started setup(
+      R"({"name": "s", "dt_s": 0.01, "materials": {"wood": {}}, "shapes": {"ball": {"sphere": {"radius_m": 1}}},
+    "bodies": [{"shape": "ball", "material": "wood", "static": true}]})");
+  setup.ask(PourBodies{5}, 42);
+  setup.go(1);
+  std::vector<LiveReply> replies;
+  for (const LiveRecord& record : setup.records())
+    replies.insert(replies.end(), record.replies.begin(), record.replies.end());
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_EQ(replies[0].client, 42U);
+  EXPECT_EQ(replies[0].error, "s.json: has no dynamic bodies, so there is nothing to pour");
+  Started full;
+  full.ask(PourBodies{kMostLiveBodies}, 1);
+  full.go(1);
+  EXPECT_EQ(full.records().back().status.bodies_asked, 9U);
+}
+
+TEST(LiveLoop, NeverWaitsForANetworkThatTakesNothing) {
+  Started setup;
+  std::vector<LiveRecord> first;
+  const auto stops = [&](int look) {
+    if (look == 80) first = setup.records();
+    return false;
+  };
+  EXPECT_EQ(setup.go(90, stops), 90U);
+  EXPECT_EQ(first.size(), LiveLink::kRecordsWaiting);
+  const std::vector<LiveRecord> later = setup.records();
+  // Of the start and 80 frames before that look, those that found no room.
+  const std::uint64_t missed = 81 - LiveLink::kRecordsWaiting;
+  EXPECT_EQ(later.front().frame.facts.left_out, missed);
+  EXPECT_EQ(later.back().status.left_out, missed);
+  EXPECT_EQ(later.back().frame.facts.left_out, 0U);
+}
+
+TEST(LiveLoop, BodiesThatCameWhileNothingWasTakenAreToldLater) {
+  Started setup;
+  const auto stops = [&](int look) {
+    if (look == 40) setup.ask(PourBodies{2});
+    if (look == 60) setup.records();
+    return false;
+  };
+  setup.go(70, stops);
+  const std::vector<LiveRecord> later = setup.records();
+  EXPECT_EQ(later.front().frame.new_bodies.size(), 2U);
+}
+
+}  // namespace
+}  // namespace poise::app
