@@ -19,7 +19,7 @@ struct Stage {
 
 constexpr std::array kStages{
     Stage{"predict", {"poise::simulation::predict"}},
-    Stage{"broad_phase", {"poise::simulation::CandidateCache::find"}},
+    Stage{"broad_phase", {"poise::simulation::find_candidates"}},
     Stage{"coarse", {"poise::simulation::find_active_pairs"}},
     Stage{"refine", {"poise::simulation::refine"}},
     Stage{"manifolds", {"poise::simulation::make_points_left", "poise::simulation::make_manifolds"}},
@@ -28,12 +28,13 @@ constexpr std::array kStages{
            "poise::simulation::solve_swept"}},
     Stage{"integrate", {"poise::simulation::integrate"}},
     Stage{"publish", {"poise::simulation::publish"}},
-    Stage{
-        "sleep",
-        {"poise::simulation::fall_asleep", "poise::simulation::wake_near_changes", "poise::simulation::wake_touched"}},
+    Stage{"sleep",
+          {"poise::simulation::rest_after", "poise::simulation::wake_near_changes", "poise::simulation::wake_touched"}},
 };
 
 constexpr double kLeastShareOfStages = 0.95;
+// Or what is in none is this little: where all sleep, a frame is hardly more than its clocks and its report.
+constexpr double kMostBesideStages = 5000;
 
 /// A unit of work: the instructions inside some functions, minus those inside others, and a count of the report.
 struct Unit {
@@ -58,7 +59,7 @@ constexpr std::array kUnits{
     Unit{"point_iteration", {"poise::solver::ContactSolver::solve"}, {}, &CountedUnits::point_iterations},
     Unit{"body", {"poise::simulation::predict", "poise::simulation::integrate"}, {}, &CountedUnits::bodies},
     Unit{"candidate_pair",
-         {"poise::simulation::CandidateCache::find", "poise::simulation::find_active_pairs"},
+         {"poise::simulation::find_candidates", "poise::simulation::find_active_pairs"},
          {},
          &CountedUnits::candidate_pairs},
 };
@@ -88,7 +89,8 @@ Result<EntryCosts> unit_costs(const std::string& entry, const CallgrindProfile& 
     if (instructions > 0)
       costs.per_frame.push_back({std::string(stage.name), instructions / units.frames, units.frames});
   }
-  if (in_stages < kLeastShareOfStages * total || in_stages > total)
+  const bool too_few = in_stages < kLeastShareOfStages * total && total - in_stages > kMostBesideStages * units.frames;
+  if (too_few || in_stages > total)
     return bad_input(
         fmt::format("{}: the stages make up {:.1f} % of the step, must be 95 to 100 %: a stage is missing or named "
                     "twice in bench/ledger/unit_costs.cpp",

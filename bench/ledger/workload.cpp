@@ -5,6 +5,7 @@
 #include <hwy/targets.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 
 #include "ledger/callgrind_switch.h"
@@ -18,9 +19,22 @@ constexpr std::array kWorkloads{
     Workload{"jacks-at-rest", "jacks.json", "", 240, 10, 0},
     Workload{"jacks-wrench", "jacks.json", "wrench", 35, 10, 0},
     Workload{"jacks-sleeping", "jacks.json", "sleeping", 400, 20, 0},
+    Workload{"jacks-in-order", "jacks.json", "deadline", 35, 10, 0},
+    Workload{"jacks-ranked", "jacks.json", "deadline, ranked", 35, 10, 0},
     Workload{"pile-forming", "pile.json", "", 40, 6, 0},
     Workload{"pile-polygons", "pile.json", "polygons", 40, 3, 0},
     Workload{"pile-within-budget", "pile.json", "", 40, 6, 200},
+    Workload{"cue-occlusion", "pile.json", "occlusion", 40, 6, 200},
+    Workload{"cue-gap", "pile.json", "gap", 40, 6, 200},
+    Workload{"cue-delay", "pile.json", "delay", 40, 6, 200},
+    Workload{"cue-onset", "pile.json", "onset", 40, 6, 200},
+    Workload{"cue-crowding", "pile.json", "crowding", 40, 6, 200},
+    Workload{"cue-attention", "pile.json", "attention", 40, 6, 200},
+    Workload{"cue-hysteresis", "pile.json", "hysteresis", 40, 6, 200},
+    Workload{"cue-learning", "pile.json", "learning", 40, 6, 200},
+    Workload{"no-touch", "pile.json", "no touch", 40, 6, 200},
+    Workload{"no-eccentricity", "pile.json", "no eccentricity", 40, 6, 200},
+    Workload{"no-closing", "pile.json", "no closing", 40, 6, 200},
     Workload{"gas", "gas.json", "", 40, 20, 0},
 };
 
@@ -35,6 +49,9 @@ Result<SceneRun> create_run(const Workload& workload, StepInput& input) {
   options.world.sleeping = workload.with == "sleeping";
   if (workload.with == "wrench") options.world.contact = ContactModel::Wrench;
   options.world.policy = scene.value().policy;
+  // A host's cue is asked for of every pair, however much time there is.
+  if (workload.with == "deadline, ranked")
+    options.world.policy.cue.function = [](const scheduler::PairView&, void*) noexcept { return 1.0; };
   options.tree_cache = TreeCacheSettings{};
   options.tree_cache->folder = POISE_LEDGER_TREES;
   Result<SceneRun> run = SceneRun::create(scene.value(), options);
@@ -44,6 +61,21 @@ Result<SceneRun> create_run(const Workload& workload, StepInput& input) {
   input.max_level = scene.value().max_level;
   input.polygons = workload.with == "polygons";
   return run;
+}
+
+// Switches a cue on or off for the counted frames: before them all workloads of a scene are alike.
+Status switch_cue(const Workload& workload, World& world) {
+  scheduler::Policy policy = world.settings().policy;
+  const bool off = workload.with.starts_with("no ");
+  const std::string_view name = off ? workload.with.substr(3) : workload.with;
+  for (const auto& fields : {scheduler::policy_weights(), scheduler::policy_parameters()}) {
+    for (const scheduler::PolicyField& field : fields) {
+      if (field.name != name) continue;
+      policy.*field.value = off ? 0.0 : 1.0;
+      return world.set_policy(policy);
+    }
+  }
+  return Done{};
 }
 
 void add(CountedUnits& units, const FrameReport& report) {
@@ -79,8 +111,14 @@ Result<CountedUnits> run_workload(const Workload& workload) {
     const Status added = run.value().before_frame(frame);
     if (!added) return added.error();
     input.view = run.value().view();
-    if (frame == workload.warm_up) start_instrumentation();
+    if (frame == workload.warm_up) {
+      const Status switched = switch_cue(workload, run.value().world());
+      if (!switched) return switched.error();
+      start_instrumentation();
+    }
     const bool counted = frame >= workload.warm_up;
+    // So far away that what is done does not depend on the machine.
+    if (workload.with.starts_with("deadline")) input.budget = Budget::within(std::chrono::hours(1));
     if (counted) toggle_collection();
     const FrameReport report = run.value().world().step(input);
     if (counted) toggle_collection();

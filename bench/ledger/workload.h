@@ -13,8 +13,11 @@ namespace poise::ledger {
 /// A small fixed scene with some counted frames: serial executor, budgets in work units, fixed seeds.
 struct Workload {
   std::string_view name;
-  std::string_view scene;        ///< a file of bench/ledger/scenes
-  std::string_view with = "";    ///< "polygons", "sleeping", "wrench" or nothing in addition to the scene
+  std::string_view scene;  ///< a file of bench/ledger/scenes
+  /// "polygons", "sleeping", "wrench", "deadline" (one that is an hour away), "deadline, ranked" (where the order
+  /// counts all the same) or nothing in addition to the scene; a weight or parameter of the policy that is 1 in the
+  /// counted frames, or after "no " one that is 0.
+  std::string_view with = "";
   std::uint64_t warm_up = 0;     ///< frames before the counted ones
   std::uint64_t frames = 0;      ///< counted
   std::uint64_t work_units = 0;  ///< of refinement a frame; 0: unlimited

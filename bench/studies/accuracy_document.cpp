@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+
+#include "studies/gnuplot.h"
 
 namespace poise::io {
 namespace {
@@ -100,26 +104,43 @@ std::string accuracy_markdown(const AccuracyDocument& document) {
   return text + "\n" + made_by(document);
 }
 
+namespace {
+/// What has no place on a logarithmic axis is a gap of its line, not a line along the axis.
+std::string shown(double value) { return value > kLeast ? fmt::format("{:g}", value) : std::string("NaN"); }
+
+/// The axis for what is shown of all cases: gnuplot finds none by itself where nothing is.
+std::string range_of(const std::vector<AccuracySeries>& all, std::vector<double> AccuracySeries::*values) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (const AccuracySeries& series : all) {
+    for (const double value : series.*values) {
+      if (!(value > kLeast) || !std::isfinite(value)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  return most > 0 ? fmt::format("{:g}:{:g}", 0.5 * least, 2 * most) : fmt::format("{:g}:1", kLeast);
+}
+}  // namespace
+
 std::string accuracy_plot(const AccuracyDocument& document) {
   if (document.series.empty()) return "";
-  std::string text =
-      "set terminal pngcairo size 1400,640 font \"sans,13\"\nset logscale y\nset format y \"10^{%L}\"\nset grid xtics "
-      "ytics lt 1 lw 1 lc rgb \"#cccccc\"\n"
-      "set linetype 9 lc rgb \"#888888\"\nset key outside below maxrows 5\nset xlabel \"time in s\"\n";
+  std::string text = app::plot_style(1400, 640) +
+                     "set logscale y\nset format y \"10^{%L}\"\nset key maxrows 5\nset xlabel \"time in s\"\n";
   for (std::size_t i = 0; i < document.series.size(); ++i) {
     const AccuracySeries& series = document.series[i];
     text += fmt::format("$case{} << EOD\n", i);
     for (std::size_t k = 0; k < series.time_s.size(); ++k) {
-      text += fmt::format("{:g} {:g} {:g}\n", series.time_s[k], std::max(series.drift_m[k], kLeast),
-                          std::max(series.kinetic_j[k], kLeast));
+      text += fmt::format("{:g} {} {}\n", series.time_s[k], shown(series.drift_m[k]), shown(series.kinetic_j[k]));
     }
     text += "EOD\n";
   }
   text += "set multiplot layout 1,2\n";
   for (const auto& [column, title] : {std::pair{2, "largest drift in m"}, std::pair{3, "kinetic energy in J"}}) {
-    text += fmt::format("set title \"{}\"\nplot ", title);
+    text += fmt::format("set title \"{}\"\nset yrange [{}]\nplot ", title,
+                        range_of(document.series, column == 2 ? &AccuracySeries::drift_m : &AccuracySeries::kinetic_j));
     for (std::size_t i = 0; i < document.series.size(); ++i) {
-      text += fmt::format("{}$case{} using 1:{} with lines lw 2 title \"{}\"", i == 0 ? "" : ", ", i, column,
+      text += fmt::format("{}$case{} using 1:{} with lines title \"{}\"", i == 0 ? "" : ", ", i, column,
                           document.series[i].case_name);
     }
     text += "\n";

@@ -6,11 +6,14 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <iterator>
+#include <string_view>
 
 #include "scene/result_file.h"
 #include "studies/child_command.h"
 
 namespace poise::app {
+namespace {
 
 // gnuplot reads its script from a temporary file.
 Result<std::string> drawn_by_gnuplot(const std::string& script, const parallel::Interrupt& interrupt) {
@@ -29,6 +32,40 @@ Result<std::string> drawn_by_gnuplot(const std::string& script, const parallel::
     return Error{ErrorKind::OutputFailed, fmt::format("--picture: gnuplot ended with {}", child.value().exit_code)};
   }
   return child.value().out;
+}
+
+Status draw_into(const std::string& path, const std::string& script, const parallel::Interrupt& interrupt) {
+  if (path.empty()) return Done{};
+  const Result<std::string> picture = drawn_by_gnuplot(script, interrupt);
+  return picture ? io::write_file(path, picture.value()) : Status(picture.error());
+}
+
+}  // namespace
+
+std::string plot_style(std::size_t width_px, std::size_t height_px) {
+  constexpr const char* kLines[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
+                                    "#56b4e9", "#7d2e99", "#303840", "#9aa2ab"};
+  std::string text = fmt::format(
+      "set terminal pngcairo size {},{} font \"sans,13\" background rgb \"#fafafb\"\n"
+      "set border 0\nset tics scale 0 textcolor rgb \"#303840\"\nset grid xtics ytics back lt 1 lw 1 lc rgb "
+      "\"#d3d8de\"\nset key outside below horizontal textcolor rgb \"#303840\"\n",
+      width_px, height_px);
+  for (std::size_t i = 0; i < std::size(kLines); ++i)
+    text += fmt::format("set linetype {} lc rgb \"{}\" lw 2.5 pt {} ps 1.2\n", i + 1, kLines[i], i % 2 == 0 ? 7 : 5);
+  return text;
+}
+
+std::string svg_script(std::string script) {
+  constexpr std::string_view kPng = "set terminal pngcairo ";
+  const std::size_t at = script.find(kPng);
+  if (at != std::string::npos) script.replace(at, kPng.size(), "set terminal svg ");
+  return script;
+}
+
+Status draw_by_gnuplot(const std::string& script, const std::string& png, const std::string& svg,
+                       const parallel::Interrupt& interrupt) {
+  const Status drawn = draw_into(png, script, interrupt);
+  return drawn ? draw_into(svg, svg_script(script), interrupt) : drawn;
 }
 
 }  // namespace poise::app

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "studies/gnuplot.h"
 #include "studies/levels_document.h"
 
 namespace poise::io {
@@ -59,12 +60,10 @@ std::string levels_plot(const LevelsDocument& document) {
   const bool polygons = std::any_of(all.begin(), all.end(), [](const LevelsSummary& s) { return s.level.polygons; });
   int deepest = 0;
   for (const LevelsSummary& s : all) deepest = std::max(deepest, s.level.polygons ? 0 : int{s.level.level});
-  std::string text =
-      fmt::format("set terminal pngcairo size {},640 font \"sans,13\"\nset multiplot layout 1,{}\n",
-                  700 * std::max<std::size_t>(panels.size(), 1), std::max<std::size_t>(panels.size(), 1));
+  std::string text = app::plot_style(700 * std::max<std::size_t>(panels.size(), 1), 640) +
+                     fmt::format("set multiplot layout 1,{}\n", std::max<std::size_t>(panels.size(), 1));
   text += fmt::format(
-      "set logscale y\nset yrange [{}:2]\nset xrange [-0.3:{:g}]\nset xtics ({})\nset grid xtics ytics lt 1 lw 1 lc "
-      "rgb \"#cccccc\"\nset key bottom left\n"
+      "set logscale y\nset yrange [{}:2]\nset xrange [-0.3:{:g}]\nset xtics ({})\n"
       "set xlabel \"level\"\nset ylabel \"mean error of dv\"\n",
       kLeastPlotted, deepest + (polygons ? 1.3 : 0.3), tics(all, deepest));
   for (const Panel& panel : panels) {
@@ -78,8 +77,7 @@ std::string levels_plot(const LevelsDocument& document) {
         data += fmt::format("{} {:g}\n", shown(place_of(s.level), deepest), std::max(s.dv.mean, kLeastPlotted));
       }
       data += "EOD\n";
-      plots +=
-          fmt::format("$model{0} using 1:2 with linespoints lw 2 pt {1} title \"{2}\", ", i, i + 5, panel.models[i]);
+      plots += fmt::format("$model{0} using 1:2 with linespoints title \"{1}\", ", i, panel.models[i]);
     }
     if (panel.targets) {
       data += "$target << EOD\n";

@@ -40,11 +40,15 @@ Status check(const StudyAccuracyOptions& options) {
   if (options.json == "-" && options.markdown == "-")
     return bad_input("only one of --json and --markdown can go to the standard output");
   if (options.picture == "-") return bad_input("--picture must be a file");
+  if (options.svg == "-") return bad_input("--svg must be a file");
   const Status picture = check_picture(options.picture);
   if (!picture) return picture;
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
-  return check_outputs({{"--json", options.json}, {"--markdown", options.markdown}, {"--picture", options.picture}},
+  return check_outputs({{"--json", options.json},
+                        {"--markdown", options.markdown},
+                        {"--picture", options.picture},
+                        {"--svg", options.svg}},
                        {});
 }
 
@@ -88,11 +92,11 @@ Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& docu
   if (written) written = write_to(o.markdown, io::accuracy_markdown(document));
   if (written && o.json != "-" && o.markdown != "-" && !o.quiet)
     written = io::write_stdout(io::accuracy_table(document));
-  if (!written || o.picture.empty()) return written;
+  if (!written || (o.picture.empty() && o.svg.empty())) return written;
+  if (document.series.empty() && o.picture_if_any) return written;
   if (document.series.empty())
     return bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do");
-  const Result<std::string> picture = drawn_by_gnuplot(io::accuracy_plot(document), interrupt);
-  return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
+  return draw_by_gnuplot(io::accuracy_plot(document), o.picture, o.svg, interrupt);
 }
 
 int study(const StudyAccuracyOptions& options, const std::vector<accuracy::Case>& cases) {
@@ -131,6 +135,7 @@ void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& o) {
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
   add_path(command, "--picture", o.picture,
            "Draw drift and kinetic energy of what stands over time as a PNG (needs gnuplot)");
+  add_path(command, "--svg", o.svg, "The same as an SVG");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
@@ -154,7 +159,7 @@ int study_accuracy(const StudyAccuracyOptions& options) {
   if (!sound) return refuse("study accuracy", kExitBadUsage, sound.error().message);
   const Result<std::vector<accuracy::Case>> cases = chosen(options);
   if (!cases) return refuse("study accuracy", kExitBadUsage, cases.error().message);
-  const Status writable = can_write({options.json, options.markdown, options.picture});
+  const Status writable = can_write({options.json, options.markdown, options.picture, options.svg});
   if (!writable) return refuse("study accuracy", writable.error());
   return study(options, cases.value());
 }

@@ -14,10 +14,11 @@ namespace poise::app {
 /// The command line of `poise study accuracy`.
 struct StudyAccuracyOptions {
   std::vector<std::string> only;
-  std::string json, markdown, picture;
+  std::string json, markdown, picture, svg;
   std::optional<std::uint64_t> threads;
   TreeCacheOptions tree_cache;
   bool list = false;
+  bool picture_if_any = false;  ///< nothing to draw is no error
   bool quiet = false;
 };
 

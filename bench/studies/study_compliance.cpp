@@ -11,6 +11,7 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "parallel/busy_thread.h"
+#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -131,8 +132,8 @@ std::vector<io::StudyCell> row_of(double alpha, double population, std::uint64_t
 
 std::string plot_of(const io::StudyTable& table, const std::vector<double>& alphas) {
   std::string text =
-      "set terminal pngcairo size 900,560 font \"sans,13\"\nset logscale x 2\nset grid xtics ytics lt 1 lw 1 lc rgb "
-      "\"#cccccc\"\nset key top left\n"
+      plot_style(900, 560) +
+      "set logscale x 2\n"
       "set xlabel \"bodies, in multiples of what full refinement serves\"\nset ylabel \"misses by forecast or overrun "
       "in %\"\nset yrange [0:*]\n";
   std::string plots;
@@ -140,8 +141,9 @@ std::string plot_of(const io::StudyTable& table, const std::vector<double>& alph
     text += io::study_points(table, fmt::format("alpha{}", i), "population", "own_rate",
                              {{"alpha", fmt::format("{:.6f}", alphas[i])}});
     plots += fmt::format(
-        "{}$alpha{} using 1:2 with linespoints lw 2 pt {} title \"alpha = {:g} %\", {:g} with lines dt 2 notitle",
-        i == 0 ? "" : ", ", i, i + 5, 100 * alphas[i], 100 * alphas[i]);
+        "{}$alpha{} using 1:2 with linespoints lt {} title \"alpha = {:g} %\", {:g} with lines lt {} dt 2 title "
+        "\"allowed\"",
+        i == 0 ? "" : ", ", i, i + 1, 100 * alphas[i], 100 * alphas[i], i + 1);
   }
   return text + "plot " + plots + "\n";
 }

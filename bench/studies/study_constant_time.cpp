@@ -6,6 +6,7 @@
 #include "app/exit_codes.h"
 #include "app/option_values.h"
 #include "app/refusal.h"
+#include "studies/gnuplot.h"
 #include "studies/study_forecast.h"
 
 namespace poise::app {
@@ -20,15 +21,14 @@ constexpr std::uint64_t kConstantTimeMaxBodies = 200'000;
 constexpr double kTooLong = 12;
 
 std::string plot_of(const io::StudyTable& table, double deadline_ms) {
-  std::string text =
-      "set terminal pngcairo size 900,560 font \"sans,13\"\nset logscale xy\nset grid xtics ytics lt 1 lw 1 lc rgb "
-      "\"#cccccc\"\nset key top left\n"
-      "set xlabel \"bodies\"\nset ylabel \"99 of 100 frames take at most, ms\"\n";
+  std::string text = plot_style(900, 560) +
+                     "set logscale xy\n"
+                     "set xlabel \"bodies\"\nset ylabel \"99 of 100 frames take at most, ms\"\n";
   text += io::study_points(table, "kept", "bodies", "deadline_p99_ms", {});
   text += io::study_points(table, "full", "bodies", "full_p99_ms", {});
   return text + fmt::format(
-                    "plot $full using 1:2 with linespoints lw 2 pt 5 title \"every pair refined to its end\", $kept "
-                    "using 1:2 with linespoints lw 2 pt 7 "
+                    "plot $full using 1:2 with linespoints lt 2 title \"every pair refined to its end\", $kept "
+                    "using 1:2 with linespoints lt 1 "
                     "title \"under the deadline\", {:g} with lines dt 2 lc rgb \"black\" title \"deadline\"\n",
                     deadline_ms);
 }

@@ -10,6 +10,7 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "studies/forecast_trial.h"
+#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -43,8 +44,8 @@ std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::Run
 
 std::string plot_of(const io::StudyTable& table) {
   std::string text =
-      "set terminal pngcairo size 900,560 font \"sans,13\"\nset logscale x\nset grid xtics ytics lt 1 lw 1 lc rgb "
-      "\"#cccccc\"\nset key top right\n"
+      plot_style(900, 560) +
+      "set logscale x\n"
       "set xlabel \"frames that took longer than their reserve in %\"\nset ylabel \"reserve / needed\"\nset yrange "
       "[0:*]\n";
   std::string plots;
@@ -56,8 +57,8 @@ std::string plot_of(const io::StudyTable& table) {
   for (std::size_t i = 0; i < methods.size(); ++i) {
     text += io::study_points(table, fmt::format("method{}", i), "exceeded", "reserve_over_actual",
                              {{"method", methods[i]}});
-    plots += fmt::format("{}$method{} using ($1>0?$1:0.01):2 with points ps 2 pt {} title \"{}\"", i == 0 ? "" : ", ",
-                         i, i + 4, methods[i]);
+    plots += fmt::format("{}$method{} using ($1>0?$1:0.01):2 with points ps 2 title \"{}\"", i == 0 ? "" : ", ", i,
+                         methods[i]);
   }
   return text + "plot " + plots + "\n";
 }

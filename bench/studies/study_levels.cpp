@@ -135,13 +135,15 @@ Result<LevelsPlan> plan_of(const StudyLevelsOptions& options) {
     return bad_input("only one of --json, --markdown and --csv can go to the standard output");
   }
   if (options.picture == "-") return bad_input("--picture must be a file");
+  if (options.svg == "-") return bad_input("--svg must be a file");
   const Status picture = check_picture(options.picture);
   if (!picture) return picture.error();
   for (const std::string& mesh : options.meshes.empty() ? std::vector<std::string>{""} : options.meshes) {
     const Status apart = check_outputs({{"--json", options.json},
                                         {"--markdown", options.markdown},
                                         {"--csv", options.csv},
-                                        {"--picture", options.picture}},
+                                        {"--picture", options.picture},
+                                        {"--svg", options.svg}},
                                        {{"MESH", mesh}});
     if (!apart) return apart.error();
   }
@@ -174,6 +176,7 @@ void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
   add_path(command, "--csv", o.csv, "Write a line a row, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the tables for docs, - for the standard output");
   add_path(command, "--picture", o.picture, "Draw error against level as a PNG (needs gnuplot)");
+  add_path(command, "--svg", o.svg, "The same as an SVG");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No tables and no progress");
   command.footer(

@@ -19,7 +19,7 @@ namespace poise::app {
 struct StudyLevelsOptions {
   std::vector<std::string> meshes;
   std::string pairs, models, levels, half = "report";
-  std::string json, csv, markdown, picture;
+  std::string json, csv, markdown, picture, svg;
   std::optional<std::uint64_t> touches, seed, depth, fineness, threads;
   TreeCacheOptions tree_cache;
   bool quiet = false;

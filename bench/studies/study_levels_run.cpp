@@ -75,9 +75,7 @@ Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document
   if (written) written = write_to(o.markdown, io::levels_markdown(document));
   const bool taken = o.json == "-" || o.markdown == "-" || o.csv == "-";
   if (written && !taken && !o.quiet) written = io::write_stdout(io::levels_table(document));
-  if (!written || o.picture.empty()) return written;
-  const Result<std::string> picture = drawn_by_gnuplot(io::levels_plot(document), interrupt);
-  return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
+  return written ? draw_by_gnuplot(io::levels_plot(document), o.picture, o.svg, interrupt) : written;
 }
 
 int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress,
@@ -116,7 +114,7 @@ int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& p
 int study_levels(const StudyLevelsOptions& options) {
   const Result<LevelsPlan> plan = plan_of(options);
   if (!plan) return refuse("study levels", kExitBadUsage, plan.error().message);
-  const Status writable = can_write({options.json, options.csv, options.markdown, options.picture});
+  const Status writable = can_write({options.json, options.csv, options.markdown, options.picture, options.svg});
   if (!writable) return refuse("study levels", writable.error());
   for (const std::string& name : plan.value().missing)
     fmt::print(stderr, "poise study levels: not installed, left out: {}\n", name);

@@ -10,6 +10,7 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "scene/run/milliseconds.h"
+#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -53,31 +54,31 @@ OverloadSettings settings_of(const StudyOverloadOptions& o, bool population) {
 
 // One line up and one back for a figure of a drive; nothing where it is not defined, since gnuplot refuses that.
 std::string panel_of(const io::StudyTable& table, const std::string& drive, const std::string& column,
-                     const std::string& label, const std::string& key) {
+                     const std::string& label) {
   if (!io::has_numbers(table, column, {{"drive", drive}})) return "";
-  std::string text = fmt::format("set title \"{} driven\"\nset ylabel \"{}\"\nset key {}\nset yrange [{}:*]\n", drive,
-                                 label, key, column == "potential_relative" ? "*" : "0");
+  std::string text = fmt::format("set title \"{} driven\"\nset ylabel \"{}\"\nset yrange [{}:*]\n", drive, label,
+                                 column == "potential_relative" ? "*" : "0");
   for (const char* way : {"up", "back"}) {
     text += io::study_points(table, fmt::format("{}_{}_{}", drive, column, way), "demand", column,
                              {{"drive", drive}, {"way", way}});
   }
-  return text + fmt::format(
-                    "plot ${0}_{1}_up using 1:2 with linespoints lw 2 pt 5 title \"up\", ${0}_{1}_back using 1:2 with "
-                    "linespoints lw 2 pt 7 title \"back\"\n",
-                    drive, column);
+  return text +
+         fmt::format(
+             "plot ${0}_{1}_up using 1:2 with linespoints lt 2 title \"demand goes up\", ${0}_{1}_back using 1:2 with "
+             "linespoints lt 1 ps 0.8 title \"and back\"\n",
+             drive, column);
 }
 
 std::string overload_plot(const io::StudyTable& table, const std::vector<std::string>& drives, bool references) {
-  std::string text = fmt::format(
-      "set terminal pngcairo size 1100,{} font \"sans,12\"\nset multiplot layout {},2\nset logscale x 2\n"
-      "set grid xtics ytics lt 1 lw 1 lc rgb \"#cccccc\"\nset xlabel \"demand\"\n"
-      "set offsets 0,0,graph 0.05,0\n",
-      440 * drives.size(), drives.size());
+  std::string text =
+      plot_style(1100, 440 * drives.size()) + fmt::format(
+                                                  "set multiplot layout {},2\nset logscale x 2\nset xlabel \"demand\"\n"
+                                                  "set offsets 0,0,graph 0.05,0\n",
+                                                  drives.size());
   for (const std::string& drive : drives) {
-    text += panel_of(table, drive, "level_mean", "mean level", "bottom left");
-    text += references
-                ? panel_of(table, drive, "e_seen_mps", "E seen, m/s", "top left")
-                : panel_of(table, drive, "potential_relative", "potential energy / without a limit", "top right");
+    text += panel_of(table, drive, "level_mean", "mean level");
+    text += references ? panel_of(table, drive, "e_seen_mps", "E seen, m/s")
+                       : panel_of(table, drive, "potential_relative", "potential energy / without a limit");
   }
   return text + "unset multiplot\n";
 }

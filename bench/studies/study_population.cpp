@@ -10,6 +10,7 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "studies/child_command.h"
+#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -157,18 +158,15 @@ Result<io::StudyTable> measured(const StudyPopulationOptions& o, const StudyScen
 }
 
 std::string population_plot(const io::StudyTable& table, std::optional<double> deadline_ms) {
-  std::string text =
-      "set terminal pngcairo size 1100,480 font \"sans,12\"\nset multiplot layout 1,2\nset logscale x\n"
-      "set grid xtics ytics lt 1 lw 1 lc rgb \"#cccccc\"\nset xlabel \"bodies\"\n";
+  std::string text = plot_style(1100, 480) + "set multiplot layout 1,2\nset logscale x\nset xlabel \"bodies\"\n";
   const std::pair<const char*, const char*> panels[] = {{"p99_ms", "99 of 100 frames take at most, ms"},
                                                         {"level_last", "mean level in the last third"}};
   for (const auto& [column, label] : panels) {
     if (!io::has_numbers(table, column, {})) continue;
     const bool times = column == std::string_view("p99_ms");
-    text += fmt::format("{}set ylabel \"{}\"\n",
-                        times ? "set key top left\nset logscale y\n"
-                              : "set key top right\nunset logscale y\nset offsets 0,0,graph 0.05,0\nset yrange [0:*]\n",
-                        label);
+    text += fmt::format(
+        "{}set ylabel \"{}\"\n",
+        times ? "set logscale y\n" : "unset logscale y\nset offsets 0,0,graph 0.05,0\nset yrange [0:*]\n", label);
     std::string plots;
     for (const bool hold : {true, false}) {
       const std::string text_of_hold = hold ? "yes" : "no";
@@ -176,8 +174,8 @@ std::string population_plot(const io::StudyTable& table, std::optional<double> d
       if (!io::has_numbers(table, column, only)) continue;
       const std::string block = fmt::format("{}_{}", column, text_of_hold);
       text += io::study_points(table, block, "bodies", column, only);
-      plots += fmt::format("{}${} using 1:2 with linespoints lw 2 pt 7 title \"{}\"", plots.empty() ? "" : ", ", block,
-                           hold ? "islands may wait" : "every body in every frame");
+      plots += fmt::format("{}${} using 1:2 with linespoints lt {} title \"{}\"", plots.empty() ? "" : ", ", block,
+                           hold ? 1 : 2, hold ? "islands may wait" : "every body in every frame");
     }
     if (times && deadline_ms)
       plots += fmt::format(", {:g} with lines dt 2 lc rgb \"black\" title \"deadline\"", *deadline_ms);

@@ -22,10 +22,15 @@ void add_study_outputs(CLI::App& command, StudyTimesOptions& o, const std::strin
       .add_option("--scene", o.scene,
                   fmt::format("A scene with generators, by file or name (default {})", default_scene))
       ->type_name("SCENE");
+  add_study_files(command, o, "Draw the figures as a PNG (needs gnuplot)");
+  add_path(command, "--svg", o.svg, "The same as an SVG");
+}
+
+void add_study_files(CLI::App& command, StudyTimesOptions& o, const std::string& picture) {
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
-  add_path(command, "--picture", o.picture, "Draw the figures as a PNG (needs gnuplot)");
+  add_path(command, "--picture", o.picture, picture);
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
 }
@@ -57,12 +62,14 @@ Status check_study_times(const StudyTimesOptions& o) {
   if (o.json == "-" && o.markdown == "-")
     return bad_input("only one of --json and --markdown can go to the standard output");
   if (o.picture == "-") return bad_input("--picture must be a file");
+  if (o.svg == "-") return bad_input("--svg must be a file");
   const Status picture = check_picture(o.picture);
   if (!picture) return picture;
   const Result<TreeCacheSettings> cache = tree_cache_settings(o.tree_cache);
   if (!cache) return cache.error();
-  const Status apart = check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--picture", o.picture}}, {});
-  return apart ? can_write({o.json, o.markdown, o.picture}) : apart;
+  const Status apart =
+      check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--picture", o.picture}, {"--svg", o.svg}}, {});
+  return apart ? can_write({o.json, o.markdown, o.picture, o.svg}) : apart;
 }
 
 Result<StudyScene> StudyScene::make(const StudyTimesOptions& options, const std::string& default_scene) {
@@ -151,10 +158,9 @@ Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, cons
   Status written = write_to(o.json, io::study_json(table));
   if (written) written = write_to(o.markdown, io::study_markdown(table));
   if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(io::study_text(table));
-  if (!written || o.picture.empty()) return written;
+  if (!written) return written;
   const parallel::Interrupt interrupt;
-  const Result<std::string> picture = drawn_by_gnuplot(plot, interrupt);
-  return picture ? io::write_file(o.picture, picture.value()) : Status(picture.error());
+  return draw_by_gnuplot(plot, o.picture, o.svg, interrupt);
 }
 
 }  // namespace poise::app

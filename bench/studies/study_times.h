@@ -22,12 +22,14 @@ struct StudyTimesOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, warmup, threads;
   std::optional<double> deadline_ms;
-  std::string json, markdown, picture;
+  std::string json, markdown, picture, svg;
   bool quiet = false;
   TreeCacheOptions tree_cache;
 };
 /// Those of the scene, of threads and of what is written.
 void add_study_outputs(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene);
+/// The same without the scene; `picture` tells what is drawn.
+void add_study_files(CLI::App& command, StudyTimesOptions& options, const std::string& picture);
 /// `--clock wall|work`; empty is wall.
 void add_study_clock(CLI::App& command, std::string& clock);
 void add_study_deadline(CLI::App& command, StudyTimesOptions& options);

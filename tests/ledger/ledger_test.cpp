@@ -46,11 +46,12 @@ TEST(CallgrindProfile, IsRefusedWithoutATotalOrFunctions) {
 
 TEST(UnitCosts, AreRefusedWhereTheStagesOfTheTableAreNotTheStep) {
   CallgrindProfile profile;
-  profile.total = 1000;
-  profile.inclusive["poise::simulation::integrate(int)"] = 940;
+  profile.total = 1000000;
+  profile.inclusive["poise::simulation::integrate(int)"] = 940000;
   const Result<EntryCosts> costs = unit_costs("gas", profile, CountedUnits{.frames = 1});
   ASSERT_FALSE(costs.ok());
   EXPECT_NE(costs.error().message.find("94.0 % of the step"), std::string::npos) << costs.error().message;
+  EXPECT_TRUE(unit_costs("gas", profile, CountedUnits{.frames = 20}).ok()) << "3,000 instructions of a frame in none";
 }
 
 TEST(UnitCosts, AreRefusedWhereUnitsWereCountedAndNoFunctionOfThem) {

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace poise::app {
+
+/// The options of a study that name what it writes; those that it does not have are null.
+struct StudyFiles {
+  std::string* json = nullptr;
+  std::string* markdown = nullptr;
+  std::string* picture = nullptr;
+  std::string* svg = nullptr;
+  bool* picture_if_any = nullptr;  ///< set: nothing to draw is no error
+};
+
+/// `--report FOLDER` of a study.
+struct StudyReport {
+  std::string study;        ///< its name
+  std::string description;  ///< in a few words
+  std::string folder;       ///< empty: no page
+};
+void add_study_report(CLI::App& command, StudyReport& report);
+
+/// Runs a study and returns its exit code. With a folder, first lets it write there what the options do not name, as
+/// `study.json`, `study.md`, `study.svg` and `study.png`, and makes the page of these files afterwards. Without gnuplot
+/// the page has no picture, with a warning. Refused before the study: a page that is not built, a folder that cannot be
+/// written, figures that go to the standard output.
+int with_study_report(const StudyReport& report, const StudyFiles& files, const std::function<int()>& study);
+
+}  // namespace poise::app

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "studies/study_report.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/command.h"
+#include "app/exit_codes.h"
+#include "app/report/figures_page.h"
+#include "app/report/report_template.h"
+#include "scene/temporary_folder.h"
+#include "studies/gnuplot.h"
+
+namespace poise::testing {
+namespace {
+
+using nlohmann::json;
+
+bool figures_are_built() { return app::read_report_template(app::figures_template_places()).ok(); }
+
+json figures_in(const std::string& page) {
+  const std::string begin = "id=\"poise-figures\">";
+  const std::size_t from = page.find(begin) + begin.size();
+  return json::parse(page.substr(from, page.find("</script>", from) - from), nullptr, false);
+}
+
+struct Study {
+  std::string json_path, markdown, picture, svg;
+  int write(int exit_code) const {
+    std::ofstream(json_path) << R"({"schema": "poise.x/1", "scene": "heap", "frames": 3, "rows": []})";
+    std::ofstream(markdown) << "| a |\n|---|\n| 1 |\n\nwhat closes it; a machine\n";
+    if (!svg.empty()) std::ofstream(svg) << "<svg/>";
+    return exit_code;
+  }
+};
+
+TEST(StudyReport, ShowsWhatTheStudyWroteWithItsClosingLineAsTheResult) {
+  if (!figures_are_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
+  const TemporaryFolder folder;
+  for (const int exit_code : {app::kExitDone, app::kExitRequirementFailed}) {
+    Study study;
+    study.svg = folder.file("mine.svg");
+    const app::StudyFiles files{&study.json_path, &study.markdown, &study.picture, &study.svg};
+    const app::StudyReport report{"some", "What it is", folder.file("out")};
+    EXPECT_EQ(app::with_study_report(report, files, [&] { return study.write(exit_code); }), exit_code);
+    EXPECT_EQ(study.json_path, folder.file("out/study.json"));
+    EXPECT_EQ(study.svg, folder.file("mine.svg")) << "what is named stays";
+    const json figures = figures_in(contents(folder.file("out/report.html")));
+    EXPECT_EQ(figures.at("title"), "study some");
+    EXPECT_EQ(figures.at("tables"), "| a |\n|---|\n| 1 |\n\n");
+    EXPECT_EQ(figures.at("headline").at("text"), "what closes it; a machine");
+    EXPECT_EQ(figures.at("headline").at("mark"), exit_code == app::kExitDone ? "none" : "bad");
+    EXPECT_EQ(figures.at("settings"), json::parse(R"({"scene": "heap", "frames": "3"})"));
+    ASSERT_EQ(figures.at("pictures").size(), 1U);
+    EXPECT_EQ(figures.at("pictures")[0].at("type"), "image/svg+xml");
+  }
+}
+
+TEST(StudyReport, IsNoneWhereTheStudyFailsOrShowsNothing) {
+  if (!figures_are_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
+  const TemporaryFolder folder;
+  Study study;
+  const app::StudyFiles files{&study.json_path, &study.markdown};
+  const app::StudyReport report{"some", "What it is", folder.file("out")};
+  EXPECT_EQ(app::with_study_report(report, files, [&] { return study.write(app::kExitBadInput); }), app::kExitBadInput);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("out/report.html")));
+  // What the run before has left is not taken for figures of this one.
+  study = {};
+  EXPECT_EQ(app::with_study_report(report, files, [] { return app::kExitDone; }), app::kExitBadUsage);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("out/report.html")));
+}
+
+TEST(StudyReport, WithoutAFolderTheStudyAloneRuns) {
+  const TemporaryFolder folder;
+  Study study;
+  const app::StudyFiles files{&study.json_path, &study.markdown};
+  EXPECT_EQ(app::with_study_report({"some", "What it is", ""}, files, [] { return 7; }), 7);
+  EXPECT_EQ(study.json_path, "");
+}
+
+TEST(StudyReport, IsAnOptionOfEveryStudy) {
+  for (const char* name : {"accuracy", "cache", "compliance", "constant-time", "cost", "forecast", "free", "levels",
+                           "overload", "population", "scaling", "trees"}) {
+    const CommandResult help = poise_command({"study", name, "--help"});
+    EXPECT_NE(help.out.find("--report"), std::string::npos) << name;
+  }
+}
+
+TEST(StudyReport, IsRefusedByOptionAndRule) {
+  struct Refusal {
+    std::vector<std::string> arguments;
+    std::string message;
+  };
+  const TemporaryFolder folder;
+  const std::string out = folder.file("r");
+  const std::vector<Refusal> refusals{
+      {{"--report", "-"}, "poise study accuracy: --report must be a folder"},
+      {{"--report", out, "--json", out + "/report.html"}, "is named for two outputs: --json and --report"},
+      {{"--report", out, "--json", "-"}, "neither can go to the standard output"},
+      {{"--svg", "-"}, "--svg must be a file"},
+  };
+  for (const Refusal& refusal : refusals) {
+    std::vector<std::string> arguments{"study", "accuracy", "--only", "slope"};
+    arguments.insert(arguments.end(), refusal.arguments.begin(), refusal.arguments.end());
+    const CommandResult result = poise_command(arguments);
+    EXPECT_EQ(result.exit_code, 2) << refusal.message;
+    EXPECT_NE(result.error.find(refusal.message), std::string::npos) << result.error;
+  }
+  if (figures_are_built()) return;
+  const CommandResult missing = poise_command({"study", "accuracy", "--only", "slope", "--report", out});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.error.find("--report: the page for reports is not built"), std::string::npos) << missing.error;
+}
+
+TEST(StudyPicture, ThePngScriptBecomesOneForSvg) {
+  EXPECT_EQ(app::svg_script("set terminal pngcairo size 900,560 font \"sans,13\" background rgb \"#fafafb\"\nplot 1\n"),
+            "set terminal svg size 900,560 font \"sans,13\" background rgb \"#fafafb\"\nplot 1\n");
+}
+
+}  // namespace
+}  // namespace poise::testing
