@@ -48,6 +48,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"src/frame/a.cpp", "#  include \"poise/scene/scene.h\"", "may not include scene"},
                     Planted{"src/parallel/a.cpp", "#include \"poise/scheduler/policy.h\"", "may not include scheduler"},
                     Planted{"src/scene/a.cpp", "#include \"app/run_command.h\"", "may not include app"},
+                    Planted{"src/record/a.cpp", "#include \"capture/capture.h\"", "may not include capture"},
+                    Planted{"src/capture/a.cpp", "#include \"app/refusal.h\"", "may not include app"},
                     Planted{"src/app/a.cpp", "#include \"studies/study_list.h\"", "may not include bench"},
                     Planted{"src/frame/a.cpp", "#include \"oracle/oracle_mesh.h\"", "may not include bench"},
                     Planted{"include/poise/mesh.h", "#include \"geometry/weld.h\"", "public ones alone"},
@@ -188,7 +190,8 @@ TEST(Architecture, HoldsInEveryFileOfTheRepository) {
     }
     const std::string path = it->path().lexically_relative(root).generic_string();
     const std::string ending = it->path().extension().string();
-    const bool is_binary = ending == ".png" || ending == ".stl" || ending == ".ply" || ending == ".glb";
+    const bool is_binary =
+        ending == ".png" || ending == ".webp" || ending == ".stl" || ending == ".ply" || ending == ".glb";
     if (!it->is_regular_file() || is_binary || ending == ".obj") continue;
     std::ifstream file(it->path(), std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -50,9 +50,10 @@ constexpr std::array kRooms{
     Room{"src/frame/", 7, "frame"},
     Room{"src/verify/", 8, "verify"},
     Room{"src/api/", 9, "api"},
-    Room{"src/app/", 15, "app"},
-    Room{"bench/", 16, "bench"},
-    Room{"examples/", 16, "examples"},
+    Room{"src/capture/", 15, "capture"},
+    Room{"src/app/", 16, "app"},
+    Room{"bench/", 17, "bench"},
+    Room{"examples/", 17, "examples"},
 };
 
 // <stop_token> is not in the list: a std::stop_token is a handle that public options hold and long work polls.
