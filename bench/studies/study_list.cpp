@@ -7,6 +7,7 @@
 #include "studies/study_compliance.h"
 #include "studies/study_forecast.h"
 #include "studies/study_levels.h"
+#include "studies/study_order.h"
 #include "studies/study_overload.h"
 #include "studies/study_population.h"
 #include "studies/study_report.h"
@@ -73,6 +74,8 @@ void add_studies(CLI::App& command, int& exit_code) {
             add_study_constant_time_options, study_constant_time, exit_code);
   add_study(command, "overload", "Does a scene get out of overload again? Demand goes up and comes back",
             add_study_overload_options, study_overload, exit_code);
+  add_study(command, "order", "What ranking pairs takes, and how far their order is from a sorted one",
+            add_study_order_options, study_order, exit_code);
   add_study(command, "population", "Late frames, levels, error and memory of a scene as its population grows",
             add_study_population_options, study_population, exit_code);
   add_study(command, "strips", "One collision of two bodies, interrupted at each level: gaps and velocities",

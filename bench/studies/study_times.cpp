@@ -26,13 +26,17 @@ void add_study_outputs(CLI::App& command, StudyTimesOptions& o, const std::strin
   add_path(command, "--svg", o.svg, "The same as an SVG");
 }
 
-void add_study_files(CLI::App& command, StudyTimesOptions& o, const std::string& picture) {
+void add_study_tables(CLI::App& command, StudyTimesOptions& o) {
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
-  add_path(command, "--picture", o.picture, picture);
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
+}
+
+void add_study_files(CLI::App& command, StudyTimesOptions& o, const std::string& picture) {
+  add_path(command, "--picture", o.picture, picture);
+  add_study_tables(command, o);
 }
 
 void add_study_clock(CLI::App& command, std::string& clock) {

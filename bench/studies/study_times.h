@@ -28,7 +28,9 @@ struct StudyTimesOptions {
 };
 /// Those of the scene, of threads and of what is written.
 void add_study_outputs(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene);
-/// The same without the scene; `picture` tells what is drawn.
+/// Threads and tables, for studies that draw nothing.
+void add_study_tables(CLI::App& command, StudyTimesOptions& options);
+/// Those of the outputs without the scene; `picture` tells what is drawn.
 void add_study_files(CLI::App& command, StudyTimesOptions& options, const std::string& picture);
 /// `--clock wall|work`; empty is wall.
 void add_study_clock(CLI::App& command, std::string& clock);

@@ -161,17 +161,21 @@ struct FrameReport {
   StageTimes times;
 
   // Budget (wall clock only; 0 otherwise)
-  Nanoseconds budget{0};            ///< from the start of the step to its deadline
-  Nanoseconds release_delay{0};     ///< from StepInput::release to the start of the step
-  Nanoseconds reserve_at_cut{0};    ///< reserved for the tail when refinement ended, without tail_left_over
-  Nanoseconds tail_forecast{0};     ///< point forecast of the tail, without margin
-  Nanoseconds tail_left_over{0};    ///< part of tail_forecast: solver iterations that use time left over by refinement
-  Nanoseconds tail_actual{0};       ///< from the end of refinement to the end of the step
-  bool tail_beyond_clip = false;    ///< tail_actual / tail_forecast is outside the range in which the bound on missed
-                                    ///< deadlines holds
-  scheduler::TailWork tail_work;    ///< the work for which tail_forecast was made
-  Nanoseconds planning{0};          ///< part of StageTimes::refine: computing the reserve and choosing the work to
-                                    ///< leave out
+  Nanoseconds budget{0};          ///< from the start of the step to its deadline
+  Nanoseconds release_delay{0};   ///< from StepInput::release to the start of the step
+  Nanoseconds reserve_at_cut{0};  ///< reserved for the tail when refinement ended, without tail_left_over
+  Nanoseconds tail_forecast{0};   ///< point forecast of the tail, without margin
+  Nanoseconds tail_left_over{0};  ///< part of tail_forecast: solver iterations that use time left over by refinement
+  Nanoseconds tail_actual{0};     ///< from the end of refinement to the end of the step
+  bool tail_beyond_clip = false;  ///< tail_actual / tail_forecast is outside the range in which the bound on missed
+                                  ///< deadlines holds
+  scheduler::TailWork tail_work;  ///< the work for which tail_forecast was made
+  Nanoseconds planning{0};        ///< part of StageTimes::refine: computing the reserve and choosing the work to
+                                  ///< leave out
+  /// Part of StageTimes::refine: cues that look at all bodies, and scores of pairs before their first job. Jobs score
+  /// a pair again after a level; that is not in it.
+  Nanoseconds ranking{0};
+  std::size_t pairs_ranked = 0;     ///< in that time; 0 where pairs went in the order of memory
   Nanoseconds refine_available{0};  ///< from the start of refinement to t_cut; 0 if t_cut was earlier
   Nanoseconds host_reserved{0};     ///< reserved for the host's work
   Nanoseconds host_actual{0};  ///< measured duration of the host's work, set by the caller of the frame; World does not

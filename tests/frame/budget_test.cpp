@@ -185,7 +185,9 @@ TEST(Budget, PairsAreRankedOnlyWhereHalfOfTheTimeMayNotBeEnough) {
   ASSERT_GE(refinable, 120);
   const double half_an_hour_ns = 1.8e12;
   FrameReport report = step_with(0.9 * half_an_hour_ns / refinable);
-  EXPECT_EQ(report.pairs_left, 0U);
+  EXPECT_EQ(report.pairs_left, 0U) << report.fronts_full << " full, " << report.jobs_discarded << " discarded, "
+                                   << report.jobs_abandoned << " abandoned, " << world.open.cut.get() << " cut, "
+                                   << world.open.ended.get() << " ended of " << refinable;
   EXPECT_GT(report.jobs_done, 120U);
   EXPECT_LT(world.forecasts.pair_cost_ns, 0.9 * half_an_hour_ns / refinable) << "it learns";
   EXPECT_EQ(step_with(1.1 * half_an_hour_ns / refinable).jobs_done, 0U);

@@ -85,9 +85,11 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
     refused.add(not_taken);
   });
   report.cues_refused = refused.get();
+  const Nanoseconds took = SteadyClock::now() - start;
+  report.ranking += took;
+  report.pairs_ranked = ranked.get();
   if (ranked.get() >= 100) {
-    const double measured_ns =
-        static_cast<double>((SteadyClock::now() - start).count()) / static_cast<double>(ranked.get());
+    const double measured_ns = static_cast<double>(took.count()) / static_cast<double>(ranked.get());
     rank_cost_ns += 0.2 * (measured_ns - rank_cost_ns);
   }
   return true;

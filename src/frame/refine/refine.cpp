@@ -237,7 +237,11 @@ void refine(const RefineInput& given, const RefineResources& resources, Complete
   if (levels.learns) resources.learned.learn();
   const bool scores = input.step.replay == nullptr ? budget_given : input.step.explain != nullptr;
   resources.prepared.forget();
-  if (scores) prepare_cues(input, resources.prepared, executor);
+  if (scores) {
+    const SteadyClock::time_point begun = SteadyClock::now();
+    prepare_cues(input, resources.prepared, executor);
+    if (input.step.budget.kind == Budget::Kind::Deadline) report.ranking = SteadyClock::now() - begun;
+  }
   const Refinement refinement{input, resources, frame_facts(input), levels, executor};
   for (collision::FrontPool& pool : resources.pools) pool.clear();
   if (resources.log != nullptr) {

@@ -58,6 +58,19 @@ struct RefinementTime {
   Nanoseconds patience{0};  // with jobs that are under way at the cut
 };
 
+// Gives this thread a chunk that another worker has not come to the end of. False: there is none.
+bool take_over(OpenRefinement& open) {
+  OpenRefinement::Batch& own = open.batches.front();
+  for (OpenRefinement::Batch& batch : open.batches) {
+    if (batch.next >= batch.past) continue;
+    std::swap(own.next, batch.next);
+    std::swap(own.past, batch.past);
+    std::swap(own.looks, batch.looks);
+    return true;
+  }
+  return false;
+}
+
 // All pairs as they stand, until half of the time is over.
 void run_in_order(const RefinementTime& time, const RefineResources& resources, std::size_t chunks, FrameReport& report,
                   parallel::Executor& executor) {
@@ -65,7 +78,11 @@ void run_in_order(const RefinementTime& time, const RefineResources& resources, 
   open.chunks_in_order.emplace(chunks, executor.concurrency());
   open.in_order_until = time.begin + (time.cut - time.begin) / 2;
   for (OpenRefinement::Batch& batch : open.batches) batch.next = batch.past = 0;
-  report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
+  // A run ends when this thread finds no chunk; another worker may then have half of one in hand.
+  do {
+    report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
+  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && SteadyClock::now() < open.in_order_until &&
+           take_over(open));
   // A worker that is not waited for may still look there.
   if (report.jobs_abandoned == 0) open.chunks_in_order.reset();
   learn_pair_cost(SteadyClock::now() - time.begin, open.ended.get(), 1, resources.forecasts);

@@ -76,6 +76,8 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("tail_left_over_ms", ms(r.tail_left_over));
   row.column("tail_actual_ms", ms(r.tail_actual));
   row.column("planning_ms", ms(r.planning));
+  row.column("ranking_ms", ms(r.ranking));
+  row.column("pairs_ranked", r.pairs_ranked);
   row.column("refine_available_ms", ms(r.refine_available));
   row.column("host_reserved_ms", ms(r.host_reserved));
   row.column("lateness_ms", ms(r.lateness));
