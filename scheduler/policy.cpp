@@ -95,6 +95,15 @@ std::uint32_t band_of(const Policy& policy, double score) {
   return of_any_size ? octave_band(score) : linear_band(score);
 }
 
+std::uint32_t waited_bands(const Policy& policy, std::uint32_t frames) {
+  if (policy.kind != PolicyKind::Perceptual) return 0;
+  PairCues cues;
+  cues.frames_waited = frames;
+  constexpr double kBandsOfAnOctave = 4;
+  const double octaves = policy.waiting * std::log2(cues::kWaiting.factor(policy, cues));
+  return static_cast<std::uint32_t>(std::clamp(std::round(kBandsOfAnOctave * octaves), 0.0, kBands - 1.0));
+}
+
 std::span<const PolicyField> policy_weights() { return kWeights; }
 std::span<const PolicyField> policy_parameters() { return kParameters; }
 std::span<const PolicyCount> policy_counts() { return kCounts; }

@@ -208,6 +208,8 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
     PairProgress& progress = table.start[k];
     progress = {};
     progress.seen = pair.cached.seen;
+    progress.band = pair.cached.band;
+    progress.waited = static_cast<std::uint8_t>(std::min<std::uint32_t>(pair.cached.frames_waited, 0xff));
     const BodyBounds& a = body_bounds[pair.a];
     const BodyBounds& b = body_bounds[pair.b];
     progress.level.deepest = std::min(input.terms.max_level, std::max(a.depth, b.depth));

@@ -52,11 +52,14 @@ enum class ContactState : std::uint8_t {
 struct PairProgress {
   collision::PairLevel level;  ///< what refinement has completed in this frame
   CacheUse cached = CacheUse::None;
-  bool full = false;       ///< its front did not fit into the pool: the pair stays at its level
-  bool exact = false;      ///< its contact counts whatever its level: a pair of backtracking
-  bool held = false;       ///< its bodies wait: it is refined, but has no response in this frame
-  Level cached_level = 0;  ///< that found out what is cached
-  std::uint8_t seen = 0;   ///< as CachedPair::seen, of this frame if the pair was ranked in it
+  bool full = false;        ///< its front did not fit into the pool: the pair stays at its level
+  bool exact = false;       ///< its contact counts whatever its level: a pair of backtracking
+  bool held = false;        ///< its bodies wait: it is refined, but has no response in this frame
+  Level cached_level = 0;   ///< that found out what is cached
+  std::uint8_t seen = 0;    ///< as CachedPair::seen, of this frame if the pair was ranked in it
+  std::uint8_t band = 0;    ///< as CachedPair::band, likewise
+  std::uint8_t waited = 0;  ///< as CachedPair::frames_waited, at most 255
+  bool ranked = false;      ///< in this frame
 
   [[nodiscard]] ContactState state() const {
     if (level.apart) return ContactState::Separated;

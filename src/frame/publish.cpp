@@ -22,6 +22,7 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   CachedPair cached = pair.cached;
   cached.frames_waited = progress.level.level > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
   cached.seen = progress.seen;
+  cached.band = progress.band;
   cached.frames_touched = input.levels.learns ? frames_touched(pair) : std::uint8_t{0};
   if (!progress.held) cached.touching = false;
   cached.slot = points.slot;

@@ -74,8 +74,10 @@ struct CachedPair {
   bool apart = false;     ///< nothing was nearer than reach_m
   bool solved = false;    ///< in the last step the solver had a manifold of it
   std::uint8_t seen = 0;  ///< band of how well it was seen when it was ranked last; 0: never. Not part of the state
-  double reach_m = 0;     ///< all that was nearer than this is in the points; 0: only the forces are cached
-  double moved_m = 0;     ///< upper bound of the change of any separation since
+  /// Band of its score when it was ranked last, had it not waited; 0: never. Not part of the state.
+  std::uint8_t band = 0;
+  double reach_m = 0;  ///< all that was nearer than this is in the points; 0: only the forces are cached
+  double moved_m = 0;  ///< upper bound of the change of any separation since
   double nearest_m = 0,
          impact_gap_m = 0;  ///< least separation of its points, and that of the first, when they were last computed
   double looked_m = 0;      ///< moved_m at that time

@@ -108,5 +108,23 @@ RC_GTEST_PROP(Policy, BandsAreMonotoneInTheScore, ()) {
   RC_ASSERT((x <= y) == (band_of(policy, x) <= band_of(policy, y)) || band_of(policy, x) == band_of(policy, y));
 }
 
+TEST(WaitedBands, AreTheBandsBetweenAPairThatWaitedAndOneThatDidNot) {
+  Policy policy;
+  EXPECT_EQ(waited_bands(policy, 0), 0U);
+  EXPECT_EQ(waited_bands(policy, 1), 4U) << "twice the score: an octave";
+  EXPECT_EQ(waited_bands(policy, 15), 16U);
+  const double score = 1e-3;
+  for (const std::uint32_t frames : {2U, 7U, 100U}) {
+    const auto bands = static_cast<double>(band_of(policy, (1.0 + frames) * score) - band_of(policy, score));
+    EXPECT_NEAR(waited_bands(policy, frames), bands, 1) << frames;
+  }
+  policy.waiting = 0;
+  EXPECT_EQ(waited_bands(policy, 1000), 0U);
+  policy.waiting = 10;
+  EXPECT_LT(waited_bands(policy, 0xffffffffU), kBands);
+  policy.kind = PolicyKind::Fifo;
+  EXPECT_EQ(waited_bands(policy, 1000), 0U) << "others have no such cue";
+}
+
 }  // namespace
 }  // namespace poise::scheduler

@@ -225,5 +225,8 @@ double score(const Policy& policy, const FrameFacts& frame, const PairChain& cha
 /// The band of a score; kBands - 1 is served first. Monotone in the score. For Perceptual, Custom and Size a band is a
 /// quarter of an octave. Any thread.
 std::uint32_t band_of(const Policy& policy, double score);
+/// By how many bands a pair that has waited so many frames has its turn before one that has not, but for that the same.
+/// Below kBands; 0 for policies other than Perceptual. Any thread.
+std::uint32_t waited_bands(const Policy& policy, std::uint32_t frames);
 
 }  // namespace poise::scheduler

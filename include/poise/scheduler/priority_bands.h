@@ -39,16 +39,32 @@ class PriorityBands {
 
   /// Puts an item into a band. `item` must be below the number given to reset() and in no band. A band beyond the last
   /// counts as the last. Any thread; the caller's earlier writes are visible to the thread that takes the item.
-  void put(std::uint32_t item, std::uint32_t band) {
-    band = std::min(band, kBands - 1);
-    std::atomic<std::uint64_t>& head = heads_[band];
-    std::uint64_t old = head.load(std::memory_order_relaxed);
-    do {
-      next_[item].store(item_of(old), std::memory_order_relaxed);
-    } while (
-        !head.compare_exchange_weak(old, with_item(old, item), std::memory_order_release, std::memory_order_relaxed));
-    filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
-  }
+  void put(std::uint32_t item, std::uint32_t band) { put_chain(item, item, std::min(band, kBands - 1)); }
+
+  /// Many items of one thread: as put() for each, but with one exchange a band when they are all there. Nobody sees any
+  /// of them before hand_over(). Invariant: they are in no band, and each is in one chain at most.
+  class Bundle {
+   public:
+    explicit Bundle(PriorityBands& bands) : bands_(bands) { std::fill(std::begin(first_), std::end(first_), kNone); }
+    void put(std::uint32_t item, std::uint32_t band) {
+      band = std::min(band, kBands - 1);
+      if (first_[band] == kNone) last_[band] = item;
+      bands_.next_[item].store(first_[band], std::memory_order_relaxed);
+      first_[band] = item;
+    }
+    /// Afterwards the bundle is empty.
+    void hand_over() {
+      for (std::uint32_t band = 0; band < kBands; ++band) {
+        if (first_[band] != kNone) bands_.put_chain(first_[band], last_[band], band);
+        first_[band] = kNone;
+      }
+    }
+
+   private:
+    PriorityBands& bands_;
+    std::uint32_t first_[kBands];
+    std::uint32_t last_[kBands];  ///< set where there is a first one
+  };
 
   /// Takes an item from the highest band that is not empty, or returns kNone. Any thread.
   std::uint32_t take() {
@@ -82,6 +98,17 @@ class PriorityBands {
   static std::uint32_t item_of(std::uint64_t head) { return static_cast<std::uint32_t>(head); }
   static std::uint64_t with_item(std::uint64_t head, std::uint32_t item) {
     return (((head >> 32U) + 1U) << 32U) | item;
+  }
+
+  // Items that are linked from `first` to `last`.
+  void put_chain(std::uint32_t first, std::uint32_t last, std::uint32_t band) {
+    std::atomic<std::uint64_t>& head = heads_[band];
+    std::uint64_t old = head.load(std::memory_order_relaxed);
+    do {
+      next_[last].store(item_of(old), std::memory_order_relaxed);
+    } while (
+        !head.compare_exchange_weak(old, with_item(old, first), std::memory_order_release, std::memory_order_relaxed));
+    filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
   }
 
   std::uint32_t take_from(std::uint32_t band) {

@@ -49,8 +49,10 @@ struct OpenRefinement {
     PairProgress progress;
     collision::LevelContact found;
     Outcome ended = Outcome::Completed;  ///< of the last level
-    bool completed = false;              ///< at least one level
-    bool again = false;                  ///< the next level has its turn later, in this band
+    bool newly_ranked = false;           ///< by this job; then `cues` are those that were found
+    scheduler::PairCues cues;
+    bool completed = false;  ///< at least one level
+    bool again = false;      ///< the next level has its turn later, in this band
     std::uint32_t band = 0;
   };
   /// What one worker holds: the pairs of its job, which become everybody's when the job commits.

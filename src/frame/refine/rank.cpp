@@ -13,9 +13,79 @@
 namespace poise::simulation {
 namespace {
 
-// Of the time until the cut. Chosen: with all pairs ranked in every frame, a pile of 10,000 whose refinement had 2 ms
-// ended late in one frame of ten.
-constexpr double kShare = 0.25;
+// Of the time until the cut. Chosen: what is not ranked has its turn where it had it last, and is ranked when it comes.
+constexpr double kShare = 0.1;
+// What it takes to put a pair into its band, by all workers together; above what is measured. Chosen.
+constexpr double kListingNs = 6;
+// Of the time for ranking, what may go into that at most. Chosen.
+constexpr double kListingShare = 0.5;
+
+// Puts the pairs of the chosen chunks where their turn is, and finds what it is.
+class Ranking {
+ public:
+  Ranking(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
+          CompletedLevels& levels)
+      : input_(input), bands_(resources.bands), facts_(facts), levels_(levels), source_(input) {
+    for (std::uint32_t frames = 0; frames < waited_bands_.size(); ++frames)
+      waited_bands_[frames] = scheduler::waited_bands(input.policy, frames);
+  }
+
+  void rank(std::span<const std::uint32_t> chunks, parallel::Executor& executor) {
+    parallel::parallel_for(executor, chunks.size(), 2, [&](std::size_t first, std::size_t past, int) {
+      Sums sums;
+      scheduler::PriorityBands::Bundle bundle(bands_);
+      // Backwards, because the last one put into a band is the first one taken.
+      for (std::size_t k = past; k-- > first;) {
+        for (std::size_t i = input_.table.end_of(chunks[k]); i-- > input_.table.begin_of(chunks[k]);) {
+          if (waits(i)) rank_pair(static_cast<std::uint32_t>(i), sums, bundle);
+        }
+      }
+      bundle.hand_over();
+      ranked_.add(sums.ranked);
+      refused_.add(sums.refused);
+      band_sum_.add(sums.bands);
+    });
+  }
+  // The others, where they had their turn last; new ones where those that were ranked are in the mean. A job ranks them
+  // when it comes to them.
+  void list_others(parallel::Executor& executor) {
+    const std::uint64_t ranked = std::max<std::uint64_t>(ranked_.get(), 1);
+    const auto mean = static_cast<std::uint32_t>(band_sum_.get() / ranked);
+    parallel::for_ranges(executor, {input_.table.chunks(), 16}, [&](std::size_t, std::size_t first, std::size_t past) {
+      scheduler::PriorityBands::Bundle bundle(bands_);
+      for (std::size_t i = input_.table.begin_of(past); i-- > input_.table.begin_of(first);) {
+        const PairProgress& pair = levels_.progress[i];
+        if (pair.ranked || !waits(i)) continue;
+        bundle.put(static_cast<std::uint32_t>(i), pair.band > 0 ? pair.band + waited_bands_[pair.waited] : mean);
+      }
+      bundle.hand_over();
+    });
+  }
+  [[nodiscard]] std::uint64_t ranked() const { return ranked_.get(); }
+  [[nodiscard]] std::uint64_t refused() const { return refused_.get(); }
+
+ private:
+  struct Sums {
+    std::uint64_t ranked = 0, refused = 0, bands = 0;
+  };
+  [[nodiscard]] bool waits(std::size_t i) const { return levels_.progress[i].refinable() && !levels_.progress[i].full; }
+  void rank_pair(std::uint32_t item, Sums& sums, scheduler::PriorityBands::Bundle& bundle) {
+    PairProgress& pair = levels_.progress[item];
+    const RankedPair ranked = ranked_pair(input_, source_, facts_, item, pair, levels_.found[item], levels_.cues[item]);
+    ++sums.ranked;
+    sums.refused += ranked.refused ? 1U : 0U;
+    sums.bands += ranked.band;
+    if (!ranked.left_out) bundle.put(item, ranked.band);
+  }
+
+  const RefineInput& input_;
+  scheduler::PriorityBands& bands_;
+  const scheduler::FrameFacts& facts_;
+  CompletedLevels& levels_;
+  PairCueSource source_;
+  std::array<std::uint32_t, 256> waited_bands_{};
+  parallel::Shared<std::uint64_t> ranked_{0}, refused_{0}, band_sum_{0};
+};
 
 }  // namespace
 
@@ -49,47 +119,46 @@ void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most
   }
 }
 
+RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, const scheduler::FrameFacts& facts,
+                       std::uint32_t item, PairProgress& pair, const collision::LevelContact& found,
+                       scheduler::PairCues& cues) {
+  RankedPair ranked;
+  ranked.refused = !source.fill(item, cues);
+  pair.seen = seen_band(input.policy, cues);
+  const double score = score_of(input, facts, cues, pair, found, item);
+  ranked.left_out = scheduler::left_out(input.policy, score);
+  ranked.band = scheduler::band_of(input.policy, score);
+  const std::uint32_t waited = scheduler::waited_bands(input.policy, pair.waited);
+  pair.band = static_cast<std::uint8_t>(std::max(ranked.band, waited + 1) - waited);
+  pair.ranked = true;
+  return ranked;
+}
+
 bool rank_pairs(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
                 SteadyClock::time_point start, SteadyClock::time_point cut, CompletedLevels& levels,
                 FrameReport& report, parallel::Executor& executor) {
   const PairTable& table = input.table;
+  const std::size_t refinable = table.known_of_chunk.back().refinable;
   double& rank_cost_ns = resources.forecasts.rank_cost_ns;
   const double allowed_ns = kShare * static_cast<double>((cut - start).count());
-  const auto most = static_cast<std::size_t>(std::max(0.0, allowed_ns / std::max(rank_cost_ns, 1e-3)));
+  const double listing_ns = kListingNs * static_cast<double>(refinable);
+  const bool lists = listing_ns < kListingShare * allowed_ns;
+  const auto most =
+      static_cast<std::size_t>(std::max(0.0, (allowed_ns - (lists ? listing_ns : 0)) / std::max(rank_cost_ns, 1e-3)));
   // Not even the pairs of one chunk.
-  if (most * std::max<std::size_t>(table.chunks(), 1) < table.known_of_chunk.back().refinable) return false;
+  if (most * std::max<std::size_t>(table.chunks(), 1) < refinable) return false;
   std::vector<std::uint32_t>& chosen = resources.open.chunks;
   choose_chunks(table, input.frame, most, chosen);
   resources.bands.reset(static_cast<std::uint32_t>(table.size()));
-  const PairCueSource source(input);
-  parallel::Shared<std::uint64_t> ranked(0);
-  parallel::Shared<std::uint64_t> refused(0);
-  parallel::parallel_for(executor, chosen.size(), 2, [&](std::size_t first, std::size_t past, int) {
-    std::uint64_t put = 0;
-    std::uint64_t not_taken = 0;
-    // Backwards, because the last one put into a band is the first one taken.
-    for (std::size_t k = past; k-- > first;) {
-      for (std::size_t i = table.end_of(chosen[k]); i-- > table.begin_of(chosen[k]);) {
-        PairProgress& pair = levels.progress[i];
-        if (!pair.refinable() || pair.full) continue;
-        const auto item = static_cast<std::uint32_t>(i);
-        if (!source.fill(item, levels.cues[i])) ++not_taken;
-        pair.seen = seen_band(input.policy, levels.cues[i]);
-        ++put;
-        const double score = score_of(input, facts, levels.cues[i], pair, levels.found[i], item);
-        if (!scheduler::left_out(input.policy, score))
-          resources.bands.put(item, scheduler::band_of(input.policy, score));
-      }
-    }
-    ranked.add(put);
-    refused.add(not_taken);
-  });
-  report.cues_refused = refused.get();
+  Ranking ranking(input, resources, facts, levels);
+  ranking.rank(chosen, executor);
   const Nanoseconds took = SteadyClock::now() - start;
-  report.ranking += took;
-  report.pairs_ranked = ranked.get();
-  if (ranked.get() >= 100) {
-    const double measured_ns = static_cast<double>(took.count()) / static_cast<double>(ranked.get());
+  if (lists && ranking.ranked() < refinable) ranking.list_others(executor);
+  report.ranking += SteadyClock::now() - start;
+  report.pairs_ranked = ranking.ranked();
+  report.cues_refused = ranking.refused();
+  if (ranking.ranked() >= 100) {
+    const double measured_ns = static_cast<double>(took.count()) / static_cast<double>(ranking.ranked());
     rank_cost_ns += 0.2 * (measured_ns - rank_cost_ns);
   }
   return true;

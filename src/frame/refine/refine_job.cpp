@@ -75,9 +75,13 @@ class OpenRefinement::Job {
       if (in_order() && now_ >= open_.in_order_until) return false;
       const std::uint32_t item = in_order() ? next_in_order() : run_.bands.take();
       if (item == scheduler::PriorityBands::kNone) return false;
-      if (!admits(run_.levels.progress[item].level.next_units)) return stop();
       Hand& hand = batch_.hands[batch_.count++];
       hand.item = item;
+      hand.progress = run_.levels.progress[item];
+      hand.ended = Outcome::Completed;
+      hand.completed = hand.again = hand.newly_ranked = false;
+      if (!in_order() && !hand.progress.ranked && !rank(hand)) continue;
+      if (!admits(hand.progress.level.next_units)) return stop();
       refine(hand);
       if (hand.ended == Outcome::Cut) return stop();
     } while (batch_.count < Batch::kMost && batch_units_ < run_.input.policy.quantum_units);
@@ -145,11 +149,23 @@ class OpenRefinement::Job {
     tally_.overrun = excess - tally_.overrun_off_cpu;
   }
 
+  // Of a pair that waited where it was ranked in an earlier frame. False: it has its turn later, or none.
+  bool rank(Hand& hand) {
+    hand.newly_ranked = true;
+    const RankedPair ranked = ranked_pair(run_.input, *open_.cues, run_.facts, hand.item, hand.progress,
+                                          run_.levels.found[hand.item], hand.cues);
+    hand.band = ranked.band;
+    const bool now = hand.band >= run_.bands.highest();
+    hand.again = !ranked.left_out && !now;
+    return !ranked.left_out && now;
+  }
+  [[nodiscard]] const scheduler::PairCues& cues_of(const Hand& hand) const {
+    return hand.newly_ranked ? hand.cues : run_.levels.cues[hand.item];
+  }
+
   // Levels of the pair, in this worker's own memory.
   void refine(Hand& hand) {
     const RefineInput& input = run_.input;
-    hand.progress = run_.levels.progress[hand.item];
-    hand.completed = hand.again = false;
     if (hand.progress.level.level > 0) hand.found = run_.levels.found[hand.item];
     if (in_order() && batch_.looks) {
       scheduler::PairCues looked;
@@ -201,7 +217,7 @@ class OpenRefinement::Job {
       hand.band = run_.bands.highest();
       return true;
     }
-    const double score = score_of(input, run_.facts, run_.levels.cues[hand.item], hand.progress, hand.found, hand.item);
+    const double score = score_of(input, run_.facts, cues_of(hand), hand.progress, hand.found, hand.item);
     hand.again = !scheduler::left_out(input.policy, score);
     hand.band = scheduler::band_of(input.policy, score);
     return hand.again && hand.band >= run_.bands.highest();
@@ -213,6 +229,11 @@ class OpenRefinement::Job {
     for (const Hand& hand : std::span(batch_.hands).first(batch_.count)) {
       PairProgress& pair = run_.levels.progress[hand.item];
       pair.seen = hand.progress.seen;
+      pair.band = hand.progress.band;
+      if (hand.newly_ranked) {
+        pair.ranked = true;
+        run_.levels.cues[hand.item] = hand.cues;
+      }
       if (hand.completed) {
         const bool was_apart = pair.apart();
         pair.level = hand.progress.level;
