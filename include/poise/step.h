@@ -82,7 +82,8 @@ struct StepInput {
   bool measure_levels = false;
   /// World::contact_events also lists pairs that continue to touch, except pairs of sleeping bodies.
   bool persist_events = false;
-  bool measure_energy = false;  ///< fill FrameReport::kinetic_j and potential_j; excluded from the frame's times
+  /// Fill FrameReport::kinetic_j, potential_j and momentum_ns; excluded from the frame's times.
+  bool measure_energy = false;
   /// Compute the frame a second time as a reference and fill FrameReport::reference. The state after the step is the
   /// same to the bit as without. The cost is excluded from all times of the frame: the deadline is postponed by the
   /// time to copy the bodies' state before the frame, and the remaining work is done after the frame, before step
@@ -244,6 +245,7 @@ struct FrameReport {
   // After the step, with StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;
   double potential_j = 0;
+  Vec3 momentum_ns = Vec3::Zero();  ///< linear, of the dynamic bodies, kg m/s
 
   std::optional<LevelsReached> levels;        ///< if StepInput::measure_levels
   std::optional<ReferenceFigures> reference;  ///< if StepInput::reference

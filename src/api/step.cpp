@@ -75,6 +75,7 @@ FrameReport World::step(const StepInput& given) {
     const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
     report.kinetic_j = sums.kinetic_j;
     report.potential_j = sums.potential_j;
+    report.momentum_ns = sums.momentum_ns;
   }
   return report;
 }

@@ -137,6 +137,18 @@ TEST(Conservation, InelasticImpactsKeepMomentumAndNeverAddEnergyAtEveryLevel) {
   }
 }
 
+TEST(Conservation, TheReportOfAFrameHasEnergyAndMomentumAfterItWhereAskedFor) {
+  Stage stage = colliding_jacks(ContactModel::Fitted, 0.5);
+  StepInput input = step_of(1.0 / 120);
+  EXPECT_EQ(stage.world.step(input).momentum_ns, Vec3::Zero()) << "nobody asked";
+  input.measure_energy = true;
+  const FrameReport report = stage.world.step(input);
+  const Conserved after = stage.world.conserved();
+  EXPECT_GT(after.momentum_ns.norm(), 0);
+  EXPECT_EQ(report.momentum_ns, after.momentum_ns);
+  EXPECT_EQ(report.kinetic_j, after.kinetic_j);
+}
+
 TEST(Flight, IsExactForConstantGravity) {
   WorldSettings settings;
   settings.gravity_mps2 = Vec3(0, 0, -9.81);

@@ -48,6 +48,7 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   frame.report.asleep = 12;
   frame.report.fell_asleep = 5;
   frame.report.woken = 3;
+  frame.report.momentum_ns = {0.5, -2, 8};
   std::string text;
   append_frame(frame, 0.05, text);
   const std::vector<std::string> names = cells(lines(frames_header())[0]);
@@ -66,6 +67,9 @@ TEST(FramesTable, HasOneCellForEachColumn) {
   EXPECT_EQ(cell("asleep"), "12");
   EXPECT_EQ(cell("fell_asleep"), "5");
   EXPECT_EQ(cell("woken"), "3");
+  EXPECT_EQ(cell("momentum_x_kgmps"), "0.5");
+  EXPECT_EQ(cell("momentum_y_kgmps"), "-2");
+  EXPECT_EQ(cell("momentum_z_kgmps"), "8");
   EXPECT_EQ(cell("status"), "done");
 }
 

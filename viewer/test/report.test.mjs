@@ -90,6 +90,7 @@ for (const theme of ["light", "dark"]) {
           "reserve",
           "resting",
           "energy",
+          "momentum",
         ]) {
           const ink = await page.evaluate((name) => {
             const canvas = document.querySelector(`#chart-${name} canvas:not(.mark)`);
@@ -148,7 +149,7 @@ test("pointing at any chart moves to the frame there", { skip }, () =>
     };
     assert.equal(await pointAt("frame-time", 0.5 + 0.5 / 60), 30);
     assert.equal(await pointAt("frame-time", 0.01), 0);
-    for (const id of ["levels", "energy", "reserve", "error", "resting"]) {
+    for (const id of ["levels", "energy", "momentum", "reserve", "error", "resting"]) {
       await page.locator(`#chart-${id}`).scrollIntoViewIfNeeded();
       assert.equal(await pointAt(id, 10.5 / 60), 10, id);
     }
@@ -413,10 +414,25 @@ test("a page of a capture alone has charts from the capture", { skip }, () =>
       assert.match(await page.textContent("#on-time"), /No deadline/);
       assert.match(await page.textContent("#command"), /poise run jacks --bodies 60/);
       assert.ok(await page.isVisible("#chart-frame-time"));
+      assert.ok(await page.isVisible("#chart-energy"));
+      assert.equal(await page.locator("#chart-momentum").count(), 0, "a capture has no momentum");
       assert.ok(await page.isVisible("#replay"));
     },
   ),
 );
+
+test("a table without momentum, of an earlier version, leaves its chart out", { skip }, () => {
+  const rows = inventedFrames(60, kLate)
+    .trim()
+    .split("\n")
+    .map((line) => line.split(","));
+  const keep = rows[0].map((name) => !name.startsWith("momentum_"));
+  const frames = rows.map((row) => row.filter((_, k) => keep[k]).join(",")).join("\n") + "\n";
+  return withPage(invented({ frames }), async (page) => {
+    assert.equal(await page.locator("#chart-momentum").count(), 0);
+    assert.ok(await page.isVisible("#chart-energy"));
+  });
+});
 
 test("two captures stand side by side, coloured by how far they are apart", { skip }, () =>
   withPage(

@@ -138,6 +138,10 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("woken", r.woken);
   row.column("kinetic_j", r.kinetic_j);
   row.column("potential_j", r.potential_j);
+  // Not momentum_x_ns: beside columns in ms that would read as nanoseconds.
+  row.column("momentum_x_kgmps", r.momentum_ns.x());
+  row.column("momentum_y_kgmps", r.momentum_ns.y());
+  row.column("momentum_z_kgmps", r.momentum_ns.z());
 }
 
 void reference_columns(const std::optional<ReferenceFigures>& reference, FrameRow& row) {

@@ -67,6 +67,24 @@ function energyChart(frames) {
   });
 }
 
+/** Left out for a capture alone, and for tables of earlier versions: neither has momentum. */
+function momentumChart(frames) {
+  const lines = [
+    { label: "x", color: kOrange, column: frames.column("momentum_x_kgmps") },
+    { label: "y", color: kGreen, column: frames.column("momentum_y_kgmps") },
+    { label: "z", color: kBlue, column: frames.column("momentum_z_kgmps") },
+  ];
+  if (!lines.every(({ column }) => has(column))) return null;
+  return lineChart(frames, {
+    id: "momentum",
+    title: "Momentum",
+    unit: " kg m/s",
+    note: "Linear, of all moving bodies together. Gravity and what stands still change it, impacts between bodies do not.",
+    fromZero: false,
+    lines,
+  });
+}
+
 /** All charts that the figures allow, in the order of the page. */
 export function showCharts(frames, run, store) {
   const timed = has(frames.column("total_ms"));
@@ -79,6 +97,7 @@ export function showCharts(frames, run, store) {
     reserveChart(frames),
     restingChart(frames),
     energyChart(frames),
+    momentumChart(frames),
   ].filter((description) => description !== null);
   const charts = {};
   for (const description of descriptions) {
