@@ -2,16 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/command.h"
-#include "app/report/frame_chart.h"
+#include "app/pages.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
 #include "scene/temporary_folder.h"
@@ -23,14 +21,6 @@ using nlohmann::json;
 
 void write(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
 
-/// What stands in the script element with this id; empty where there is none.
-std::string embedded(const std::string& page, const std::string& id) {
-  const std::size_t at = page.find(" id=\"" + id + "\">");
-  if (at == std::string::npos) return "";
-  const std::size_t begin = page.find('>', at) + 1;
-  return page.substr(begin, page.find("</script>", begin) - begin);
-}
-
 std::string base64(const std::string& bytes) {
   std::string text;
   app::append_base64(bytes, text);
@@ -38,15 +28,6 @@ std::string base64(const std::string& bytes) {
 }
 
 bool page_is_built() { return app::read_report_template().ok(); }
-
-simulation::RunFrame frame_of(double total_ms, MissCause cause = MissCause::None) {
-  simulation::RunFrame frame;
-  const auto time = Nanoseconds(static_cast<std::int64_t>(total_ms * 1e6));
-  frame.report.times.solve = time;
-  frame.report.times.total = time;
-  frame.report.cause = cause;
-  return frame;
-}
 
 TEST(Base64, HasTheValuesOfItsStandard) {
   EXPECT_EQ(base64(""), "");
@@ -129,81 +110,44 @@ TEST(ReportPage, RefusesCapturesThatNoPageCanShow) {
                                "bodies, or with a larger --capture-step");
 }
 
-TEST(FrameChart, StacksTimesToTheirScaleAndMarksLateFrames) {
-  const std::vector<simulation::RunFrame> frames{frame_of(4), frame_of(8, MissCause::Forecast), frame_of(2)};
-  const app::FrameChart chart = app::frame_chart("<heap>", 5.0, frames);
-  constexpr std::array<std::uint8_t, 3> kSolve{0xe6, 0x9f, 0x00}, kForecast{0x00, 0x72, 0xb2};
-  std::vector<app::ChartBox> columns, marks;
-  for (const app::ChartBox& box : chart.boxes) {
-    if (box.color == kSolve && box.width > 100) columns.push_back(box);
-    if (box.color == kForecast && box.width == 8) marks.push_back(box);
-  }
-  ASSERT_EQ(columns.size(), 3U);
-  EXPECT_NEAR(columns[1].height, 2 * columns[0].height, 1e-6);
-  EXPECT_NEAR(columns[1].height, 4 * columns[2].height, 1e-6);
-  ASSERT_EQ(marks.size(), 1U);
-  EXPECT_NEAR(marks[0].left + 4, columns[1].left + columns[1].width / 2, 1e-6) << "above its frame";
-  EXPECT_LT(marks[0].top + 8, columns[1].top);
-  const std::string svg = app::frame_chart_svg(chart);
-  EXPECT_NE(svg.find("&lt;heap>: 3 frames, deadline 5 ms"), std::string::npos);
-  EXPECT_NE(svg.find("late, forecast: 1"), std::string::npos);
-  const io::Image image = app::frame_chart_image(chart);
-  const auto pixel = [&](double x, double y) {
-    const std::size_t at = 3 * (static_cast<std::size_t>(y) * image.width_px + static_cast<std::size_t>(x));
-    return std::array<std::uint8_t, 3>{image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
-  };
-  EXPECT_EQ(pixel(columns[1].left + 20, columns[1].top + 4), kSolve);
-  EXPECT_NE(pixel(columns[1].left + 20, columns[1].top - 4), kSolve);
-  EXPECT_EQ(pixel(marks[0].left + 4, marks[0].top + 4), kForecast);
-}
-
-TEST(FrameChart, ShowsTheSlowestOfManyFramesAndIsMadeOfNone) {
-  std::vector<simulation::RunFrame> frames(100'000, frame_of(1));
-  frames[77'777] = frame_of(1.5);
-  const app::FrameChart chart = app::frame_chart("pile", std::nullopt, frames);
-  EXPECT_LT(chart.boxes.size(), 3000U);
-  const auto tallest = std::max_element(chart.boxes.begin() + 1, chart.boxes.end(),
-                                        [](const auto& a, const auto& b) { return a.height < b.height; });
-  EXPECT_NEAR(tallest->left, 80 + 1100 * 0.77777, 2);
-  EXPECT_FALSE(app::frame_chart_svg(app::frame_chart("pile", 4.0, {})).empty());
-}
-
 TEST(RunReport, IsWrittenWholeOrRefusedBeforeTheRun) {
   const TemporaryFolder folder;
   const std::string out = folder.file("made/here");
   const CommandResult result =
-      poise_command({"run", "two-body", "--frames", "20", "--deadline", "8", "--report", out, "--quiet"});
-  if (!page_is_built()) {
-    EXPECT_EQ(result.exit_code, 3);
-    EXPECT_NE(result.error.find("--report: the page for reports is not built (looked for "), std::string::npos)
-        << result.error;
-    EXPECT_FALSE(std::filesystem::exists(out));
-    return;
-  }
+      poise_command({"run", "two-body", "--frames", "90", "--deadline", "8", "--report", out, "--quiet"});
+  if (!page_is_built()) return expect_no_page(result, out);
   ASSERT_EQ(result.exit_code, 0) << result.error;
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(out)) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (std::vector<std::string>{"frame-times.png", "frame-times.svg", "report.html", "run.capture"}));
+  EXPECT_EQ(files_in(out),
+            (std::vector<std::string>{"frame-times.png", "frame-times.svg", "levels.png", "levels.svg",
+                                      "percentiles.png", "percentiles.svg", "report.html", "run.capture"}));
   const std::string page = contents(out + "/report.html");
   EXPECT_EQ(json::parse(embedded(page, "poise-run")).at("scene"), "two-body");
   const std::string frames = embedded(page, "poise-frames");
-  EXPECT_EQ(std::count(frames.begin(), frames.end(), '\n'), 21);
+  EXPECT_EQ(std::count(frames.begin(), frames.end(), '\n'), 91);
   EXPECT_EQ(embedded(page, "poise-capture"), base64(contents(out + "/run.capture")));
   EXPECT_EQ(json::parse(embedded(page, "poise-page")).at("command"),
-            "poise run two-body --frames 20 --deadline 8 --report " + out + " --quiet");
+            "poise run two-body --frames 90 --deadline 8 --report " + out + " --quiet");
+}
+
+TEST(RunReport, WithoutContactsHasNoChartOfThemNorThatOfAnEarlierRun) {
+  if (!page_is_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
+  const TemporaryFolder folder;
+  const std::string out = folder.file("r");
+  std::filesystem::create_directory(out);
+  for (const char* name : {"levels.svg", "levels.png", "mine.svg"}) write(out + "/" + name, "of before");
+  const CommandResult result =
+      poise_command({"run", "two-body", "--frames", "1", "--deadline", "8", "--report", out, "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(files_in(out),
+            (std::vector<std::string>{"frame-times.png", "frame-times.svg", "mine.svg", "percentiles.png",
+                                      "percentiles.svg", "report.html", "run.capture"}));
 }
 
 TEST(RunReport, LeavesTheRunAsItWas) {
   if (!page_is_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
   const TemporaryFolder folder;
-  const auto hash = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"run",     "jacks", "--bodies", "30", "--frames", "10",
-                                       "--clock", "work",  "--json",   "-",  "--quiet"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return json::parse(poise_command(arguments).out, nullptr, false).at("state_hash");
-  };
-  EXPECT_EQ(hash({}), hash({"--report", folder.file("r"), "--capture", folder.file("c"), "--capture-contacts"}));
+  EXPECT_EQ(hash_of_jacks(),
+            hash_of_jacks({"--report", folder.file("r"), "--capture", folder.file("c"), "--capture-contacts"}));
   EXPECT_FALSE(std::filesystem::exists(folder.file("r") + "/run.capture")) << "the capture has a name of its own";
   EXPECT_TRUE(std::filesystem::exists(folder.file("c")));
 }

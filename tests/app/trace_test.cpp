@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/pages.h"
 #include "scene/temporary_folder.h"
 
 namespace poise::testing {
@@ -89,13 +90,7 @@ TEST(Trace, HasTheStagesOfEveryFrameAndTheWorkersInsideOfRefinement) {
 
 TEST(Trace, OfTheWorkClockLeavesTheRunAsItWas) {
   const TemporaryFolder folder;
-  const auto hash = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"run",     "jacks", "--bodies", "30", "--frames", "10",
-                                       "--clock", "work",  "--json",   "-",  "--quiet"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return json::parse(poise_command(arguments).out, nullptr, false).at("state_hash");
-  };
-  EXPECT_EQ(hash({}), hash({"--trace", folder.file("t.json")}));
+  EXPECT_EQ(hash_of_jacks(), hash_of_jacks({"--trace", folder.file("t.json")}));
 }
 
 TEST(Trace, IsRefusedWhereItWouldOverwriteAnotherOutput) {

@@ -11,6 +11,7 @@
 
 #include "app/command.h"
 #include "app/exit_codes.h"
+#include "app/pages.h"
 #include "app/report/figures_page.h"
 #include "app/report/report_template.h"
 #include "scene/temporary_folder.h"
@@ -23,11 +24,7 @@ using nlohmann::json;
 
 bool figures_are_built() { return app::read_report_template(app::figures_template_places()).ok(); }
 
-json figures_in(const std::string& page) {
-  const std::string begin = "id=\"poise-figures\">";
-  const std::size_t from = page.find(begin) + begin.size();
-  return json::parse(page.substr(from, page.find("</script>", from) - from), nullptr, false);
-}
+json figures_in(const std::string& page) { return json::parse(embedded(page, "poise-figures"), nullptr, false); }
 
 struct Study {
   std::string json_path, markdown, picture, svg;

@@ -7,7 +7,6 @@
 
 #include "app/picture/drawn_frame.h"
 #include "app/picture/picture.h"
-#include "app/report/frame_chart.h"
 #include "capture/observe.h"
 #include "frame/stage_list.h"
 #include "scene/run/policy_name.h"
@@ -133,7 +132,7 @@ Status ReplayFiles::finish(const ReplayResult& result) {
     const std::optional<double> deadline_ms =
         record_->clock == "wall" ? std::optional(record_->deadline_ms) : std::nullopt;
     written = report_.write("replay", {command_line(), {}, {}, {}}, options_.capture.file,
-                            frame_chart(scene_->name, deadline_ms, charted_));
+                            {scene_->name, deadline_ms, charted_});
   }
   if (!written || !picture_) return written;
   const Result<io::DrawnFrame> seen =

@@ -48,23 +48,46 @@ Result<ReportFiles> ReportFiles::open(const std::string& folder) {
   if (failure) return Error{ErrorKind::OutputFailed, folder + ": " + failure.message()};
   Result<io::AtomicFile> html = io::AtomicFile::open(report_page_of(folder));
   if (!html) return html.error();
-  Result<io::AtomicFile> svg = io::AtomicFile::open(in_folder(folder, "frame-times.svg"));
-  if (!svg) return svg.error();
-  Result<io::AtomicFile> png = io::AtomicFile::open(in_folder(folder, "frame-times.png"));
-  if (!png) return png.error();
-  made.files_.emplace(
-      Files{std::move(page).value(), std::move(html).value(), std::move(svg).value(), std::move(png).value()});
+  Result<ChartFiles> times = open_chart(folder, "frame-times");
+  if (!times) return times.error();
+  Result<ChartFiles> percentiles = open_chart(folder, "percentiles");
+  if (!percentiles) return percentiles.error();
+  Result<ChartFiles> levels = open_chart(folder, "levels");
+  if (!levels) return levels.error();
+  made.files_.emplace(Files{std::move(page).value(), std::move(html).value(), std::move(times).value(),
+                            std::move(percentiles).value(), std::move(levels).value()});
   return made;
+}
+
+Result<ReportFiles::ChartFiles> ReportFiles::open_chart(const std::string& folder, const char* name) {
+  const std::string path = in_folder(folder, name);
+  Result<io::AtomicFile> svg = io::AtomicFile::open(path + ".svg");
+  if (!svg) return svg.error();
+  Result<io::AtomicFile> png = io::AtomicFile::open(path + ".png");
+  if (!png) return png.error();
+  return ChartFiles{path, std::move(svg).value(), std::move(png).value()};
+}
+
+Status ReportFiles::write_chart(const std::optional<BoxChart>& chart, ChartFiles& files) {
+  if (!chart) {
+    std::error_code ignored;
+    for (const char* ending : {".svg", ".png"}) std::filesystem::remove(files.name + ending, ignored);
+    return Done{};
+  }
+  const Status written = finish(files.svg, chart_svg(*chart));
+  if (!written) return written;
+  const Result<std::string> png = io::png_bytes(chart_image(*chart));
+  return png ? finish(files.png, png.value()) : Status(png.error());
 }
 
 Status ReportFiles::write(const io::RunDocument& document, std::span<const simulation::RunFrame> frames,
                           const std::string& frames_csv, const std::string& capture) {
   if (!files_) return Done{};
   return write("run", {command_line(), io::run_json(document), frames_csv, {}}, capture,
-               frame_chart(document.scene, document.deadline_ms, frames));
+               {document.scene, document.deadline_ms, frames});
 }
 
-Status ReportFiles::write(const char* command, ReportParts parts, const std::string& capture, const FrameChart& chart) {
+Status ReportFiles::write(const char* command, ReportParts parts, const std::string& capture, const ChartedRun& run) {
   if (!files_) return Done{};
   const Status embeds = check_capture_file(capture);
   if (embeds) {
@@ -74,11 +97,9 @@ Status ReportFiles::write(const char* command, ReportParts parts, const std::str
   }
   Status written = write_report_page(files_->page, parts, files_->html);
   if (written) written = files_->html.commit();
-  if (!written) return written;
-  written = finish(files_->svg, frame_chart_svg(chart));
-  if (!written) return written;
-  const Result<std::string> png = io::png_bytes(frame_chart_image(chart));
-  return png ? finish(files_->png, png.value()) : Status(png.error());
+  if (written) written = write_chart(frame_chart(run.scene, run.deadline_ms, run.frames), files_->times);
+  if (written) written = write_chart(percentile_chart(run.scene, run.deadline_ms, run.frames), files_->percentiles);
+  return written ? write_chart(level_chart(run.scene, run.frames), files_->levels) : written;
 }
 
 }  // namespace poise::app
