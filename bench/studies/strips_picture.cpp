@@ -7,15 +7,12 @@
 #include "app/picture/frame_picture.h"
 #include "app/picture/picture.h"
 #include "app/picture/pixel_text.h"
-#include "studies/study_strips.h"
+#include "studies/strips_panels.h"
 
 namespace poise::app {
 namespace {
 
-constexpr std::uint32_t kPanelWidth = 320, kPanelHeight = 190;  // pixels
-constexpr std::uint32_t kStripGap = 8, kStripTitle = 26, kHead = 34;
 constexpr std::uint32_t kTextScale = 2;
-constexpr double kArrowS = 0.45;  // an arrow is the way of so many seconds
 constexpr std::array<std::uint8_t, 3> kStripInk = {40, 45, 52};
 constexpr std::array<std::uint8_t, 3> kArrow = {190, 40, 30};
 constexpr std::array<std::uint8_t, 3> kPaperBytes = {250, 250, 251};
@@ -90,28 +87,17 @@ void draw_arrow(io::Image& image, const Point& from, const Point& to) {
   }
 }
 
-/// The scene's camera turned to the collision, with half of its angle.
-View close_up(const Strips& all, const io::DrawnFrame& frame) {
-  View view = frame.view;
-  const Vec3 middle = 0.5 * (frame.bodies[all.bodies[0]].pose.position_m + frame.bodies[all.bodies[1]].pose.position_m);
-  if ((middle - view.position_m).norm() > 0) view.forward = (middle - view.position_m).normalized();
-  view.vertical_fov_rad *= 0.55;
-  return view;
-}
-
 io::Image panel_of(const Strips& all, const Strip& strip, const io::PictureSettings& settings, std::size_t moment) {
-  io::DrawnFrame frame = strip.moments[moment];
-  for (const std::uint64_t body : all.bodies) frame.bodies[body].level = strip.level;
-  if (moment == 1) frame.view = close_up(all, frame);
-  io::Image image = io::FramePictures(all.shapes, settings).draw(frame);
+  const io::FramePictures pictures(all.shapes, settings);
+  const io::DrawnFrame frame = panel_frame(all, strip, pictures, moment);
+  io::Image image = pictures.draw(frame);
   if (moment == 1 && strip.level != kPolygonBin)
     blend(image, io::FramePictures(balls_of(all.shapes, strip.level), settings).draw(frame), 0.55);
   if (moment + 1 != strip.moments.size()) return image;
   const io::Eye eye(frame.view, static_cast<int>(kPanelWidth), static_cast<int>(kPanelHeight));
   const auto in_image = [&](const Vec3& point_m) {
-    const Vec3 at = eye.to_eye * (point_m - eye.position_m);
-    return Point{eye.center_x + eye.focal_samples * at.x() / at.z(),
-                 eye.center_y - eye.focal_samples * at.y() / at.z()};
+    const auto [x, y] = in_panel(eye, point_m);
+    return Point{x, y};
   };
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec3& from_m = frame.bodies[all.bodies[i]].pose.position_m;
@@ -120,7 +106,28 @@ io::Image panel_of(const Strips& all, const Strip& strip, const io::PictureSetti
   return image;
 }
 
-std::string title_of(const Strip& strip) {
+}  // namespace
+
+io::DrawnFrame panel_frame(const Strips& all, const Strip& strip, const io::FramePictures& pictures,
+                           std::size_t moment) {
+  io::DrawnFrame frame = strip.moments[moment];
+  for (const std::uint64_t body : all.bodies) frame.bodies[body].level = strip.level;
+  frame.view = pictures.view(frame);
+  frame.view.present = true;
+  if (moment != 1) return frame;
+  // The camera turned to the collision, with half of its angle.
+  const Vec3 middle = 0.5 * (frame.bodies[all.bodies[0]].pose.position_m + frame.bodies[all.bodies[1]].pose.position_m);
+  if ((middle - frame.view.position_m).norm() > 0) frame.view.forward = (middle - frame.view.position_m).normalized();
+  frame.view.vertical_fov_rad *= 0.55;
+  return frame;
+}
+
+std::array<double, 2> in_panel(const io::Eye& eye, const Vec3& point_m) {
+  const Vec3 at = eye.to_eye * (point_m - eye.position_m);
+  return {eye.center_x + eye.focal_samples * at.x() / at.z(), eye.center_y - eye.focal_samples * at.y() / at.z()};
+}
+
+std::string strip_title(const Strip& strip) {
   std::string text = strip.level == kPolygonBin ? std::string("polygons")
                                                 : fmt::format("level {}, {} balls", strip.level, strip.balls);
   if (!strip.met) return text + ": the bodies never meet";
@@ -129,35 +136,30 @@ std::string title_of(const Strip& strip) {
                             strip.time_s, 1000 * strip.gap_m, strip.gap_radii);
 }
 
-}  // namespace
+std::string strip_end(const Strip& strip) {
+  return fmt::format("{:.2f} and {:.2f} m/s", strip.velocity_mps[0].norm(), strip.velocity_mps[1].norm());
+}
 
 io::Image strips_picture(const Strips& strips) {
-  constexpr std::array kMoments = {"start", "collision, nearer", "later", "end: velocities"};
   io::PictureSettings settings;
   settings.size_px = {{kPanelWidth, kPanelHeight}};
   settings.plain = true;
-  const auto columns = static_cast<std::uint32_t>(kMoments.size());
-  const auto rows = static_cast<std::uint32_t>(strips.strips.size());
   io::Image image;
-  image.width_px = columns * (kPanelWidth + kStripGap) + kStripGap;
-  image.height_px = kHead + rows * (kPanelHeight + kStripTitle + kStripGap);
+  image.width_px = strips_width_px();
+  image.height_px = strip_top_px(strips.strips.size());
   for (std::uint32_t i = 0; i < image.width_px * image.height_px; ++i)
     image.rgb.insert(image.rgb.end(), kPaperBytes.begin(), kPaperBytes.end());
-  for (std::uint32_t column = 0; column < columns; ++column) {
-    const std::uint32_t left = kStripGap + column * (kPanelWidth + kStripGap);
-    io::draw_text(image, kMoments[column], std::int64_t{left}, 12, kTextScale, kStripInk);
-  }
-  for (std::uint32_t row = 0; row < rows; ++row) {
+  for (std::size_t column = 0; column < kStripMoments.size(); ++column)
+    io::draw_text(image, kStripMoments[column], std::int64_t{panel_left_px(column)}, 12, kTextScale, kStripInk);
+  for (std::size_t row = 0; row < strips.strips.size(); ++row) {
     const Strip& strip = strips.strips[row];
-    const std::uint32_t top = kHead + row * (kPanelHeight + kStripTitle + kStripGap);
-    io::draw_text(image, title_of(strip), kStripGap, top + 4, kTextScale, kStripInk);
-    const std::string end =
-        fmt::format("{:.2f} and {:.2f} m/s", strip.velocity_mps[0].norm(), strip.velocity_mps[1].norm());
+    const std::uint32_t top = strip_top_px(row);
+    io::draw_text(image, strip_title(strip), kStripGap, top + 4, kTextScale, kStripInk);
+    const std::string end = strip_end(strip);
     io::draw_text(image, end, std::int64_t{image.width_px} - kStripGap - io::text_width_px(end, kTextScale), top + 4,
                   kTextScale, kArrow);
-    for (std::uint32_t column = 0; column < columns; ++column)
-      put_image(image, panel_of(strips, strip, settings, column), kStripGap + column * (kPanelWidth + kStripGap),
-                top + kStripTitle);
+    for (std::size_t column = 0; column < kStripMoments.size(); ++column)
+      put_image(image, panel_of(strips, strip, settings, column), panel_left_px(column), top + kStripTitle);
   }
   return image;
 }

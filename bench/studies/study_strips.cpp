@@ -219,6 +219,7 @@ void add_study_strips_options(CLI::App& command, StudyStripsOptions& o) {
       ->check(one_of(names))
       ->type_name("MODEL");
   add_study_files(command, o.common, "Draw the strips as a PNG");
+  add_path(command, "--svg", o.common.svg, "Draw them as an SVG: flat colours, no shadows");
   command.footer(
       "Examples:\n"
       "  poise study strips --markdown strips.md --picture strips.png\n"
@@ -250,6 +251,7 @@ int study_strips(const StudyStripsOptions& o) {
     const Result<std::string> png = io::png_bytes(strips_picture(strips.value()));
     written = png ? io::write_file(o.common.picture, png.value()) : Status(png.error());
   }
+  if (written && !o.common.svg.empty()) written = io::write_file(o.common.svg, strips_svg(strips.value()));
   return written ? kExitDone : refuse("study strips", written.error());
 }
 

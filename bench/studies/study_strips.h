@@ -53,6 +53,8 @@ io::StudyTable strips_table(const Strips& strips, const StudyStripsOptions& opti
 /// The strips one below the other: the moments from left to right, at the collision with the balls of the level, at the
 /// end with the velocities as arrows.
 io::Image strips_picture(const Strips& strips);
+/// The same in lines and areas, for papers: flat colours, no shadows, no ground.
+std::string strips_svg(const Strips& strips);
 
 /// Returns the exit code.
 int study_strips(const StudyStripsOptions& options);

@@ -72,8 +72,8 @@ TEST(StudyStrips, RefusesAnyOtherNumberOfBodiesThanTwo) {
 
 TEST(StudyStrips, OfTwoJacksHasARowALevelWithSmallerGapsAndDrawsThem) {
   const TemporaryFolder folder;
-  const CommandResult result =
-      poise_command({"study", "strips", "--quiet", "--json", "-", "--picture", folder.file("strips.png")});
+  const CommandResult result = poise_command({"study", "strips", "--quiet", "--json", "-", "--picture",
+                                              folder.file("strips.png"), "--svg", folder.file("strips.svg")});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json study = json::parse(result.out, nullptr, false);
   EXPECT_EQ(study.at("schema"), "poise.strips/1");
@@ -92,6 +92,27 @@ TEST(StudyStrips, OfTwoJacksHasARowALevelWithSmallerGapsAndDrawsThem) {
   for (const json& row : rows)
     EXPECT_NEAR(row.at("left_vx_mps").get<double>(), -row.at("right_vx_mps").get<double>(), 1e-9) << "momentum";
   EXPECT_EQ(contents(folder.file("strips.png")).substr(1, 3), "PNG");
+  const std::string svg = contents(folder.file("strips.svg"));
+  EXPECT_TRUE(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
+  EXPECT_NE(svg.find(">level 0, 2 balls: answered at "), std::string::npos);
+}
+
+TEST(StudyStrips, AsAnSvgHasFourPanelsALevelWithBodiesBallsAndArrows) {
+  const Result<app::Strips> strips = two_balls();
+  ASSERT_TRUE(strips) << strips.error().message;
+  const std::string svg = app::strips_svg(strips.value());
+  const auto count = [&](const std::string& part) {
+    std::size_t found = 0;
+    for (std::size_t at = svg.find(part); at != std::string::npos; at = svg.find(part, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<svg "), 1U + 4U);
+  EXPECT_EQ(count("<circle "), 2U * 4U + 2U) << "two balls in each panel, and those of the level at the collision";
+  EXPECT_EQ(count("stroke=\"#be281e\""), 2U) << "an arrow each at the end";
+  // They begin left and right of the middle of the picture, 320 x 190 pixels.
+  const std::size_t first = svg.find("cx=\""), second = svg.find("cx=\"", first + 1);
+  EXPECT_NEAR(std::stod(svg.substr(first + 4)) + std::stod(svg.substr(second + 4)), 320, 0.3);
+  EXPECT_EQ(std::stod(svg.substr(svg.find("cy=\"") + 4)), 95);
 }
 
 TEST(StudyStrips, RefusesWrongOptions) {

@@ -223,14 +223,15 @@ FramePictures::FramePictures(std::vector<capture::CapturedShape> shapes, const P
   for (const capture::CapturedShape& shape : captured_) shapes_.emplace_back(shape);
 }
 
+View FramePictures::view(const DrawnFrame& frame) const { return view_of(settings_, frame, shapes_); }
+
 Image FramePictures::draw(const DrawnFrame& frame) const {
   const auto px = [](double size) { return static_cast<std::uint32_t>(std::clamp(size, 1.0, 4.0 * kMostPicturePx)); };
   const std::array<std::uint32_t, 2> size_px =
       settings_.size_px.value_or(std::array{px(frame.resolution_px[0]), px(frame.resolution_px[1])});
   const int width = static_cast<int>(size_px[0]) * kSamplesAcross;
   const int height = static_cast<int>(size_px[1]) * kSamplesAcross;
-  const View view = view_of(settings_, frame, shapes_);
-  const Eye eye(view, width, height);
+  const Eye eye(view(frame), width, height);
   const Light light(eye, frame, shapes_);
   const std::vector<DrawnPlane> planes = drawn_planes(frame, captured_);
   const FramePainter painter{frame, eye, light, planes, cell_of(frame, shapes_)};

@@ -44,6 +44,8 @@ class FramePictures {
  public:
   FramePictures(std::vector<capture::CapturedShape> shapes, const PictureSettings& settings);
   [[nodiscard]] Image draw(const DrawnFrame& frame) const;
+  /// From where draw() looks.
+  [[nodiscard]] View view(const DrawnFrame& frame) const;
 
  private:
   std::vector<capture::CapturedShape> captured_;
