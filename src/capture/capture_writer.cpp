@@ -16,13 +16,16 @@
 namespace poise::capture {
 
 struct CaptureWriter::Impl {
-  Impl(std::filesystem::path file_path, int file, std::size_t frames_waiting)
+  Impl(std::filesystem::path file_path, int file, bool is_new, std::size_t frames_waiting)
       : path(std::move(file_path)),
         descriptor(file),
+        empty_and_new(is_new),
         queue(frames_waiting, [this](SeenFrame& frame) { work(frame); }) {}
   ~Impl() {
     queue.close();
     close();
+    std::error_code ignored;
+    if (empty_and_new) std::filesystem::remove(path, ignored);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -55,7 +58,8 @@ struct CaptureWriter::Impl {
 
   const std::filesystem::path path;
   int descriptor = -1;
-  std::uint64_t frames = 0;  // that were handed over
+  bool empty_and_new = false;  // made by open(), and nothing was written yet
+  std::uint64_t frames = 0;    // that were handed over
   std::uint64_t left_out = 0;
   std::uint32_t left_out_now = 0;  // since the last frame that was handed over
   // Of the queue's thread between begin() and finish().
@@ -73,18 +77,21 @@ CaptureWriter::~CaptureWriter() = default;
 
 Result<CaptureWriter> CaptureWriter::open(const std::filesystem::path& path, std::size_t frames_waiting) {
   constexpr mode_t kUsualRights = 0666;
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kUsualRights);
+  int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kUsualRights);
+  const bool is_new = descriptor >= 0;
+  if (!is_new) descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kUsualRights);
   if (descriptor < 0) {
     return Error{ErrorKind::OutputFailed,
                  fmt::format("{}: cannot be written: {}", path.string(), std::generic_category().message(errno))};
   }
-  return CaptureWriter(std::make_unique<Impl>(path, descriptor, frames_waiting));
+  return CaptureWriter(std::make_unique<Impl>(path, descriptor, is_new, frames_waiting));
 }
 
 Status CaptureWriter::begin(const CaptureHeader& header) {
   // A pipe has no length to cut.
   if (::ftruncate(impl_->descriptor, 0) != 0 && errno != EINVAL) return impl_->failed(errno);
   impl_->write(impl_->blocks.begin(header, impl_->out));
+  if (impl_->written > 0) impl_->empty_and_new = false;
   return impl_->sound;
 }
 

@@ -57,7 +57,8 @@ class CaptureWriter {
   static constexpr std::size_t kFramesWaiting = 60;
 
   /// The thread is made here, so that it runs where its maker may run now. A file that is there keeps its content until
-  /// begin(). Refused as OutputFailed: a path that cannot be written.
+  /// begin(); one that was not there goes again where begin() never comes, because the run was refused. Refused as
+  /// OutputFailed: a path that cannot be written.
   static Result<CaptureWriter> open(const std::filesystem::path& path, std::size_t frames_waiting = kFramesWaiting);
   CaptureWriter(CaptureWriter&&) noexcept;
   CaptureWriter& operator=(CaptureWriter&&) noexcept;

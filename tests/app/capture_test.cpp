@@ -256,6 +256,25 @@ TEST_F(Export, DrawsTheLastOfTheChosenFramesAndAllOfThemIntoAFolder) {
   EXPECT_NE(contents(folder_.file("other.png")), last);
 }
 
+TEST(Capture, OfARefusedRunOrReplayIsNotLeftBehind) {
+  const TemporaryFolder folder;
+  // Read as a scene, refused when its bodies are made.
+  std::ofstream(folder.file("scene.json")) << R"({"name": "x", "dt_s": 0.01, "materials": {"m": {}},
+    "shapes": {"none": {"mesh": {"file": "none.obj", "depth": 1}}}, "bodies": [{"shape": "none", "material": "m"}]})";
+  const std::string file = folder.file("run.capture");
+  EXPECT_EQ(poise_command({"run", folder.file("scene.json"), "--capture", file, "--quiet"}).exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  std::ofstream(file) << "an older one";
+  EXPECT_EQ(poise_command({"run", folder.file("scene.json"), "--capture", file, "--quiet"}).exit_code, 3);
+  EXPECT_EQ(contents(file), "an older one");
+  const std::string record = folder.file("run.poise"), again = folder.file("again.capture");
+  ASSERT_EQ(poise_command({"run", "two-body", "--frames", "3", "--record", record, "--quiet"}).exit_code, 0);
+  const CommandResult refused =
+      poise_command({"replay", record, "--capture", again, "--picture", folder.file("no/a.png")});
+  EXPECT_EQ(refused.exit_code, 4) << refused.error;
+  EXPECT_FALSE(std::filesystem::exists(again));
+}
+
 TEST_F(Export, OfARunThatWasKilledGoesUpToWhereItEndsAndSaysWhere) {
   const std::string bytes = contents(file_);
   std::ofstream(file_, std::ios::binary | std::ios::trunc) << bytes.substr(0, bytes.size() - 700);

@@ -114,6 +114,21 @@ TEST(CaptureFile, KeepsWhatWasThereUntilTheRunBegins) {
   EXPECT_TRUE(CaptureReader::open(folder.file("a")).ok()) << "nothing is left of it";
 }
 
+TEST(CaptureFile, IsNotLeftEmptyWhereTheRunNeverBeginsAndStaysWhereItEndsEarly) {
+  const TemporaryFolder folder;
+  {
+    ASSERT_TRUE(CaptureWriter::open(folder.file("a")).ok());
+    Result<CaptureWriter> writer = CaptureWriter::open(folder.file("b"));
+    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE(writer.value().begin(some_header()).ok());
+  }
+  EXPECT_EQ(folder.entries(), 1U);
+  const Result<CaptureReader> reader = CaptureReader::open(folder.file("b"));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_EQ(reader.value().frames(), 0U);
+  EXPECT_FALSE(reader.value().end()) << "it was not finished";
+}
+
 TEST(CaptureFile, ThatCannotBeWrittenIsRefusedWithItsPath) {
   const TemporaryFolder folder;
   const Result<CaptureWriter> none = CaptureWriter::open(folder.path() / "no" / "a");

@@ -32,7 +32,8 @@ class RunCapture {
   /// Whether frames for which the writer has no room are left out; otherwise the run waits for it.
   enum class WhenFull : std::uint8_t { LeaveOut, Wait };
 
-  /// Makes the writer's thread. Refused: a file that cannot be written.
+  /// Makes the writer's thread. Without begin() no file is left behind that was not there. Refused: a file that cannot
+  /// be written.
   static Result<RunCapture> open(const CaptureOptions& options);
   /// Before the first frame: `scene` and `run` are observed until finish(). The header is complete but for the steps
   /// and what the options say. Writes the frame at hand: the start, frame 0, unless `first` says of which step it is.
