@@ -68,6 +68,8 @@ TEST(Replay, WritesTheStatesOfTheRun) {
   recorded_run(file, arguments);
   replayed(file, {"--states", folder.file("again.csv")});
   EXPECT_EQ(contents(folder.file("again.csv")), contents(folder.file("run.csv")));
+  EXPECT_GT(lines(contents(folder.file("run.bodies.csv"))).size(), 30U);
+  EXPECT_EQ(contents(folder.file("again.bodies.csv")), contents(folder.file("run.bodies.csv")));
   EXPECT_GT(contents(folder.file("again.csv")).size(), 100000U);
 }
 
@@ -267,6 +269,8 @@ TEST(Replay, RefusesOptionsThatDoNotGoTogether) {
                                                 ", must be N >= 1, A..B, A.. or ..B with whole A <= B, at most "
                                                 "1000000\n");
   }
+  EXPECT_EQ(refused({"--states", "a.csv", "--json", "a.bodies.csv"}),
+            "2 poise replay: a.bodies.csv is named for two outputs: --json and the bodies of --states\n");
   EXPECT_EQ(refused({"--report", "-"}), "2 poise replay: only --json can go to the standard output\n");
   EXPECT_EQ(refused({"--frame", "9", "--picture", folder.file("a.png")}),
             "3 poise replay: --frame 9: the record ends with frame 3\n");
@@ -319,7 +323,7 @@ TEST(Replay, OfCountedWorkSaysThatThePageHasTheTimesOfTheReplay) {
       result.out.find("report.html: its times are those of this replay, since a record with counted work has none"),
       std::string::npos)
       << result.out;
-  for (const char* name : {"report.html", "run.capture", "frame-times.svg", "frame-times.png"})
+  for (const char* name : {"report.html", "run.capture", "frame-times.svg", "frame-times.png", "percentiles.svg"})
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / name)) << name;
 }
 

@@ -18,11 +18,11 @@
 #include "app/replay/replay_loop.h"
 #include "app/replay/replay_options.h"
 #include "app/run/run_options.h"
+#include "app/run/states_writer.h"
 #include "app/tree_cache_options.h"
 #include "parallel/interrupt.h"
 #include "record/record_shapes.h"
 #include "scene/result_file.h"
-#include "scene/run/run_tables.h"
 
 namespace poise::app {
 namespace {
@@ -163,13 +163,14 @@ int replay(const ReplayOptions& options) {
   const io::RecordHeader& header = record.value().header();
   const Result<Scene> scene = scene_of(options, header);
   if (!scene) return refuse("replay", scene.error());
-  std::optional<io::AtomicFile> json, states;
-  for (const auto& [path, file] : {std::pair(&options.json, &json), std::pair(&options.states, &states)}) {
-    if (path->empty() || *path == "-") continue;
-    Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
+  std::optional<io::AtomicFile> json;
+  if (!options.json.empty() && options.json != "-") {
+    Result<io::AtomicFile> opened = io::AtomicFile::open(options.json);
     if (!opened) return refuse("replay", opened.error());
-    *file = std::move(opened).value();
+    json = std::move(opened).value();
   }
+  Result<StatesWriter> states = StatesWriter::open(options.states);
+  if (!states) return refuse("replay", states.error());
   Result<ReplayFiles> outputs = ReplayFiles::open(options);
   if (!outputs) return refuse("replay", outputs.error());
   if (!options.quiet) warn_of_threads("replay", static_cast<int>(options.threads.value_or(0)));
@@ -183,11 +184,8 @@ int replay(const ReplayOptions& options) {
   }
   const Status begun = outputs.value().begin(header, scene.value(), run.value());
   if (!begun) return refuse("replay", begun.error());
-  std::string text;
-  const auto tell = [&](std::uint64_t frame, std::span<const io::NumberedState> bodies) {
-    text = frame == 0 ? io::states_header() : std::string();
-    io::append_states(frame, static_cast<double>(frame) * header.dt_s, bodies, text);
-    return states->write(text);
+  const auto tell = [&](std::uint64_t frame, std::span<const io::NumberedState> now) {
+    return states.value().add(scene.value(), run.value(), frame, static_cast<double>(frame) * header.dt_s, now);
   };
   const auto told = [&](std::uint64_t done, std::uint64_t of) {
     progress.share("replaying", of > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(of)) : 1.0);
@@ -197,12 +195,12 @@ int replay(const ReplayOptions& options) {
                                 interrupt.token()};
   const Result<ReplayResult> result =
       replay_loop(record.value(), scene.value(), run.value(), settings,
-                  {states ? ReplayStates(tell) : ReplayStates(), outputs.value().capture_sink(),
+                  {states.value().on() ? ReplayStates(tell) : ReplayStates(), outputs.value().capture_sink(),
                    outputs.value().picture_sink(), told});
   progress.end();
   if (!result) return refuse("replay", result.error());
   const World& world = run.value().world();
-  Status written = states ? states->commit() : Status(Done{});
+  Status written = states.value().finish();
   if (written) written = outputs.value().finish(result.value());
   if (!written) return refuse("replay", written.error());
   const std::string document = options.json.empty() ? std::string() : json_of(options, header, result.value(), world);

@@ -8,6 +8,7 @@
 #include "app/option_values.h"
 #include "app/output_files.h"
 #include "app/report/report_files.h"
+#include "app/run/body_table.h"
 #include "app/suggestions.h"
 #include "poise/scene/scene.h"
 
@@ -31,7 +32,8 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
   add_path(command, "--files", options.files,
            "The folder that the scene's files are relative to (default: where it was when recorded)");
   add_path(command, "--json", options.json, "Write the result as JSON (poise.replay/2), - for the standard output");
-  add_path(command, "--states", options.states, "Write every body after every frame as CSV");
+  add_path(command, "--states", options.states,
+           "Write every body after every frame as CSV, and beside it what each body is (FILE.bodies.csv)");
   add_capture_options(command, options.capture);
   add_path(command, "--report", options.report,
            "Write a page into this folder that shows the run: charts and a replay (docs/viewing.md); its capture goes "
@@ -77,8 +79,10 @@ Status check_replay_options(const ReplayOptions& options) {
   const Status pictures = check_picture_options(options.picture);
   if (!pictures) return pictures;
   const std::string page = report_page_of(options.report);
+  const std::string bodies = body_table_of(options.states);
   return check_outputs({{"--json", options.json},
                         {"--states", options.states},
+                        {"the bodies of --states", bodies},
                         {"--capture", options.capture.file},
                         {"--picture", options.picture.file},
                         {"--report", page}},

@@ -19,12 +19,12 @@
 #include "app/progress.h"
 #include "app/refusal.h"
 #include "app/report/report_files.h"
-#include "app/run/body_table.h"
 #include "app/run/run_loop.h"
 #include "app/run/run_options.h"
 #include "app/run/run_record.h"
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
+#include "app/run/states_writer.h"
 #include "app/scene_input.h"
 #include "capture/observe.h"
 #include "parallel/executor.h"
@@ -42,14 +42,13 @@ namespace {
 /// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
 /// unless it is written to its end.
 struct Outputs {
-  std::optional<io::AtomicFile> json, states, frames_csv, picture, trace;
-  BodyTable bodies;
+  std::optional<io::AtomicFile> json, frames_csv, picture, trace;
+  StatesWriter states;
 
   static Result<Outputs> open(const RunOptions& options) {
     Outputs outputs;
     const std::pair<const std::string*, std::optional<io::AtomicFile>*> wanted[] = {
         {&options.json, &outputs.json},
-        {&options.states, &outputs.states},
         {&options.frames_csv, &outputs.frames_csv},
         {&options.picture.file, &outputs.picture},
         {&options.trace, &outputs.trace}};
@@ -59,54 +58,19 @@ struct Outputs {
       if (!opened) return opened.error();
       *file = std::move(opened).value();
     }
-    Result<BodyTable> bodies = BodyTable::open(options.states);
-    if (!bodies) return bodies.error();
-    outputs.bodies = std::move(bodies).value();
+    Result<StatesWriter> states = StatesWriter::open(options.states);
+    if (!states) return states.error();
+    outputs.states = std::move(states).value();
     return outputs;
   }
 };
 
-/// Writes states as they come; in a paced run after it, since writing would eat the time between frames.
-class StatesWriter {
- public:
-  StatesWriter(std::optional<io::AtomicFile>& file, BodyTable& bodies, bool keep, double dt_s)
-      : file_(file), bodies_(bodies), keep_(keep), dt_s_(dt_s) {}
-
-  StatesSink sink(const Scene& scene, const SceneRun& run) {
-    if (!file_) return {};
-    return [this, &scene, &run](std::uint64_t frame, std::span<const io::NumberedState> states) -> Status {
-      const Status listed = bodies_.add(scene, run);
-      if (!listed) return listed;
-      if (!keep_) return write(frame, states);
-      states_by_frame_.emplace_back(frame, std::vector<io::NumberedState>(states.begin(), states.end()));
-      return Done{};
-    };
-  }
-  Status finish() {
-    if (!file_) return Done{};
-    for (const auto& [frame, states] : states_by_frame_) {
-      const Status written = write(frame, states);
-      if (!written) return written;
-    }
-    const Status written = bodies_.finish();
-    return written ? file_->commit() : written;
-  }
-
- private:
-  Status write(std::uint64_t frame, std::span<const io::NumberedState> states) {
-    text_.clear();
-    if (frame == 0) text_ = io::states_header();
-    io::append_states(frame, static_cast<double>(frame) * dt_s_, states, text_);
-    return file_->write(text_);
-  }
-
-  std::optional<io::AtomicFile>& file_;
-  BodyTable& bodies_;
-  bool keep_;
-  double dt_s_;
-  std::string text_;
-  std::vector<std::pair<std::uint64_t, std::vector<io::NumberedState>>> states_by_frame_;
-};
+StatesSink states_sink(const Scene& scene, const SceneRun& run, const LoopSettings& loop, StatesWriter& states) {
+  if (!states.on()) return {};
+  return [&](std::uint64_t frame, std::span<const io::NumberedState> now) {
+    return states.add(scene, run, frame, static_cast<double>(frame) * loop.dt_s, now, loop.paced);
+  };
+}
 
 LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   LoopSettings loop;
@@ -314,15 +278,14 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   Status begun = files.record.begin(options, scene, scene_text, run, loop);
   if (begun) begun = begin_capture(document, loop, scene, run, files.capture);
   if (!begun) return refuse("run", begun.error());
-  StatesWriter states(outputs.states, outputs.bodies, loop.paced, loop.dt_s);
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
   const auto told = [&](const simulation::RunFrame& frame) {
     missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
     progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
   };
-  const Result<LoopResult> result = run_loop(run, loop, states.sink(scene, run), told, files.record.sink(run),
-                                             capture_sink(run, loop.dt_s, files.capture));
+  const Result<LoopResult> result = run_loop(run, loop, states_sink(scene, run, loop, outputs.states), told,
+                                             files.record.sink(run), capture_sink(run, loop.dt_s, files.capture));
   progress.end();
   if (!result) return refuse("run", result.error());
 
@@ -334,7 +297,7 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (written) written = files.capture.finish(result.value().stopped);
   if (!written) return refuse("run", written.error());
   document.capture = files.capture.facts();
-  written = states.finish();
+  written = outputs.states.finish();
   if (!written) return refuse("run", written.error());
   if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
   if (!written) return refuse("run", written.error());
