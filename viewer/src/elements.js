@@ -11,3 +11,9 @@ export function element(name, attributes = {}, ...children) {
 }
 
 export const byId = (id) => document.getElementById(id);
+
+/** The choices of a list, by value and text, and which is chosen. */
+export function fillSelect(select, choices, chosen) {
+  select.replaceChildren(...Object.entries(choices).map(([value, text]) => element("option", { value }, text)));
+  select.value = chosen;
+}

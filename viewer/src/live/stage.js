@@ -1,26 +1,16 @@
 // SPDX-License-Identifier: MIT
-import { Color, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Color, Scene, Vector2, Vector3 } from "three";
 
 import { kCauses } from "../data/frames.js";
-import { byId, element } from "../elements.js";
+import { byId, fillSelect } from "../elements.js";
 import { milliseconds } from "../format.js";
 import { BodyLayer, kHardware, kSoftware } from "../replay/body_layer.js";
 import { Cameras } from "../replay/cameras.js";
 import { Coloring, kColorings } from "../replay/coloring.js";
+import { aimLight, makeRenderer, placeRing, showChoices, showOf, upOf } from "../replay/picture.js";
 import { makeLight } from "../replay/shaders.js";
 import { boundsNow, PlaneLayer } from "../replay/stage_geometry.js";
 import { LiveCursor } from "./live_capture.js";
-
-function isSoftware() {
-  const context = document.createElement("canvas").getContext("webgl2");
-  if (!context) throw new Error("this browser draws no 3D (WebGL 2)");
-  const info = context.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? context.getParameter(info.UNMASKED_RENDERER_WEBGL) : context.getParameter(context.RENDERER);
-  context.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
-}
-
-const options = (entries) => Object.entries(entries).map(([value, text]) => element("option", { value }, text));
 
 /** Scales of colours before anything was seen but the shapes. */
 const firstScales = (shapes) => ({
@@ -36,13 +26,7 @@ export class LiveStage {
   constructor({ store, capture, look }) {
     Object.assign(this, { store, capture, look });
     this.canvas = byId("view");
-    this.software = isSoftware();
-    this.renderer = new WebGLRenderer({
-      canvas: this.canvas,
-      antialias: !this.software,
-      powerPreference: "high-performance",
-    });
-    this.renderer.setPixelRatio(this.software ? 1 : devicePixelRatio);
+    Object.assign(this, makeRenderer(this.canvas));
     this.light = makeLight();
     this.scene = new Scene();
     this.cursor = new LiveCursor(capture);
@@ -52,8 +36,7 @@ export class LiveStage {
     this.bounds = boundsNow({ file: capture, cursor: this.cursor });
     this.bodies = new BodyLayer(capture, this.scene, this.light, this.software ? kSoftware : kHardware);
     this.planes = new PlaneLayer(capture, this.cursor, this.scene, this.bounds);
-    const down = new Vector3(...(capture.head.gravity_mps2 ?? [0, 0, -1]));
-    this.up = down.lengthSq() > 0 ? down.normalize().negate() : new Vector3(0, 0, 1);
+    this.up = upOf(capture.head.gravity_mps2);
     this.cameras = new Cameras(this.canvas, this.bounds, this.up, {
       changed: () => this.draw(),
       taken: () => this.choose("camera", "free"),
@@ -71,18 +54,12 @@ export class LiveStage {
   }
 
   fillControls() {
-    const { shapes } = this.capture;
-    const levels = Math.max(0, ...shapes.map((shape) => shape.levels.length));
-    const show = { shapes: "shapes", reached: "spheres reached" };
-    for (let level = 0; level < levels; ++level) show[level] = `spheres, level ${level}`;
-    byId("show").replaceChildren(...options(show));
-    byId("show").value = "shapes";
+    fillSelect(byId("show"), showChoices(this.capture.shapes), "shapes");
     // What can be told of a body from one frame.
     const colorings = Object.fromEntries(["level", "priority", "speed", "state"].map((mode) => [mode, kColorings[mode]]));
-    byId("color").replaceChildren(...options(colorings));
-    byId("camera").replaceChildren(
-      ...options({ ...(this.camera ? { scene: "of the scene" } : {}), free: "mine", all: "all in view" }),
-    );
+    fillSelect(byId("color"), colorings, "level");
+    const cameras = { ...(this.camera ? { scene: "of the scene" } : {}), free: "mine", all: "all in view" };
+    fillSelect(byId("camera"), cameras, this.camera ? "scene" : "free");
     this.cameras.setFree(!this.camera, null);
     if (!this.camera) this.tell("camera", "gaze");
   }
@@ -194,19 +171,10 @@ export class LiveStage {
     this.bodies.reserve(rows);
     this.cameras.prepare(this.camera, size.x / size.y);
     const { camera } = this.cameras;
-    this.light.above.value.copy(this.up).transformDirection(camera.matrixWorldInverse);
-    this.light.key.value.set(0.35, 0.75, 0.6).normalize();
+    aimLight(this.light, this.up, camera);
     this.coloring.fill(byId("color").value, cursor, this.colors, {});
-    const show = byId("show").value;
     const ratio = this.renderer.getPixelRatio();
-    this.bodies.update(
-      cursor,
-      camera,
-      show === "shapes" || show === "reached" ? show : Number(show),
-      this.colors,
-      size.x * ratio,
-      size.y * ratio,
-    );
+    this.bodies.update(cursor, camera, showOf(byId("show").value), this.colors, size.x * ratio, size.y * ratio);
     this.renderer.render(this.scene, camera);
     this.tellIfMoved();
     this.placeGaze(size.x, size.y);
@@ -259,10 +227,7 @@ export class LiveStage {
     const eye = new Vector3(...view.position_m);
     const gaze = new Vector3(...view.gaze);
     const away = Math.max(0.1, this.bounds.center.clone().sub(eye).dot(gaze));
-    const seen = eye.addScaledVector(gaze, away).project(this.cameras.camera);
-    ring.hidden = seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1;
-    ring.style.left = `${(0.5 + 0.5 * seen.x) * width}px`;
-    ring.style.top = `${(0.5 - 0.5 * seen.y) * height}px`;
+    placeRing(ring, eye.addScaledVector(gaze, away), this.cameras.camera, width, height);
   }
   showBadge() {
     const { facts } = this.cursor;

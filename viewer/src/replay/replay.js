@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-import { Color, Ray, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Color, Ray, Scene, Vector2, Vector3 } from "three";
 
 import { FrameCursor } from "../capture/frame_cursor.js";
 import { findSeenErrors, kNoPairs } from "../capture/pairs.js";
 import { kCauseText } from "../data/frames.js";
-import { byId, element } from "../elements.js";
+import { byId, element, fillSelect } from "../elements.js";
 import { milliseconds } from "../format.js";
 import { BodyLayer, kHardware, kSoftware } from "./body_layer.js";
 import { Cameras } from "./cameras.js";
@@ -12,29 +12,10 @@ import { Coloring, kColorings, scalesOf } from "./coloring.js";
 import { showFacts } from "./facts.js";
 import { CoarsePairsLayer, FrustumLayer } from "./overlays.js";
 import { firstBody } from "./picking.js";
+import { aimLight, makeRenderer, placeRing, showChoices, showOf, upOf } from "./picture.js";
 import { makeLight } from "./shaders.js";
 import { Visibility } from "./visibility.js";
 import { boundsNow, boundsOf, ContactLayer, PlaneLayer } from "./stage_geometry.js";
-
-/** Whether pictures are made by the processor alone. */
-function isSoftware() {
-  const context = document.createElement("canvas").getContext("webgl2");
-  if (!context) throw new Error("this browser draws no 3D (WebGL 2)");
-  const info = context.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? context.getParameter(info.UNMASKED_RENDERER_WEBGL) : context.getParameter(context.RENDERER);
-  context.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
-}
-
-function fillSelect(select, options, chosen) {
-  select.replaceChildren(...Object.entries(options).map(([value, text]) => element("option", { value }, text)));
-  select.value = chosen;
-}
-
-const upOf = (gravity) => {
-  const down = new Vector3(...(gravity ?? [0, 0, -1]));
-  return down.lengthSq() > 0 ? down.normalize().negate() : new Vector3(0, 0, 1);
-};
 
 /** One capture in the picture: its frame, its bodies and what stands around them. */
 class View {
@@ -67,15 +48,7 @@ export class Replay {
     Object.assign(this, { store, frames, files, names });
     this.canvas = byId("view");
     this.lateAt = new Map(late.map((miss) => [miss.index, miss]));
-    this.software = isSoftware();
-    // Smooth edges cost more than all else where the processor draws.
-    this.renderer = new WebGLRenderer({
-      canvas: this.canvas,
-      alpha: false,
-      antialias: !this.software,
-      powerPreference: "high-performance",
-    });
-    this.renderer.setPixelRatio(this.software ? 1 : devicePixelRatio);
+    Object.assign(this, makeRenderer(this.canvas));
     this.renderer.autoClear = false;
     this.light = makeLight();
     const looking = new FrameCursor(files[0]);
@@ -95,10 +68,7 @@ export class Replay {
   }
 
   fillControls() {
-    const levels = Math.max(0, ...this.files.flatMap((file) => file.shapes.map((shape) => shape.levels.length)));
-    const show = { shapes: "shapes", reached: "spheres reached" };
-    for (let level = 0; level < levels; ++level) show[level] = `spheres, level ${level}`;
-    fillSelect(byId("show"), show, "shapes");
+    fillSelect(byId("show"), showChoices(this.files.flatMap((file) => file.shapes)), "shapes");
     const colors = { ...kColorings };
     if (this.files.length < 2) delete colors.difference;
     const hasPairs = this.files.some((file) => file.hasPairs);
@@ -201,8 +171,7 @@ export class Replay {
     return this.views[0].cursor.facts?.camera ?? null;
   }
   show() {
-    const value = byId("show").value;
-    return value === "shapes" || value === "reached" ? value : Number(value);
+    return showOf(byId("show").value);
   }
 
   /** Draws with the next picture of the screen. */
@@ -225,8 +194,7 @@ export class Replay {
     const ratio = this.renderer.getPixelRatio();
     this.cameras.prepare(this.camera(), width / size.y);
     const { camera } = this.cameras;
-    this.light.above.value.copy(upOf(this.files[0].head.gravity_mps2)).transformDirection(camera.matrixWorldInverse);
-    this.light.key.value.set(0.35, 0.75, 0.6).normalize();
+    aimLight(this.light, upOf(this.files[0].head.gravity_mps2), camera);
     this.renderer.setScissorTest(true);
     const mode = byId("color").value;
     this.views.forEach((view, k) => {
@@ -247,7 +215,7 @@ export class Replay {
       this.renderer.render(view.scene, camera);
     });
     this.placeGaze(width, size.y);
-    this.placeRing(width, size.y);
+    this.placeChosen(width, size.y);
     this.showBadge(row);
     this.showChosen();
     this.drawing_ms = performance.now() - began;
@@ -307,7 +275,7 @@ export class Replay {
   }
 
   /** Puts a ring around the chosen body. */
-  placeRing(width, height) {
+  placeChosen(width, height) {
     const ring = byId("chosen");
     const { view, row } = this.chosen ?? {};
     ring.hidden = !view || !view.cursor.has(row);
@@ -359,10 +327,7 @@ export class Replay {
     // Spheres of the coarsest level are near enough for a ring, and quick.
     const hit = this.meets(this.views[0], new Ray(eye, direction), 0);
     const away = hit?.distance ?? Math.max(0.1, this.bounds.center.clone().sub(eye).dot(direction));
-    const seen = eye.addScaledVector(direction, away).project(this.cameras.camera);
-    ring.hidden = seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1;
-    ring.style.left = `${(0.5 + 0.5 * seen.x) * width}px`;
-    ring.style.top = `${(0.5 - 0.5 * seen.y) * height}px`;
+    placeRing(ring, eye.addScaledVector(direction, away), this.cameras.camera, width, height);
   }
 
   showBadge(row) {
