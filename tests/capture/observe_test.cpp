@@ -10,6 +10,8 @@
 namespace poise::capture {
 namespace {
 
+using testing::run_of;
+
 Scene scene_of(const std::string& text) {
   const Result<Scene> scene = testing::parse(text);
   EXPECT_TRUE(scene) << scene.error().message;
@@ -30,15 +32,6 @@ const char* const kScene = R"({"name": "x", "dt_s": 0.015625, "gravity_mps2": [0
              {"shape": "two", "material": "m", "position_m": [0, 5, 90]}],
   "generators": [{"stream": {"shape": "ball", "material": "m", "total": 2, "per_second": 16, "life_s": 0.25,
                   "region_min_m": [20, 0, 0], "region_max_m": [20, 90, 90]}}]})";
-
-SceneRun run_of(const Scene& scene) {
-  SceneRunOptions options;
-  options.world.executor = ExecutorKind::Serial;
-  options.world.threads = 1;
-  Result<SceneRun> run = SceneRun::create(scene, options);
-  EXPECT_TRUE(run) << run.error().message;
-  return std::move(run).value();
-}
 
 TEST(FrameObserver, TellsPosesStatesLevelsAndRowsOfEveryFrame) {
   const Scene scene = scene_of(kScene);

@@ -13,19 +13,6 @@
 namespace poise::testing {
 namespace {
 
-SceneRunOptions serial() {
-  SceneRunOptions options;
-  options.world.executor = ExecutorKind::Serial;
-  options.world.threads = 1;
-  return options;
-}
-
-SceneRun run_of(const Scene& scene, const SceneRunOptions& options = serial()) {
-  Result<SceneRun> run = SceneRun::create(scene, options);
-  EXPECT_TRUE(run) << run.error().message;
-  return std::move(run).value();
-}
-
 TEST(SceneRun, PutsTheBodiesOfTheFileIntoTheWorld) {
   const Result<Scene> scene = parse(scene_text(R"("gravity_mps2": [0, 0, -10], )",
                                                R"([{"shape": "floor", "material": "hard", "static": true},

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <string>
+#include <utility>
 
 #include "poise/scene/scene.h"
 
@@ -20,6 +23,19 @@ inline Result<Scene> parse(const std::string& text) { return parse_scene(text, "
 inline std::string refusal(const std::string& text) {
   const Result<Scene> scene = parse(text);
   return scene ? "accepted" : scene.error().message;
+}
+
+/// A run on the calling thread alone.
+inline SceneRunOptions serial() {
+  SceneRunOptions options;
+  options.world.executor = ExecutorKind::Serial;
+  options.world.threads = 1;
+  return options;
+}
+inline SceneRun run_of(const Scene& scene, const SceneRunOptions& options = serial()) {
+  Result<SceneRun> run = SceneRun::create(scene, options);
+  EXPECT_TRUE(run) << run.error().message;
+  return std::move(run).value();
 }
 
 }  // namespace poise::testing

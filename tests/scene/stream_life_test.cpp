@@ -28,15 +28,6 @@ std::string stream(const std::string& members, int place = 1) {
          R"(, 0, 0], "region_max_m": [)" + x + ", 90, 90], " + members + "}}";
 }
 
-SceneRun stream_run(const Scene& scene) {
-  SceneRunOptions options;
-  options.world.executor = ExecutorKind::Serial;
-  options.world.threads = 1;
-  Result<SceneRun> run = SceneRun::create(scene, options);
-  EXPECT_TRUE(run) << run.error().message;
-  return std::move(run).value();
-}
-
 std::vector<std::uint64_t> numbers_of(const SceneRun& run) {
   std::vector<std::uint64_t> numbers;
   for (const RunBody& body : run.bodies()) {
@@ -51,7 +42,7 @@ using Numbers = std::vector<std::uint64_t>;
 
 TEST(StreamLife, EndsBeforeTheFirstFrameAtOrAfterArrivalAndLife) {
   // Due before frames 0, 4 and 8; a life of 5 frames.
-  SceneRun run = stream_run(scene_of(stream(R"("total": 3, "life_s": 0.078125)")));
+  SceneRun run = run_of(scene_of(stream(R"("total": 3, "life_s": 0.078125)")));
   const Numbers expected[] = {{0, 1},    {0, 1}, {0, 1}, {0, 1}, {0, 1, 2}, {0, 2}, {0, 2}, {0, 2},
                               {0, 2, 3}, {0, 3}, {0, 3}, {0, 3}, {0, 3},    {0},    {0}};
   for (std::uint64_t frame = 0; frame < std::size(expected); ++frame) {
@@ -65,7 +56,7 @@ TEST(StreamLife, EndsBeforeTheFirstFrameAtOrAfterArrivalAndLife) {
 }
 
 TEST(StreamLife, BetweenFramesEndsBeforeTheNextOne) {
-  SceneRun run = stream_run(scene_of(stream(R"("total": 1, "life_s": 0.08)")));
+  SceneRun run = run_of(scene_of(stream(R"("total": 1, "life_s": 0.08)")));
   for (std::uint64_t frame = 0; frame < 8; ++frame) {
     ASSERT_TRUE(run.before_frame(frame));
     EXPECT_EQ(run.bodies().size(), frame < 6 ? 2U : 1U) << frame;
@@ -73,7 +64,7 @@ TEST(StreamLife, BetweenFramesEndsBeforeTheNextOne) {
 }
 
 TEST(StreamLife, ShorterThanAFrameIsThatOfOneFrame) {
-  SceneRun run = stream_run(scene_of(stream(R"("total": 2, "life_s": 1e-6)")));
+  SceneRun run = run_of(scene_of(stream(R"("total": 2, "life_s": 1e-6)")));
   for (std::uint64_t frame = 0; frame < 8; ++frame) {
     ASSERT_TRUE(run.before_frame(frame));
     EXPECT_EQ(run.bodies().size(), frame % 4 == 0 ? 2U : 1U) << frame;
@@ -81,8 +72,8 @@ TEST(StreamLife, ShorterThanAFrameIsThatOfOneFrame) {
 }
 
 TEST(StreamLife, IsThatOfEachStreamAndTheOthersStay) {
-  SceneRun run = stream_run(scene_of(stream(R"("total": 2, "life_s": 0.5)") + ", " + stream(R"("total": 2)", 2) + ", " +
-                                     stream(R"("total": 2, "life_s": 0.125)", 3)));
+  SceneRun run = run_of(scene_of(stream(R"("total": 2, "life_s": 0.5)") + ", " + stream(R"("total": 2)", 2) + ", " +
+                                 stream(R"("total": 2, "life_s": 0.125)", 3)));
   EXPECT_EQ(run.final_body_count(), 3U);
   const auto at = [&run](std::uint64_t frame) {
     EXPECT_TRUE(run.before_frame(frame));
@@ -98,7 +89,7 @@ TEST(StreamLife, IsThatOfEachStreamAndTheOthersStay) {
 }
 
 TEST(StreamLife, LeavesTheNumbersOfTheStatesAsTheyWere) {
-  SceneRun run = stream_run(scene_of(stream(R"("total": 3, "life_s": 0.078125)")));
+  SceneRun run = run_of(scene_of(stream(R"("total": 3, "life_s": 0.078125)")));
   for (std::uint64_t frame = 0; frame < 9; ++frame) ASSERT_TRUE(run.before_frame(frame));
   std::vector<io::NumberedState> states;
   ASSERT_TRUE(io::read_states(run, states));
@@ -125,7 +116,7 @@ TEST(StreamLife, GivesTheSameStateTwice) {
   const Scene scene = scene_of(stream(R"("total": 40, "life_s": 0.3, "velocity_mps": [-9, 0, 0])"));
   std::uint64_t hashes[2];
   for (std::uint64_t& hash : hashes) {
-    SceneRun run = stream_run(scene);
+    SceneRun run = run_of(scene);
     for (std::uint64_t frame = 0; frame < 100; ++frame) {
       ASSERT_TRUE(run.before_frame(frame));
       StepInput input;
