@@ -37,7 +37,7 @@ std::string circle(const io::Eye& eye, const Vec3& center_m, double radius_m) {
 void add_body(const io::Eye& eye, const io::DrawnShape& shape, const io::DrawnBody& body, std::vector<Part>& parts) {
   const std::array<double, 3> color = body.given ? io::kGivenColor : io::level_color(body.level.value_or(0));
   const Vec3 towards_light = eye.to_eye.transpose() * Vec3(-0.45, 0.75, -0.5).normalized();
-  const auto world = [&](const Vec3& point) { return body.pose.position_m + body.pose.orientation * point; };
+  const auto world = [&](const Vec3& point) -> Vec3 { return body.pose.position_m + body.pose.orientation * point; };
   for (const auto& [a, b, c] : shape.triangles) {
     const std::array<Vec3, 3> corners{world(shape.vertices_m[a]), world(shape.vertices_m[b]),
                                       world(shape.vertices_m[c])};
@@ -63,15 +63,15 @@ void add_body(const io::Eye& eye, const io::DrawnShape& shape, const io::DrawnBo
   }
 }
 
-/// The balls of a level over a body, in outline.
+/// The balls of a level over a body; together they are as translucent as one of them.
 std::string balls_over(const io::Eye& eye, const io::DrawnShape& shape, const io::DrawnBody& body, Level level) {
   std::string svg;
   if (shape.levels.empty()) return svg;
-  for (const Sphere& ball : shape.levels[std::min<std::size_t>(level, shape.levels.size() - 1)]) {
+  for (const Sphere& ball : shape.levels[std::min<std::size_t>(level, shape.levels.size() - 1)])
     svg += circle(eye, body.pose.position_m + body.pose.orientation * ball.center_m, ball.radius_m) + "/>\n";
-  }
-  return fmt::format("<g fill=\"{0}\" fill-opacity=\"0.25\" stroke=\"{0}\">\n{1}</g>\n",
-                     color_text(io::level_color(level), 0.8), svg);
+  const std::array<double, 3> color = io::level_color(level);
+  return fmt::format("<g opacity=\"0.4\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.7\">\n{}</g>\n",
+                     color_text(color, 1), color_text(color, 0.6), svg);
 }
 
 std::string arrow(const std::array<double, 2>& from, const std::array<double, 2>& to) {

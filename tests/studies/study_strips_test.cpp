@@ -95,6 +95,11 @@ TEST(StudyStrips, OfTwoJacksHasARowALevelWithSmallerGapsAndDrawsThem) {
   const std::string svg = contents(folder.file("strips.svg"));
   EXPECT_TRUE(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
   EXPECT_NE(svg.find(">level 0, 2 balls: answered at "), std::string::npos);
+  // Of 2,112 triangles in each of 16 panels about half face the viewer.
+  std::size_t triangles = 0;
+  for (std::size_t at = svg.find("z\" color="); at != std::string::npos; at = svg.find("z\" color=", at + 1))
+    ++triangles;
+  EXPECT_NEAR(static_cast<double>(triangles), 16 * 1056, 16 * 300);
 }
 
 TEST(StudyStrips, AsAnSvgHasFourPanelsALevelWithBodiesBallsAndArrows) {
