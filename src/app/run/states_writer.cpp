@@ -18,11 +18,11 @@ Result<StatesWriter> StatesWriter::open(const std::string& path) {
 }
 
 Status StatesWriter::add(const Scene& scene, const SceneRun& run, std::uint64_t frame, double time_s,
-                         std::span<const io::NumberedState> states, bool keep) {
+                         std::span<const io::NumberedState> states, bool wait) {
   const Status listed = bodies_.add(scene, run);
   if (!listed) return listed;
-  if (!keep) return write(frame, time_s, states);
-  kept_.push_back({frame, time_s, {states.begin(), states.end()}});
+  if (!wait) return write(frame, time_s, states);
+  waiting_.push_back({frame, time_s, {states.begin(), states.end()}});
   return Done{};
 }
 
@@ -35,8 +35,8 @@ Status StatesWriter::write(std::uint64_t frame, double time_s, std::span<const i
 
 Status StatesWriter::finish() {
   if (!file_) return Done{};
-  for (const Kept& kept : kept_) {
-    const Status written = write(kept.frame, kept.time_s, kept.states);
+  for (const Waiting& waiting : waiting_) {
+    const Status written = write(waiting.frame, waiting.time_s, waiting.states);
     if (!written) return written;
   }
   const Status written = bodies_.finish();

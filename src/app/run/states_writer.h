@@ -24,13 +24,13 @@ class StatesWriter {
   static Result<StatesWriter> open(const std::string& path);
   [[nodiscard]] bool on() const { return file_.has_value(); }
   /// States after a frame, of the start as frame 0, `time_s` later than it; the bodies are those of `run` now. With
-  /// `keep` they are written by finish(), since writing would eat the time between paced frames.
+  /// `wait` they are written by finish(), since writing would eat the time between paced frames.
   Status add(const Scene& scene, const SceneRun& run, std::uint64_t frame, double time_s,
-             std::span<const io::NumberedState> states, bool keep = false);
+             std::span<const io::NumberedState> states, bool wait = false);
   Status finish();
 
  private:
-  struct Kept {
+  struct Waiting {
     std::uint64_t frame = 0;
     double time_s = 0;
     std::vector<io::NumberedState> states;
@@ -40,7 +40,7 @@ class StatesWriter {
   std::optional<io::AtomicFile> file_;
   BodyTable bodies_;
   std::string text_;
-  std::vector<Kept> kept_;
+  std::vector<Waiting> waiting_;
 };
 
 }  // namespace poise::app
