@@ -15,10 +15,12 @@ export function showSummary(run) {
       element("h2", {}, (mark === "good" ? "✓ " : mark === "bad" ? "✕ " : "") + title),
       element("p", {}, text),
     );
+  const shown = tiles(run);
   const figures = element(
     "dl",
-    { class: "panel tiles", id: "tiles" },
-    ...tiles(run).map(({ label, value, title }) =>
+    // Two rows.
+    { class: "panel tiles", id: "tiles", style: `--columns:${Math.ceil(shown.length / 2)}` },
+    ...shown.map(({ label, value, title }) =>
       element("div", { title }, element("dt", {}, label), element("dd", {}, value)),
     ),
   );

@@ -151,6 +151,7 @@ export function percentileChart(frames, run) {
             labelSize: 14,
             labelFont: "11px system-ui, sans-serif",
             splits: () => [1, 2, 10, 100, 1000, 1e4, 1e5].filter((x) => x <= most),
+            filter: (u, ticks) => ticks,
             values: (u, ticks) =>
               ticks.map(
                 (x) =>
