@@ -29,7 +29,7 @@ function missedText(misses) {
  */
 export function onTime(run) {
   const misses = run.misses;
-  const p99 = run.frame_ms ? `99 % of frames took at most ${milliseconds(run.frame_ms.p99)}` : "";
+  const p99 = run.frame_ms ? `99\u00a0% of frames took at most ${milliseconds(run.frame_ms.p99)}` : "";
   if (run.clock === "work" || !misses || misses.count === null) {
     return { mark: "none", title: "No deadline", text: `The work clock ran, with ${limitText(run)}. ${p99}.` };
   }

@@ -38,6 +38,8 @@ export function drawMark(context, cause, x, y, size, edge) {
   context.fill();
   context.strokeStyle = edge;
   context.lineWidth = 1;
+  // A dashed line may have been drawn before.
+  context.setLineDash([]);
   context.stroke();
 }
 
