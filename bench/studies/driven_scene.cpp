@@ -125,7 +125,7 @@ Status DrivenScene::shake_bodies() {
   return Done{};
 }
 
-Result<simulation::RunFrame> DrivenScene::step(const FrameLimit& limit, bool reference) {
+Result<StepInput> DrivenScene::begin_frame() {
   // Where the camera is; a driven scene has no streams.
   const Status ready = run_.before_frame(frame_);
   if (!ready) return ready.error();
@@ -137,14 +137,27 @@ Result<simulation::RunFrame> DrivenScene::step(const FrameLimit& limit, bool ref
   input.max_level = scene_->max_level;
   input.polygons = scene_->polygons;
   input.backtracking = scene_->backtracking;
-  input.measure_energy = true;
-  input.reference = reference;
-  if (limit.work_units) input.budget = Budget::work(*limit.work_units);
-  if (limit.deadline) input.budget = Budget::within(*limit.deadline);
-  simulation::RunFrame frame;
-  frame.report = run_.world().step(input);
-  if (frame.report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
+  return input;
+}
+
+Result<FrameReport> DrivenScene::end_frame(const StepInput& input) {
+  FrameReport report = run_.world().step(input);
+  if (report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
   ++frame_;
+  return report;
+}
+
+Result<simulation::RunFrame> DrivenScene::step(const FrameLimit& limit, bool reference) {
+  Result<StepInput> input = begin_frame();
+  if (!input) return input.error();
+  input.value().measure_energy = true;
+  input.value().reference = reference;
+  if (limit.work_units) input.value().budget = Budget::work(*limit.work_units);
+  if (limit.deadline) input.value().budget = Budget::within(*limit.deadline);
+  Result<FrameReport> report = end_frame(input.value());
+  if (!report) return report.error();
+  simulation::RunFrame frame;
+  frame.report = std::move(report).value();
   return frame;
 }
 

@@ -42,6 +42,13 @@ class DrivenScene {
   /// One frame. Refused: what World::step refuses.
   Result<simulation::RunFrame> step(const FrameLimit& limit, bool reference);
 
+  /// The same in two parts, for steps that a study makes by itself in between: begin_frame shakes, moves the camera and
+  /// gives the scene's input without a limit; end_frame steps. Refused likewise.
+  Result<StepInput> begin_frame();
+  Result<FrameReport> end_frame(const StepInput& input);
+  /// Between begin_frame and end_frame it may be stepped if its state is put back.
+  [[nodiscard]] World& world() { return run_.world(); }
+
  private:
   DrivenScene(const Scene& scene, SceneRun run, const Shake& shake)
       : scene_(&scene), run_(std::move(run)), shake_(shake) {}

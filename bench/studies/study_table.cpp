@@ -101,6 +101,11 @@ std::string markdown_rows(const Columns& columns, const Rows& rows) {
   return text + "\n";
 }
 
+// A table without titles is for JSON alone.
+bool is_shown(const StudySummary& part) {
+  return std::ranges::any_of(part.columns, [](const StudyColumn& column) { return !column.title.empty(); });
+}
+
 std::string made_by(const StudyTable& table) {
   return fmt::format("`{}`; {}, {} cores, {}; poise {}, {}, {}\n", table.command, table.machine.processor,
                      table.machine.cores, table.machine.system, table.build.version, table.build.commit,
@@ -116,6 +121,7 @@ std::string study_json(const StudyTable& table) {
   for (const auto& [name, value] : table.facts) json[name] = json_of(value);
   json["rows"] = json_rows(table.columns, table.rows);
   if (table.summary) json[table.summary->name] = json_rows(table.summary->columns, table.summary->rows);
+  for (const StudySummary& part : table.more) json[part.name] = json_rows(part.columns, part.rows);
   json["machine"] = table.machine;
   json["build"] = table.build;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -124,6 +130,9 @@ std::string study_json(const StudyTable& table) {
 std::string study_text(const StudyTable& table) {
   std::string text = text_rows(table.columns, table.rows);
   if (table.summary) text += "\n" + text_rows(table.summary->columns, table.summary->rows);
+  for (const StudySummary& part : table.more) {
+    if (is_shown(part)) text += "\n" + text_rows(part.columns, part.rows);
+  }
   for (const auto& [name, value] : table.facts) text += fmt::format("{}: {}\n", name, text_of(value, 3));
   return text;
 }
@@ -131,6 +140,9 @@ std::string study_text(const StudyTable& table) {
 std::string study_markdown(const StudyTable& table) {
   std::string text = markdown_rows(table.columns, table.rows);
   if (table.summary) text += markdown_rows(table.summary->columns, table.summary->rows);
+  for (const StudySummary& part : table.more) {
+    if (is_shown(part)) text += markdown_rows(part.columns, part.rows);
+  }
   for (const auto& [name, value] : table.facts) text += fmt::format("{}: {}; ", name, text_of(value, 3));
   return text + made_by(table);
 }

@@ -36,13 +36,14 @@ struct StudyTable {
   std::vector<StudyColumn> columns;
   std::vector<std::vector<StudyCell>> rows;
   std::optional<StudySummary> summary;
+  std::vector<StudySummary> more;                        ///< further tables, after the summary
   std::vector<std::pair<std::string, StudyCell>> facts;  ///< settings and overall figures
   Machine machine;
   BuildFacts build;
 };
 
-/// JSON of the table: facts, then `rows`, an object a row, then the summary under its name. Full precision; ends in a
-/// newline.
+/// JSON of the table: facts, then `rows`, an object a row, then the summary and further tables under their names. Full
+/// precision; ends in a newline.
 std::string study_json(const StudyTable& table);
 /// The first of the `rows` of such a JSON by columns: what a study in a child process found. Refused: anything else,
 /// and a cell that is neither a number, a text, a truth value nor null.

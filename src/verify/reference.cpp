@@ -261,13 +261,15 @@ void make_reference(const WorldState& world, const StepInput& input, std::span<c
   reference.weight.assign(reference.bodies.slot_count(), kUnknown);
 }
 
-ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference) {
+ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference,
+                              std::vector<ComparedBody>* touched) {
   const std::vector<ComparedPair> pairs = compared_pairs(world, reference, input.view);
-  const std::vector<ComparedBody> bodies = touched_bodies(world, reference, pairs, input.view);
+  std::vector<ComparedBody> bodies = touched_bodies(world, reference, pairs, input.view);
   ReferenceFigures figures = compare_frames(bodies, pairs, input.view.present);
   figures.pairs_not_finest = reference.not_finest;
   figures.converged = reference.response.reached;
   figures.iterations = reference.response.iterations;
+  if (touched != nullptr) *touched = std::move(bodies);
   return figures;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include "frame/world_state.h"
 #include "poise/reference.h"
+#include "verify/reference_figures.h"
 
 /// The reference of a frame (docs/method.md), used by World::step. It calls remember before a frame and refer after it,
 /// both outside the frame's time, and neither in a step without StepInput::reference.
@@ -18,8 +21,10 @@ void make_reference(const WorldState& world, const StepInput& input, std::span<c
                     Reference& reference);
 
 /// Compares a frame that has just ended with the reference, which was made after this frame or after another one from
-/// the same state. What depends on that state alone is computed once and kept in the reference.
-ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference);
+/// the same state. What depends on that state alone is computed once and kept in the reference. `touched`, if given,
+/// receives the bodies over which errors are taken, slots ascending.
+ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference,
+                              std::vector<ComparedBody>* touched = nullptr);
 
 /// Both.
 ReferenceFigures refer(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,

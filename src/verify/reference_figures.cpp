@@ -30,8 +30,7 @@ void measure_bodies(std::span<const ComparedBody> bodies, ReferenceFigures& figu
   double seen2 = 0;
   double weights = 0;
   for (const ComparedBody& body : bodies) {
-    const double eps2 = squared_speed(body.dv_mps - body.reference_dv_mps, body.dw_radps - body.reference_dw_radps,
-                                      body.inertia_per_mass_m2);
+    const double eps2 = squared_error_m2ps2(body);
     error2 += eps2;
     change2 += squared_speed(body.reference_dv_mps, body.reference_dw_radps, body.inertia_per_mass_m2);
     seen2 += body.weight * eps2;
@@ -69,6 +68,11 @@ double least_impulse_ns(std::span<const ComparedPair> pairs) {
   double largest = 0;
   for (const ComparedPair& pair : pairs) largest = std::max({largest, pair.run_ns, pair.reference_ns});
   return kNoImpulse * largest;
+}
+
+double squared_error_m2ps2(const ComparedBody& body) {
+  return squared_speed(body.dv_mps - body.reference_dv_mps, body.dw_radps - body.reference_dw_radps,
+                       body.inertia_per_mass_m2);
 }
 
 double error_weight(const View& view, const Vec3& center_m, double radius_m, bool hidden) {

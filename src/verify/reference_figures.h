@@ -18,6 +18,9 @@ struct ComparedBody {
   std::uint32_t slot = 0;
 };
 
+/// eps^2 of a body, as in ReferenceFigures, m^2/s^2.
+double squared_error_m2ps2(const ComparedBody& body);
+
 /// A pair in the run and in its reference.
 struct ComparedPair {
   std::uint32_t a = 0, b = 0;  ///< slots

@@ -13,12 +13,12 @@ void SharedReference::begin(World& world) {
   made_ = false;
 }
 
-ReferenceFigures SharedReference::compare(World& world, const StepInput& input) {
+ReferenceFigures SharedReference::compare(World& world, const StepInput& input, std::vector<ComparedBody>* touched) {
   WorldState& state = WorldAccess::of(world);
   state.settle();
   if (!made_) make_reference(state, input, state.pools, reference_);
   made_ = true;
-  return compare_with(state, input, reference_);
+  return compare_with(state, input, reference_, touched);
 }
 
 }  // namespace poise::simulation

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include "poise/world.h"
 #include "verify/reference.h"
 #include "verify/saved_state.h"
@@ -18,8 +20,9 @@ class SharedReference {
   /// The next steps that are compared begin at the current state, of which the next comparison makes a reference.
   void begin(World& world);
   /// Compares the step with `input` that has just been done from the state of `begin`. All steps from that state must
-  /// have the same input but for their budget and the World's policy.
-  ReferenceFigures compare(World& world, const StepInput& input);
+  /// have the same input but for their budget and the World's policy, and for their view if `input` is given here
+  /// without one: weights and pixels are then not those of a viewer. `touched` as of compare_with.
+  ReferenceFigures compare(World& world, const StepInput& input, std::vector<ComparedBody>* touched = nullptr);
 
   /// Of the last comparison.
   [[nodiscard]] const Reference& reference() const { return reference_; }

@@ -47,6 +47,21 @@ TEST(StudyTable, ShowsTheSummaryAfterTheRows) {
   EXPECT_NE(json.find("\"b\": 9"), std::string::npos);
 }
 
+TEST(StudyTable, ShowsFurtherTablesAfterTheSummaryAndKeepsThoseWithoutTitlesForJson) {
+  io::StudyTable table = some_table();
+  table.summary = io::StudySummary{"loops", {{"a", "a of it", 1}}, {{0.25}}};
+  table.more = {{"points", {{"p", "p of it", 0}}, {{std::uint64_t{4}}}}, {"cells", {{"c", "", 0}}, {{7.5}}}};
+  const std::string markdown = io::study_markdown(table);
+  EXPECT_NE(markdown.find("| a of it |\n|---|\n| 0.2 |\n\n| p of it |\n|---|\n| 4 |\n\nscene: pile; "),
+            std::string::npos)
+      << markdown;
+  const std::string text = io::study_text(table);
+  EXPECT_NE(text.find("\n\np of it\n4      \nscene: pile\n"), std::string::npos) << text;
+  const std::string json = io::study_json(table);
+  EXPECT_LT(json.find("\"loops\""), json.find("\"points\""));
+  EXPECT_NE(json.find("\"c\": 7.5"), std::string::npos) << json;
+}
+
 TEST(StudyTable, LeavesOutColumnsThatAreEmptyInEveryRow) {
   io::StudyTable table = some_table();
   for (auto& row : table.rows) row[3] = {};

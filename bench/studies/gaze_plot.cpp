@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scene/run/percentiles.h"
+#include "studies/gnuplot.h"
+#include "studies/study_gaze.h"
+
+namespace poise::app {
+namespace {
+
+// Share of the cells at each end that the scale of colours leaves out, so that single cells do not rule it. Chosen.
+constexpr double kOutOfScale = 0.03;
+// Largest over least error of a scale. Chosen.
+constexpr double kLeastRange = 1.01;
+
+using CellErrors = std::vector<std::optional<double>>;
+
+// Light is small: viridis (van der Walt and Smith 2015) the other way round, which grows evenly darker, also for people
+// with impaired colour vision and in grey.
+constexpr const char* kPalette =
+    "set palette defined (0 \"#fde725\", 1 \"#a0da39\", 2 \"#4ac16d\", 3 \"#1fa187\", 4 \"#277f8e\", 5 \"#365c8d\", "
+    "6 \"#46327e\", 7 \"#440154\")\n";
+
+std::string cells_block(const CellErrors& cells, std::size_t point) {
+  std::string text = fmt::format("$cells{} << EOD\n", point);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double column = static_cast<double>(i % kCellsAcross) + 0.5;
+    const double row = static_cast<double>(i / kCellsAcross) + 0.5;
+    if (cells[i]) text += fmt::format("{:g} {:g} {:g}\n", column, row, *cells[i]);
+  }
+  return text + "EOD\n";
+}
+
+// What is as far from the gaze as *near* goes, in cells.
+std::string ring_block(const GazeCamera& camera, std::size_t point) {
+  std::string text = fmt::format("$ring{} << EOD\n", point);
+  const View gazing = gazing_at(camera, point);
+  const Vec3 side = gazing.gaze.cross(gazing.up).normalized();
+  const Vec3 up = side.cross(gazing.gaze);
+  constexpr int kCorners = 72;
+  for (int k = 0; k <= kCorners; ++k) {
+    const double turn = 2 * std::numbers::pi * k / kCorners;
+    const Vec3 direction =
+        gazing.gaze + std::tan(kNear_deg * kGazeDegreeRad) * (std::cos(turn) * side + std::sin(turn) * up);
+    const ScreenPlace place = on_screen(gazing, gazing.position_m + direction);
+    text += fmt::format("{:g} {:g}\n", place.across * kCellsAcross, place.down * kCellsDown);
+  }
+  return text + "EOD\n";
+}
+
+// The maps side by side above, with one scale of colours for all.
+std::string maps(const GazeRun& run, std::uint64_t seed) {
+  std::vector<CellErrors> all;
+  std::vector<double> errors_mps;
+  for (std::size_t point = 0; point < kGazePoints; ++point) {
+    all.push_back(gaze_cells(run.states, point));
+    for (const std::optional<double>& cell : all.back()) {
+      if (cell) errors_mps.push_back(*cell);
+    }
+  }
+  const double least = simulation::percentile(errors_mps, kOutOfScale);
+  const double most = simulation::percentile(errors_mps, 1 - kOutOfScale);
+  // gnuplot refuses a scale without a range.
+  if (!(most > kLeastRange * least)) return "";
+  const std::vector<NearRatio> near = near_ratios(run.states, seed);
+  std::string text = std::string(kPalette) + "unset xtics\nunset ytics\nunset key\nset grid noxtics noytics\n";
+  text += fmt::format(
+      "set xrange [0:{}]\nset yrange [{}:0]\nset cbrange [{:g}:{:g}]\nset cblabel \"error, m/s\"\n"
+      "set object 1 rectangle from graph 0,0 to graph 1,1 fs solid border lc rgb \"#d3d8de\" fc rgb \"#eef0f2\" "
+      "behind\n",
+      kCellsAcross, kCellsDown, least, most);
+  for (std::size_t point = 0; point < kGazePoints; ++point) {
+    text += cells_block(all[point], point) + ring_block(run.camera, point);
+    const std::string less =
+        near[point].ratio ? fmt::format(": in the ring {:.2f} of elsewhere", *near[point].ratio) : std::string();
+    text += point + 1 == kGazePoints ? "set colorbox user origin 0.925,0.575 size 0.012,0.31\n" : "unset colorbox\n";
+    text += fmt::format(
+        "set lmargin at screen {:g}\nset rmargin at screen {:g}\nset bmargin at screen 0.56\nset tmargin at screen "
+        "0.90\nset title \"gaze {}{}\"\n",
+        0.02 + 0.3 * static_cast<double>(point), 0.02 + 0.3 * static_cast<double>(point) + 0.29, kGazeNames[point],
+        less);
+    text += fmt::format(
+        "plot $cells{0} using 1:2:(0.51):(0.51):3 with boxxyerror fc palette fs solid noborder, $ring{0} with lines lw "
+        "4 lc rgb \"white\", $ring{0} with lines lw 1.5 lc rgb \"black\"\n",
+        point);
+  }
+  return text + "unset object 1\nset xtics scale 0\nset ytics scale 0\nset grid xtics ytics\nset autoscale\n";
+}
+
+std::string curve_block(const std::string& name, const std::vector<double>& values) {
+  std::string text = fmt::format("${} << EOD\n", name);
+  const auto half = static_cast<std::ptrdiff_t>(values.size() / 2);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::ptrdiff_t frame = static_cast<std::ptrdiff_t>(i) - half;
+    if (frame >= -static_cast<std::ptrdiff_t>(kBeforeFrames)) text += fmt::format("{} {:g}\n", frame, values[i]);
+  }
+  return text + "EOD\n";
+}
+
+std::string jump_panel(const GazeRun& run) {
+  if (run.jumps.empty()) return "";
+  std::string text = curve_block("new", mean_over_jumps(run.jumps, &GazeJump::at_new, &PairLevels::level_mean));
+  text += curve_block("old", mean_over_jumps(run.jumps, &GazeJump::at_old, &PairLevels::level_mean));
+  return text +
+         "set key default\nset key inside right center vertical\nset lmargin at screen 0.07\nset rmargin at "
+         "screen 0.48\n"
+         "set bmargin at screen 0.12\nset tmargin at screen 0.41\n"
+         "set title \"contacts within 5 degrees of two points, between which the gaze jumps\"\nset xlabel \"frame; 0 "
+         "is the first with the new gaze\"\n"
+         "set ylabel \"mean level of contacts\"\nset xtics 5 scale 0\n"
+         "plot $new using 1:2 with linespoints ps 0.7 lt 1 title \"near the new point\", $old using 1:2 with "
+         "linespoints ps 0.7 lt 2 title \"near the old one\"\n";
+}
+
+std::string bins_panel(const GazeRun& run) {
+  std::array<std::string, 3> blocks{"$gazed << EOD\n", "$elsewhere << EOD\n", "$full << EOD\n"};
+  // Over the three gaze points.
+  std::array<std::array<double, 3>, kEccentricityBins> sums{};
+  std::array<double, kEccentricityBins> bodies{};
+  for (const GazeBinRow& row : gaze_bins(run.states)) {
+    const auto count = static_cast<double>(row.bodies);
+    const std::array values{row.e_mps, row.elsewhere_mps, row.full_e_mps};
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double value = values[k].value_or(0);
+      sums[row.bin][k] += count * value * value;
+    }
+    bodies[row.bin] += count;
+  }
+  std::string tics;
+  for (std::size_t bin = 0; bin < kEccentricityBins; ++bin) {
+    const std::string name = bin == 0 ? fmt::format("0-{:g}", kBinEnds_deg[0])
+                             : bin < kBinEnds_deg.size()
+                                 ? fmt::format("{:g}-{:g}", kBinEnds_deg[bin - 1], kBinEnds_deg[bin])
+                                 : fmt::format("> {:g}", kBinEnds_deg.back());
+    tics += fmt::format("{}\"{}\" {}", bin == 0 ? "" : ", ", name, bin);
+    for (std::size_t k = 0; k < blocks.size() && bodies[bin] > 0; ++k)
+      blocks[k] += fmt::format("{} {:g}\n", bin, std::sqrt(sums[bin][k] / bodies[bin]));
+  }
+  std::string text;
+  for (const std::string& block : blocks) text += block + "EOD\n";
+  return text + fmt::format(
+                    "set key default\nset key inside right bottom vertical\nset lmargin at screen 0.57\nset "
+                    "rmargin at screen "
+                    "0.98\nset bmargin at screen 0.12\nset tmargin at screen 0.41\nset title \"error by distance from "
+                    "the gaze, over the three points\"\n"
+                    "set xlabel \"degrees from the gaze\"\nset ylabel \"error, m/s\"\nset yrange [0:*]\nset xrange "
+                    "[-0.3:{:g}]\nset xtics scale 0 ({})\n"
+                    "plot $gazed using 1:2 with linespoints lt 1 title \"gaze here\", $elsewhere using 1:2 with "
+                    "linespoints lt 2 title \"gaze elsewhere\", $full using 1:2 with linespoints lt 9 title "
+                    "\"all refined\"\n",
+                    static_cast<double>(kEccentricityBins) - 0.7, tics);
+}
+
+}  // namespace
+
+std::string gaze_plot(const GazeRun& run, std::uint64_t seed) {
+  std::string text = plot_style(1400, 660) + "set multiplot\n" + maps(run, seed) + jump_panel(run);
+  if (!run.states.empty()) text += bins_panel(run);
+  return text + "unset multiplot\n";
+}
+
+}  // namespace poise::app
