@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "frame/scenes.h"
 #include "verify/refinement_oracle.h"
 #include "verify/world_access.h"
@@ -71,6 +73,37 @@ struct FallenJacks : Stage {
     for (int i = 0; i < 70; ++i) world.step(step_of(1.0 / 60));
   }
 };
+
+TEST(SharedReference, TellsTheBodiesOfAnErrorAndTakesStepsOfOtherViewsWithoutOne) {
+  FallenJacks stage;
+  SharedReference shared;
+  shared.save(stage.world);
+  shared.begin(stage.world);
+  StepInput input = limited_to(60);
+  std::vector<simulation::ComparedBody> touched;
+  stage.world.step(input);
+  const ReferenceFigures plain = shared.compare(stage.world, input, &touched);
+  ASSERT_EQ(touched.size(), plain.bodies_touched);
+  ASSERT_GT(touched.size(), 10U);
+  double eps2 = 0;
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    eps2 += simulation::squared_error_m2ps2(touched[i]);
+    EXPECT_TRUE(i == 0 || touched[i].slot > touched[i - 1].slot);
+  }
+  EXPECT_NEAR(std::sqrt(eps2 / static_cast<double>(touched.size())), *plain.e_mps, 1e-12);
+  // Another view refines other pairs; the reference of the state holds for it too.
+  input.view.present = true;
+  input.view.position_m = Vec3(-12, 0, 4);
+  shared.rewind(stage.world);
+  stage.world.step(input);
+  StepInput without_view = input;
+  without_view.view = {};
+  const ReferenceFigures viewed = shared.compare(stage.world, without_view);
+  FallenJacks alone;
+  input.reference = true;
+  EXPECT_EQ(viewed.e_mps, alone.world.step(input).reference.value().e_mps);
+  EXPECT_EQ(viewed.e_seen_mps, viewed.e_mps) << "not weighed for a viewer";
+}
 
 TEST(SharedReference, SaysOfEachWayWhatAReferenceOfItsOwnSays) {
   const std::array<std::uint64_t, 3> budgets{0, 60, 1000000};
