@@ -31,7 +31,7 @@ TEST(StudyProgram, ListsItsStudiesUnderTheNameOfTheCommand) {
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.out.find("Usage: poise study"), std::string::npos) << result.out;
   for (const char* name :
-       {"accuracy", "levels", "trees", "cost", "kept", "compliance", "constant-time", "overload", "population"})
+       {"accuracy", "levels", "trees", "cost", "kept", "compliance", "constant-time", "overload", "gaze", "population"})
     EXPECT_NE(result.out.find(name), std::string::npos) << name;
 }
 
