@@ -96,7 +96,7 @@ std::uint32_t band_of(const Policy& policy, double score) {
 }
 
 std::uint32_t waited_bands(const Policy& policy, std::uint32_t frames) {
-  if (policy.kind != PolicyKind::Perceptual) return 0;
+  if (policy.kind != PolicyKind::Perceptual || frames == 0) return 0;
   PairCues cues;
   cues.frames_waited = frames;
   constexpr double kBandsOfAnOctave = 4;

@@ -45,25 +45,32 @@ class PriorityBands {
   /// of them before hand_over(). Invariant: they are in no band, and each is in one chain at most.
   class Bundle {
    public:
-    explicit Bundle(PriorityBands& bands) : bands_(bands) { std::fill(std::begin(first_), std::end(first_), kNone); }
+    explicit Bundle(PriorityBands& bands) : bands_(bands) {}
     void put(std::uint32_t item, std::uint32_t band) {
       band = std::min(band, kBands - 1);
-      if (first_[band] == kNone) last_[band] = item;
-      bands_.next_[item].store(first_[band], std::memory_order_relaxed);
+      const std::uint64_t mark = std::uint64_t{1} << (band % 64);
+      if ((filled_[band / 64] & mark) != 0) {
+        bands_.next_[item].store(first_[band], std::memory_order_relaxed);
+      } else {
+        filled_[band / 64] |= mark;
+        last_[band] = item;
+      }
       first_[band] = item;
     }
     /// Afterwards the bundle is empty.
     void hand_over() {
-      for (std::uint32_t band = 0; band < kBands; ++band) {
-        if (first_[band] != kNone) bands_.put_chain(first_[band], last_[band], band);
-        first_[band] = kNone;
+      for (std::uint32_t word = 0; word < kBands / 64; ++word) {
+        for (; filled_[word] != 0; filled_[word] &= filled_[word] - 1) {
+          const std::uint32_t band = 64 * word + static_cast<std::uint32_t>(std::countr_zero(filled_[word]));
+          bands_.put_chain(first_[band], last_[band], band);
+        }
       }
     }
 
    private:
     PriorityBands& bands_;
-    std::uint32_t first_[kBands];
-    std::uint32_t last_[kBands];  ///< set where there is a first one
+    std::uint64_t filled_[kBands / 64] = {};
+    std::uint32_t first_[kBands], last_[kBands];  ///< of those that are filled
   };
 
   /// Takes an item from the highest band that is not empty, or returns kNone. Any thread.

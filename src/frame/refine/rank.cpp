@@ -25,10 +25,7 @@ class Ranking {
  public:
   Ranking(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
           CompletedLevels& levels)
-      : input_(input), bands_(resources.bands), facts_(facts), levels_(levels), source_(input) {
-    for (std::uint32_t frames = 0; frames < waited_bands_.size(); ++frames)
-      waited_bands_[frames] = scheduler::waited_bands(input.policy, frames);
-  }
+      : input_(input), bands_(resources.bands), facts_(facts), levels_(levels), source_(input) {}
 
   void rank(std::span<const std::uint32_t> chunks, parallel::Executor& executor) {
     parallel::parallel_for(executor, chunks.size(), 2, [&](std::size_t first, std::size_t past, int) {
@@ -51,12 +48,15 @@ class Ranking {
   void list_others(parallel::Executor& executor) {
     const std::uint64_t ranked = std::max<std::uint64_t>(ranked_.get(), 1);
     const auto mean = static_cast<std::uint32_t>(band_sum_.get() / ranked);
+    std::array<std::uint32_t, 256> waited_bands;
+    for (std::uint32_t frames = 0; frames < waited_bands.size(); ++frames)
+      waited_bands[frames] = scheduler::waited_bands(input_.policy, frames);
     parallel::for_ranges(executor, {input_.table.chunks(), 16}, [&](std::size_t, std::size_t first, std::size_t past) {
       scheduler::PriorityBands::Bundle bundle(bands_);
       for (std::size_t i = input_.table.begin_of(past); i-- > input_.table.begin_of(first);) {
         const PairProgress& pair = levels_.progress[i];
         if (pair.ranked || !waits(i)) continue;
-        bundle.put(static_cast<std::uint32_t>(i), pair.band > 0 ? pair.band + waited_bands_[pair.waited] : mean);
+        bundle.put(static_cast<std::uint32_t>(i), pair.band > 0 ? pair.band + waited_bands[pair.waited] : mean);
       }
       bundle.hand_over();
     });
@@ -83,7 +83,6 @@ class Ranking {
   const scheduler::FrameFacts& facts_;
   CompletedLevels& levels_;
   PairCueSource source_;
-  std::array<std::uint32_t, 256> waited_bands_{};
   parallel::Shared<std::uint64_t> ranked_{0}, refused_{0}, band_sum_{0};
 };
 
