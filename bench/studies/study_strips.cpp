@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/exit_codes.h"
+#include "app/option_values.h"
 #include "app/picture/picture.h"
 #include "app/refusal.h"
 #include "app/scene_files.h"
