@@ -100,7 +100,7 @@ class GazeTrial {
     for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
       if (bodies.alive[slot] != 0 && bodies.dynamic[slot] != 0) places_m.push_back(bodies.position(slot));
     }
-    if (places_m.empty()) places_m.push_back(Vec3::Zero());
+    if (places_m.empty()) places_m.emplace_back(Vec3::Zero());
     return places_m;
   }
 

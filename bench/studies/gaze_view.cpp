@@ -30,7 +30,7 @@ Box box_of(std::span<const Vec3> positions_m) {
     std::ranges::sort(values);
     const auto last = static_cast<double>(values.size() - 1);
     box.low[axis] = values[static_cast<std::size_t>(kOutliers * last)];
-    box.high[axis] = values[static_cast<std::size_t>((1 - kOutliers) * last + 0.5)];
+    box.high[axis] = values[static_cast<std::size_t>(std::lround((1 - kOutliers) * last))];
   }
   return box;
 }

@@ -117,7 +117,8 @@ io::StudySummary jump_frames(const GazeRun& run, bool shown) {
     if (shown && std::ranges::find(kShownFrames, frame) == kShownFrames.end()) continue;
     std::vector<io::StudyCell>& row = part.rows.emplace_back();
     row.emplace_back(fmt::format("{}", frame));
-    for (const std::vector<double>& curve : curves) row.emplace_back(curve[static_cast<std::size_t>(frame + half)]);
+    const int place = frame + half;
+    for (const std::vector<double>& curve : curves) row.emplace_back(curve[static_cast<std::size_t>(place)]);
   }
   if (shown) return part;
   for (io::StudyColumn& column : part.columns) column.title.clear();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -21,7 +22,8 @@ std::uint64_t pairs_of(const simulation::RunFrame& frame) {
 ChartColor color_of(std::size_t level) {
   ChartColor color;
   const std::array<double, 3> seen = io::level_color(static_cast<int>(level));
-  std::ranges::transform(seen, color.begin(), [](double part) { return static_cast<std::uint8_t>(255 * part + 0.5); });
+  std::ranges::transform(seen, color.begin(),
+                         [](double part) { return static_cast<std::uint8_t>(std::lround(255 * part)); });
   return color;
 }
 
