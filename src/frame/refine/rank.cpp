@@ -141,7 +141,8 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
   double& rank_cost_ns = resources.forecasts.rank_cost_ns;
   const double allowed_ns = kShare * static_cast<double>((cut - start).count());
   const double listing_ns = kListingNs * static_cast<double>(refinable);
-  const bool lists = listing_ns < kListingShare * allowed_ns;
+  // A host's function is called here alone: nobody waits for a job that the system holds up.
+  const bool lists = listing_ns < kListingShare * allowed_ns && input.policy.cue.function == nullptr;
   const auto most =
       static_cast<std::size_t>(std::max(0.0, (allowed_ns - (lists ? listing_ns : 0)) / std::max(rank_cost_ns, 1e-3)));
   // Not even the pairs of one chunk.
