@@ -327,11 +327,12 @@ std::uint64_t World::state_hash() const {
       if (pair.point_count == 0) continue;
       const std::size_t first = simulation::PointCache::begin(pair.slot);
       hash = XXH64(state_->cache.points.points.data() + first, pair.point_count * sizeof(solver::ContactPoint), hash);
-      hash = XXH64(state_->cache.points.forces.data() + first, pair.point_count * sizeof(solver::ContactForce), hash);
+      const std::span<const solver::ContactForce> forces = state_->cache.points.forces_of(pair.slot, pair.point_count);
+      hash = XXH64(forces.data(), forces.size_bytes(), hash);
     }
   };
   static_assert(
-      sizeof(solver::ContactPoint) == 10 * sizeof(double) && sizeof(solver::ContactForce) == 4 * sizeof(double),
+      sizeof(solver::ContactPoint) == 8 * sizeof(double) && sizeof(solver::ContactForce) == 4 * sizeof(double),
       "no padding in what is hashed");
   mix_pairs(state_->cache.pairs);
   if (bodies.kinematic_count() > 0) mix(bodies.kinematic);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "frame/coarse.h"
 
-#include <hwy/cache_control.h>
-
 #include "collision/triangles/polygon_contact.h"
 #include "frame/ccd/swept.h"
+#include "parallel/prefetch.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
@@ -57,26 +56,13 @@ class CachedPairs {
 };
 
 // Bodies of pairs lie anywhere in memory: fetched some pairs ahead.
-constexpr std::size_t kAhead = 8;
-void fetch(const BodyBounds& bounds) {
-  hwy::Prefetch(&bounds);
-  hwy::Prefetch(&bounds.velocity_mps);
-}
-
-PairRecord make_pair_record(const CoarseInput& input, const collision::CandidatePair& candidate) {
-  const parallel::LargeVector<BodyBounds>& body_bounds = input.motion.body_bounds;
+constexpr std::size_t kBoundsAhead = 8;
+void set_margin(const CoarseInput& input, const BodyBounds& a, const BodyBounds& b, PairRecord& pair) {
   const double dt_s = input.terms.dt_s;
-  const bool swapped = body_bounds[candidate.low].plane;
-  PairRecord pair;
-  pair.a = swapped ? candidate.high : candidate.low;
-  pair.b = swapped ? candidate.low : candidate.high;
-  const BodyBounds& a = body_bounds[pair.a];
-  const BodyBounds& b = body_bounds[pair.b];
   pair.skin_m = kSkin * (b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m));
   pair.margin_m = (a.velocity_mps - b.velocity_mps).norm() * dt_s + a.own_m + b.own_m + pair.skin_m;
   // Gravity closes only what it does not pull alike.
   if (!a.dynamic || !b.dynamic) pair.margin_m += input.terms.gravity_mps2.norm() * dt_s * dt_s;
-  return pair;
 }
 
 bool may_meet(const CoarseInput& input, const collision::CandidatePair& pair) {
@@ -168,12 +154,17 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
   parallel::parallel_for(executor, candidates.size(), kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) fetch(body_bounds[candidates[i + kAhead].high]);
+      if (i + kBoundsAhead < end) parallel::prefetch(body_bounds[candidates[i + kBoundsAhead].high]);
       const bool fast = swept.fast(candidates[i].low) || swept.fast(candidates[i].high);
-      PairRecord pair = make_pair_record(input, candidates[i]);
+      PairRecord pair;
+      pair.a = candidates[i].low;
+      pair.b = candidates[i].high;
+      if (body_bounds[pair.a].plane) std::swap(pair.a, pair.b);
       const BodyBounds& a = body_bounds[pair.a];
       const BodyBounds& b = body_bounds[pair.b];
-      if (!fast && (!bounds_meet(a, b) || !roots_near(a, b, pair.margin_m))) continue;
+      if (!fast && !bounds_meet(a, b)) continue;
+      set_margin(input, a, b, pair);
+      if (!fast && !roots_near(a, b, pair.margin_m)) continue;
       if (!a.dynamic && !b.dynamic && !meets_sleeper(input.scene.bodies, pair)) continue;
       if (input.filter.function != nullptr && !may_meet(input, candidates[i])) continue;
       pair.candidate = static_cast<std::uint32_t>(i);
@@ -197,7 +188,7 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   const collision::CandidatePair& lowest = input.candidates.pairs[records->candidate];
   CachedPairs cached(input.cached, table.still_active, lowest.low, lowest.high);
   for (std::size_t k = first; k < past; ++k) {
-    if (k + kAhead < past) fetch(body_bounds[records[k + kAhead - first].b]);
+    if (k + kBoundsAhead < past) parallel::prefetch(body_bounds[records[k + kBoundsAhead - first].b]);
     const PairRecord& near = records[k - first];
     ActivePair& pair = table.pairs[k];
     pair.a = near.a;

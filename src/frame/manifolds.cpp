@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "frame/manifolds.h"
+#include "parallel/prefetch.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kChunkGrain = 2;
+// Bodies and points of pairs lie anywhere in memory: prefetched some pairs ahead.
+constexpr std::size_t kPointsAhead = 6;
 
 // Overlap that is left alone, as a share of the skin. Chosen: keeps contacts closed without being seen.
 constexpr double kSlopOfSkin = 1e-4;
@@ -40,9 +43,8 @@ bool makes_points(const ManifoldsInput& input, std::size_t i) {
   return (!progress.held || progress.fresh()) && count_points(input, i) > 0;
 }
 
-template <class T>
-std::span<T> manifold_of(std::span<T> points) {
-  return points.size() > 1 ? points.subspan(1) : points;
+std::span<const solver::ContactPoint> manifold_of(std::span<const solver::ContactPoint> points) {
+  return points.subspan(PointCache::before_manifold(points.size()));
 }
 
 // Warm starting: new points take over the forces of the old ones that are nearest to them and have nearly the same
@@ -92,16 +94,13 @@ void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& 
     return;
   }
   std::array<solver::ContactPoint, kPointsOfPair> old;
-  std::array<solver::ContactForce, kPointsOfPair> old_forces;
-  const auto first = static_cast<std::ptrdiff_t>(PointCache::begin(made.slot));
-  std::copy_n(cache.points.begin() + first, olds, old.begin());
-  std::copy_n(cache.forces.begin() + first, olds, old_forces.begin());
+  std::array<solver::ContactForce, kForcesOfPair> old_forces;
+  std::ranges::copy(cache.points_of(made.slot, olds), old.begin());
+  std::ranges::copy(cache.forces_of(made.slot, olds), old_forces.begin());
   place_points(input, i, points);
   std::fill(forces.begin(), forces.end(), solver::ContactForce{});
-  take_over_forces(manifold_of(std::span<const solver::ContactPoint>(old).first(olds)),
-                   manifold_of(std::span<const solver::ContactForce>(old_forces).first(olds)),
-                   kSameOfSkin * pair.skin_m, manifold_of(std::span<const solver::ContactPoint>(points)),
-                   manifold_of(forces));
+  take_over_forces(manifold_of(std::span(old).first(olds)), old_forces, kSameOfSkin * pair.skin_m, manifold_of(points),
+                   forces);
 }
 
 // May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says
@@ -116,13 +115,27 @@ bool may_be_fast(const ManifoldsInput& input, std::size_t i) {
   return closing_m > input.still_mps * dt_s;
 }
 
-// Is one of its points nearer than the margin? Where the cached separations still say so for sure, they are not
-// computed.
+// Do the cached separations of a pair still say for sure whether one of its points is nearer than the margin?
+bool knows_separations(const ActivePair& pair, const PairProgress& progress) {
+  return progress.from_cache() && std::abs(pair.cached.nearest_m - pair.margin_m) > pair.cached.changed_m();
+}
+
+// Prefetches what make_pair() reads of a pair beside the tables.
+HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, const PointCache& cache) {
+  const ActivePair& pair = input.table.pairs[i];
+  const PairProgress& progress = input.levels.progress[i];
+  if (progress.apart() || knows_separations(pair, progress)) return;
+  for (const std::uint32_t body : {pair.a, pair.b}) parallel::prefetch(input.motion.poses[body]);
+  if (pair.cached.slot == kNoSlot) return;
+  const std::size_t first = PointCache::begin(pair.cached.slot);
+  for (std::size_t p = first; p < first + pair.cached.point_count; ++p) parallel::prefetch(cache.points[p]);
+}
+
+// Is one of its points nearer than the margin?
 void update_separations(const ManifoldsInput& input, std::size_t i, PairPoints& made, PointCache& cache) {
   const ActivePair& pair = input.table.pairs[i];
   const bool from_cache = input.levels.progress[i].from_cache();
-  const bool known = from_cache && std::abs(pair.cached.nearest_m - pair.margin_m) > pair.cached.changed_m();
-  if (!known) {
+  if (!knows_separations(pair, input.levels.progress[i])) {
     const collision::Pose& a = input.motion.poses[pair.a];
     const collision::Pose& b = input.motion.poses[pair.b];
     const std::span<const solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
@@ -130,7 +143,7 @@ void update_separations(const ManifoldsInput& input, std::size_t i, PairPoints& 
     const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
     made.nearest_m = std::numeric_limits<double>::max();
     for (std::size_t k = 0; k < points.size(); ++k) {
-      const double gap_m = points[k].normal.dot(points[k].on_b_m - from_b - a_in_b * points[k].on_a_m);
+      const double gap_m = points[k].plane_b_m - points[k].normal.dot(from_b + a_in_b * points[k].on_a_m);
       made.nearest_m = std::min(made.nearest_m, gap_m);
       if (k == 0) made.impact_gap_m = gap_m;
     }
@@ -154,13 +167,14 @@ Material mixed(const SceneView& scene, const ActivePair& pair) {
 solver::Manifold make_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints& points) {
   const ActivePair& pair = input.table.pairs[i];
   const Material material = mixed(input.scene, pair);
-  const bool single = points.point_count == 1;
   solver::Manifold manifold;
   manifold.a = pair.a;
   manifold.b = pair.b;
-  manifold.point_begin = static_cast<std::uint32_t>(PointCache::begin(points.slot) + (single ? 0U : 1U));
+  manifold.point_begin =
+      static_cast<std::uint32_t>(PointCache::begin(points.slot) + PointCache::before_manifold(points.point_count));
+  manifold.force_begin = static_cast<std::uint32_t>(PointCache::forces_begin(points.slot));
   manifold.pair = static_cast<std::uint32_t>(i);
-  manifold.point_count = single ? std::uint8_t{1} : static_cast<std::uint8_t>(points.point_count - 1);
+  manifold.point_count = static_cast<std::uint8_t>(PointCache::manifold_count(points.point_count));
   manifold.fast = may_be_fast(input, i);
   manifold.friction = material.friction;
   manifold.restitution = material.restitution;
@@ -221,8 +235,10 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   cache.reserve(2 * table.capacity());
   cache.reserve_slots(slots, executor);
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
-    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i)
+    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
+      if (i + kPointsAhead < table.size()) prefetch_points_of(input, i + kPointsAhead, cache);
       make_pair(input, i, table.begin_of(chunk), cache, count, manifolds);
+    }
   });
   cache.take_slots(slots);
 }

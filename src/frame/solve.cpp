@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "parallel/prefetch.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
 
@@ -65,6 +66,20 @@ class PairRows final : public solver::RowSource {
  public:
   PairRows(const SolveInput& input, const PointCache& points, Velocities& velocities, parallel::Tickets& degenerate)
       : input_(input), points_(points), velocities_(velocities), degenerate_(degenerate) {}
+  // Prefetches what fill() reads and writes of a manifold.
+  HWY_INLINE void prefetch(std::size_t m) const {
+    const solver::Manifold& manifold = input_.manifolds.manifolds[m];
+    if (!manifold.fast || manifold.point_count == 0) return;
+    // Where there is more than one, the point of the impact lies before them.
+    const std::size_t first = manifold.point_begin - PointCache::before_manifold(manifold.point_count + 1U);
+    for (std::size_t p = first; p < manifold.point_begin + std::size_t{manifold.point_count}; ++p)
+      parallel::prefetch(points_.points[p]);
+    for (const std::uint32_t body : {manifold.a, manifold.b}) {
+      parallel::prefetch(input_.motion.poses[body]);
+      parallel::prefetch(input_.motion.inverse_inertia[body]);
+    }
+    parallel::prefetch(velocities_.rows[velocities_.row_of[m]]);
+  }
   void fill(std::size_t k) const override {
     const std::uint32_t index = input_.manifolds.coloring.order()[k];
     const solver::Manifold& manifold = input_.manifolds.manifolds[index];
@@ -168,9 +183,11 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
 // by side; in the order of the rows nearly every read would wait for memory.
 void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velocities& velocities,
                     parallel::Executor& executor) {
+  constexpr std::size_t kAhead = 4;
   parallel::parallel_for(executor, manifolds.manifolds.size(), kFillGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t m = begin; m < end; ++m) {
+                             if (m + kAhead < end) source.prefetch(m + kAhead);
                              if (!manifolds.manifolds[m].fast) continue;
                              const std::uint32_t row = velocities.row_of[m];
                              source.fill(row);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "solver/contact_blocks.h"
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
 #include <cstddef>
 
@@ -40,54 +38,21 @@ void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t la
 }
 
 template <class T>
-void fill_point(const ContactSystem& system, const Manifold& pair, double per_newton, std::size_t index,
-                std::size_t lane, PointLanes<T>& into) {
-  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[index]);
+void fill_point(const ContactSystem& system, const Manifold& pair, double per_newton, std::size_t p, std::size_t lane,
+                PointLanes<T>& into) {
+  const PlacedPoint now =
+      placed_point(system.poses[pair.a], system.poses[pair.b], system.points[pair.point_begin + p]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
   into.gap[lane] = static_cast<T>(now.gap_m);
   into.certain[lane] = static_cast<T>(now.certain_separation_m + pair.slop_m);
   into.mass[lane] = 1;
-  const ContactForce& force = system.forces[index];
+  const ContactForce& force = system.forces[pair.force_begin + p];
   into.impulse[lane] = static_cast<T>(per_newton * force.normal_n);
   set(Vec3(per_newton * force.friction_n), lane, into.friction_impulse);
 }
 
 }  // namespace
-
-void prefetch_pairs(const ContactSystem& system, const ContactBlock& block) {
-  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count))
-    hwy::Prefetch(&system.pairs[name]);
-}
-
-void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
-  constexpr std::size_t kLine = 64;
-  for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
-    const Manifold& pair = system.pairs[name];
-    if (pair.point_count == 0) continue;
-    const auto* bytes_at = reinterpret_cast<const std::byte*>(&system.points[pair.point_begin]);
-    const std::size_t bytes = pair.point_count * sizeof(ContactPoint);
-    for (std::size_t at = 0; at < bytes; at += kLine) hwy::Prefetch(bytes_at + at);
-    hwy::Prefetch(bytes_at + bytes - 1);
-    hwy::Prefetch(&system.forces[pair.point_begin]);
-    hwy::Prefetch(&system.forces[pair.point_begin + pair.point_count - 1U]);
-    for (const std::uint32_t body : {pair.a, pair.b}) {
-      hwy::Prefetch(&system.bodies[body]);
-      hwy::Prefetch(&system.poses[body]);
-      hwy::Prefetch(&system.poses[body].rotation(2, 2));
-    }
-  }
-}
-
-void prefetch_forces(const ContactSystem& system, const ContactBlock& block) {
-  for (std::size_t lane = 0; lane < block.count; ++lane) {
-    const Manifold& pair = system.pairs[block.pair[lane]];
-    if (pair.point_count == 0) continue;
-    hwy::Prefetch(&system.forces[pair.point_begin]);
-    hwy::Prefetch(&system.forces[pair.point_begin + pair.point_count - 1U]);
-    hwy::Prefetch(&system.applied_impulse_ns[block.pair[lane]]);
-  }
-}
 
 template <class T>
 ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat3& inverse_inertia) {
@@ -124,41 +89,51 @@ void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlo
     // Without an external acceleration a warm start would add energy.
     const double per_newton = a.pulled || b.pulled ? terms.substep_s * (a.inverse_mass + b.inverse_mass) : 0.0;
     for (std::size_t p = 0; p < pair.point_count; ++p)
-      fill_point(system, pair, per_newton, pair.point_begin + p, lane, manifold_points[p]);
+      fill_point(system, pair, per_newton, p, lane, manifold_points[p]);
   }
   prepare_block(block, shared, start, static_cast<T>(terms.still_mps), manifold_points,
                 lanes.scaled_inverse_inertias.data());
 }
 
 template <class T>
-void add_totals(const ContactBlock& block, Lanes<T>& lanes) {
-  for (PointLanes<T>& point : lanes.manifold_points_of(block)) {
+void add_totals(const ContactBlock& block, bool first, Lanes<T>& lanes) {
+  const std::span<const PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
+  const std::span<TotalLanes<T>> totals = lanes.totals_of(block);
+  for (std::size_t p = 0; p < manifold_points.size(); ++p) {
+    const PointLanes<T>& point = manifold_points[p];
+    TotalLanes<T>& into = totals[p];
+    if (first) into = {};
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t lane = 0; lane < kLanes; ++lane)
-        point.total[k][lane] += point.impulse[lane] * point.normal[k][lane] + point.friction_impulse[k][lane];
+        into.total[k][lane] += point.impulse[lane] * point.normal[k][lane] + point.friction_impulse[k][lane];
     }
   }
 }
 
 template <class T>
 void write_back_block(const ContactSystem& system, double substep_s, const ContactBlock& block,
-                      const PairLanes<T>& shared, Lanes<T>& lanes) {
-  const std::span<const PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
+                      const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
+                      std::span<const TotalLanes<T>> totals) {
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
     const double unit_ns = static_cast<double>(shared.reduced_mass[lane]);
     const double unit_n = unit_ns / substep_s;
     Vec3 sum = Vec3::Zero();
-    Vec3 moment_a = Vec3::Zero();
+    double moment[3] = {};
     for (std::size_t p = 0; p < pair.point_count; ++p) {
       const PointLanes<T>& point = manifold_points[p];
-      ContactForce& force = system.forces[pair.point_begin + p];
+      ContactForce& force = system.forces[pair.force_begin + p];
       force.normal_n = unit_n * static_cast<double>(point.impulse[lane]);
       force.friction_n = unit_n * get(point.friction_impulse, lane);
-      const Vec3 given = unit_ns * get(point.total, lane);
+      const Vec3 given = unit_ns * get(totals[p].total, lane);
       sum += given;
-      moment_a += get(point.arm, lane).cross(given);
+      // Number by number: a cross product in vectors would be written in halves and read whole, which waits.
+      const Vec3 arm = get(point.arm, lane);
+      moment[0] += arm.y() * given.z() - arm.z() * given.y();
+      moment[1] += arm.z() * given.x() - arm.x() * given.z();
+      moment[2] += arm.x() * given.y() - arm.y() * given.x();
     }
+    const Vec3 moment_a(moment[0], moment[1], moment[2]);
     system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
     if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
@@ -182,11 +157,11 @@ template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, c
 template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<float>&, Lanes<float>&);
 template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&, Lanes<double>&);
-template void add_totals(const ContactBlock&, Lanes<float>&);
-template void add_totals(const ContactBlock&, Lanes<double>&);
+template void add_totals(const ContactBlock&, bool, Lanes<float>&);
+template void add_totals(const ContactBlock&, bool, Lanes<double>&);
 template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<float>&,
-                               Lanes<float>&);
+                               std::span<const PointLanes<float>>, std::span<const TotalLanes<float>>);
 template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<double>&,
-                               Lanes<double>&);
+                               std::span<const PointLanes<double>>, std::span<const TotalLanes<double>>);
 
 }  // namespace poise::solver

@@ -15,6 +15,7 @@ template <class T>
 struct Lanes {
   parallel::UnsetVector<PairLanes<T>> pairs;  // one a block
   parallel::UnsetVector<PointLanes<T>> manifold_points;
+  parallel::UnsetVector<TotalLanes<T>> totals;  // beside them, where they are kept from substep to substep
   parallel::LargeVector<MotionChange<T>> motions;  // one a body
   parallel::LargeVector<MotionChange<T>> begun;    // velocities and spins when the substep began
   parallel::LargeVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
@@ -22,6 +23,9 @@ struct Lanes {
 
   std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {
     return std::span(manifold_points).subspan(block.first, block.manifold_points);
+  }
+  std::span<TotalLanes<T>> totals_of(const ContactBlock& block) {
+    return std::span(totals).subspan(block.first, block.manifold_points);
   }
   BodyLanes<T> bodies() { return {motions.data(), scaled_inverse_inertias.data()}; }
 };
@@ -41,21 +45,16 @@ template <class T>
 void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes);
 
-/// Prefetches what fill_block and write_back_block read of a block's pairs, a few blocks ahead: pairs of one colour lie
-/// far apart in memory.
-void prefetch_pairs(const ContactSystem& system, const ContactBlock& block);
-void prefetch_points(const ContactSystem& system, const ContactBlock& block);
-void prefetch_forces(const ContactSystem& system, const ContactBlock& block);
-
-/// Adds the impulses of a substep to the totals of the step.
+/// Adds the impulses of a substep to the totals of the step; those of the first substep are the first.
 template <class T>
-void add_totals(const ContactBlock& block, Lanes<T>& lanes);
+void add_totals(const ContactBlock& block, bool first, Lanes<T>& lanes);
 
 /// Applies the total impulses of the step to the bodies of a block, in double precision and at one point for both
 /// bodies, and stores the forces of the last substep, which warm start the next step.
 template <class T>
 void write_back_block(const ContactSystem& system, double substep_s, const ContactBlock& block,
-                      const PairLanes<T>& shared, Lanes<T>& lanes);
+                      const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
+                      std::span<const TotalLanes<T>> totals);
 
 extern template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 extern template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
@@ -63,11 +62,11 @@ extern template void fill_block(const ContactSystem&, const BlockTerms&, Contact
                                 Lanes<float>&);
 extern template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&,
                                 Lanes<double>&);
-extern template void add_totals(const ContactBlock&, Lanes<float>&);
-extern template void add_totals(const ContactBlock&, Lanes<double>&);
+extern template void add_totals(const ContactBlock&, bool, Lanes<float>&);
+extern template void add_totals(const ContactBlock&, bool, Lanes<double>&);
 extern template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<float>&,
-                                      Lanes<float>&);
+                                      std::span<const PointLanes<float>>, std::span<const TotalLanes<float>>);
 extern template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<double>&,
-                                      Lanes<double>&);
+                                      std::span<const PointLanes<double>>, std::span<const TotalLanes<double>>);
 
 }  // namespace poise::solver

@@ -148,7 +148,6 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
       store(d, rate, point.rate, lane);
       hn::Store(hn::IfThenElseZero(counts, hn::Div(one, hn::IfThenElse(counts, k, one))), d, point.mass + lane);
       hn::Store(hn::IfThenElseZero(counts, hn::Load(d, point.impulse + lane)), d, point.impulse + lane);
-      store(d, Triple<V>{zero, zero, zero}, point.total, lane);
       const auto frictional = hn::And(counts, hn::Gt(hn::Load(d, shared.friction + lane), zero));
       if (!block.frictional || hn::AllFalse(d, frictional)) {
         hn::Store(zero, d, point.across + lane);
@@ -245,9 +244,28 @@ HWY_INLINE V apply_friction(D d, PointLanes<T>& point, const V& friction, const 
   return hn::Sqrt(dot(given, given));
 }
 
+// Adds the impulse of a contact point to its total.
+template <class D, class T, class V>
+HWY_INLINE void add_impulse(D d, const PointLanes<T>& point, const Triple<V>& n, const V& impulse, bool frictional,
+                            std::size_t lane, TotalLanes<T>& into) {
+  Triple<V> total = sum(load(d, into.total, lane), scaled(impulse, n));
+  if (frictional) total = sum(total, load(d, point.friction_impulse, lane));
+  store(d, total, into.total, lane);
+}
+
+// The total before what the substep ends with is added.
+template <class D, class T, class V>
+HWY_INLINE void begin_total(D d, const PointLanes<T>& point, const Triple<V>& n, const V& before, bool frictional,
+                            const SubstepTotals& of, std::size_t lane, TotalLanes<T>& into) {
+  const V zero = hn::Zero(d);
+  if (!of.carried) store(d, Triple<V>{zero, zero, zero}, into.total, lane);
+  if (of.before) add_impulse(d, point, n, before, frictional, lane, into);
+}
+
 template <class T>
 IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
-                         const SubstepTerms<T>& terms, bool push, const BodyLanes<T>& bodies) {
+                         std::span<TotalLanes<T>> totals, const SubstepTerms<T>& terms, bool push,
+                         const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
@@ -262,7 +280,8 @@ IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::s
     bool any_pushed = false;
     V load_sum = zero;
     V strayed_sum = zero;
-    for (PointLanes<T>& point : manifold_points) {
+    for (std::size_t p = 0; p < manifold_points.size(); ++p) {
+      PointLanes<T>& point = manifold_points[p];
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
       const Triple<V> n = load(d, point.normal, lane);
       const Triple<V> rate = load(d, point.rate, lane);
@@ -272,6 +291,9 @@ IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::s
       const V gap = hn::Max(hn::Sub(load_at(point.gap), closed), zero);
       const V closing = dot(n, sum(rate, slip(pairs, arms)));
       const V before = load_at(point.impulse);
+      if (!terms.watch && terms.totals.after) {
+        begin_total(d, point, n, before, block.frictional, terms.totals, lane, totals[p]);
+      }
       V after = hn::Max(hn::Add(before, hn::Mul(mass, hn::Sub(closing, hn::Mul(gap, per_h)))), zero);
       after = hn::IfThenElseZero(hn::Gt(mass, zero), after);
       hn::Store(after, d, point.impulse + lane);
@@ -291,11 +313,8 @@ IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::s
         note(d, impulse_sum_ns, changed.largest_ns);
         load_sum = hn::Add(load_sum, impulse_sum_ns);
         strayed_sum = hn::Add(strayed_sum, hn::Mul(impulse_sum_ns, change_mps));
-      } else {
-        // The only iteration of the substep.
-        Triple<V> total = sum(load(d, point.total, lane), scaled(after, n));
-        if (block.frictional) total = sum(total, load(d, point.friction_impulse, lane));
-        store(d, total, point.total, lane);
+      } else if (terms.totals.after) {
+        add_impulse(d, point, n, after, block.frictional, lane, totals[p]);
       }
       if (!push) continue;
       const V overlap = hn::Sub(closed, load_at(point.certain));
@@ -341,14 +360,14 @@ void warm_double(const ContactBlock& block, const PairLanes<double>& pairs,
   warm(block, pairs, manifold_points, bodies);
 }
 IterationChange<float> solve_float(ContactBlock& block, const PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
+                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals, const SubstepTerms<float>& terms,
                                    bool push, const BodyLanes<float>& bodies) {
-  return solve(block, pairs, manifold_points, terms, push, bodies);
+  return solve(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 IterationChange<double> solve_double(ContactBlock& block, const PairLanes<double>& pairs,
-                                     std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
+                                     std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms,
                                      bool push, const BodyLanes<double>& bodies) {
-  return solve(block, pairs, manifold_points, terms, push, bodies);
+  return solve(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 
 }  // namespace poise::solver::HWY_NAMESPACE
@@ -383,14 +402,14 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
   HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, manifold_points, bodies);
 }
 IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
+                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals, const SubstepTerms<float>& terms,
                                    bool push, const BodyLanes<float>& bodies) {
-  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, terms, push, bodies);
+  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
-                                    std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
+                                    std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms,
                                     bool push, const BodyLanes<double>& bodies) {
-  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, terms, push, bodies);
+  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 
 }  // namespace poise::solver

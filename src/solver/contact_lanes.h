@@ -39,7 +39,20 @@ struct alignas(64) PointLanes {
   T across[kLanes] = {};   ///< the same along the tangent with the smallest effective mass
   T impulse[kLanes] = {};  ///< along the normal
   T friction_impulse[3][kLanes] = {};  ///< across it
-  T total[3][kLanes] = {};             ///< normal and friction impulse, summed over the substeps done
+};
+
+/// Normal and friction impulse of such contact points, summed over the substeps; likewise in m/s.
+template <class T>
+struct alignas(64) TotalLanes {
+  T total[3][kLanes] = {};
+};
+
+/// What one iteration a substep adds to the totals. The impulses of a substep are those that the next one begins with,
+/// so the last of two substeps knows both, and between them nothing need be kept.
+struct SubstepTotals {
+  bool carried = false;  ///< to what is there, instead of to 0
+  bool before = false;   ///< the impulses that the substep began with
+  bool after = true;     ///< those that it ended with; without them nothing is added
 };
 
 /// What all contact points of a pair share, for the pairs of a block. Inverse masses are divided by the sum of both, so
@@ -81,7 +94,8 @@ struct SubstepTerms {
   T still_mps = 0;
   T push_share = 0;
   T most_push_m = 0;
-  bool watch = false;  ///< measure what the iteration changes (IterationChange)
+  bool watch = false;  ///< measure what the iteration changes (IterationChange), add nothing to totals
+  SubstepTotals totals;
 };
 
 /// What a iteration changed.
@@ -118,12 +132,12 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
 
 /// Solves the contact points of a block one after another, the normal impulse before friction. With `push`, certain
 /// penetration is corrected by moving the bodies apart. Without terms.watch this is the only iteration of the substep,
-/// and the totals are stored.
+/// and the totals, one an entry of `manifold_points`, are those of terms.totals.
 IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, const SubstepTerms<float>& terms,
-                                   bool push, const BodyLanes<float>& bodies);
+                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
+                                   const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies);
 IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
-                                    std::span<PointLanes<double>> manifold_points, const SubstepTerms<double>& terms,
-                                    bool push, const BodyLanes<double>& bodies);
+                                    std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
+                                    const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies);
 
 }  // namespace poise::solver

@@ -6,18 +6,19 @@
 
 namespace poise::solver {
 
-/// A cached contact point: one point on each surface and the normal between them, fixed to the bodies. For small
-/// motions the gap is n . (p_b - p_a), with an error of second order in the rotation.
-struct ContactPoint {
+/// A cached contact point: a point on the surface of a and the plane that touches b opposite to it, fixed to the
+/// bodies. For small motions the gap is n . (p_b - p_a) for any p_b on that plane, with an error of second order in the
+/// rotation. One cache line, because pairs of a colour lie far apart in memory.
+struct alignas(64) ContactPoint {
   Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b, in the frame of b
+  double plane_b_m = 0;         ///< n . p_b, in the frame of b
   Vec3 on_a_m = Vec3::Zero();   ///< in the frame of a
-  Vec3 on_b_m = Vec3::Zero();   ///< in the frame of b
   double certainty_m = 0;       ///< the gap that is certain is larger by this, >= 0
 };
 
 /// Mean force of a contact point over the last substep, world frame: the warm start of the next step. A force and not
 /// an impulse, because steps and substeps may have another length from frame to frame.
-struct ContactForce {
+struct alignas(32) ContactForce {
   double normal_n = 0;             ///< along the normal, >= 0
   Vec3 friction_n = Vec3::Zero();  ///< across it
 };
@@ -34,7 +35,7 @@ inline PlacedPoint placed_point(const collision::Pose& a, const collision::Pose&
   PlacedPoint now;
   now.normal = b.rotation * point.normal;
   const Vec3 arm_a = a.rotation * point.on_a_m;
-  now.gap_m = now.normal.dot((b.position_m - a.position_m) + (b.rotation * point.on_b_m - arm_a));
+  now.gap_m = now.normal.dot((b.position_m - a.position_m) - arm_a) + point.plane_b_m;
   now.arm_m = arm_a + (0.5 * now.gap_m) * now.normal;
   now.certain_separation_m = now.gap_m + point.certainty_m;
   return now;

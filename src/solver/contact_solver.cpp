@@ -14,6 +14,7 @@
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
 #include "solver/flight.h"
+#include "solver/prefetch_blocks.h"
 #include "solver/settling.h"
 
 namespace poise::solver {
@@ -93,6 +94,7 @@ struct ContactSolver::Buffers {
   std::vector<double> before, after;  // impulses of all lanes, in roots of energy
   std::vector<double> swept;          // impulses of all lanes after the last plain iteration
   EnergyGuard energy;
+  bool keeps_totals = false;
   double alone_j = 0;  // of this substep without contacts; contacts only reduce it
   Lanes<float> single;
   Lanes<double> twofold;
@@ -115,7 +117,7 @@ struct ContactSolver::Buffers {
   void mix(parallel::Executor& executor);
   void take_back(const ContactSystem& system, double h_s);
   template <class T>
-  void reserve(const ContactSystem& system, bool mixed, parallel::Executor& executor);
+  void reserve(const ContactSystem& system, bool mixed, bool keeps, parallel::Executor& executor);
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
@@ -319,6 +321,12 @@ SubstepTerms<T> terms_of(const SolveSettings& settings, bool watch) {
   return terms;
 }
 
+// The last substep adds those of the one before it too, which are still at hand.
+SubstepTotals totals_in(int substep, int substeps) {
+  const int left = substeps - 1 - substep;
+  return {substep > (left == 0 ? 1 : 0), left == 0 && substep > 0, left != 1};
+}
+
 template <class T>
 IterationChange<double> widened(const IterationChange<T>& change) {
   return {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
@@ -342,10 +350,13 @@ IterationChange<double> sum_of(const std::vector<IterationChange<double>>& chang
 }  // namespace
 
 template <class T>
-void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, parallel::Executor& executor) {
+void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bool keeps,
+                                     parallel::Executor& executor) {
   Lanes<T>& all = lanes<T>();
   const std::size_t needed = make_blocks(system, executor);
   all.manifold_points.resize(std::max(all.manifold_points.size(), needed));
+  keeps_totals = keeps;
+  if (keeps) all.totals.resize(std::max(all.totals.size(), needed));
   all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
@@ -377,10 +388,14 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     ++ended.iterations;
     if (limit.mixed) read_impulses(before);
     iteration(executor, [&, &substep_terms = terms](std::size_t i) {
-      const IterationChange<T> change =
-          solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), substep_terms, round == 0, bodies);
+      std::array<TotalLanes<T>, collision::kMaxManifoldPoints> here;
+      const std::span<TotalLanes<T>> totals =
+          keeps_totals ? all.totals_of(blocks[i]) : std::span(here).first(blocks[i].manifold_points);
+      if (i + 1 < blocks.size()) prefetch_motions(bodies, blocks[i + 1]);
+      const IterationChange<T> change = solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), totals,
+                                                    substep_terms, round == 0, bodies);
       if (substep_terms.watch) changes[i] = widened(change);
-      if (last_substep && !substep_terms.watch) apply(i);
+      if (last_substep && !substep_terms.watch) apply(i, totals);
     });
     if (!terms.watch) break;
     const IterationChange<double> sum = sum_of(changes);
@@ -408,7 +423,8 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   constexpr std::size_t kBlocksAtOnce = 16;
   const IterationLimit full = limit_of(system, settings, kMaxPointIterations);
   const double h_s = settings.dt_s / settings.substeps;
-  reserve<T>(system, limit.mixed, executor);
+  const bool watch = limit.most > 1;
+  reserve<T>(system, limit.mixed, watch || settings.substeps > 2, executor);
   Lanes<T>& all = lanes<T>();
   // Lanes that were not used in the last step do not know what rests.
   const bool everything = !std::exchange(all.used_last, true) || !system.only_active;
@@ -440,16 +456,18 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
   if (limit.mixed) energy.begin(system, blocks);
-  const auto give = [&](std::size_t i) {
+  const auto give = [&](std::size_t i, std::span<const TotalLanes<T>> totals) {
     if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) prefetch_forces(system, blocks[i + kAhead]);
-    write_back_block(system, h_s, blocks[i], all.pairs[i], all);
+    if (i + kAhead < blocks.size()) prefetch_results(system, blocks[i + kAhead]);
+    write_back_block(system, h_s, blocks[i], all.pairs[i],
+                     std::span<const PointLanes<T>>(all.manifold_points_of(blocks[i])), totals);
   };
-  SubstepTerms<T> terms = terms_of<T>(settings, limit.most > 1);
+  SubstepTerms<T> terms = terms_of<T>(settings, watch);
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
     const bool last = substep + 1 == settings.substeps;
+    terms.totals = totals_in(substep, settings.substeps);
     for_bodies([&](std::size_t i) {
       if (substep > 0) {
         end_substep(i, h_s, all);
@@ -459,7 +477,7 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     });
     const Iterated done = iterate(Iterating<T>{system, settings, limit, terms}, last, give, ended, executor);
     if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
-    if (terms.watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], all); });
+    if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });
     ended.reached = ended.reached && done.reached;
     ended.cut_short = ended.cut_short || (!done.settled && limit.iterations(done.far) < full.iterations(done.far));
   }
@@ -468,7 +486,7 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     end_substep(i, h_s, all);
     land(all.motions[i], system.bodies[i]);
   });
-  if (terms.watch) iteration(executor, give);
+  if (watch) iteration(executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
   return ended;
 }
 

@@ -7,16 +7,16 @@
 
 namespace poise::solver {
 
-/// A body as the solver sees it: small and contiguous, because rows of a colour gather and scatter it.
-struct SolverBody {
+/// A body as the solver sees it. Pairs of a colour gather and scatter it; what they read is the first cache line.
+struct alignas(64) SolverBody {
   Vec3 velocity_mps = Vec3::Zero();
   Vec3 spin_radps = Vec3::Zero();
-  Vec3 moved_m = Vec3::Zero();     ///< in the step so far
-  Vec3 turned_rad = Vec3::Zero();  ///< in the step so far
   double inverse_mass = 0;         ///< 0 for bodies that are not dynamic; these are never written
   bool solved = false;             ///< resting contact changed its motion in this step
   bool pulled = false;             ///< an external acceleration acts on it
   bool held = false;               ///< it waits in this step: nothing is solved of it
+  Vec3 moved_m = Vec3::Zero();     ///< in the step so far
+  Vec3 turned_rad = Vec3::Zero();  ///< in the step so far
 };
 
 /// One sphere contact of a pair, world frame, for the contact model that solves each by itself.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
+#include "parallel/prefetch.h"
 #include "parallel/shared_counters.h"
 #include "solver/solver.h"
 #include "solver/solver_iteration.h"
@@ -134,12 +135,21 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
     ++ended.iterations;
     if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
     parallel::Shared<int> solved(0);
-    for_each_row(system, executor, [&](std::size_t i) {
-      // Skips rows whose bodies kept their velocities since the last round, and in the first round those that are not
-      // fast.
-      RowActivation& gate = activations[i];
+    // Skips rows whose bodies kept their velocities since the last round, and in the first round those that are not
+    // fast.
+    const auto skips = [&](const RowActivation& gate) {
       const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
-      if (round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched) return;
+      return round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched;
+    };
+    for_each_row(system, executor, [&](std::size_t i) {
+      constexpr std::size_t kAhead = 3;
+      if (i + kAhead < activations.size() && activations[i + kAhead].ready && !skips(activations[i + kAhead])) {
+        parallel::prefetch(system.rows[i + kAhead]);
+        hwy::Prefetch(&system.bodies[activations[i + kAhead].a]);
+        hwy::Prefetch(&system.bodies[activations[i + kAhead].b]);
+      }
+      RowActivation& gate = activations[i];
+      if (skips(gate)) return;
       ContactRow& row = system.rows[i];
       if (!gate.ready) {
         system.source->fill(i);

@@ -15,14 +15,14 @@ solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint
   const double gap_m = pair.plane ? -normal.dot(on_a) - pair.height_m : manifold_point.gap_m;
   cached.normal = to_b * normal;
   cached.on_a_m = manifold_point.point_m - (0.5 * manifold_point.gap_m) * manifold_point.normal;
-  cached.on_b_m = to_b * (on_a + gap_m * normal - pair.b.position_m);
+  cached.plane_b_m = normal.dot(on_a - pair.b.position_m) + gap_m;
   cached.certainty_m = manifold_point.certain_separation_m - manifold_point.gap_m;
   return cached;
 }
 
 void PointCache::reserve(std::size_t slots) {
   points.reserve(slots * kPointsOfPair);
-  forces.reserve(slots * kPointsOfPair);
+  forces.reserve(slots * kForcesOfPair);
   free.reserve(slots);
 }
 
@@ -31,7 +31,7 @@ void PointCache::reserve_slots(std::size_t count, parallel::Executor& executor) 
   const std::size_t first = points.size() / kPointsOfPair;
   const std::size_t more = count - free.size();
   parallel::resize(executor, points, (first + more) * kPointsOfPair);
-  parallel::resize(executor, forces, points.size());
+  parallel::resize(executor, forces, (first + more) * kForcesOfPair);
   free.reserve(first + more);
   // The lowest of the new ones is taken first, after those that were released.
   free.insert(free.begin(), more, 0);

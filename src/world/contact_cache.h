@@ -26,12 +26,13 @@ struct PlacedPair {
 /// the plane itself.
 solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint& manifold_point);
 
-/// Contact points of one pair: that of the impact, and those of its manifold.
-inline constexpr std::size_t kPointsOfPair = collision::kMaxManifoldPoints + 1;
+/// Contact points of one pair: that of the impact, and those of its manifold, which have forces.
+inline constexpr std::size_t kForcesOfPair = collision::kMaxManifoldPoints;
+inline constexpr std::size_t kPointsOfPair = kForcesOfPair + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
-/// Contact points and their forces, in slots of kPointsOfPair. A pair keeps its slot for as long as it is
-/// cached. Invariant: a slot is either free or one pair's.
+/// Contact points and their forces, in slots of kPointsOfPair and kForcesOfPair. A pair keeps its slot for as long as
+/// it is cached. Invariant: a slot is either free or one pair's.
 struct PointCache {
   parallel::UnsetVector<solver::ContactPoint> points;
   parallel::UnsetVector<solver::ContactForce> forces;
@@ -50,11 +51,18 @@ struct PointCache {
   }
 
   [[nodiscard]] static std::size_t begin(std::uint32_t slot) { return slot * kPointsOfPair; }
+  /// Of so many points of a pair those of its manifold: all but the first, or that one if it is the only one.
+  [[nodiscard]] static std::size_t before_manifold(std::size_t point_count) { return point_count > 1 ? 1 : 0; }
+  [[nodiscard]] static std::size_t manifold_count(std::size_t point_count) {
+    return point_count - before_manifold(point_count);
+  }
+  [[nodiscard]] static std::size_t forces_begin(std::uint32_t slot) { return slot * kForcesOfPair; }
   [[nodiscard]] std::span<solver::ContactPoint> points_of(std::uint32_t slot, std::size_t count) {
     return std::span(points).subspan(begin(slot), count);
   }
-  [[nodiscard]] std::span<solver::ContactForce> forces_of(std::uint32_t slot, std::size_t count) {
-    return std::span(forces).subspan(begin(slot), count);
+  /// The forces of the manifold of a pair with so many points.
+  [[nodiscard]] std::span<solver::ContactForce> forces_of(std::uint32_t slot, std::size_t point_count) {
+    return std::span(forces).subspan(forces_begin(slot), manifold_count(point_count));
   }
 };
 

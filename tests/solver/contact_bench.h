@@ -41,13 +41,13 @@ struct Bench {
     Manifold pair;
     pair.a = a;
     pair.b = b;
-    pair.point_begin = static_cast<std::uint32_t>(points.size());
+    pair.point_begin = pair.force_begin = static_cast<std::uint32_t>(points.size());
     pair.point_count = static_cast<std::uint8_t>(points_m.size());
     pair.friction = friction;
     pairs.push_back(pair);
     for (const Vec3& point : points_m) {
-      points.push_back({normal, point - 0.5 * gap_m * normal - poses[a].position_m,
-                        point + 0.5 * gap_m * normal - poses[b].position_m, 0});
+      points.push_back({normal, normal.dot(point + 0.5 * gap_m * normal - poses[b].position_m),
+                        point - 0.5 * gap_m * normal - poses[a].position_m, 0});
       forces.emplace_back();
     }
   }

@@ -8,7 +8,7 @@
 namespace poise::collision {
 
 /// Pose of a body for contact detection: the one at the start of the step.
-struct Pose {
+struct alignas(32) Pose {
   Vec3 position_m = Vec3::Zero();
   Mat3 rotation = Mat3::Identity();  ///< body to world
 };

@@ -6,6 +6,7 @@
 #include "frame/refine/open_refinement.h"
 #include "frame/refine/pair_cues.h"
 #include "frame/refine/rank.h"
+#include "parallel/prefetch.h"
 
 namespace poise::simulation {
 namespace {
@@ -14,6 +15,8 @@ namespace {
 constexpr std::uint64_t kUnwatchedUnits = 128;
 // A level of so few units is not cut, so nothing need be kept of the one before. Chosen.
 constexpr std::uint64_t kWholeUnits = 64;
+// Poses of pairs lie anywhere in memory: prefetched so many pairs ahead.
+constexpr std::uint32_t kPosesAhead = 3;
 // One of so few is done at once after the one before: to compare the pair with others, and to come back to it, takes as
 // long. Chosen.
 constexpr std::uint64_t kSmallUnits = 16;
@@ -95,6 +98,11 @@ class OpenRefinement::Job {
     const PairTable& table = run_.input.table;
     for (;;) {
       while (batch_.next < batch_.past) {
+        const std::uint32_t ahead = batch_.next + kPosesAhead;
+        if (ahead < batch_.past && run_.levels.progress[ahead].refinable()) {
+          const ActivePair& pair = table.pairs[ahead];
+          for (const std::uint32_t body : {pair.a, pair.b}) parallel::prefetch(run_.input.motion.poses[body]);
+        }
         const PairProgress& pair = run_.levels.progress[batch_.next++];
         if (pair.refinable() && !pair.full) return batch_.next - 1;
       }

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <hwy/base.h>
+#include <hwy/cache_control.h>
+
+#include <cstddef>
+
+namespace poise::parallel {
+
+/// Prefetches all cache lines of an object that is read some objects later, where these lie anywhere in memory.
+///
+/// Whatever calls it must be inline too (HWY_INLINE, or a lambda): GCC takes a function that only prefetches for one
+/// without effect, and leaves out its calls.
+template <class T>
+HWY_INLINE void prefetch(const T& object) {
+  constexpr std::size_t kLine = 64;
+  const auto* bytes = reinterpret_cast<const std::byte*>(&object);
+  for (std::size_t at = 0; at < sizeof(T); at += kLine) hwy::Prefetch(bytes + at);
+  // One that begins within a line may reach into another.
+  if constexpr (alignof(T) % kLine != 0 && sizeof(T) % kLine != 1) hwy::Prefetch(bytes + sizeof(T) - 1);
+}
+
+}  // namespace poise::parallel
