@@ -18,6 +18,13 @@ Vec3 from_bullet(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
 }
 
+btTransform transform_of(const BodyState& state) {
+  const Quat& turn = state.orientation;
+  return btTransform(btQuaternion(static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
+                                  static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())),
+                     to_bullet(state.position_m));
+}
+
 /// A world and the objects that it refers to. Invariant: it refers to nothing else, and is destroyed first.
 class BulletPile {
  public:
@@ -45,6 +52,20 @@ class BulletPile {
     for (const auto& body : bodies_) world_.removeRigidBody(body.get());
   }
 
+  void set(std::span<const BodyState> states) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      btRigidBody& body = *bodies_[first_body_ + i];
+      const btTransform place = transform_of(states[i]);
+      body.setCenterOfMassTransform(place);
+      body.setInterpolationWorldTransform(place);
+      body.setLinearVelocity(to_bullet(states[i].velocity_mps));
+      body.setAngularVelocity(to_bullet(states[i].angular_velocity_radps));
+      body.setInterpolationLinearVelocity(body.getLinearVelocity());
+      body.setInterpolationAngularVelocity(body.getAngularVelocity());
+    }
+  }
+  void iterations(int count) { world_.getSolverInfo().m_numIterations = count; }
+
   // Without Bullet's own substeps: one step of dt.
   void step() { world_.stepSimulation(dt_s_, 0); }
 
@@ -71,10 +92,7 @@ class BulletPile {
   void add_body(const BodyState& start, const PileScene& scene) {
     btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(scene.mass_kg), nullptr, &compound_,
                                                   to_bullet(scene.inertia_kgm2));
-    const Quat& turn = start.orientation;
-    info.m_startWorldTransform.setOrigin(to_bullet(start.position_m));
-    info.m_startWorldTransform.setRotation({static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
-                                            static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
+    info.m_startWorldTransform = transform_of(start);
     add(info, scene);
     bodies_.back()->setLinearVelocity(to_bullet(start.velocity_mps));
     bodies_.back()->setAngularVelocity(to_bullet(start.angular_velocity_radps));
@@ -105,6 +123,8 @@ Engine make_bullet(const PileScene& scene) {
                    (sizeof(btScalar) == sizeof(double) ? ", double" : ", single");
   engine.step = [pile] { pile->step(); };
   engine.read_states = [pile](std::span<BodyState> states) { pile->read(states); };
+  engine.set_states = [pile](std::span<const BodyState> states) { pile->set(states); };
+  engine.set_iterations = [pile](int count) { pile->iterations(count); };
   return engine;
 }
 

@@ -36,6 +36,10 @@ struct Engine {
   std::function<void()> step;  ///< steps by PileScene::dt_s
   /// Writes as many entries as there are bodies, in the order of PileScene::start.
   std::function<void(std::span<BodyState>)> read_states;
+  /// Puts the bodies into these states. What the engine keeps of contacts stays. Not of Poise.
+  std::function<void(std::span<const BodyState>)> set_states;
+  /// Iterations of its solver in each step from now on, >= 1. Not of Poise.
+  std::function<void(int)> set_iterations;
 };
 
 /// Approach speed below which restitution is ignored, in engines that need one: Bullet's default.

@@ -54,6 +54,11 @@ class OdePile {
   OdePile(const OdePile&) = delete;
   OdePile& operator=(const OdePile&) = delete;
 
+  void set(std::span<const BodyState> states) {
+    for (std::size_t i = 0; i < states.size(); ++i) place(bodies_[i], states[i]);
+  }
+  void iterations(int count) { dWorldSetQuickStepNumIterations(world_, count); }
+
   void step() {
     dSpaceCollide(space_, this, &near_callback);
     dWorldQuickStep(world_, dt_s_);
@@ -71,6 +76,15 @@ class OdePile {
   }
 
  private:
+  static void place(dBodyID body, const BodyState& state) {
+    const Quat& turn = state.orientation;
+    const dQuaternion q = {turn.w(), turn.x(), turn.y(), turn.z()};
+    dBodySetPosition(body, state.position_m.x(), state.position_m.y(), state.position_m.z());
+    dBodySetQuaternion(body, q);
+    dBodySetLinearVel(body, state.velocity_mps.x(), state.velocity_mps.y(), state.velocity_mps.z());
+    dBodySetAngularVel(body, state.angular_velocity_radps.x(), state.angular_velocity_radps.y(),
+                       state.angular_velocity_radps.z());
+  }
   void add(const BodyState& start, const PileScene& scene, bool flat) {
     const dBodyID body = dBodyCreate(world_);
     bodies_.push_back(body);
@@ -78,13 +92,7 @@ class OdePile {
     dMassSetParameters(&mass, scene.mass_kg, 0, 0, 0, scene.inertia_kgm2.x(), scene.inertia_kgm2.y(),
                        scene.inertia_kgm2.z(), 0, 0, 0);
     dBodySetMass(body, &mass);
-    const Quat& turn = start.orientation;
-    const dQuaternion q = {turn.w(), turn.x(), turn.y(), turn.z()};
-    dBodySetPosition(body, start.position_m.x(), start.position_m.y(), start.position_m.z());
-    dBodySetQuaternion(body, q);
-    dBodySetLinearVel(body, start.velocity_mps.x(), start.velocity_mps.y(), start.velocity_mps.z());
-    dBodySetAngularVel(body, start.angular_velocity_radps.x(), start.angular_velocity_radps.y(),
-                       start.angular_velocity_radps.z());
+    place(body, start);
     const dSpaceID own = flat ? space_ : dSimpleSpaceCreate(space_);
     for (const Sphere& sphere : scene.spheres) {
       const dGeomID geom = dCreateSphere(own, sphere.radius_m);
@@ -132,6 +140,8 @@ Engine make_ode(const PileScene& scene, bool flat) {
   engine.version = "0.16, double";
   engine.step = [pile] { pile->step(); };
   engine.read_states = [pile](std::span<BodyState> states) { pile->read(states); };
+  engine.set_states = [pile](std::span<const BodyState> states) { pile->set(states); };
+  engine.set_iterations = [pile](int count) { pile->iterations(count); };
   return engine;
 }
 

@@ -78,6 +78,9 @@ class PairRows final : public solver::RowSource {
       parallel::prefetch(input_.motion.poses[body]);
       parallel::prefetch(input_.motion.inverse_inertia[body]);
     }
+    parallel::prefetch(input_.table.pairs[manifold.pair]);
+    parallel::prefetch(input_.levels.progress[manifold.pair]);
+    parallel::prefetch(input_.levels.found[manifold.pair].contact);
     parallel::prefetch(velocities_.rows[velocities_.row_of[m]]);
   }
   void fill(std::size_t k) const override {

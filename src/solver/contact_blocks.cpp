@@ -40,8 +40,7 @@ void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t la
 template <class T>
 void fill_point(const ContactSystem& system, const Manifold& pair, double per_newton, std::size_t p, std::size_t lane,
                 PointLanes<T>& into) {
-  const PlacedPoint now =
-      placed_point(system.poses[pair.a], system.poses[pair.b], system.points[pair.point_begin + p]);
+  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[pair.point_begin + p]);
   set(now.normal, lane, into.normal);
   set(now.arm_m, lane, into.arm);
   into.gap[lane] = static_cast<T>(now.gap_m);

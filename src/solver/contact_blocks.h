@@ -15,7 +15,7 @@ template <class T>
 struct Lanes {
   parallel::UnsetVector<PairLanes<T>> pairs;  // one a block
   parallel::UnsetVector<PointLanes<T>> manifold_points;
-  parallel::UnsetVector<TotalLanes<T>> totals;  // beside them, where they are kept from substep to substep
+  parallel::UnsetVector<TotalLanes<T>> totals;     // beside them, where they are kept from substep to substep
   parallel::LargeVector<MotionChange<T>> motions;  // one a body
   parallel::LargeVector<MotionChange<T>> begun;    // velocities and spins when the substep began
   parallel::LargeVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body

@@ -360,13 +360,14 @@ void warm_double(const ContactBlock& block, const PairLanes<double>& pairs,
   warm(block, pairs, manifold_points, bodies);
 }
 IterationChange<float> solve_float(ContactBlock& block, const PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals, const SubstepTerms<float>& terms,
-                                   bool push, const BodyLanes<float>& bodies) {
+                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
+                                   const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
   return solve(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 IterationChange<double> solve_double(ContactBlock& block, const PairLanes<double>& pairs,
-                                     std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms,
-                                     bool push, const BodyLanes<double>& bodies) {
+                                     std::span<PointLanes<double>> manifold_points,
+                                     std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms, bool push,
+                                     const BodyLanes<double>& bodies) {
   return solve(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 
@@ -402,13 +403,13 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
   HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, manifold_points, bodies);
 }
 IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals, const SubstepTerms<float>& terms,
-                                   bool push, const BodyLanes<float>& bodies) {
+                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
+                                   const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
-                                    std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms,
-                                    bool push, const BodyLanes<double>& bodies) {
+                                    std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
+                                    const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, totals, terms, push, bodies);
 }
 

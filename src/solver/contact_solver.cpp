@@ -14,6 +14,7 @@
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
 #include "solver/flight.h"
+#include "solver/iteration_limit.h"
 #include "solver/prefetch_blocks.h"
 #include "solver/settling.h"
 
@@ -25,44 +26,13 @@ namespace {
 constexpr double kPushShare = 0.1;
 constexpr double kMaxPushMps = 0.3;
 
-// Iterations of a substep: limited by the number of point iterations, at least one, and none more once an iteration
-// changes no approach speed by more than a share of the rest speed. So small scenes converge, and the cost of large
-// ones is linear in their contact points.
-constexpr std::uint32_t kMaxIterations = 60;
+// No more iterations once one changes no approach speed by more than this share of the rest speed.
 constexpr double kSettledOfStill = 3e-5;
-// Limit while contact points, weighted by their impulses, are farther from the solution than a share of the rest speed:
-// heavy bodies on light ones.
-constexpr std::uint32_t kMaxHardIterations = 600;
+// Far from the solution: the changes of approach speeds, weighted by impulses, are above this share of the rest speed.
 constexpr double kFarOfStill = 0.01;
-// Where point_iterations make so many iterations, they are extrapolated, in double precision: heavy bodies on light
-// ones need thousands of plain ones. Plain ones in single precision are fewer than that.
-constexpr std::uint32_t kMixedIterations = 20;
 // An extrapolation step diverged if the bodies in contact then have this many times the energy that they had, or would
 // have without contacts.
 constexpr double kDiverged = 2;
-
-// Limits of the iterations of a substep.
-struct IterationLimit {
-  std::uint32_t most = 1;
-  std::uint32_t hard = 1;  // while they are far from the solution
-  bool mixed = false;      // extrapolated
-  [[nodiscard]] std::uint32_t iterations(bool far) const { return far ? hard : most; }
-};
-
-// With so many point_iterations of a substep, at their cost.
-IterationLimit limit_of(const ContactSystem& system, const SolveSettings& settings, std::uint32_t point_iterations) {
-  const Stopping& stopping = settings.stopping;
-  if (stopping.converges()) return {stopping.max_iterations, stopping.max_iterations, false};
-  const std::uint32_t points = std::max(static_cast<std::uint32_t>(system.point_count), 1U);
-  const std::uint32_t sped_up = std::min(point_iterations / kMixedIterationCost, kMixedPointIterations) / points;
-  const std::uint32_t plain =
-      std::clamp(std::min(point_iterations, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
-  if (sped_up < kMixedIterations) return {plain, plain, false};
-  const std::uint32_t most = std::min(sped_up, kMaxIterations);
-  // Without gravity nothing rests on anything, and still is no measure.
-  const bool weighs = !settings.gravity_mps2.isZero(0);
-  return {most, weighs ? std::min(sped_up, kMaxHardIterations) : most, true};
-}
 
 Vec3 normal_of(const PointLanes<double>& point, std::size_t lane) {
   return {point.normal[0][lane], point.normal[1][lane], point.normal[2][lane]};

@@ -108,6 +108,19 @@ bool answer_overlaps(const System& system, ContactRow& row, double still_mps) {
   return solved;
 }
 
+// Rows that an iteration needs, and their bodies, lie anywhere in memory: prefetched some rows ahead, and then what
+// the rows name.
+constexpr std::size_t kRowsAhead = 4;
+constexpr std::size_t kOverlapsAhead = 2;
+HWY_INLINE void prefetch_row(const System& system, const RowActivation& gate, std::size_t i) {
+  parallel::prefetch(system.rows[i]);
+  hwy::Prefetch(&system.bodies[gate.a]);
+  hwy::Prefetch(&system.bodies[gate.b]);
+}
+HWY_INLINE void prefetch_overlaps(const System& system, const ContactRow& row) {
+  for (std::uint32_t p = row.overlap_begin; p < row.overlap_end; ++p) parallel::prefetch(system.overlaps[p]);
+}
+
 void note_rebound(const System& system, ContactRow& row, double still_mps) {
   row.bounces = row.restitution * approach_mps(row, system.bodies[row.a], system.bodies[row.b]) > still_mps;
 }
@@ -141,13 +154,12 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
       return round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched;
     };
+    const auto needs = [&](std::size_t i) {
+      return i < activations.size() && activations[i].ready && !skips(activations[i]);
+    };
     for_each_row(system, executor, [&](std::size_t i) {
-      constexpr std::size_t kAhead = 3;
-      if (i + kAhead < activations.size() && activations[i + kAhead].ready && !skips(activations[i + kAhead])) {
-        parallel::prefetch(system.rows[i + kAhead]);
-        hwy::Prefetch(&system.bodies[activations[i + kAhead].a]);
-        hwy::Prefetch(&system.bodies[activations[i + kAhead].b]);
-      }
+      if (needs(i + kRowsAhead)) prefetch_row(system, activations[i + kRowsAhead], i + kRowsAhead);
+      if (needs(i + kOverlapsAhead)) prefetch_overlaps(system, system.rows[i + kOverlapsAhead]);
       RowActivation& gate = activations[i];
       if (skips(gate)) return;
       ContactRow& row = system.rows[i];

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "studies/error_time_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <unordered_map>
+
+#include "app/compare/compare_loop.h"
+#include "parallel/interrupt.h"
+#include "scene/run/milliseconds.h"
+#include "scene/run/policy_name.h"
+#include "studies/other_engines.h"
+#include "verify/reference_figures.h"
+#include "verify/shared_reference.h"
+
+namespace poise::app {
+namespace {
+
+io::ComparedStep compared(const ReferenceFigures& figures, double time_ms) {
+  io::ComparedStep step;
+  step.converged = figures.converged;
+  step.e_mps = figures.e_mps;
+  step.e_rel = figures.e_rel;
+  step.e_seen_mps = figures.e_seen_mps;
+  step.gap_mean_px = figures.gap_mean_px;
+  step.false_rate = figures.false_rate;
+  step.time_ms = time_ms;
+  return step;
+}
+
+// One run that makes states, and everything that steps from them.
+class Trials {
+ public:
+  Trials(const Scene& scene, SceneRun& run, const ErrorTimeSettings& settings, std::vector<bench::Engine> engines)
+      : scene_(scene), run_(run), settings_(settings), engines_(std::move(engines)) {
+    for (const RunBody& body : run.bodies()) {
+      if (body.motion == MotionType::Dynamic) bodies_.push_back(body.id);
+    }
+    before_.resize(bodies_.size());
+    after_.resize(bodies_.size());
+    for (std::size_t i = 0; i < bodies_.size(); ++i) body_in_[bodies_[i].slot] = i;
+  }
+
+  [[nodiscard]] const std::vector<bench::Engine>& engines() const { return engines_; }
+
+  Status warm(std::uint64_t frame) {
+    const Status ready = run_.before_frame(frame);
+    return ready ? step(input_at(frame)) : ready;
+  }
+
+  // All methods from the state before `frame`, which the run then steps from.
+  Status measure(std::uint64_t frame, std::vector<MethodRun>& methods) {
+    shared_.save(run_.world());
+    for (MethodRun& method : methods) {
+      shared_.rewind(run_.world());
+      const bench::Engine* engine = engine_named(method.method.group);
+      const Result<io::ComparedStep> measured =
+          engine == nullptr ? by_poise(frame, method.method) : by_engine(frame, *engine, method.method);
+      if (!measured) return measured.error();
+      method.steps.push_back(measured.value());
+    }
+    shared_.rewind(run_.world());
+    return run_.world().set_policy(scene_.policy);
+  }
+
+ private:
+  [[nodiscard]] const bench::Engine* engine_named(const std::string& name) const {
+    const auto found = std::ranges::find(engines_, name, &bench::Engine::name);
+    return found == engines_.end() ? nullptr : &*found;
+  }
+  [[nodiscard]] StepInput input_at(std::uint64_t frame) const {
+    StepInput input;
+    input.dt_s = scene_.dt_s;
+    input.max_level = scene_.max_level;
+    input.view = scene_view(scene_, static_cast<double>(frame) * scene_.dt_s);
+    return input;
+  }
+  Status step(const StepInput& input, FrameReport* report = nullptr) {
+    const FrameReport done = run_.world().step(input);
+    if (report != nullptr) *report = done;
+    if (done.status == StepStatus::Done) return Done{};
+    return bad_input("a step was refused: its input is out of range");
+  }
+
+  Result<io::ComparedStep> by_poise(std::uint64_t frame, const StepMethod& method) {
+    Status done = run_.world().set_policy(method.policy.value_or(scene_.policy));
+    FrameReport report;
+    StepInput input;
+    for (std::uint64_t k = 0; done && k < settings_.history; ++k) {
+      if (k + 1 == settings_.history) shared_.begin(run_.world());
+      input = input_at(frame + k);
+      if (method.levels) {
+        input.max_level = static_cast<Level>(method.setting);
+      } else {
+        input.budget = Budget::within(of_ms(method.setting));
+      }
+      done = step(input, &report);
+    }
+    if (!done) return done.error();
+    return compared(shared_.compare(run_.world(), input), ms(report.times.total));
+  }
+
+  Result<io::ComparedStep> by_engine(std::uint64_t frame, const bench::Engine& engine, const StepMethod& method) {
+    World& world = run_.world();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) before_[i] = world.state(bodies_[i]).value();
+    engine.set_iterations(static_cast<int>(method.setting));
+    engine.set_states(before_);
+    for (std::uint64_t k = 0; k + 1 < settings_.history; ++k) engine.step();
+    engine.read_states(before_);
+    const auto begun = std::chrono::steady_clock::now();
+    engine.step();
+    const double time_ms = ms(std::chrono::steady_clock::now() - begun);
+    engine.read_states(after_);
+    // The same frame by Poise, for the reference of the engine's own state.
+    Status done = world.set_policy(scene_.policy);
+    for (std::size_t i = 0; done && i < bodies_.size(); ++i) done = world.set_state(bodies_[i], before_[i]);
+    if (!done) return Error{ErrorKind::BadInput, engine.name + " left the range of states: " + done.error().message};
+    shared_.begin(world);
+    const StepInput input = input_at(frame + settings_.history - 1);
+    done = step(input);
+    if (!done) return done.error();
+    std::vector<simulation::ComparedBody> touched;
+    ReferenceFigures figures = shared_.compare(world, input, &touched);
+    for (simulation::ComparedBody& body : touched) {
+      const std::size_t i = body_in_.at(body.slot);
+      body.dv_mps = after_[i].velocity_mps - before_[i].velocity_mps;
+      body.dw_radps = after_[i].angular_velocity_radps - before_[i].angular_velocity_radps;
+    }
+    const bool converged = figures.converged;
+    figures = simulation::compare_frames(touched, {}, input.view.present);
+    figures.converged = converged;
+    figures.false_rate.reset();
+    return compared(figures, time_ms);
+  }
+
+  const Scene& scene_;
+  SceneRun& run_;
+  const ErrorTimeSettings& settings_;
+  std::vector<bench::Engine> engines_;
+  std::vector<BodyId> bodies_;                              // those that are dynamic, as engines have them
+  std::unordered_map<std::uint32_t, std::size_t> body_in_;  // slot to place in bodies_
+  std::vector<BodyState> before_, after_;
+  simulation::SharedReference shared_;
+};
+
+std::vector<MethodRun> methods_of(const ErrorTimeSettings& settings, Level deepest,
+                                  const std::vector<bench::Engine>& engines) {
+  std::vector<MethodRun> methods;
+  for (const scheduler::Policy& policy : settings.policies) {
+    for (const double deadline_ms : settings.deadlines_ms)
+      methods.push_back({{io::policy_name(policy.kind), deadline_ms, policy, false}, {}});
+  }
+  for (Level level = 0; level <= deepest; ++level)
+    methods.push_back({{"levels", static_cast<double>(level), {}, true}, {}});
+  for (const bench::Engine& engine : engines) {
+    for (const int iterations : settings.iterations)
+      methods.push_back({{engine.name, static_cast<double>(iterations), {}, false}, {}});
+  }
+  return methods;
+}
+
+Level deepest_of(const SceneRun& run) {
+  Level deepest = 0;
+  for (const ShapePtr& shape : run.shapes()) {
+    if (shape->kind == ShapeKind::Tree) deepest = std::max(deepest, static_cast<Level>(shape->tree.depth()));
+  }
+  return deepest;
+}
+
+}  // namespace
+
+Result<ErrorTimeRun> error_time_run(const Scene& scene, const SceneRunOptions& start, const ErrorTimeSettings& settings,
+                                    const std::function<void(double share)>& told) {
+  Result<SceneRun> run = SceneRun::create(scene, start);
+  if (!run) return run.error();
+  Result<std::vector<bench::Engine>> engines = other_engines(scene, settings.bodies);
+  if (!engines) return engines.error();
+  Trials trials(scene, run.value(), settings, std::move(engines).value());
+  ErrorTimeRun made;
+  for (const bench::Engine& engine : trials.engines()) made.engines.push_back(engine.name + " " + engine.version);
+  made.methods = methods_of(settings, deepest_of(run.value()), trials.engines());
+  const parallel::Interrupt interrupt;
+  const std::uint64_t frames = settings.warm_up + settings.states * settings.every;
+  for (std::uint64_t frame = 0; frame < frames; ++frame) {
+    if (frame >= settings.warm_up && (frame - settings.warm_up) % settings.every == 0) {
+      const Status measured = trials.measure(frame, made.methods);
+      if (!measured) return measured.error();
+    }
+    const Status stepped = trials.warm(frame);
+    if (!stepped) return stepped.error();
+    if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+    told(static_cast<double>(frame + 1) / static_cast<double>(frames));
+  }
+  return made;
+}
+
+}  // namespace poise::app

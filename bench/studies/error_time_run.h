@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "poise/scene/scene.h"
+#include "scene/compare/comparison.h"
+
+/// How true a step is for the time that it takes: by Poise with deadlines or a level at most, and by other engines,
+/// from the same states.
+namespace poise::app {
+
+/// One way to step, with one setting.
+struct StepMethod {
+  std::string group;                        ///< name of its curve: a policy, `levels`, or an engine
+  double setting = 0;                       ///< a deadline in ms, a level, or iterations of an engine's solver
+  std::optional<scheduler::Policy> policy;  ///< of Poise, with a deadline
+  bool levels = false;                      ///< Poise, each pair to this level at most
+};
+
+struct ErrorTimeSettings {
+  std::uint64_t bodies = 500;  ///< of the generators
+  std::uint64_t seed = 1;      ///< of the intervals
+  std::uint64_t warm_up = 60;  ///< frames before the first state
+  std::uint64_t states = 24;
+  std::uint64_t every = 10;    ///< frames from state to state
+  std::uint64_t history = 10;  ///< frames that each method steps by itself from a state; the last one is measured
+  std::vector<scheduler::Policy> policies;
+  std::vector<double> deadlines_ms;
+  std::vector<int> iterations;  ///< of other engines
+};
+
+/// What was measured of a method: one entry a state.
+struct MethodRun {
+  StepMethod method;
+  std::vector<io::ComparedStep> steps;
+};
+
+struct ErrorTimeRun {
+  std::vector<MethodRun> methods;
+  std::vector<std::string> engines;  ///< other engines that took part, with version
+};
+
+/// Steps a scene with everything refined; from each state each method steps `history` frames by itself. Its last frame
+/// is held against the reference (docs/reference.md) of the state in which that frame began. Methods go in turns, state
+/// by state. Other engines take part where they are built in and know the scene: bodies of one shape made of spheres
+/// in a tray. `told` gets the share that is done. Refused: what the World refuses, and Ctrl-C.
+Result<ErrorTimeRun> error_time_run(const Scene& scene, const SceneRunOptions& start, const ErrorTimeSettings& settings,
+                                    const std::function<void(double share)>& told);
+
+}  // namespace poise::app

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "studies/study_error_time.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/exit_codes.h"
+#include "app/option_values.h"
+#include "app/refusal.h"
+#include "scene/run/percentiles.h"
+#include "scene/run/policy_name.h"
+#include "studies/gnuplot.h"
+
+namespace poise::app {
+namespace {
+
+constexpr const char* kErrorTimeScene = "jacks";
+constexpr std::uint64_t kErrorTimeBodies = 500;
+constexpr std::uint64_t kErrorTimeMostBodies = 100'000;
+constexpr std::uint64_t kErrorTimeThreads = 1;  // the other engines have one
+
+const std::vector<io::StudyColumn> kErrorTimeColumns = {{"group", "steps by", 0},
+                                                        {"setting", "setting", 2},
+                                                        {"unit", "of", 0},
+                                                        {"time_p50_ms", "ms", 3},
+                                                        {"time_p25_ms", "", 3},
+                                                        {"time_p75_ms", "", 3},
+                                                        {"e_rel", "E_rel", 3},
+                                                        {"e_rel_low", "from", 3},
+                                                        {"e_rel_high", "to", 3},
+                                                        {"e_seen_mps", "E_seen m/s", 4},
+                                                        {"e_seen_low_mps", "from", 4},
+                                                        {"e_seen_high_mps", "to", 4},
+                                                        {"false_contacts_percent", "false contacts %", 1}};
+
+const char* unit_of(const StepMethod& method) {
+  if (method.levels) return "level";
+  return method.policy ? "ms" : "iterations";
+}
+
+// Steps of all methods, state by state, as comparisons have them: each method is a policy with one budget.
+io::ComparedSteps steps_of(const ErrorTimeRun& run) {
+  io::ComparedSteps steps;
+  steps.budgets = {0};
+  for (std::size_t i = 0; i < run.methods.size(); ++i) steps.policies.push_back(fmt::format("{}", i));
+  const std::size_t states = run.methods.empty() ? 0 : run.methods.front().steps.size();
+  for (std::size_t state = 0; state < states; ++state) {
+    for (const MethodRun& method : run.methods) steps.steps.push_back(method.steps[state]);
+  }
+  return steps;
+}
+
+double time_percentile_ms(const MethodRun& method, double share) {
+  std::vector<double> times_ms;
+  for (const io::ComparedStep& step : method.steps) times_ms.push_back(step.time_ms);
+  return simulation::percentile(std::move(times_ms), share);
+}
+
+// The curves of one measure against time, each with its name at its end.
+std::string panel(const io::StudyTable& table, const std::vector<std::string>& groups, const char* measure,
+                  const char* title) {
+  std::string text = fmt::format("set title \"{}\"\n", title);
+  std::string plot;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const std::string block = fmt::format("{}{}", measure, g);
+    if (!io::has_numbers(table, measure, {{"group", groups[g]}})) continue;
+    text += io::study_points(table, block, "time_p50_ms", measure, {{"group", groups[g]}});
+    plot += fmt::format("{}${} using 1:2 with linespoints lt {} lw 2 pt 7 title \"{}\"", plot.empty() ? "" : ", ",
+                        block, g + 1, groups[g]);
+  }
+  return plot.empty() ? "" : text + "plot " + plot + "\n";
+}
+
+ErrorTimeSettings settings_of(const StudyErrorTimeOptions& o, const Scene& scene) {
+  ErrorTimeSettings settings;
+  settings.bodies = o.bodies.value_or(kErrorTimeBodies);
+  settings.seed = scene.seed;
+  settings.warm_up = o.common.warmup.value_or(settings.warm_up);
+  settings.states = o.states.value_or(settings.states);
+  settings.every = o.every.value_or(settings.every);
+  settings.history = o.history.value_or(settings.history);
+  settings.deadlines_ms = o.deadlines_ms.empty() ? std::vector<double>{0.5, 1, 1.5, 2, 3, 4, 6} : o.deadlines_ms;
+  settings.iterations = o.iterations.empty() ? std::vector<int>{1, 4, 10, 32, 100, 320} : o.iterations;
+  for (const std::string& name : o.policies.empty() ? std::vector<std::string>{"perceptual", "random"} : o.policies) {
+    scheduler::Policy policy = scene.policy;
+    policy.kind = io::policy_named(name)->kind;
+    settings.policies.push_back(policy);
+  }
+  std::ranges::sort(settings.deadlines_ms);
+  std::ranges::sort(settings.iterations);
+  return settings;
+}
+
+}  // namespace
+
+io::StudyTable error_time_table(const ErrorTimeRun& run, std::uint64_t seed) {
+  io::StudyTable table = begin_study("error-time", "poise study error-time");
+  table.columns = kErrorTimeColumns;
+  const io::PolicyComparison comparison = io::compare_steps(steps_of(run), seed);
+  table.facts = {{"states", static_cast<std::uint64_t>(comparison.frames)},
+                 {"states_not_converged", static_cast<std::uint64_t>(comparison.not_converged)},
+                 {"states_without_contacts", static_cast<std::uint64_t>(comparison.undefined)},
+                 {"engines", run.engines.empty() ? io::StudyCell(std::string("none are built in"))
+                                                 : io::StudyCell(fmt::format("{}", fmt::join(run.engines, "; ")))}};
+  if (comparison.frames == 0) return table;
+  for (std::size_t i = 0; i < run.methods.size(); ++i) {
+    const MethodRun& method = run.methods[i];
+    const io::ComparisonRow& row = comparison.rows[i];
+    table.rows.push_back({method.method.group, method.method.setting, std::string(unit_of(method.method)),
+                          time_percentile_ms(method, 0.5), time_percentile_ms(method, 0.25),
+                          time_percentile_ms(method, 0.75), row.e_rel.mean, row.e_rel.low, row.e_rel.high,
+                          row.e_seen_mps.mean, row.e_seen_mps.low, row.e_seen_mps.high,
+                          row.false_rate ? io::StudyCell(100 * *row.false_rate) : io::StudyCell()});
+  }
+  return table;
+}
+
+std::string error_time_plot(const io::StudyTable& table) {
+  std::vector<std::string> groups;
+  for (const std::vector<io::StudyCell>& row : table.rows) {
+    const std::string group = std::get<std::string>(row.front());
+    if (std::ranges::find(groups, group) == groups.end()) groups.push_back(group);
+  }
+  const std::string left = panel(table, groups, "e_rel", "relative error of the change of velocities");
+  const std::string right = panel(table, groups, "e_seen_mps", "error as it is seen, m/s");
+  if (left.empty() || right.empty()) return "";
+  return plot_style(1200, 560) +
+         "set multiplot layout 1,2\nset logscale xy\nset xlabel \"time of a step, ms (median)\"\n" + left + right +
+         "unset multiplot\n";
+}
+
+void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
+  add_whole(command, "--bodies", o.bodies, 1, kErrorTimeMostBodies,
+            fmt::format("Bodies (default {})", kErrorTimeBodies));
+  add_whole(command, "--states", o.states, 1, kMaxSceneFrames, "States that are stepped from (default 24)");
+  add_whole(command, "--every", o.every, 1, kMaxSceneFrames, "Frames from state to state (default 10)");
+  add_whole(command, "--warmup", o.common.warmup, 0, kMaxSceneFrames, "Frames before the first state (default 60)");
+  add_whole(command, "--history", o.history, 1, kMaxSceneFrames,
+            "Frames that each steps by itself from a state; the last one is measured (default 10)");
+  command.add_option("--deadlines", o.deadlines_ms, "Deadlines in ms, with commas (default 0.5,1,1.5,2,3,4,6)")
+      ->delimiter(',')
+      ->check(CLI::Range(0.001, 1e6))
+      ->type_name("LIST");
+  command.add_option("--policies", o.policies, "Policies under deadlines, with commas (default perceptual,random)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(io::kPolicyNames.begin(), io::kPolicyNames.end())))
+      ->type_name("LIST");
+  command
+      .add_option("--iterations", o.iterations,
+                  "Iterations of the solvers of other engines, with commas (default 1,4,10,32,100,320)")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 100'000))
+      ->type_name("LIST");
+  add_study_outputs(command, o.common, kErrorTimeScene);
+  command.footer(
+      "Examples:\n"
+      "  poise study error-time --markdown error-time.md --picture error-time.png      some minutes\n"
+      "  poise study error-time --bodies 100 --states 4 --iterations 10 --json -\n\n"
+      "From each state each way to step goes on by itself; its last frame is held against the reference of the state "
+      "in "
+      "which\n"
+      "that frame began. Engines have one thread, so by default Poise has one too. Words and figures: "
+      "docs/priorities.md.");
+}
+
+int study_error_time(const StudyErrorTimeOptions& o) {
+  const Status sound = check_study_times(o.common);
+  if (!sound)
+    return refuse("study error-time", sound.error().kind == ErrorKind::OutputFailed ? kExitOutputFailed : kExitBadUsage,
+                  sound.error().message);
+  StudyTimesOptions common = o.common;
+  common.threads = common.threads.value_or(kErrorTimeThreads);
+  const Result<StudyScene> scene = StudyScene::make(common, kErrorTimeScene);
+  if (!scene) return refuse("study error-time", scene.error());
+  Scene awake = scene.value().scene();
+  awake.sleeping = false;
+  const ErrorTimeSettings settings = settings_of(o, awake);
+  SceneRunOptions start = scene.value().start_options();
+  start.bodies = settings.bodies;
+  start.world.policy = awake.policy;
+  start.world.sleeping = false;
+  start.world.islands_wait = IslandsWait::Never;
+  Progress progress(!o.common.quiet);
+  const Result<ErrorTimeRun> run =
+      error_time_run(awake, start, settings, [&](double share) { progress.share("states", share); });
+  progress.end();
+  if (!run) return refuse("study error-time", run.error());
+  io::StudyTable table = error_time_table(run.value(), settings.seed);
+  if (table.rows.empty()) {
+    return refuse("study error-time", kExitBadInput,
+                  "no state counts: nothing touches, or no reference converged; take a later --warmup");
+  }
+  table.facts.insert(table.facts.begin(), {{"scene", scene.value().name()},
+                                           {"bodies", settings.bodies},
+                                           {"history", settings.history},
+                                           {"threads", static_cast<std::uint64_t>(scene.value().threads())}});
+  const Status written = write_study(common, table, error_time_plot(table));
+  return written ? kExitDone : refuse("study error-time", written.error());
+}
+
+}  // namespace poise::app

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "studies/error_time_run.h"
+#include "studies/study_times.h"
+
+namespace poise::app {
+
+/// The command line of `poise study error-time`.
+struct StudyErrorTimeOptions {
+  StudyTimesOptions common;
+  std::optional<std::uint64_t> bodies, states, every, history;
+  std::vector<double> deadlines_ms;   ///< empty: shares of what full levels take
+  std::vector<std::string> policies;  ///< empty: perceptual and random
+  std::vector<int> iterations;        ///< of other engines; empty: 4 to 256
+};
+void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& options);
+
+/// Measures error against time. Returns the exit code.
+int study_error_time(const StudyErrorTimeOptions& options);
+
+/// The table of a run, a row a method; and the script of its picture.
+io::StudyTable error_time_table(const ErrorTimeRun& run, std::uint64_t seed);
+std::string error_time_plot(const io::StudyTable& table);
+
+}  // namespace poise::app
