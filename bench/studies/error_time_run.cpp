@@ -57,7 +57,7 @@ class Trials {
       shared_.rewind(run_.world());
       const bench::Engine* engine = engine_named(method.method.group);
       const Result<io::ComparedStep> measured =
-          engine == nullptr ? by_poise(frame, method.method) : by_engine(frame, *engine, method.method);
+          engine == nullptr ? by_poise(frame, method.method) : by_engine(frame, *engine, method);
       if (!measured) return measured.error();
       method.steps.push_back(measured.value());
     }
@@ -102,10 +102,10 @@ class Trials {
     return compared(shared_.compare(run_.world(), input), ms(report.times.total));
   }
 
-  Result<io::ComparedStep> by_engine(std::uint64_t frame, const bench::Engine& engine, const StepMethod& method) {
+  Result<io::ComparedStep> by_engine(std::uint64_t frame, const bench::Engine& engine, MethodRun& method) {
     World& world = run_.world();
     for (std::size_t i = 0; i < bodies_.size(); ++i) before_[i] = world.state(bodies_[i]).value();
-    engine.set_iterations(static_cast<int>(method.setting));
+    engine.set_iterations(static_cast<int>(method.method.setting));
     engine.set_states(before_);
     for (std::uint64_t k = 0; k + 1 < settings_.history; ++k) engine.step();
     engine.read_states(before_);
@@ -132,7 +132,22 @@ class Trials {
     figures = simulation::compare_frames(touched, {}, input.view.present);
     figures.converged = converged;
     figures.false_rate.reset();
+    method.own_e_rel.push_back(own_e_rel(engine, std::move(touched)));
     return compared(figures, time_ms);
+  }
+
+  // The error of the changes in `touched` against those of the same engine from before_ with its solver converged.
+  double own_e_rel(const bench::Engine& engine, std::vector<simulation::ComparedBody> touched) {
+    engine.set_states(before_);
+    engine.set_iterations(kLimitIterations);
+    engine.step();
+    engine.read_states(after_);
+    for (simulation::ComparedBody& body : touched) {
+      const std::size_t i = body_in_.at(body.slot);
+      body.reference_dv_mps = after_[i].velocity_mps - before_[i].velocity_mps;
+      body.reference_dw_radps = after_[i].angular_velocity_radps - before_[i].angular_velocity_radps;
+    }
+    return simulation::compare_frames(touched, {}, false).e_rel.value_or(0);
   }
 
   const Scene& scene_;
@@ -150,13 +165,13 @@ std::vector<MethodRun> methods_of(const ErrorTimeSettings& settings, Level deepe
   std::vector<MethodRun> methods;
   for (const scheduler::Policy& policy : settings.policies) {
     for (const double deadline_ms : settings.deadlines_ms)
-      methods.push_back({{io::policy_name(policy.kind), deadline_ms, policy, false}, {}});
+      methods.push_back({{io::policy_name(policy.kind), deadline_ms, policy, false}, {}, {}});
   }
   for (Level level = 0; level <= deepest; ++level)
-    methods.push_back({{"levels", static_cast<double>(level), {}, true}, {}});
+    methods.push_back({{"levels", static_cast<double>(level), {}, true}, {}, {}});
   for (const bench::Engine& engine : engines) {
     for (const int iterations : settings.iterations)
-      methods.push_back({{engine.name, static_cast<double>(iterations), {}, false}, {}});
+      methods.push_back({{engine.name, static_cast<double>(iterations), {}, false}, {}, {}});
   }
   return methods;
 }

@@ -38,7 +38,11 @@ struct ErrorTimeSettings {
 struct MethodRun {
   StepMethod method;
   std::vector<io::ComparedStep> steps;
+  /// Of other engines: E_rel against what the engine itself does from the same state with kLimitIterations. It tells
+  /// how far its solver has converged, without what it models otherwise than Poise.
+  std::vector<double> own_e_rel;
 };
+inline constexpr int kLimitIterations = 3000;
 
 struct ErrorTimeRun {
   std::vector<MethodRun> methods;
@@ -48,7 +52,8 @@ struct ErrorTimeRun {
 /// Steps a scene with everything refined; from each state each method steps `history` frames by itself. Its last frame
 /// is held against the reference (docs/reference.md) of the state in which that frame began. Methods go in turns, state
 /// by state. Other engines take part where they are built in and know the scene: bodies of one shape made of spheres
-/// in a tray. `told` gets the share that is done. Refused: what the World refuses, and Ctrl-C.
+/// in a tray. Whatever an engine models otherwise counts as its error, as impacts that are answered a step later do.
+/// `told` gets the share that is done. Refused: what the World refuses, and Ctrl-C.
 Result<ErrorTimeRun> error_time_run(const Scene& scene, const SceneRunOptions& start, const ErrorTimeSettings& settings,
                                     const std::function<void(double share)>& told);
 

@@ -41,6 +41,28 @@ BodyState state_of(const Engine& engine) {
   return state;
 }
 
+TEST(Peers, GoOnFromTheStateTheyAreSetTo) {
+  for (const Engine& engine : peers([] {
+         PileScene scene = ball_scene(0.5);
+         scene.start = {at({0, 0, 3})};
+         return scene;
+       }())) {
+    engine.step();
+    BodyState wanted = at({1, -2, 7}, {0.5, 0.25, -1});
+    wanted.angular_velocity_radps = {1, 2, 3};
+    wanted.orientation = Quat(0.5, 0.5, -0.5, 0.5);
+    engine.set_states({&wanted, 1});
+    const BodyState set = state_of(engine);
+    EXPECT_LT((set.position_m - wanted.position_m).norm(), 1e-6) << engine.name;
+    EXPECT_LT(set.orientation.angularDistance(wanted.orientation), 1e-5) << engine.name;
+    EXPECT_LT((set.angular_velocity_radps - wanted.angular_velocity_radps).norm(), 1e-6) << engine.name;
+    engine.step();
+    const Vec3 velocity = wanted.velocity_mps + Vec3(0, 0, -9.81 / 60);
+    EXPECT_LT((state_of(engine).velocity_mps - velocity).norm(), 1e-5) << engine.name;
+    EXPECT_LT((state_of(engine).position_m - wanted.position_m - velocity / 60).norm(), 1e-5) << engine.name;
+  }
+}
+
 TEST(PileFigures, OverlapsOfSpheresAndWallsAreCountedOnceAndMeasured) {
   PileScene scene = ball_scene(0.5);
   scene.walls.push_back({Vec3::UnitX(), -5});
