@@ -24,6 +24,7 @@ export function startKeyboard({ store, player, replay, toggleTheme, wholeZoom })
     s: () => replay?.next("show"),
     v: () => replay?.switchCamera(),
     a: () => replay?.choose("camera", "all"),
+    b: () => replay?.pickAtGaze(),
     k: () => replay?.toggle("show-contacts"),
     g: () => replay?.toggle("show-gaze"),
     f: () => replay?.toggle("show-frustum"),

@@ -222,6 +222,90 @@ test("keys pour, pause, step and start again", { skip }, () =>
   }),
 );
 
+/** The dynamic body nearest to the eye of those well inside the picture: where it is seen, and its number. */
+const nearestBody = (page) =>
+  page.evaluate(() => {
+    const { stage, capture } = window.poise;
+    const { cursor, cameras } = stage;
+    stage.drawNow();
+    const eye = cameras.camera.position;
+    const near = [...cursor.rows]
+      .filter((row) => capture.bodies.motion[row] === 2)
+      .map((row) => ({ row, place: eye.clone().fromArray(cursor.position, 3 * row) }))
+      .map(({ row, place }) => ({ row, away: place.distanceTo(eye), seen: place.project(cameras.camera) }))
+      .filter(({ seen }) => Math.abs(seen.x) < 0.7 && Math.abs(seen.y) < 0.7)
+      .sort((a, b) => a.away - b.away)[0];
+    const box = stage.canvas.getBoundingClientRect();
+    return {
+      number: capture.bodies.number[near.row],
+      x: box.x + (0.5 + 0.5 * near.seen.x) * box.width,
+      y: box.y + (0.5 - 0.5 * near.seen.y) * box.height,
+    };
+  });
+const fact = (page, name) =>
+  page.evaluate(
+    (wanted) => [...document.querySelectorAll("#facts dt")].find((term) => term.textContent === wanted)?.nextSibling.textContent,
+    name,
+  );
+
+test("a click on a body tells its facts, which follow the run; a button, Escape and B close and open them", { skip }, () =>
+  withLive(async (page) => {
+    const pause = async () => {
+      await page.keyboard.press("Space");
+      await statusIs(page, () => window.poise.status.paused);
+      await page.waitForFunction(() => window.poise.capture.frames[0].frame === window.poise.status.frame);
+    };
+    await statusIs(page, () => window.poise.status.frame > 60);
+    await pause();
+    const { number, x, y } = await nearestBody(page);
+    await page.mouse.click(x, y);
+    await page.waitForSelector("#facts:not([hidden])");
+    assert.equal(await page.textContent("#facts h3"), `Body ${number}`);
+    assert.match(await fact(page, "shape"), /jack/);
+    assert.match(await fact(page, "state"), /^(moving|waiting|paused|asleep)/);
+    assert.match(await fact(page, "level"), /^(touches nothing|level \d|polygons)$/);
+    assert.match(await fact(page, "mass"), / kg$/);
+    assert.ok(await page.isVisible("#chosen"));
+    await page.keyboard.press(".");
+    await page.waitForFunction(() => /^[0-9.e-]+ m\/s$/.test(document.querySelector("#facts dl").children[11].textContent));
+    const before = await fact(page, "position");
+    await page.keyboard.press("Space");
+    await page.waitForFunction((was) => !document.querySelector("#facts dl").textContent.includes(was), before);
+    // While it goes on, the button can be pressed: it is not made anew with each frame.
+    await page.click("#facts button");
+    await page.waitForSelector("#facts", { state: "hidden" });
+    assert.equal(await page.isVisible("#chosen"), false);
+    await pause();
+    const now = await nearestBody(page);
+    await page.mouse.move(now.x, now.y);
+    await page.keyboard.press("b");
+    await page.waitForSelector("#facts:not([hidden])");
+    assert.equal(await page.textContent("#facts h3"), `Body ${now.number}`);
+    await page.keyboard.press("Escape");
+    await page.waitForSelector("#facts", { state: "hidden" });
+  }),
+);
+
+test("a chosen body that has left is said to be gone, and is found again when it is back", { skip }, () =>
+  withLive(async (page) => {
+    const number = await page.evaluate(() => {
+      const { capture, stage } = window.poise;
+      const row = capture.bodies.number.length - 1;
+      stage.chosen = { number: capture.bodies.number[row], row };
+      return stage.chosen.number;
+    });
+    const state = () => [...document.querySelectorAll("#facts dt")].find((term) => term.textContent === "state")?.nextSibling.textContent;
+    await page.evaluate(`window.stateOfChosen = ${state}`);
+    await page.waitForFunction(() => /^(moving|waiting|paused|asleep)/.test(window.stateOfChosen()));
+    await slide(page, "bodies-wanted", 50);
+    await page.waitForFunction(() => window.stateOfChosen() === "not there in this frame");
+    assert.equal(await page.isVisible("#chosen"), false);
+    await page.keyboard.press("r");
+    await page.waitForFunction(() => /^(moving|waiting|paused|asleep)/.test(window.stateOfChosen()));
+    assert.equal(await page.textContent("#facts h3"), `Body ${number}`);
+  }),
+);
+
 test("what is wrong is refused and told, and changes nothing", { skip }, () =>
   withLive(async (page) => {
     await page.evaluate(() => window.poise.send({ do: "deadline", ms: -1 }));

@@ -294,6 +294,20 @@ test("a click on a body shows its facts in this frame; Escape closes them", { sk
     assert.ok(await page.isVisible("#chosen"));
     await page.keyboard.press("Escape");
     await page.waitForSelector("#facts", { state: "hidden" });
+    await page.keyboard.press("b");
+    await page.waitForSelector("#facts:not([hidden])");
+    assert.match(await page.textContent("#facts h3"), /^Body \d+/);
+    // While frames change the button stays, and can be pressed.
+    const isSame = await page.evaluate(() => {
+      const button = document.querySelector("#facts button");
+      const { player, replay } = window.poise;
+      player.goTo(61);
+      replay.drawNow();
+      return button === document.querySelector("#facts button");
+    });
+    assert.ok(isSame);
+    await page.click("#facts button");
+    await page.waitForSelector("#facts", { state: "hidden" });
   }),
 );
 

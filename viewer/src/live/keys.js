@@ -14,9 +14,11 @@ export function startKeys({ pour, pause, step, again, toggleTheme, stage }) {
     s: () => stage()?.next?.("show"),
     v: () => stage()?.switchCamera?.(),
     a: () => stage()?.choose?.("camera", "all"),
+    b: () => stage()?.pickAtGaze?.(),
     g: () => stage()?.toggle?.("show-gaze"),
     t: toggleTheme,
     "?": () => help.showModal(),
+    Escape: () => stage()?.closeFacts?.(),
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;

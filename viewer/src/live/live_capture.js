@@ -72,6 +72,7 @@ const kColumns = [
   ["state", Uint8Array, 1],
   ["level", Uint8Array, 1],
   ["priority", Uint8Array, 1],
+  ["still", Uint8Array, 1],
   ["isNew", Uint8Array, 1],
   ["marked", Uint32Array, 1],
   ["before", Float64Array, 3],
@@ -99,7 +100,8 @@ export class LiveCursor extends FrameCursor {
     this.before.set(this.q);
     this.wasThere.fill(0);
     // After a renumbering the rows are those of other bodies.
-    if (!this.file.isRenumbered) for (const row of this.rows) this.wasThere[row] = 1;
+    if (this.file.isRenumbered) this.still.fill(0);
+    else for (const row of this.rows) this.wasThere[row] = 1;
     this.decode(0);
     const { time_s } = this.facts;
     if (time_s !== before_s) this.findSpeeds(time_s - before_s);

@@ -7,10 +7,14 @@ import { milliseconds } from "../format.js";
 import { BodyLayer, kHardware, kSoftware } from "../replay/body_layer.js";
 import { Cameras } from "../replay/cameras.js";
 import { Coloring, kColorings } from "../replay/coloring.js";
-import { aimLight, makeRenderer, placeRing, showChoices, showOf, upOf } from "../replay/picture.js";
+import { showFacts } from "../replay/facts.js";
+import { bodyAt, listenForClicks, rayThrough } from "../replay/picking.js";
+import { aimLight, makeRenderer, placeBodyRing, placeRing, showChoices, showOf, upOf } from "../replay/picture.js";
 import { makeLight } from "../replay/shaders.js";
 import { boundsNow, PlaneLayer } from "../replay/stage_geometry.js";
 import { LiveCursor } from "./live_capture.js";
+
+const kFacts_ms = 100; // between two updates of a body's facts, so that they can be read
 
 /** Scales of colours before anything was seen but the shapes. */
 const firstScales = (shapes) => ({
@@ -42,6 +46,7 @@ export class LiveStage {
       taken: () => this.choose("camera", "free"),
     });
     this.pointer = null;
+    this.chosen = null; // `{number, row}`; the row is -1 where the body is not in the table
     this.pictures = 0;
     this.fillControls();
     this.listen();
@@ -56,7 +61,7 @@ export class LiveStage {
   fillControls() {
     fillSelect(byId("show"), showChoices(this.capture.shapes), "shapes");
     // What can be told of a body from one frame.
-    const colorings = Object.fromEntries(["level", "priority", "speed", "state"].map((mode) => [mode, kColorings[mode]]));
+    const colorings = Object.fromEntries(["level", "priority", "speed", "state", "clock"].map((mode) => [mode, kColorings[mode]]));
     fillSelect(byId("color"), colorings, "level");
     const cameras = { ...(this.camera ? { scene: "of the scene" } : {}), free: "mine", all: "all in view" };
     fillSelect(byId("camera"), cameras, this.camera ? "scene" : "free");
@@ -73,6 +78,7 @@ export class LiveStage {
       this.pointer = [event.offsetX, event.offsetY];
       this.tell("gaze");
     };
+    listenForClicks(this.canvas, (x, y) => this.pickAt(x, y));
     this.canvas.addEventListener("pointermove", at);
     this.canvas.addEventListener("pointerdown", at);
     this.canvas.addEventListener("pointerleave", () => {
@@ -126,7 +132,9 @@ export class LiveStage {
 
   /** The capture has taken a frame. */
   advance() {
+    const isRenumbered = this.capture.isRenumbered;
     this.cursor.advance();
+    if (isRenumbered && this.chosen) this.chosen.row = this.capture.bodies.number.indexOf(this.chosen.number);
     this.widen();
     this.draw();
   }
@@ -178,6 +186,7 @@ export class LiveStage {
     this.renderer.render(this.scene, camera);
     this.tellIfMoved();
     this.placeGaze(size.x, size.y);
+    this.showChosen(size.x, size.y);
     this.showBadge();
     ++this.pictures;
   }
@@ -211,11 +220,7 @@ export class LiveStage {
   }
   /** The direction under the pointer. */
   gazeNow() {
-    const [x, y] = this.pointer;
-    const { clientWidth, clientHeight } = this.canvas;
-    const { camera } = this.cameras;
-    const toward = new Vector3((2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight, 0.5).unproject(camera);
-    return toward.sub(camera.position).normalize().toArray();
+    return this.rayAt(...this.pointer).direction.toArray();
   }
 
   /** The ring where the run's gaze is, as it says itself. */
@@ -229,6 +234,50 @@ export class LiveStage {
     const away = Math.max(0.1, this.bounds.center.clone().sub(eye).dot(gaze));
     placeRing(ring, eye.addScaledVector(gaze, away), this.cameras.camera, width, height);
   }
+
+  /** The ray into the picture at a point of the canvas. */
+  rayAt(x, y) {
+    const { clientWidth, clientHeight } = this.canvas;
+    return rayThrough(this.cameras.camera, (2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight);
+  }
+  /** Chooses the body at a point of the canvas, or none. */
+  pickAt(x, y) {
+    const hit = bodyAt(this.rayAt(x, y), { ...this, file: this.capture }, showOf(byId("show").value));
+    this.chosen = hit ? { number: this.capture.bodies.number[hit.row], row: hit.row } : null;
+    this.draw();
+  }
+  /** That under the pointer; without one that in the middle of the picture. */
+  pickAtGaze() {
+    this.pickAt(...(this.pointer ?? [0.5 * this.canvas.clientWidth, 0.5 * this.canvas.clientHeight]));
+  }
+  closeFacts() {
+    this.chosen = null;
+    this.draw();
+  }
+  /** The ring around the chosen body, and what the frames tell of it. */
+  showChosen(width, height) {
+    const { capture: file, cursor, chosen } = this;
+    const ring = byId("chosen");
+    ring.hidden = !chosen || chosen.row < 0 || !cursor.has(chosen.row);
+    if (!ring.hidden) placeBodyRing(ring, { cursor, file, row: chosen.row }, this.cameras.camera, width, height);
+    if (this.factsTimer && chosen?.number === this.toldNumber) return;
+    this.tellFacts();
+  }
+  /** Now, and once more when they have been there long enough to be read and a frame has come meanwhile. */
+  tellFacts() {
+    const { capture: file, cursor, chosen } = this;
+    clearTimeout(this.factsTimer);
+    this.factsTimer = 0;
+    showFacts(chosen && { file, cursor, ...chosen }, () => this.closeFacts());
+    this.toldNumber = chosen?.number;
+    if (!chosen) return;
+    const { frame } = cursor.facts;
+    this.factsTimer = setTimeout(() => {
+      this.factsTimer = 0;
+      if (cursor.facts.frame !== frame) this.tellFacts();
+    }, kFacts_ms);
+  }
+
   showBadge() {
     const { facts } = this.cursor;
     const badge = byId("late-badge");

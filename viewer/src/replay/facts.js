@@ -18,7 +18,7 @@ export function factsOf(file, cursor, row) {
     ["state", cursor.still[row] > 1 ? `${state}, for ${cursor.still[row]} frames or more` : state],
     ["level", levelText(cursor.level[row])],
     ["priority", cursor.priority[row] === 0 ? "not ranked" : `${number(priorityOfBand(cursor.priority[row]))} rad/m`],
-    ["speed", `${number(cursor.speed[row])} m/s`],
+    ["speed", Number.isNaN(cursor.speed[row]) ? "not known in this frame" : `${number(cursor.speed[row])} m/s`],
     ["position", `${place} m`],
   ];
   if (bodies.motion[row] === 2) facts.push(["mass", `${number(bodies.mass_kg[row])} kg`]);
@@ -53,20 +53,26 @@ function pairLines(file, pairs, row) {
   return [element("h4", {}, title), element("ul", { class: "pairs" }, ...lines)];
 }
 
-/** Shows them; `chosen` is `{file, cursor, row}`, or null to close. */
+/** The panel of a body: what stays while frames change, so that its button can be pressed meanwhile. */
+function openPanel(panel, title, close) {
+  const button = element("button", { type: "button", "aria-label": "Close the facts" }, "×");
+  button.addEventListener("click", close);
+  panel.replaceChildren(element("h3", {}, title), button, element("div", { class: "now-known" }));
+  panel.dataset.title = title;
+}
+
+/** Shows them; `chosen` is `{file, cursor, row, pairs}`, or null to close. `pairs` may be missing where the file has none. */
 export function showFacts(chosen, close) {
   const panel = byId("facts");
   panel.hidden = chosen === null;
   if (chosen === null) return;
   const { file, cursor, row, pairs } = chosen;
-  const isThere = cursor.has(row);
-  const name = file.bodies.name[row];
-  const button = element("button", { type: "button", "aria-label": "Close the facts" }, "×");
-  button.addEventListener("click", close);
+  const isThere = row >= 0 && cursor.has(row);
+  const name = row >= 0 ? file.bodies.name[row] : "";
+  const title = `Body ${chosen.number ?? file.bodies.number[row]}${name ? ` (${name})` : ""}`;
+  if (panel.dataset.title !== title) openPanel(panel, title, close);
   const facts = isThere ? factsOf(file, cursor, row) : [["state", "not there in this frame"]];
-  panel.replaceChildren(
-    element("h3", {}, `Body ${file.bodies.number[row]}${name ? ` (${name})` : ""}`),
-    button,
+  panel.lastElementChild.replaceChildren(
     element("dl", {}, ...facts.flatMap(([label, text]) => [element("dt", {}, label), element("dd", {}, text)])),
     ...((isThere && pairLines(file, pairs, row)) || []),
   );

@@ -1,6 +1,32 @@
 // SPDX-License-Identifier: MIT
 import { Quaternion, Ray, Vector3 } from "three";
 
+const kClick_px = 4; // a pointer that moved farther has dragged. Chosen
+
+/** Tells `picked` where a canvas is clicked, in CSS pixels; what turns the picture is no click. */
+export function listenForClicks(canvas, picked) {
+  let pressed = null;
+  canvas.addEventListener("pointerdown", (event) => (pressed = event));
+  canvas.addEventListener("pointerup", (event) => {
+    const isClick = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) < kClick_px;
+    if (isClick && event.button === 0) picked(event.offsetX, event.offsetY);
+    pressed = null;
+  });
+}
+
+/** The ray into the picture of a camera; x and y from -1 to 1, rightwards and up. */
+export function rayThrough(camera, x, y) {
+  const toward = new Vector3(x, y, 0.5).unproject(camera);
+  return new Ray(camera.position.clone(), toward.sub(camera.position).normalize());
+}
+
+/** The body that a ray meets first in what is drawn; `show` as BodyLayer takes it. Null for none. */
+export function bodyAt(ray, { cursor, file, bodies }, show) {
+  return firstBody(ray, cursor, file, (row) =>
+    bodies.spheresOf(file.shapes[file.bodies.shape[row]], show, cursor.level[row]),
+  );
+}
+
 /** Distance along the ray to a ball; Infinity if it passes by. */
 function toBall(ray, x, y, z, radius) {
   const dx = x - ray.origin.x,

@@ -49,6 +49,19 @@ export function showChoices(shapes) {
 /** The choice as BodyLayer takes it: a word, or the number of a level. */
 export const showOf = (value) => (value === "shapes" || value === "reached" ? value : Number(value));
 
+/** Puts a ring around a body in a picture of this size, whose left edge is `left` pixels from that of the stage. */
+export function placeBodyRing(ring, { cursor, file, row }, camera, width, height, left = 0) {
+  const center = new Vector3().fromArray(cursor.position, 3 * row);
+  const away = center.distanceTo(camera.position);
+  const radius = file.shapes[file.bodies.shape[row]].radius_m;
+  const size = (radius / away / Math.tan((camera.fov * Math.PI) / 360)) * height;
+  const seen = center.project(camera);
+  ring.hidden = seen.z > 1;
+  ring.style.left = `${left + (0.5 + 0.5 * seen.x) * width}px`;
+  ring.style.top = `${(0.5 - 0.5 * seen.y) * height}px`;
+  ring.style.width = ring.style.height = `${Math.max(12, size)}px`;
+}
+
 /** Puts a ring where a point is seen in a picture of this size; hides it where it is not. */
 export function placeRing(ring, point, camera, width, height) {
   const seen = point.project(camera);

@@ -11,8 +11,8 @@ import { Cameras } from "./cameras.js";
 import { Coloring, kColorings, scalesOf } from "./coloring.js";
 import { showFacts } from "./facts.js";
 import { CoarsePairsLayer, FrustumLayer } from "./overlays.js";
-import { firstBody } from "./picking.js";
-import { aimLight, makeRenderer, placeRing, showChoices, showOf, upOf } from "./picture.js";
+import { bodyAt, listenForClicks, rayThrough } from "./picking.js";
+import { aimLight, makeRenderer, placeBodyRing, placeRing, showChoices, showOf, upOf } from "./picture.js";
 import { makeLight } from "./shaders.js";
 import { Visibility } from "./visibility.js";
 import { boundsNow, boundsOf, ContactLayer, PlaneLayer } from "./stage_geometry.js";
@@ -104,13 +104,7 @@ export class Replay {
     this.store.on("row", () => this.draw());
     this.store.on("theme", () => this.setTheme());
     new ResizeObserver(() => this.resize()).observe(byId("stage"));
-    let pressed = null;
-    this.canvas.addEventListener("pointerdown", (event) => (pressed = event));
-    this.canvas.addEventListener("pointerup", (event) => {
-      const isClick = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) < 4;
-      if (isClick && event.button === 0) this.pickAt(event.offsetX, event.offsetY);
-      pressed = null;
-    });
+    listenForClicks(this.canvas, (x, y) => this.pickAt(x, y));
     this.showLegend();
   }
 
@@ -280,16 +274,8 @@ export class Replay {
     const { view, row } = this.chosen ?? {};
     ring.hidden = !view || !view.cursor.has(row);
     if (ring.hidden) return;
-    const { camera } = this.cameras;
-    const center = new Vector3().fromArray(view.cursor.position, 3 * row);
-    const away = center.distanceTo(camera.position);
-    const radius = view.file.shapes[view.file.bodies.shape[row]].radius_m;
-    const size = (radius / away / Math.tan((camera.fov * Math.PI) / 360)) * height;
-    const seen = center.project(camera);
-    ring.hidden = seen.z > 1;
-    ring.style.left = `${(this.views.indexOf(view) + 0.5 + 0.5 * seen.x) * width}px`;
-    ring.style.top = `${(0.5 - 0.5 * seen.y) * height}px`;
-    ring.style.width = ring.style.height = `${Math.max(12, size)}px`;
+    const left = this.views.indexOf(view) * width;
+    placeBodyRing(ring, { ...view, row }, this.cameras.camera, width, height, left);
   }
 
   /** The ray into the picture at a point of the canvas, and the view that it is in. */
@@ -297,23 +283,26 @@ export class Replay {
     const { clientWidth, clientHeight } = this.canvas;
     const width = clientWidth / this.views.length;
     const number = Math.min(this.views.length - 1, Math.floor(x / width));
-    const { camera } = this.cameras;
-    const toward = new Vector3(2 * ((x - number * width) / width) - 1, 1 - (2 * y) / clientHeight, 0.5).unproject(
-      camera,
-    );
-    return { view: this.views[number], ray: new Ray(camera.position.clone(), toward.sub(camera.position).normalize()) };
+    const ray = rayThrough(this.cameras.camera, 2 * ((x - number * width) / width) - 1, 1 - (2 * y) / clientHeight);
+    return { view: this.views[number], ray };
   }
   pickAt(x, y) {
     const { view, ray } = this.rayAt(x, y);
-    const hit = this.meets(view, ray, this.show());
+    this.pick(view, ray);
+  }
+  /** The body that the gaze meets; without a gaze the one in the middle of the picture. */
+  pickAtGaze() {
+    const facts = this.camera();
+    const isGaze = facts && !byId("gaze").hidden;
+    const ray = isGaze
+      ? new Ray(new Vector3(...facts.position_m), new Vector3(...facts.gaze).normalize())
+      : rayThrough(this.cameras.camera, 0, 0);
+    this.pick(this.views[0], ray);
+  }
+  pick(view, ray) {
+    const hit = bodyAt(ray, view, this.show());
     this.chosen = hit ? { view, row: hit.row } : null;
     this.draw();
-  }
-  meets(view, ray, show) {
-    const { file, cursor, bodies } = view;
-    return firstBody(ray, cursor, file, (row) =>
-      bodies.spheresOf(file.shapes[file.bodies.shape[row]], show, cursor.level[row]),
-    );
   }
 
   /** Puts the ring where the gaze meets the first body, or as far as the bodies are. */
@@ -325,7 +314,7 @@ export class Replay {
     const eye = new Vector3(...facts.position_m);
     const direction = new Vector3(...facts.gaze).normalize();
     // Spheres of the coarsest level are near enough for a ring, and quick.
-    const hit = this.meets(this.views[0], new Ray(eye, direction), 0);
+    const hit = bodyAt(new Ray(eye, direction), this.views[0], 0);
     const away = hit?.distance ?? Math.max(0.1, this.bounds.center.clone().sub(eye).dot(direction));
     placeRing(ring, eye.addScaledVector(direction, away), this.cameras.camera, width, height);
   }
