@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -28,6 +29,12 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
+}
+
+app::FiguresDocument document_of(const app::LineChart& chart) {
+  app::FiguresDocument document;
+  document.charts = {chart};
+  return document;
 }
 
 app::LineChart falling() {
@@ -70,6 +77,23 @@ TEST(LineChart, NamesOfLinesThatEndTogetherDoNotLieOverEachOther) {
     return std::stod(svg.substr(y));
   };
   EXPECT_GE(std::abs(height_of("one") - height_of("two")), 15);
+}
+
+TEST(LineChart, GapsEndALineAndLevelsAreDashed) {
+  app::LineChart chart{
+      "id", "t", "", "x", {{"l", {{1, 1, {}, {}}, {2, std::nan(""), {}, {}}, {3, 2, {}, {}}, {4, 5, {}, {}}}}}};
+  chart.levels = {{"deadline", 3, {}}};
+  EXPECT_EQ(count_of(app::line_chart_svg(chart), "<polyline"), 2U);
+  EXPECT_EQ(count_of(app::line_chart_svg(chart), "stroke-dasharray"), 1U);
+  EXPECT_EQ(count_of(app::line_chart_svg(chart), ">deadline</text>"), 1U);
+  const json of_page = figures_in(app::figures_page("<!-- poise:data -->", document_of(chart))).at("charts")[0];
+  EXPECT_EQ(of_page.at("lines")[0].at("points")[1], json::parse("[2.0,null]"));
+  EXPECT_EQ(of_page.at("levels")[0].at("y"), 3);
+  EXPECT_LT(of_page.at("y").at("least"), 0) << "so that a line at 0 is seen";
+  chart.lines[0].marks = app::LineMarks::Dots;
+  EXPECT_EQ(count_of(app::line_chart_svg(chart), "<polyline"), 0U);
+  chart.lines[0].marks = app::LineMarks::Line;
+  EXPECT_EQ(count_of(app::line_chart_svg(chart), "<circle"), 0U);
 }
 
 TEST(FiguresPage, HoldsTheDocumentAndNoMarkupOfIt) {

@@ -5,7 +5,7 @@ import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { apart, ticksUpTo } from "../src/figures/curves.js";
+import { apart, shareOf, tickRows } from "../src/figures/curves.js";
 import { filledRows, numberIn, partsOf, sortedBy } from "../src/figures/markdown.js";
 import { chromiumPath, launch, openPage } from "./browser.mjs";
 import { viewerFolder, withFolder } from "./page.mjs";
@@ -23,9 +23,14 @@ const invented = {
       title: "E_seen, m/s",
       note: "Lower is better.",
       x_label: "budget",
+      x: { least: 0, most: 50, log: false, ticks: [[0, "0"], [50, "50"]] },
+      y: { least: 0.1, most: 2, log: true, ticks: [[0.1, "0.1"], [1, "1"]] },
+      levels: [{ label: "allowed", y: 0.3, line: null }],
       lines: [
-        { label: "fifo", points: [[0, 1, 0.8, 1.2], [10, 0.5, 0.4, 0.6], [50, 0.25, 0.2, 0.3]] },
-        { label: "size", points: [[0, 1, 0.8, 1.2], [10, 0.6, 0.5, 0.7], [50, 0.26, 0.2, 0.3]] },
+        { label: "fifo", marks: "both", points: [[0, 1, 0.8, 1.2], [10, 0.5, 0.4, 0.6], [50, 0.25, 0.2, 0.3]] },
+        { label: "size", marks: "both", points: [[0, 1, 0.8, 1.2], [10, 0.6, 0.5, 0.7], [50, 0.26, 0.2, 0.3]] },
+        { label: "gaps", marks: "line", points: [[0, 1], [5, null], [10, 0.7], [50, 0.9]] },
+        { label: "dots", marks: "dots", points: [[0, 0.5], [50, 1.5]] },
       ],
     },
   ],
@@ -72,9 +77,14 @@ for (const theme of ["light", "dark"]) {
         assert.equal(await page.textContent("#title"), "<b>heap</b>: policies compared", "a name is no markup");
         assert.equal(await page.textContent("#headline h2"), "✓ fifo leaves the least to be seen");
         assert.equal(await page.textContent("#headline code"), "9 %");
-        assert.equal(await page.locator("#chart-e-seen .curve").count(), 2);
+        assert.equal(await page.locator("#chart-e-seen .curve").count(), 3, "dots have no line");
+        assert.equal(await page.locator("#chart-e-seen .dot").count(), 3 + 3 + 2, "a line has no dots");
+        assert.match(await page.locator("#chart-e-seen .curve.line-2").getAttribute("d"), /^M[^ML]+M[^ML]+L[^ML]+$/, "a gap begins anew");
+        // Half way up from 0.1 to 2 on a logarithmic axis is their geometric mean; 0.3 lies below.
+        const levelAt = await page.locator("#chart-e-seen .across").getAttribute("d");
+        assert.ok(Math.abs(Number(levelAt.match(/ ([\d.]+)H/)[1]) - (288 - (276 * Math.log(3)) / Math.log(20))) < 0.1, levelAt);
         assert.equal(await page.locator("#chart-e-seen .band").count(), 2);
-        assert.deepEqual(await page.locator("#chart-e-seen .name").allTextContents(), ["fifo", "size"]);
+        assert.deepEqual(await page.locator("#chart-e-seen .name").allTextContents(), ["allowed", "fifo", "size", "gaps", "dots"]);
         assert.ok(await page.evaluate(() => document.querySelector(".picture img").naturalWidth === 40));
         assert.match(await page.textContent("#tables"), /A last line\./);
         assert.match(await page.textContent("#details"), /poise compare heap --report out.*a processor/s);
@@ -97,7 +107,9 @@ test("every part of the page of figures is reached by the keyboard", { skip }, (
     assert.equal(await page.evaluate(() => document.activeElement.tagName), "svg");
     await page.keyboard.press("ArrowRight");
     await page.keyboard.press("ArrowRight");
-    assert.equal(await page.textContent("#chart-e-seen .read"), "10: fifo 0.5 (0.4 to 0.6)size 0.6 (0.5 to 0.7)");
+    assert.equal(await page.textContent("#chart-e-seen .read"), "5: ");
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.textContent("#chart-e-seen .read"), "10: fifo 0.5 (0.4 to 0.6)size 0.6 (0.5 to 0.7)gaps 0.7");
     await page.keyboard.press("Escape");
     assert.equal(await page.textContent("#chart-e-seen .read"), "");
     await page.keyboard.press("Tab"); // the table
@@ -147,5 +159,8 @@ test("tables of docs are read as their cells and texts", () => {
 
 test("names of lines keep a line's distance inside of the chart", () => {
   assert.deepEqual(apart([50, 51, 10], 10, 0, 55), [45, 55, 10]);
-  assert.deepEqual(ticksUpTo(1), [0, 0.2, 0.4, 0.6, 0.8, 1]);
+  assert.equal(shareOf({ least: 1, most: 100, log: true }, 10), 0.5);
+  assert.equal(shareOf({ least: -1, most: 3, log: false }, 1), 0.5);
+  const named = (text) => ({ least: 0, most: 4, log: false, ticks: [0, 1, 2, 3, 4].map((at) => [at, text]) });
+  assert.deepEqual(["ab", "a longer name", "a name that is longer than all"].map((text) => tickRows(named(text), 400)), [1, 1, 3]);
 });

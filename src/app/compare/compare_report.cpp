@@ -26,11 +26,15 @@ LinePoint with_interval(double budget, const io::Estimate& estimate) {
 /// One chart: a line for each policy that has a value.
 LineChart chart_of(const io::ComparisonDocument& document, std::string id, std::string title, std::string note,
                    const std::function<std::optional<LinePoint>(const Row&)>& value) {
-  LineChart chart{std::move(id), std::move(title), std::move(note), budget_label(document), {}};
+  LineChart chart;
+  chart.id = std::move(id);
+  chart.title = std::move(title);
+  chart.note = std::move(note);
+  chart.x_label = budget_label(document);
   for (const Row& row : document.result.rows) {
     const std::optional<LinePoint> point = value(row);
     if (!point) continue;
-    if (chart.lines.empty() || chart.lines.back().label != row.policy) chart.lines.push_back({row.policy, {}});
+    if (chart.lines.empty() || chart.lines.back().label != row.policy) chart.lines.push_back({row.policy, {}, {}});
     chart.lines.back().points.push_back(*point);
   }
   return chart;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "app/report/chart_axes.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
 
@@ -24,17 +25,43 @@ const char* mark_name(FiguresDocument::Mark mark) {
   return "none";
 }
 
-// A point is [x, y] or [x, y, low, high].
+// A tick is [value, text].
+Json json_of(const ChartAxis& axis) {
+  Json ticks = Json::array();
+  for (const ChartTick& tick : axis.ticks) ticks.push_back(Json::array({tick.at, tick.text}));
+  return {{"least", axis.least}, {"most", axis.most}, {"log", axis.log}, {"ticks", ticks}};
+}
+
+const char* name_of(LineMarks marks) {
+  switch (marks) {
+    case LineMarks::LineAndDots:
+      return "both";
+    case LineMarks::Line:
+      return "line";
+    case LineMarks::Dots:
+      return "dots";
+  }
+  return "both";
+}
+
+// A point is [x, y] or [x, y, low, high]; y is null in a gap.
 Json json_of(const LineChart& chart) {
   Json json{{"id", chart.id}, {"title", chart.title}, {"note", chart.note}, {"x_label", chart.x_label}};
+  const ChartAxis y = y_axis_of(chart);
+  json["x"] = json_of(x_axis_of(chart));
+  json["y"] = json_of(y);
+  json["levels"] = Json::array();
+  for (const ChartLevel& level : chart.levels)
+    json["levels"].push_back(
+        {{"label", level.label}, {"y", level.y}, {"line", level.line ? Json(*level.line) : Json()}});
   json["lines"] = Json::array();
   for (const ChartLine& line : chart.lines) {
     Json points = Json::array();
     for (const LinePoint& point : line.points) {
-      Json& numbers = points.emplace_back(Json::array({point.x, point.y}));
+      Json& numbers = points.emplace_back(Json::array({point.x, y.shows(point.y) ? Json(point.y) : Json()}));
       if (point.low && point.high) numbers.insert(numbers.end(), {*point.low, *point.high});
     }
-    json["lines"].push_back({{"label", line.label}, {"points", points}});
+    json["lines"].push_back({{"label", line.label}, {"marks", name_of(line.marks)}, {"points", points}});
   }
   return json;
 }

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "app/picture/pixel_text.h"
+#include "app/report/chart_axes.h"
 
 namespace poise::app {
 namespace line_chart {
@@ -16,8 +16,10 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 constexpr double kWidth = 900, kHeight = 480;
-constexpr double kLeft = 90, kRight = 190, kTop = 50, kBottom = 64;
-constexpr double kLabelGap = 22, kBandOpacity = 0.14;
+constexpr double kLeft = 90, kTop = 50, kBottom = 100;
+constexpr double kLabelGap = 22, kBandOpacity = 0.14, kDash_px = 7, kDashGap_px = 5;
+// Of texts at the axis: width of a character of the image, and from row to row.
+constexpr double kCharacter = 12, kTickRow = 20, kBeside = 16;
 constexpr std::uint32_t kTextScale = 2;
 constexpr std::array<Color, 8> kColors{{{0x00, 0x72, 0xb2},
                                         {0xd5, 0x5e, 0x00},
@@ -33,96 +35,90 @@ struct Point {
   double x = 0, y = 0;
 };
 
-/// A line in pixels: its values, the upper and the lower edge of its band, and where its name stands.
+/// A line in pixels: its values, and the upper and the lower edge of its band.
 struct PlacedLine {
-  std::string label;
   Color color{};
-  std::vector<Point> values, high, low;
-  Point name;
+  LineMarks marks = LineMarks::LineAndDots;
+  std::vector<std::vector<Point>> pieces;  ///< of the line between its gaps
+  std::vector<Point> high, low;
 };
 
-struct Tick {
-  double at = 0;  ///< in pixels
+struct PlacedText {
+  Point at;
   std::string text;
+  Color color{};
+};
+
+/// A dashed line across.
+struct PlacedLevel {
+  double y = 0;
+  Color color{};
 };
 
 /// The chart in pixels, from its top left corner.
 struct PlacedChart {
-  std::vector<Tick> along, up;
+  double right = 0;  ///< where the axes end, and names begin
+  std::vector<PlacedText> along, up, names;
   std::vector<PlacedLine> lines;
+  std::vector<PlacedLevel> levels;
 };
 
-// A round step of which about five make up the range.
-double tick_step(double range) {
-  const double power = std::pow(10, std::floor(std::log10(range / 6)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= 0.999 * range / 6) return factor * power;
-  }
-  return 10 * power;
+// Room for the names.
+double right_of(const LineChart& chart) {
+  std::size_t longest = 0;
+  for (const ChartLine& line : chart.lines) longest = std::max(longest, line.label.size());
+  for (const ChartLevel& level : chart.levels) longest = std::max(longest, level.label.size());
+  return kWidth - std::clamp(kBeside + kCharacter * static_cast<double>(longest + 1), 60.0, 0.5 * kWidth);
 }
 
-// Values from `least` to `most` over pixels from `begin` to `end`.
-struct Scale {
-  double least = 0, most = 1, begin = 0, end = 1;
-  [[nodiscard]] double operator()(double value) const {
-    return begin + (value - least) / (most - least) * (end - begin);
+PlacedLine placed_line(const ChartLine& line, std::size_t number, const ChartAxis& x, const ChartAxis& y,
+                       double right) {
+  PlacedLine made{kColors[number % kColors.size()], line.marks, {}, {}, {}};
+  const auto place = [&](double along, double up) {
+    return Point{kLeft + x.share(along) * (right - kLeft),
+                 kHeight - kBottom - y.share(up) * (kHeight - kBottom - kTop)};
+  };
+  bool goes_on = false;
+  for (const LinePoint& point : line.points) {
+    const bool shown = x.shows(point.x) && y.shows(point.y);
+    if (shown && !goes_on) made.pieces.emplace_back();
+    goes_on = shown;
+    if (!shown) continue;
+    made.pieces.back().push_back(place(point.x, point.y));
+    if (!point.low || !point.high || !y.shows(*point.low) || !y.shows(*point.high)) continue;
+    made.high.push_back(place(point.x, *point.high));
+    made.low.push_back(place(point.x, *point.low));
   }
-  [[nodiscard]] std::vector<Tick> ticks() const {
-    std::vector<Tick> made;
-    const double step = tick_step(most - least);
-    for (double k = std::ceil(least / step); k * step <= most + 1e-9 * step; ++k)
-      made.push_back({(*this)(k * step), fmt::format("{:.6g}", k == 0 ? 0 : k * step)});
-    return made;
-  }
-};
-
-// Heights near those wanted, at least a line apart, inside of the chart.
-std::vector<double> apart(const std::vector<double>& wanted) {
-  std::vector<std::size_t> order(wanted.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wanted[a] < wanted[b]; });
-  std::vector<double> heights = wanted;
-  double least = kTop;
-  for (const std::size_t i : order) {
-    heights[i] = std::max(heights[i], least);
-    least = heights[i] + kLabelGap;
-  }
-  double most = kHeight - kBottom;
-  for (auto i = order.rbegin(); i != order.rend(); ++i) {
-    heights[*i] = std::min(heights[*i], most);
-    most = heights[*i] - kLabelGap;
-  }
-  return heights;
+  return made;
 }
 
 PlacedChart placed(const LineChart& chart) {
-  Scale x{0, 0, kLeft, kWidth - kRight}, y{0, 0, kHeight - kBottom, kTop};
-  for (const ChartLine& line : chart.lines) {
-    for (const LinePoint& point : line.points) {
-      x.least = std::min(x.least, point.x);
-      x.most = std::max(x.most, point.x);
-      y.least = std::min({y.least, point.y, point.low.value_or(point.y)});
-      y.most = std::max({y.most, point.y, point.high.value_or(point.y)});
-    }
+  const ChartAxis x = x_axis_of(chart), y = y_axis_of(chart);
+  constexpr double kUp = kHeight - kBottom - kTop;
+  PlacedChart made;
+  made.right = right_of(chart);
+  const double across = made.right - kLeft;
+  const std::size_t rows = tick_rows(x, kCharacter / across);
+  for (std::size_t i = 0; i < x.ticks.size(); ++i) {
+    const double row = kTickRow * static_cast<double>(i % rows);
+    made.along.push_back({{kLeft + x.share(x.ticks[i].at) * across, kHeight - kBottom + row}, x.ticks[i].text, kInk});
   }
-  if (!(x.most > x.least)) x.most = x.least + 1;
-  y.most = y.most > y.least ? y.most + 0.06 * (y.most - y.least) : y.least + 1;
-  PlacedChart made{x.ticks(), y.ticks(), {}};
-  std::vector<double> ends;
-  for (std::size_t i = 0; i < chart.lines.size(); ++i) {
-    PlacedLine& line = made.lines.emplace_back();
-    line.label = chart.lines[i].label;
-    line.color = kColors[i % kColors.size()];
-    for (const LinePoint& point : chart.lines[i].points) {
-      line.values.push_back({x(point.x), y(point.y)});
-      if (!point.low || !point.high) continue;
-      line.high.push_back({x(point.x), y(*point.high)});
-      line.low.push_back({x(point.x), y(*point.low)});
-    }
-    ends.push_back(line.values.empty() ? kHeight - kBottom : line.values.back().y);
+  for (const ChartTick& tick : y.ticks)
+    made.up.push_back({{kLeft, kHeight - kBottom - y.share(tick.at) * kUp}, tick.text, kInk});
+  for (std::size_t i = 0; i < chart.lines.size(); ++i)
+    made.lines.push_back(placed_line(chart.lines[i], i, x, y, made.right));
+  const auto level_color = [&](std::size_t i) {
+    const std::optional<std::size_t>& line = chart.levels[i].line;
+    return line ? kColors[*line % kColors.size()] : kInk;
+  };
+  for (std::size_t i = 0; i < chart.levels.size(); ++i) {
+    if (y.shows(chart.levels[i].y))
+      made.levels.push_back({kHeight - kBottom - y.share(chart.levels[i].y) * kUp, level_color(i)});
   }
-  const std::vector<double> heights = apart(ends);
-  for (std::size_t i = 0; i < heights.size(); ++i) made.lines[i].name = {kWidth - kRight + 16, heights[i]};
+  for (const ChartName& name : names_of(chart, y, kLabelGap / kUp)) {
+    const Color color = name.is_level ? level_color(name.line) : kColors[name.line % kColors.size()];
+    made.names.push_back({{made.right + kBeside, kHeight - kBottom - name.at * kUp}, name.text, color});
+  }
   return made;
 }
 
@@ -138,24 +134,30 @@ std::string svg_text(Point at, const char* anchor, const std::string& text, cons
                      escaped(text));
 }
 
+std::string svg_color(const Color& color) { return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]); }
+
 std::string svg_line(const PlacedLine& line) {
   const auto joined = [](const std::vector<Point>& points) {
     std::string text;
     for (const Point& point : points) text += fmt::format("{:.1f},{:.1f} ", point.x, point.y);
     return text;
   };
-  const std::string color = fmt::format("#{:02x}{:02x}{:02x}", line.color[0], line.color[1], line.color[2]);
+  const std::string color = svg_color(line.color);
   std::string svg;
   if (line.low.size() > 1) {
     svg += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"{}\"/>\n", joined(line.high),
                        joined({line.low.rbegin(), line.low.rend()}), color, kBandOpacity);
   }
-  svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.5\"/>\n",
-                     joined(line.values), color);
-  for (const Point& point : line.values)
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n", point.x, point.y, color);
-  return svg +
-         svg_text({line.name.x, line.name.y + 5}, "start", line.label, fmt::format(" fill=\"{}\"", color).c_str());
+  for (const std::vector<Point>& piece : line.pieces) {
+    if (line.marks != LineMarks::Dots) {
+      svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.5\"/>\n", joined(piece),
+                         color);
+    }
+    if (line.marks == LineMarks::Line) continue;
+    for (const Point& point : piece)
+      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n", point.x, point.y, color);
+  }
+  return svg;
 }
 
 /// Draws with smooth edges over what is there.
@@ -194,6 +196,14 @@ class Canvas {
       }
     }
   }
+  void line(const PlacedLine& line) {
+    for (const std::vector<Point>& piece : line.pieces) {
+      for (std::size_t i = 1; i < piece.size() && line.marks != LineMarks::Dots; ++i)
+        segment(piece[i - 1], piece[i], 1.25, line.color);
+      for (std::size_t i = 0; i < piece.size() && line.marks != LineMarks::Line; ++i)
+        segment(piece[i], piece[i], 4, line.color);
+    }
+  }
   void text(Point at, double anchor, const std::string& text, const Color& color = kInk) {
     const double left = at.x - anchor * io::text_width_px(text, kTextScale);
     io::draw_text(image_, text, std::lround(left), std::lround(at.y - io::kTextHeight * kTextScale), kTextScale, color);
@@ -211,13 +221,22 @@ std::string svg_of(const LineChart& chart) {
       "font-family=\"sans-serif\" font-size=\"15\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
       kWidth, kHeight);
   svg += svg_text({kLeft, 28}, "start", chart.title, " font-weight=\"bold\"");
-  for (const Tick& tick : made.up) {
-    svg += fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#ddd\"/>\n", kLeft, tick.at, kWidth - kRight);
-    svg += svg_text({kLeft - 8, tick.at + 5}, "end", tick.text);
+  for (const PlacedText& tick : made.up) {
+    svg += fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#ddd\"/>\n", kLeft, tick.at.y, made.right);
+    svg += svg_text({kLeft - 8, tick.at.y + 5}, "end", tick.text);
   }
-  for (const Tick& tick : made.along) svg += svg_text({tick.at, kHeight - kBottom + 22}, "middle", tick.text);
-  svg += svg_text({0.5 * (kLeft + kWidth - kRight), kHeight - 14}, "middle", chart.x_label);
+  for (const PlacedText& tick : made.along) svg += svg_text({tick.at.x, tick.at.y + 22}, "middle", tick.text);
+  svg += svg_text({0.5 * (kLeft + made.right), kHeight - 10}, "middle", chart.x_label);
+  for (const PlacedLevel& level : made.levels) {
+    svg +=
+        fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-width=\"2\" stroke-dasharray=\"7 5\"/>\n",
+                    kLeft, level.y, made.right, svg_color(level.color));
+  }
   for (const PlacedLine& line : made.lines) svg += svg_line(line);
+  for (const PlacedText& name : made.names) {
+    svg += svg_text({name.at.x, name.at.y + 5}, "start", name.text,
+                    fmt::format(" fill=\"{}\"", svg_color(name.color)).c_str());
+  }
   return svg + "</svg>\n";
 }
 
@@ -225,19 +244,19 @@ io::Image image_of(const LineChart& chart) {
   const PlacedChart made = placed(chart);
   Canvas canvas;
   canvas.text({kLeft, 28}, 0, chart.title);
-  for (const Tick& tick : made.up) {
-    canvas.segment({kLeft, tick.at}, {kWidth - kRight, tick.at}, 0.5, kGrid);
-    canvas.text({kLeft - 8, tick.at + 7}, 1, tick.text);
+  for (const PlacedText& tick : made.up) {
+    canvas.segment({kLeft, tick.at.y}, {made.right, tick.at.y}, 0.5, kGrid);
+    canvas.text({kLeft - 8, tick.at.y + 7}, 1, tick.text);
   }
-  for (const Tick& tick : made.along) canvas.text({tick.at, kHeight - kBottom + 24}, 0.5, tick.text);
-  canvas.text({0.5 * (kLeft + kWidth - kRight), kHeight - 12}, 0.5, chart.x_label);
+  for (const PlacedText& tick : made.along) canvas.text({tick.at.x, tick.at.y + 24}, 0.5, tick.text);
+  canvas.text({0.5 * (kLeft + made.right), kHeight - 8}, 0.5, chart.x_label);
+  for (const PlacedLevel& level : made.levels) {
+    for (double x = kLeft; x < made.right; x += kDash_px + kDashGap_px)
+      canvas.segment({x, level.y}, {std::min(x + kDash_px, made.right), level.y}, 1, level.color);
+  }
   for (const PlacedLine& line : made.lines) canvas.band(line);
-  for (const PlacedLine& line : made.lines) {
-    for (std::size_t i = 1; i < line.values.size(); ++i)
-      canvas.segment(line.values[i - 1], line.values[i], 1.25, line.color);
-    for (const Point& point : line.values) canvas.segment(point, point, 4, line.color);
-    canvas.text({line.name.x, line.name.y + 7}, 0, line.label, line.color);
-  }
+  for (const PlacedLine& line : made.lines) canvas.line(line);
+  for (const PlacedText& name : made.names) canvas.text({name.at.x, name.at.y + 7}, 0, name.text, name.color);
   return canvas.take();
 }
 

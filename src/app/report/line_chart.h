@@ -10,23 +10,39 @@
 
 namespace poise::app {
 
-/// A value of a line; with both ends of an interval it is part of a band.
+/// A value of a line; with both ends of an interval it is part of a band. What is not finite, and on a logarithmic axis
+/// what is not positive, is a gap.
 struct LinePoint {
   double x = 0, y = 0;
   std::optional<double> low, high;
 };
 
+/// How the values of a line are drawn.
+enum class LineMarks : std::uint8_t { LineAndDots, Line, Dots };
+
 /// A line with its name at its end; x ascends.
 struct ChartLine {
   std::string label;
   std::vector<LinePoint> points;
+  LineMarks marks = LineMarks::LineAndDots;
 };
 
-/// Lines over an axis that both begin at 0, or below where values are.
+/// A dashed line across the chart, such as a deadline.
+struct ChartLevel {
+  std::string label;
+  double y = 0;
+  std::optional<std::size_t> line;  ///< which line it belongs to, whose colour it has
+};
+
+/// Lines over axes that begin at 0, or below where values are, unless the chart says something else.
 struct LineChart {
-  std::string id;  ///< name of its files, and of its element on a page
-  std::string title, note, x_label;
+  std::string id;                    ///< name of its files, and of its element on a page
+  std::string title, note, x_label;  ///< the title is what goes upwards, with its unit
   std::vector<ChartLine> lines;
+  std::vector<ChartLevel> levels = {};
+  bool x_log = false, y_log = false;
+  bool y_from_data = false;               ///< it begins near the least value instead of at 0
+  std::vector<std::string> x_names = {};  ///< where not empty, x = 0, 1, ... are these
 };
 
 /// The chart for papers and slides: white, 900 x 480, in colours that most people with impaired colour vision tell

@@ -7,8 +7,13 @@ import { number } from "../format.js";
 const kColors = 8;
 const kWidth = 620,
   kHeight = 330;
-const kEdge = { left: 58, right: 128, top: 12, bottom: 42 };
-const kLabelGap = 15;
+const kEdge = { left: 58, top: 12 };
+const kBeside = 16; // from the axes to the names
+const kBelow = 42; // with one row of texts
+const kLabelGap = 15,
+  kLetter = 7.2; // of the names
+const kTickRow = 13,
+  kHalfCharacter = 3.3; // of the texts at the axes
 
 const svg = (name, attributes = {}, ...children) => {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -17,13 +22,17 @@ const svg = (name, attributes = {}, ...children) => {
   return made;
 };
 
-/** Round steps of which about five make up the range. */
-export function ticksUpTo(most) {
-  const rough = most / 6;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((size) => size >= 0.999 * rough);
-  const count = Math.floor(most / step + 1e-9);
-  return Array.from({ length: count + 1 }, (_, k) => Number((k * step).toPrecision(12)));
+/** Where a value is along an axis: 0 at its least value, 1 at its most. */
+export const shareOf = ({ least, most, log }, value) =>
+  log ? Math.log(value / least) / Math.log(most / least) : (value - least) / (most - least);
+
+/** In how many rows the texts of ticks stand so that none lies over its neighbour; tick k is in row k % rows. */
+export function tickRows(axis, width) {
+  const places = axis.ticks.map(([at, text]) => ({ x: shareOf(axis, at) * width, half: (text.length + 1) * kHalfCharacter }));
+  for (let rows = 1; rows < 4; ++rows) {
+    if (places.every((place, i) => i < rows || place.x - places[i - rows].x >= place.half + places[i - rows].half)) return rows;
+  }
+  return 4;
 }
 
 /** Heights for labels near those wanted, at least a line apart, inside of the chart. Returned in the order given. */
@@ -58,12 +67,10 @@ export class Curves {
     this.chart = chart;
     const points = chart.lines.flatMap((line) => line.points);
     this.xs = [...new Set(points.map(([x]) => x))].sort((a, b) => a - b);
-    const values = points.flatMap(([, y, low, high]) => [y, low ?? y, high ?? y]);
-    this.leastX = Math.min(0, ...this.xs);
-    this.mostX = Math.max(this.xs[this.xs.length - 1] ?? 1, this.leastX + 1e-9);
-    const most = Math.max(...values, 0);
-    this.leastY = Math.min(...values, 0);
-    this.mostY = most > 0 ? 1.06 * most : 1;
+    const letters = Math.max(...[...chart.lines, ...chart.levels].map(({ label }) => label.length));
+    this.right = kWidth - Math.min(0.5 * kWidth, Math.max(60, kBeside + kLetter * (letters + 1)));
+    this.rows = tickRows(chart.x, this.right - kEdge.left);
+    this.floor = kHeight - kBelow - (this.rows - 1) * kTickRow;
     this.at = -1;
     this.note = element("p", { class: "read", "aria-live": "polite" });
     this.picture = this.draw();
@@ -78,11 +85,10 @@ export class Curves {
     this.listen();
   }
   x(value) {
-    return kEdge.left + ((value - this.leastX) / (this.mostX - this.leastX)) * (kWidth - kEdge.left - kEdge.right);
+    return kEdge.left + shareOf(this.chart.x, value) * (this.right - kEdge.left);
   }
   y(value) {
-    const share = (value - this.leastY) / (this.mostY - this.leastY);
-    return kHeight - kEdge.bottom - share * (kHeight - kEdge.top - kEdge.bottom);
+    return this.floor - shareOf(this.chart.y, value) * (this.floor - kEdge.top);
   }
 
   draw() {
@@ -92,46 +98,76 @@ export class Curves {
       tabindex: "0",
       "aria-label": `${this.chart.title}: ${this.chart.lines.map(({ label }) => label).join(", ")}. Left and right read values.`,
     });
-    const right = kWidth - kEdge.right;
-    for (const tick of ticksUpTo(this.mostY)) {
+    const { right } = this;
+    for (const [at, text] of this.chart.y.ticks) {
       picture.append(
-        svg("path", { class: "grid", d: `M${kEdge.left} ${this.y(tick)}H${right}` }),
-        svg("text", { x: kEdge.left - 6, y: this.y(tick) + 4, "text-anchor": "end" }, number(tick, 4)),
+        svg("path", { class: "grid", d: `M${kEdge.left} ${this.y(at)}H${right}` }),
+        svg("text", { x: kEdge.left - 6, y: this.y(at) + 4, "text-anchor": "end" }, text),
       );
     }
-    const floor = kHeight - kEdge.bottom;
-    for (const tick of ticksUpTo(this.mostX))
-      picture.append(svg("text", { x: this.x(tick), y: floor + 16, "text-anchor": "middle" }, number(tick, 4)));
+    const { floor } = this;
+    this.chart.x.ticks.forEach(([at, text], k) =>
+      picture.append(
+        svg("text", { x: this.x(at), y: floor + 16 + (k % this.rows) * kTickRow, "text-anchor": "middle" }, text),
+      ),
+    );
     picture.append(
       svg("text", { x: (kEdge.left + right) / 2, y: kHeight - 6, "text-anchor": "middle" }, this.chart.x_label),
     );
     this.cursor = svg("path", { class: "cursor", d: "" });
     picture.append(this.cursor);
-    const ends = this.chart.lines.map(({ points }) => this.y(points[points.length - 1]?.[1] ?? 0));
-    const heights = apart(ends, kLabelGap, kEdge.top + 6, floor);
-    this.chart.lines.forEach((line, k) => picture.append(...this.lineOf(line, k, heights[k])));
+    const { lines, levels } = this.chart;
+    const ends = lines.map(({ points }) => points.findLast(([, y]) => y !== null));
+    const heights = apart(
+      [...ends.map((end) => (end ? this.y(end[1]) : floor)), ...levels.map(({ y }) => this.y(y))],
+      kLabelGap,
+      kEdge.top + 6,
+      floor,
+    );
+    levels.forEach((level, k) => picture.append(...this.levelOf(level, heights[lines.length + k])));
+    lines.forEach((line, k) => picture.append(...this.lineOf(line, k, ends[k], heights[k])));
     return picture;
   }
 
-  lineOf({ label, points }, kind, labelAt) {
-    const places = points.map(([x, y]) => `${this.x(x).toFixed(1)},${this.y(y).toFixed(1)}`);
+  /** A dashed line across, in the colour of the line that it belongs to. */
+  levelOf({ label, y, line }, labelAt) {
+    const kind = line === null ? "level" : `line-${line % kColors}`;
+    const { right } = this;
+    return [
+      svg("path", { class: `across ${kind}`, d: `M${kEdge.left} ${this.y(y)}H${right}` }),
+      svg("text", { class: `name ${kind}`, x: right + kBeside, y: labelAt + 4 }, label),
+    ];
+  }
+
+  lineOf({ label, points, marks }, kind, last, labelAt) {
+    const color = `line-${kind % kColors}`;
+    const place = (x, y) => `${this.x(x).toFixed(1)},${this.y(y).toFixed(1)}`;
     const parts = [];
-    const banded = points.filter(([, , low, high]) => low !== undefined && high !== undefined);
+    const banded = points.filter(([, y, low, high]) => y !== null && low !== undefined && high !== undefined);
     if (banded.length > 1) {
-      const edge = (which) => banded.map((point) => `${this.x(point[0]).toFixed(1)},${this.y(point[which]).toFixed(1)}`);
-      parts.push(
-        svg("polygon", { class: `band line-${kind % kColors}`, points: [...edge(3), ...edge(2).reverse()].join(" ") }),
-      );
+      const edge = (which) => banded.map((point) => place(point[0], point[which]));
+      parts.push(svg("polygon", { class: `band ${color}`, points: [...edge(3), ...edge(2).reverse()].join(" ") }));
     }
-    parts.push(svg("polyline", { class: `curve line-${kind % kColors}`, points: places.join(" ") }));
-    parts.push(...points.map(([x, y]) => markOf(kind, this.x(x), this.y(y))));
-    const last = points[points.length - 1];
+    if (marks !== "dots") {
+      // A gap begins anew.
+      let isGap = true;
+      const path = points.map(([x, y]) => {
+        const step = y === null ? "" : `${isGap ? "M" : "L"}${place(x, y)}`;
+        isGap = y === null;
+        return step;
+      });
+      parts.push(svg("path", { class: `curve ${color}`, d: path.join("") }));
+    }
+    if (marks !== "line")
+      parts.push(...points.filter(([, y]) => y !== null).map(([x, y]) => markOf(kind, this.x(x), this.y(y))));
     if (last) {
       const end = this.x(last[0]);
-      const beside = kWidth - kEdge.right + 16;
+      const beside = this.right + kBeside;
+      // Of dots the last one is no end.
+      if (marks !== "dots")
+        parts.push(svg("path", { class: `lead ${color}`, d: `M${end + 5} ${this.y(last[1])}L${beside - 3} ${labelAt}` }));
       parts.push(
-        svg("path", { class: `lead line-${kind % kColors}`, d: `M${end + 5} ${this.y(last[1])}L${beside - 3} ${labelAt}` }),
-        svg("text", { class: `name line-${kind % kColors}`, x: beside, y: labelAt + 4 }, label),
+        svg("text", { class: `name ${color}`, x: beside, y: labelAt + 4 }, label),
       );
     }
     return parts;
@@ -146,10 +182,10 @@ export class Curves {
       return;
     }
     const x = this.xs[at];
-    this.cursor.setAttribute("d", `M${this.x(x)} ${kEdge.top}V${kHeight - kEdge.bottom}`);
+    this.cursor.setAttribute("d", `M${this.x(x)} ${kEdge.top}V${this.floor}`);
     const values = this.chart.lines.flatMap(({ label, points }, kind) => {
       const point = points.find(([place]) => place === x);
-      if (!point) return [];
+      if (!point || point[1] === null) return [];
       const [, y, low, high] = point;
       const interval = low === undefined ? "" : ` (${number(low)} to ${number(high)})`;
       return [
@@ -161,7 +197,8 @@ export class Curves {
         ),
       ];
     });
-    this.note.replaceChildren(element("b", {}, `${number(x, 5)}: `), ...values);
+    const named = this.chart.x.ticks.find(([at]) => at === x)?.[1] ?? number(x, 5);
+    this.note.replaceChildren(element("b", {}, `${named}: `), ...values);
   }
 
   listen() {
