@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
 
-#include "studies/gnuplot.h"
+#include "studies/study_charts.h"
 
 namespace poise::io {
 namespace {
@@ -18,6 +19,8 @@ using Cells = std::vector<std::string>;
 
 // The smallest value on the logarithmic axes.
 constexpr double kLeast = 1e-12;
+// A figure that is a smaller share of its bound is drawn here.
+constexpr double kLeastOfBound = 1e-6;
 
 std::string bound_text(const AccuracyRow& row) {
   return row.at_most ? fmt::format("{:.4g}", *row.at_most) : std::string("-");
@@ -104,48 +107,43 @@ std::string accuracy_markdown(const AccuracyDocument& document) {
   return text + "\n" + made_by(document);
 }
 
-namespace {
-/// What has no place on a logarithmic axis is a gap of its line, not a line along the axis.
-std::string shown(double value) { return value > kLeast ? fmt::format("{:g}", value) : std::string("NaN"); }
-
-/// The axis for what is shown of all cases: gnuplot finds none by itself where nothing is.
-std::string range_of(const std::vector<AccuracySeries>& all, std::vector<double> AccuracySeries::*values) {
-  double least = std::numeric_limits<double>::infinity();
-  double most = 0;
-  for (const AccuracySeries& series : all) {
-    for (const double value : series.*values) {
-      if (!(value > kLeast) || !std::isfinite(value)) continue;
-      least = std::min(least, value);
-      most = std::max(most, value);
+std::vector<app::LineChart> accuracy_charts(const AccuracyDocument& document) {
+  std::vector<app::LineChart> charts;
+  for (const auto& [id, title, values] : {std::tuple("drift", "largest drift, m", &AccuracySeries::drift_m),
+                                          std::tuple("energy", "kinetic energy, J", &AccuracySeries::kinetic_j)}) {
+    app::LineChart& chart = charts.emplace_back(app::LineChart{id, title, "Of what stands, over 60 s.", "time, s", {}});
+    chart.y_log = true;
+    for (const AccuracySeries& series : document.series) {
+      app::ChartLine& line = chart.lines.emplace_back(app::ChartLine{series.case_name, {}, app::LineMarks::Line});
+      for (std::size_t k = 0; k < series.time_s.size(); ++k) {
+        // What has no place on a logarithmic axis is a gap of its line, not a line along the axis.
+        const double value = (series.*values)[k];
+        line.points.push_back({series.time_s[k], value > kLeast ? value : std::nan(""), {}, {}});
+      }
     }
   }
-  return most > 0 ? fmt::format("{:g}:{:g}", 0.5 * least, 2 * most) : fmt::format("{:g}:1", kLeast);
+  return charts;
 }
-}  // namespace
 
-std::string accuracy_plot(const AccuracyDocument& document) {
-  if (document.series.empty()) return "";
-  std::string text = app::plot_style(1400, 640) +
-                     "set logscale y\nset format y \"10^{%L}\"\nset key maxrows 5\nset xlabel \"time in s\"\n";
-  for (std::size_t i = 0; i < document.series.size(); ++i) {
-    const AccuracySeries& series = document.series[i];
-    text += fmt::format("$case{} << EOD\n", i);
-    for (std::size_t k = 0; k < series.time_s.size(); ++k) {
-      text += fmt::format("{:g} {} {}\n", series.time_s[k], shown(series.drift_m[k]), shown(series.kinetic_j[k]));
+app::LineChart bounds_chart(const AccuracyDocument& document) {
+  app::LineChart chart{
+      "bounds",          "largest figure of a case / its bound", "Below the line is accurate enough.", "case", {},
+      {{"bound", 1, {}}}};
+  chart.y_log = true;
+  app::ChartLine line{"figure", {}, app::LineMarks::Dots};
+  std::vector<std::string> names;
+  for (const AccuracyRow& row : document.rows) {
+    if (names.empty() || names.back() != row.case_name) {
+      names.push_back(row.case_name);
+      line.points.push_back({static_cast<double>(names.size() - 1), std::nan(""), {}, {}});
     }
-    text += "EOD\n";
+    if (!row.at_most || !(*row.at_most > 0)) continue;
+    const double share = std::max(row.value / *row.at_most, kLeastOfBound);
+    line.points.back().y = std::fmax(line.points.back().y, share);  // a NaN gives way
   }
-  text += "set multiplot layout 1,2\n";
-  for (const auto& [column, title] : {std::pair{2, "largest drift in m"}, std::pair{3, "kinetic energy in J"}}) {
-    text += fmt::format("set title \"{}\"\nset yrange [{}]\nplot ", title,
-                        range_of(document.series, column == 2 ? &AccuracySeries::drift_m : &AccuracySeries::kinetic_j));
-    for (std::size_t i = 0; i < document.series.size(); ++i) {
-      text += fmt::format("{}$case{} using 1:{} with lines title \"{}\"", i == 0 ? "" : ", ", i, column,
-                          document.series[i].case_name);
-    }
-    text += "\n";
-  }
-  return text + "unset multiplot\n";
+  chart.lines.push_back(std::move(line));
+  app::name_places(chart, std::move(names), "cases");
+  return chart;
 }
 
 }  // namespace poise::io

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "scene/made_by.h"
 
 namespace poise::io {
@@ -42,8 +43,9 @@ std::string accuracy_json(const AccuracyDocument& document);
 /// A table for a terminal, and the same for docs.
 std::string accuracy_table(const AccuracyDocument& document);
 std::string accuracy_markdown(const AccuracyDocument& document);
-/// A script for gnuplot 5 that writes a PNG to its standard output: drift and kinetic energy over time, a line a case.
-/// Empty without series.
-std::string accuracy_plot(const AccuracyDocument& document);
+/// Drift and kinetic energy over time, a line a case. Without lines where there are no series.
+std::vector<app::LineChart> accuracy_charts(const AccuracyDocument& document);
+/// Of each case the figure that is nearest to its bound, as a share of it.
+app::LineChart bounds_chart(const AccuracyDocument& document);
 
 }  // namespace poise::io

@@ -7,6 +7,7 @@
 
 #include "scene/run/percentiles.h"
 #include "studies/gnuplot.h"
+#include "studies/study_charts.h"
 #include "studies/study_gaze.h"
 
 namespace poise::app {
@@ -77,10 +78,10 @@ std::string maps(const GazeRun& run, std::uint64_t seed) {
     text += cells_block(all[point], point) + ring_block(run.camera, point);
     const std::string less =
         near[point].ratio ? fmt::format(": in the ring {:.2f} of elsewhere", *near[point].ratio) : std::string();
-    text += point + 1 == kGazePoints ? "set colorbox user origin 0.925,0.575 size 0.012,0.31\n" : "unset colorbox\n";
+    text += point + 1 == kGazePoints ? "set colorbox user origin 0.925,0.615 size 0.012,0.285\n" : "unset colorbox\n";
     text += fmt::format(
-        "set lmargin at screen {:g}\nset rmargin at screen {:g}\nset bmargin at screen 0.56\nset tmargin at screen "
-        "0.90\nset title \"gaze {}{}\"\n",
+        "set lmargin at screen {:g}\nset rmargin at screen {:g}\nset bmargin at screen 0.60\nset tmargin at screen "
+        "0.91\nset title \"gaze {}{}\"\n",
         0.02 + 0.3 * static_cast<double>(point), 0.02 + 0.3 * static_cast<double>(point) + 0.29, kGazeNames[point],
         less);
     text += fmt::format(
@@ -91,33 +92,38 @@ std::string maps(const GazeRun& run, std::uint64_t seed) {
   return text + "unset object 1\nset xtics scale 0\nset ytics scale 0\nset grid xtics ytics\nset autoscale\n";
 }
 
-std::string curve_block(const std::string& name, const std::vector<double>& values) {
-  std::string text = fmt::format("${} << EOD\n", name);
+std::vector<LinePoint> curve(const std::vector<double>& values) {
+  std::vector<LinePoint> points;
   const auto half = static_cast<std::ptrdiff_t>(values.size() / 2);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::ptrdiff_t frame = static_cast<std::ptrdiff_t>(i) - half;
-    if (frame >= -static_cast<std::ptrdiff_t>(kBeforeFrames)) text += fmt::format("{} {:g}\n", frame, values[i]);
+    if (frame >= -static_cast<std::ptrdiff_t>(kBeforeFrames))
+      points.push_back({static_cast<double>(frame), values[i], {}, {}});
   }
-  return text + "EOD\n";
+  return points;
 }
 
-std::string jump_panel(const GazeRun& run) {
-  if (run.jumps.empty()) return "";
-  std::string text = curve_block("new", mean_over_jumps(run.jumps, &GazeJump::at_new, &PairLevels::level_mean));
-  text += curve_block("old", mean_over_jumps(run.jumps, &GazeJump::at_old, &PairLevels::level_mean));
-  return text +
-         "set key default\nset key inside right center vertical\nset lmargin at screen 0.07\nset rmargin at "
-         "screen 0.48\n"
-         "set bmargin at screen 0.12\nset tmargin at screen 0.41\n"
-         "set title \"contacts within 5 degrees of two points, between which the gaze jumps\"\nset xlabel \"frame; 0 "
-         "is the first with the new gaze\"\n"
-         "set ylabel \"mean level of contacts\"\nset xtics 5 scale 0\n"
-         "plot $new using 1:2 with linespoints ps 0.7 lt 1 title \"near the new point\", $old using 1:2 with "
-         "linespoints ps 0.7 lt 2 title \"near the old one\"\n";
+LineChart jump_chart(const GazeRun& run) {
+  LineChart chart{"jump",
+                  "mean level of contacts near two points, as the gaze jumps",
+                  "Within 5 degrees of each.",
+                  "frame; 0 is the first with the new gaze",
+                  {}};
+  chart.y_from_data = true;
+  if (run.jumps.empty()) return chart;
+  chart.lines.push_back(
+      {"near the new point", curve(mean_over_jumps(run.jumps, &GazeJump::at_new, &PairLevels::level_mean))});
+  chart.lines.push_back(
+      {"near the old one", curve(mean_over_jumps(run.jumps, &GazeJump::at_old, &PairLevels::level_mean))});
+  return chart;
 }
 
-std::string bins_panel(const GazeRun& run) {
-  std::array<std::string, 3> blocks{"$gazed << EOD\n", "$elsewhere << EOD\n", "$full << EOD\n"};
+LineChart bins_chart(const GazeRun& run) {
+  LineChart chart{"bins",
+                  "error by distance from the gaze, over the three points, m/s",
+                  "",
+                  "degrees from the gaze",
+                  {{"gaze here", {}}, {"gaze elsewhere", {}}, {"all refined", {}}}};
   // Over the three gaze points.
   std::array<std::array<double, 3>, kEccentricityBins> sums{};
   std::array<double, kEccentricityBins> bodies{};
@@ -130,36 +136,34 @@ std::string bins_panel(const GazeRun& run) {
     }
     bodies[row.bin] += count;
   }
-  std::string tics;
   for (std::size_t bin = 0; bin < kEccentricityBins; ++bin) {
-    const std::string name = bin == 0 ? fmt::format("0-{:g}", kBinEnds_deg[0])
-                             : bin < kBinEnds_deg.size()
-                                 ? fmt::format("{:g}-{:g}", kBinEnds_deg[bin - 1], kBinEnds_deg[bin])
-                                 : fmt::format("> {:g}", kBinEnds_deg.back());
-    tics += fmt::format("{}\"{}\" {}", bin == 0 ? "" : ", ", name, bin);
-    for (std::size_t k = 0; k < blocks.size() && bodies[bin] > 0; ++k)
-      blocks[k] += fmt::format("{} {:g}\n", bin, std::sqrt(sums[bin][k] / bodies[bin]));
+    chart.x_names.push_back(bin == 0 ? fmt::format("0-{:g}", kBinEnds_deg[0])
+                            : bin < kBinEnds_deg.size()
+                                ? fmt::format("{:g}-{:g}", kBinEnds_deg[bin - 1], kBinEnds_deg[bin])
+                                : fmt::format("> {:g}", kBinEnds_deg.back()));
+    for (std::size_t k = 0; k < chart.lines.size() && bodies[bin] > 0; ++k)
+      chart.lines[k].points.push_back({static_cast<double>(bin), std::sqrt(sums[bin][k] / bodies[bin]), {}, {}});
   }
-  std::string text;
-  for (const std::string& block : blocks) text += block + "EOD\n";
-  return text + fmt::format(
-                    "set key default\nset key inside right bottom vertical\nset lmargin at screen 0.57\nset "
-                    "rmargin at screen "
-                    "0.98\nset bmargin at screen 0.12\nset tmargin at screen 0.41\nset title \"error by distance from "
-                    "the gaze, over the three points\"\n"
-                    "set xlabel \"degrees from the gaze\"\nset ylabel \"error, m/s\"\nset yrange [0:*]\nset xrange "
-                    "[-0.3:{:g}]\nset xtics scale 0 ({})\n"
-                    "plot $gazed using 1:2 with linespoints lt 1 title \"gaze here\", $elsewhere using 1:2 with "
-                    "linespoints lt 2 title \"gaze elsewhere\", $full using 1:2 with linespoints lt 9 title "
-                    "\"all refined\"\n",
-                    static_cast<double>(kEccentricityBins) - 0.7, tics);
+  return chart;
 }
 
 }  // namespace
 
+std::vector<LineChart> gaze_charts(const GazeRun& run) {
+  std::vector<LineChart> charts{bins_chart(run), jump_chart(run)};
+  leave_out_empty(charts);
+  return charts;
+}
+
 std::string gaze_plot(const GazeRun& run, std::uint64_t seed) {
-  std::string text = plot_style(1400, 660) + "set multiplot\n" + maps(run, seed) + jump_panel(run);
-  if (!run.states.empty()) text += bins_panel(run);
+  constexpr PictureSize kSize{1400, 740};
+  constexpr double kChartsHeight = 400;
+  std::string text = plot_style(1400, 740) + "set multiplot\n" + maps(run, seed);
+  const std::vector<LineChart> charts = gaze_charts(run);
+  for (std::size_t i = 0; i < charts.size(); ++i) {
+    const double width = kSize.width / static_cast<double>(charts.size());
+    text += panel_plot(charts[i], {width * static_cast<double>(i), 0, width, kChartsHeight}, kSize);
+  }
   return text + "unset multiplot\n";
 }
 

@@ -40,19 +40,23 @@ Status draw_into(const std::string& path, const std::string& script, const paral
   return picture ? io::write_file(path, picture.value()) : Status(picture.error());
 }
 
+constexpr const char* kPlotColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
+                                       "#56b4e9", "#7d2e99", "#303840", "#9aa2ab"};
+
 }  // namespace
 
+std::string plot_color(std::size_t line) { return kPlotColors[line % std::size(kPlotColors)]; }
+
 std::string plot_style(std::size_t width_px, std::size_t height_px) {
-  constexpr const char* kLines[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
-                                    "#56b4e9", "#7d2e99", "#303840", "#9aa2ab"};
   std::string text = fmt::format(
       "set terminal pngcairo size {},{} font \"sans,13\" background rgb \"#fafafb\"\n"
       "set border 0\nset tics scale 0 textcolor rgb \"#303840\"\nset grid xtics ytics back lt 1 lw 1 lc rgb "
       "\"#d3d8de\"\nset key outside below horizontal textcolor rgb \"#303840\"\n",
       width_px, height_px);
-  for (std::size_t i = 0; i < std::size(kLines); ++i)
-    text += fmt::format("set linetype {} lc rgb \"{}\" lw 2.5 pt {} ps 1.2\n", i + 1, kLines[i], i % 2 == 0 ? 7 : 5);
-  return text;
+  for (std::size_t i = 0; i < std::size(kPlotColors); ++i)
+    text +=
+        fmt::format("set linetype {} lc rgb \"{}\" lw 2.5 pt {} ps 1.2\n", i + 1, kPlotColors[i], i % 2 == 0 ? 7 : 5);
+  return text + fmt::format("set linetype cycle {}\n", std::size(kPlotColors));
 }
 
 std::string svg_script(std::string script) {

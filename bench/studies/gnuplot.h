@@ -21,5 +21,7 @@ std::string svg_script(std::string script);
 /// vision tell apart (Okabe and Ito 2008), the key below. There is no frame, only a thin grid, so that a curve at 0 or
 /// at an end of the axis is seen.
 std::string plot_style(std::size_t width_px, std::size_t height_px);
+/// Colour of `linetype` line + 1 of that style, as #rrggbb.
+std::string plot_color(std::size_t line);
 
 }  // namespace poise::app

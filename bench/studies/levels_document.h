@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "scene/made_by.h"
 #include "verify/pair_probe.h"
 
@@ -91,8 +92,7 @@ std::string levels_csv(const LevelsDocument& document);
 std::string levels_table(const LevelsDocument& document);
 std::string levels_markdown(const LevelsDocument& document);
 
-/// A script for gnuplot 5 that writes a PNG to its standard output: error against level, a line a model, a panel a
-/// group.
-std::string levels_plot(const LevelsDocument& document);
+/// Error against level: a line a model, a chart a group.
+std::vector<app::LineChart> levels_charts(const LevelsDocument& document);
 
 }  // namespace poise::io

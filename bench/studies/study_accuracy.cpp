@@ -18,6 +18,7 @@
 #include "scene/result_file.h"
 #include "studies/accuracy_document.h"
 #include "studies/gnuplot.h"
+#include "studies/study_charts.h"
 
 namespace poise::app {
 namespace {
@@ -92,11 +93,17 @@ Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& docu
   if (written) written = write_to(o.markdown, io::accuracy_markdown(document));
   if (written && o.json != "-" && o.markdown != "-" && !o.quiet)
     written = io::write_stdout(io::accuracy_table(document));
+  if (o.page_charts != nullptr) {
+    *o.page_charts = io::accuracy_charts(document);
+    o.page_charts->push_back(io::bounds_chart(document));
+    leave_out_empty(*o.page_charts);
+  }
   if (!written || (o.picture.empty() && o.svg.empty())) return written;
-  if (document.series.empty() && o.picture_if_any) return written;
   if (document.series.empty())
     return bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do");
-  return draw_by_gnuplot(io::accuracy_plot(document), o.picture, o.svg, interrupt);
+  std::vector<LineChart> charts = io::accuracy_charts(document);
+  leave_out_empty(charts);
+  return draw_by_gnuplot(charts_plot(charts, 1), o.picture, o.svg, interrupt);
 }
 
 int study(const StudyAccuracyOptions& options, const std::vector<accuracy::Case>& cases) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "app/tree_cache_options.h"
 
 namespace poise::app {
@@ -18,7 +19,7 @@ struct StudyAccuracyOptions {
   std::optional<std::uint64_t> threads;
   TreeCacheOptions tree_cache;
   bool list = false;
-  bool picture_if_any = false;  ///< nothing to draw is no error
+  std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
   bool quiet = false;
 };
 

@@ -89,7 +89,7 @@ int study_cache(const StudyTimingOptions& o) {
   document.levels_retained = simulation::percentile(cached.levels, 0.5);
   document.levels_anew = simulation::percentile(anew.levels, 0.5);
   document.by = measured_by(o, run.value().world().threads());
-  return write_timing(o, "cache", io::cache_json(document), io::cache_markdown(document));
+  return write_timing(o, "cache", io::cache_json(document), io::cache_markdown(document), io::cache_charts(document));
 }
 
 }  // namespace poise::app

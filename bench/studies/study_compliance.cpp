@@ -11,7 +11,6 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "parallel/busy_thread.h"
-#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -130,22 +129,28 @@ std::vector<io::StudyCell> row_of(double alpha, double population, std::uint64_t
           std::string(name_of(compliance))};
 }
 
-std::string plot_of(const io::StudyTable& table, const std::vector<double>& alphas) {
-  std::string text =
-      plot_style(900, 560) +
-      "set logscale x 2\n"
-      "set xlabel \"bodies, in multiples of what full refinement serves\"\nset ylabel \"misses by forecast or overrun "
-      "in %\"\nset yrange [0:*]\n";
-  std::string plots;
+std::vector<LineChart> compliance_charts(const io::StudyTable& table, const std::vector<double>& alphas) {
+  LineChart chart{"misses",
+                  "misses by forecast or overrun, %",
+                  "Bands: 95 % intervals. Dashed: what is allowed.",
+                  "bodies, in multiples of what full refinement serves",
+                  {},
+                  {},
+                  true};
   for (std::size_t i = 0; i < alphas.size(); ++i) {
-    text += io::study_points(table, fmt::format("alpha{}", i), "population", "own_rate",
-                             {{"alpha", fmt::format("{:.6f}", alphas[i])}});
-    plots += fmt::format(
-        "{}$alpha{} using 1:2 with linespoints lt {} title \"alpha = {:g} %\", {:g} with lines lt {} dt 2 title "
-        "\"allowed\"",
-        i == 0 ? "" : ", ", i, i + 1, 100 * alphas[i], 100 * alphas[i], i + 1);
+    const std::vector<io::StudyFilter> only = {{"alpha", fmt::format("{:.6f}", alphas[i])}};
+    std::vector<LinePoint> points = io::study_points(table, "population", "own_rate", only);
+    const std::vector<LinePoint> low = io::study_points(table, "population", "own_low", only);
+    const std::vector<LinePoint> high = io::study_points(table, "population", "own_high", only);
+    for (std::size_t k = 0; k < points.size() && k < low.size() && k < high.size(); ++k) {
+      points[k].low = low[k].y;
+      points[k].high = high[k].y;
+    }
+    std::ranges::sort(points, {}, &LinePoint::x);
+    chart.lines.push_back({fmt::format("alpha = {:g} %", 100 * alphas[i]), std::move(points)});
+    chart.levels.push_back({fmt::format("allowed: {:g} %", 100 * alphas[i]), 100 * alphas[i], i});
   }
-  return text + "plot " + plots + "\n";
+  return {std::move(chart)};
 }
 
 }  // namespace
@@ -245,7 +250,7 @@ int study_compliance(const StudyComplianceOptions& o) {
   }
   busy.reset();
   progress.end();
-  const Status written = write_study(o.common, table, plot_of(table, alphas));
+  const Status written = write_study(o.common, table, compliance_charts(table, alphas), 1);
   if (!written) return refuse("study compliance", written.error());
   return all ? kExitDone : kExitRequirementFailed;
 }

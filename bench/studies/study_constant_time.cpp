@@ -6,7 +6,6 @@
 #include "app/exit_codes.h"
 #include "app/option_values.h"
 #include "app/refusal.h"
-#include "studies/gnuplot.h"
 #include "studies/study_forecast.h"
 
 namespace poise::app {
@@ -20,17 +19,24 @@ constexpr std::uint64_t kConstantTimeMaxBodies = 200'000;
 // hours.
 constexpr double kTooLong = 12;
 
-std::string plot_of(const io::StudyTable& table, double deadline_ms) {
-  std::string text = plot_style(900, 560) +
-                     "set logscale xy\n"
-                     "set xlabel \"bodies\"\nset ylabel \"99 of 100 frames take at most, ms\"\n";
-  text += io::study_points(table, "kept", "bodies", "deadline_p99_ms", {});
-  text += io::study_points(table, "full", "bodies", "full_p99_ms", {});
-  return text + fmt::format(
-                    "plot $full using 1:2 with linespoints lt 2 title \"every pair refined to its end\", $kept "
-                    "using 1:2 with linespoints lt 1 "
-                    "title \"under the deadline\", {:g} with lines dt 2 lc rgb \"black\" title \"deadline\"\n",
-                    deadline_ms);
+std::vector<LineChart> constant_time_charts(const io::StudyTable& table, double deadline_ms) {
+  LineChart times{"frame-time",
+                  "99 of 100 frames take at most, ms",
+                  "Without a deadline every pair is refined to its end.",
+                  "bodies",
+                  {{"under the deadline", io::study_points(table, "bodies", "deadline_p99_ms", {})},
+                   {"without", io::study_points(table, "bodies", "full_p99_ms", {})}},
+                  {{"deadline", deadline_ms, {}}},
+                  true,
+                  true};
+  LineChart levels{"levels",
+                   "mean level under the deadline",
+                   "What the deadline costs.",
+                   "bodies",
+                   {{"mean level", io::study_points(table, "bodies", "level_mean", {})}},
+                   {},
+                   true};
+  return {std::move(times), std::move(levels)};
 }
 
 }  // namespace
@@ -97,7 +103,7 @@ int study_constant_time(const StudyConstantTimeOptions& o) {
     if (2 * m.infeasible > m.releases) break;
   }
   progress.end();
-  const Status written = write_study(o.common, table, plot_of(table, deadline_ms));
+  const Status written = write_study(o.common, table, constant_time_charts(table, deadline_ms), 2);
   return written ? kExitDone : refuse("study constant-time", written.error());
 }
 

@@ -119,7 +119,7 @@ int study_cost(const StudyTimingOptions& o) {
     for (const bool settled : {false, true}) timed[p][settled ? 1 : 0].rows(populations[p], settled, document.rows);
   }
   document.by = measured_by(o, threads);
-  return write_timing(o, "cost", io::cost_json(document), io::cost_markdown(document));
+  return write_timing(o, "cost", io::cost_json(document), io::cost_markdown(document), io::cost_charts(document));
 }
 
 int study_scaling(const StudyTimingOptions& o) {
@@ -184,7 +184,8 @@ int study_scaling(const StudyTimingOptions& o) {
     document.rows.push_back(row);
   }
   document.by = measured_by(o, document.rows.empty() ? 1 : document.rows.back().threads);
-  return write_timing(o, "scaling", io::scaling_json(document), io::scaling_markdown(document));
+  return write_timing(o, "scaling", io::scaling_json(document), io::scaling_markdown(document),
+                      io::scaling_charts(document));
 }
 
 }  // namespace poise::app

@@ -10,7 +10,6 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "studies/forecast_trial.h"
-#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -42,25 +41,26 @@ std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::Run
   return tails;
 }
 
-std::string plot_of(const io::StudyTable& table) {
-  std::string text =
-      plot_style(900, 560) +
-      "set logscale x\n"
-      "set xlabel \"frames that took longer than their reserve in %\"\nset ylabel \"reserve / needed\"\nset yrange "
-      "[0:*]\n";
-  std::string plots;
-  std::vector<std::string> methods;
+// Where frames that are never too long stand on the logarithmic axis, in %.
+constexpr double kNever = 0.01;
+
+std::vector<LineChart> forecast_charts(const io::StudyTable& table) {
+  LineChart chart{"reserves",
+                  "reserve / needed",
+                  "Further left and further down is better. None too long: drawn at 0.01 %.",
+                  "frames that took longer than their reserve, %",
+                  {},
+                  {},
+                  true};
   for (const auto& row : table.rows) {
     const std::string& method = std::get<std::string>(row[2]);
-    if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
+    if (std::ranges::find(chart.lines, method, &ChartLine::label) != chart.lines.end()) continue;
+    std::vector<LinePoint> points = io::study_points(table, "exceeded", "reserve_over_actual", {{"method", method}});
+    for (LinePoint& point : points) point.x = std::max(point.x, kNever);
+    std::ranges::sort(points, {}, &LinePoint::x);
+    chart.lines.push_back({method, std::move(points), LineMarks::Dots});
   }
-  for (std::size_t i = 0; i < methods.size(); ++i) {
-    text += io::study_points(table, fmt::format("method{}", i), "exceeded", "reserve_over_actual",
-                             {{"method", methods[i]}});
-    plots += fmt::format("{}$method{} using ($1>0?$1:0.01):2 with points ps 2 title \"{}\"", i == 0 ? "" : ", ", i,
-                         methods[i]);
-  }
-  return text + "plot " + plots + "\n";
+  return {std::move(chart)};
 }
 
 }  // namespace
@@ -132,7 +132,7 @@ int study_forecast(const StudyForecastOptions& o) {
     }
   }
   progress.end();
-  const Status written = write_study(o.common, table, plot_of(table));
+  const Status written = write_study(o.common, table, forecast_charts(table), 1);
   return written ? kExitDone : refuse("study forecast", written.error());
 }
 

@@ -205,7 +205,8 @@ int study_free(const StudyTimingOptions& o) {
   }
   progress.end();
   document.by = measured_by(o, 1);
-  const int written = write_timing(o, "free", io::free_json(document), io::free_markdown(document));
+  const int written =
+      write_timing(o, "free", io::free_json(document), io::free_markdown(document), io::free_charts(document));
   if (written != kExitDone) return written;
   for (const io::FreeRow& row : document.rows) {
     if (row.ok()) continue;

@@ -246,7 +246,7 @@ int study_gaze(const StudyGazeOptions& o) {
                  {"state_full_units", mean_full_units(run.value())},
                  {"shake_mps", settings.shake.speed_mps}};
   add_gaze_tables(run.value(), seed, table);
-  const Status written = write_study(o.common, table, gaze_plot(run.value(), seed));
+  const Status written = write_study(o.common, table, gaze_charts(run.value()), gaze_plot(run.value(), seed));
   return written ? kExitDone : refuse("study gaze", written.error());
 }
 

@@ -22,8 +22,9 @@ void add_study_gaze_options(CLI::App& command, StudyGazeOptions& options);
 /// after a jump of the gaze. Returns the exit code.
 int study_gaze(const StudyGazeOptions& options);
 
-/// The tables of a run, and the script of its picture.
+/// The tables of a run, its charts, and the script of its picture, which has maps too.
 void add_gaze_tables(const GazeRun& run, std::uint64_t seed, io::StudyTable& table);
+std::vector<LineChart> gaze_charts(const GazeRun& run);
 std::string gaze_plot(const GazeRun& run, std::uint64_t seed);
 
 }  // namespace poise::app

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "app/tree_cache_options.h"
 #include "poise/result.h"
 #include "verify/pair_probe.h"
@@ -23,6 +24,7 @@ struct StudyLevelsOptions {
   std::optional<std::uint64_t> touches, seed, depth, fineness, threads;
   TreeCacheOptions tree_cache;
   bool quiet = false;
+  std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
 };
 
 /// Declares the options; `options` must outlive the parse.

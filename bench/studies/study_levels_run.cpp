@@ -13,6 +13,7 @@
 #include "scene/result_file.h"
 #include "studies/gnuplot.h"
 #include "studies/level_trial.h"
+#include "studies/study_charts.h"
 #include "studies/study_levels.h"
 
 namespace poise::app {
@@ -75,7 +76,10 @@ Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document
   if (written) written = write_to(o.markdown, io::levels_markdown(document));
   const bool taken = o.json == "-" || o.markdown == "-" || o.csv == "-";
   if (written && !taken && !o.quiet) written = io::write_stdout(io::levels_table(document));
-  return written ? draw_by_gnuplot(io::levels_plot(document), o.picture, o.svg, interrupt) : written;
+  std::vector<LineChart> charts = io::levels_charts(document);
+  leave_out_empty(charts);
+  if (o.page_charts != nullptr) *o.page_charts = charts;
+  return written ? draw_by_gnuplot(charts_plot(charts, 2), o.picture, o.svg, interrupt) : written;
 }
 
 int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress,

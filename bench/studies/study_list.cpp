@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "studies/study_list.h"
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "studies/study_accuracy.h"
 #include "studies/study_compliance.h"
@@ -20,34 +22,49 @@
 namespace poise::app {
 namespace {
 
+/// What the page of a study shows besides charts.
+enum class StudyPicture : std::uint8_t { None, Own, ByGnuplot };
+
 /// Where the options of a study name what it writes.
 template <class Options>
-StudyFiles files_of(Options& options) {
+StudyFiles files_of(Options& options, StudyPicture picture) {
   if constexpr (requires { options.common; }) {
-    return files_of(options.common);
+    return files_of(options.common, picture);
   } else {
     StudyFiles files{&options.json, &options.markdown};
     if constexpr (requires { options.picture; }) {
-      files.picture = &options.picture;
-      files.svg = &options.svg;
+      if (picture != StudyPicture::None) {
+        files.picture = &options.picture;
+        files.svg = &options.svg;
+        files.picture_needs_gnuplot = picture == StudyPicture::ByGnuplot;
+      }
     }
-    if constexpr (requires { options.picture_if_any; }) files.picture_if_any = &options.picture_if_any;
     return files;
   }
 }
 
 template <class Options>
+void give_charts(Options& options, std::vector<LineChart>& charts) {
+  if constexpr (requires { options.common; }) {
+    options.common.page_charts = &charts;
+  } else {
+    options.page_charts = &charts;
+  }
+}
+
+template <class Options>
 void add_study(CLI::App& command, const char* name, const char* description, void (*declare)(CLI::App&, Options&),
-               int (*run)(const Options&), int& exit_code) {
+               int (*run)(const Options&), int& exit_code, StudyPicture picture = StudyPicture::None) {
   auto options = std::make_shared<Options>();
   auto report = std::make_shared<StudyReport>();
   report->study = name;
   report->description = description;
+  give_charts(*options, report->charts);
   CLI::App* study = command.add_subcommand(name, description);
   declare(*study, *options);
   add_study_report(*study, *report);
-  study->callback([options, report, run, &exit_code] {
-    exit_code = with_study_report(*report, files_of(*options), [&] { return run(*options); });
+  study->callback([options, report, run, picture, &exit_code] {
+    exit_code = with_study_report(*report, files_of(*options, picture), [&] { return run(*options); });
   });
 }
 
@@ -81,11 +98,11 @@ void add_studies(CLI::App& command, int& exit_code) {
   add_study(command, "error-time", "Error of a step against its time: deadlines, levels and other engines",
             add_study_error_time_options, study_error_time, exit_code);
   add_study(command, "gaze", "Error near the gaze and elsewhere, and frames until a jump of the gaze is served",
-            add_study_gaze_options, study_gaze, exit_code);
+            add_study_gaze_options, study_gaze, exit_code, StudyPicture::ByGnuplot);
   add_study(command, "population", "Late frames, levels, error and memory of a scene as its population grows",
             add_study_population_options, study_population, exit_code);
   add_study(command, "strips", "One collision of two bodies, interrupted at each level: gaps and velocities",
-            add_study_strips_options, study_strips, exit_code);
+            add_study_strips_options, study_strips, exit_code, StudyPicture::Own);
 }
 
 }  // namespace poise::app

@@ -156,6 +156,33 @@ const std::vector<io::StudyColumn> kOrderColumns = {{"bodies", "bodies", 0},
                                                     {"rescoring_percent", "scores of levels, at most %", 1},
                                                     {"ranking_ns", "ns a pair", 0}};
 
+// A place for each row: its population, and its deadline or budget.
+std::vector<LineChart> order_charts(const io::StudyTable& table) {
+  LineChart chart{"order", "shares, %", "Misplaced: work that a sorted queue would have left out.", "runs", {}};
+  std::vector<std::string> names;
+  for (const auto& row : table.rows) {
+    const auto* deadline = std::get_if<double>(&row[1]);
+    const auto* budget = std::get_if<double>(&row[2]);
+    names.push_back(fmt::format("{} bodies, {}", std::get<std::uint64_t>(row[0]),
+                                deadline != nullptr ? fmt::format("{:g} ms", *deadline)
+                                : budget != nullptr ? fmt::format("{:g} %", *budget)
+                                                    : std::string("-")));
+  }
+  for (const auto& [column, label] :
+       {std::pair("misplaced_percent", "misplaced"), std::pair("misplaced_worst_percent", "worst frame"),
+        std::pair("ranking_percent", "time for ranking")}) {
+    const auto at = std::ranges::find(kOrderColumns, column, &io::StudyColumn::name) - kOrderColumns.begin();
+    ChartLine line{label, {}, LineMarks::Dots};
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      if (const auto* value = std::get_if<double>(&table.rows[i][static_cast<std::size_t>(at)]))
+        line.points.push_back({static_cast<double>(i), *value, {}, {}});
+    }
+    chart.lines.push_back(std::move(line));
+  }
+  name_places(chart, std::move(names), "runs");
+  return {std::move(chart)};
+}
+
 Status check(const StudyOrderOptions& o) {
   const Status sound = check_study_times(o.common);
   if (!sound) return sound;
@@ -280,7 +307,7 @@ int study_order(const StudyOrderOptions& o) {
   const Result<io::StudyTable> table = measured(o, scene.value(), progress);
   progress.end();
   if (!table) return refuse("study order", table.error());
-  const Status written = write_study(o.common, table.value(), {});
+  const Status written = write_study(o.common, table.value(), order_charts(table.value()), 1);
   return written ? kExitDone : refuse("study order", written.error());
 }
 

@@ -10,7 +10,6 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "scene/run/milliseconds.h"
-#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -52,35 +51,38 @@ OverloadSettings settings_of(const StudyOverloadOptions& o, bool population) {
   return settings;
 }
 
-// One line up and one back for a figure of a drive; nothing where it is not defined, since gnuplot refuses that.
-std::string panel_of(const io::StudyTable& table, const std::string& drive, const std::string& column,
-                     const std::string& label) {
-  if (!io::has_numbers(table, column, {{"drive", drive}})) return "";
-  std::string text = fmt::format("set title \"{} driven\"\nset ylabel \"{}\"\nset yrange [{}:*]\n", drive, label,
-                                 column == "potential_relative" ? "*" : "0");
+// One line up and one back for a figure of a drive.
+LineChart overload_chart(const io::StudyTable& table, const std::string& drive, const std::string& column,
+                         const std::string& label) {
+  LineChart chart{fmt::format("{}-{}", drive,
+                              column == "level_mean"   ? "level"
+                              : column == "e_seen_mps" ? "error"
+                                                       : "potential"),
+                  fmt::format("{} driven: {}", drive, label),
+                  "Demand goes up, then comes back.",
+                  "demand",
+                  {},
+                  {},
+                  true};
+  chart.y_from_data = column == "potential_relative";
   for (const char* way : {"up", "back"}) {
-    text += io::study_points(table, fmt::format("{}_{}_{}", drive, column, way), "demand", column,
-                             {{"drive", drive}, {"way", way}});
+    std::vector<LinePoint> points = io::study_points(table, "demand", column, {{"drive", drive}, {"way", way}});
+    std::ranges::sort(points, {}, &LinePoint::x);
+    chart.lines.push_back({way == std::string_view("up") ? "demand goes up" : "and back", std::move(points)});
   }
-  return text +
-         fmt::format(
-             "plot ${0}_{1}_up using 1:2 with linespoints lt 2 title \"demand goes up\", ${0}_{1}_back using 1:2 with "
-             "linespoints lt 1 ps 0.8 title \"and back\"\n",
-             drive, column);
+  return chart;
 }
 
-std::string overload_plot(const io::StudyTable& table, const std::vector<std::string>& drives, bool references) {
-  std::string text =
-      plot_style(1100, 440 * drives.size()) + fmt::format(
-                                                  "set multiplot layout {},2\nset logscale x 2\nset xlabel \"demand\"\n"
-                                                  "set offsets 0,0,graph 0.05,0\n",
-                                                  drives.size());
+std::vector<LineChart> overload_charts(const io::StudyTable& table, const std::vector<std::string>& drives,
+                                       bool references) {
+  std::vector<LineChart> charts;
   for (const std::string& drive : drives) {
-    text += panel_of(table, drive, "level_mean", "mean level");
-    text += references ? panel_of(table, drive, "e_seen_mps", "E seen, m/s")
-                       : panel_of(table, drive, "potential_relative", "potential energy / without a limit");
+    charts.push_back(overload_chart(table, drive, "level_mean", "mean level"));
+    charts.push_back(references
+                         ? overload_chart(table, drive, "e_seen_mps", "E seen, m/s")
+                         : overload_chart(table, drive, "potential_relative", "potential energy / without a limit"));
   }
-  return text + "unset multiplot\n";
+  return charts;
 }
 
 // Drives as asked, one after the other. Ctrl-C is caught here alone: gnuplot catches it for itself.
@@ -228,7 +230,7 @@ int study_overload(const StudyOverloadOptions& o) {
   const Result<io::StudyTable> table = measured(o, scene.value(), drives);
   if (!table) return refuse("study overload", table.error());
   const Status written =
-      write_study(o.common, table.value(), overload_plot(table.value(), drives, o.reference_every.has_value()));
+      write_study(o.common, table.value(), overload_charts(table.value(), drives, o.reference_every.has_value()), 2);
   return written ? kExitDone : refuse("study overload", written.error());
 }
 

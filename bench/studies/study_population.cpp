@@ -10,7 +10,6 @@
 #include "app/option_values.h"
 #include "app/refusal.h"
 #include "studies/child_command.h"
-#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -157,31 +156,17 @@ Result<io::StudyTable> measured(const StudyPopulationOptions& o, const StudyScen
   return table;
 }
 
-std::string population_plot(const io::StudyTable& table, std::optional<double> deadline_ms) {
-  std::string text = plot_style(1100, 480) + "set multiplot layout 1,2\nset logscale x\nset xlabel \"bodies\"\n";
-  const std::pair<const char*, const char*> panels[] = {{"p99_ms", "99 of 100 frames take at most, ms"},
-                                                        {"level_last", "mean level in the last third"}};
-  for (const auto& [column, label] : panels) {
-    if (!io::has_numbers(table, column, {})) continue;
-    const bool times = column == std::string_view("p99_ms");
-    text += fmt::format(
-        "{}set ylabel \"{}\"\n",
-        times ? "set logscale y\n" : "unset logscale y\nset offsets 0,0,graph 0.05,0\nset yrange [0:*]\n", label);
-    std::string plots;
-    for (const bool hold : {true, false}) {
-      const std::string text_of_hold = hold ? "yes" : "no";
-      const std::vector<io::StudyFilter> only = {{"islands_wait", text_of_hold}};
-      if (!io::has_numbers(table, column, only)) continue;
-      const std::string block = fmt::format("{}_{}", column, text_of_hold);
-      text += io::study_points(table, block, "bodies", column, only);
-      plots += fmt::format("{}${} using 1:2 with linespoints lt {} title \"{}\"", plots.empty() ? "" : ", ", block,
-                           hold ? 1 : 2, hold ? "islands may wait" : "every body in every frame");
-    }
-    if (times && deadline_ms)
-      plots += fmt::format(", {:g} with lines dt 2 lc rgb \"black\" title \"deadline\"", *deadline_ms);
-    text += "plot " + plots + "\n";
+std::vector<LineChart> population_charts(const io::StudyTable& table, double deadline_ms) {
+  LineChart times{"frame-time", "99 of 100 frames take at most, ms", "",   "bodies",
+                  {},           {{"deadline", deadline_ms, {}}},     true, true};
+  LineChart levels{"levels", "mean level in the last third", "", "bodies", {}, {}, true};
+  for (const bool hold : {true, false}) {
+    const std::vector<io::StudyFilter> only = {{"islands_wait", hold ? "yes" : "no"}};
+    const char* name = hold ? "islands may wait" : "every body in every frame";
+    times.lines.push_back({name, io::study_points(table, "bodies", "p99_ms", only)});
+    levels.lines.push_back({name, io::study_points(table, "bodies", "level_last", only)});
   }
-  return text + "unset multiplot\n";
+  return {std::move(times), std::move(levels)};
 }
 
 }  // namespace
@@ -235,7 +220,7 @@ int study_population(const StudyPopulationOptions& o) {
   const Result<io::StudyTable> table = measured(o, scene.value());
   if (!table) return refuse("study population", table.error());
   const Status written =
-      write_study(o.common, table.value(), population_plot(table.value(), scene.value().deadline_ms()));
+      write_study(o.common, table.value(), population_charts(table.value(), scene.value().deadline_ms()), 2);
   return written ? kExitDone : refuse("study population", written.error());
 }
 

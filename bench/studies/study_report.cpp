@@ -41,13 +41,12 @@ void name_files(const std::string& folder, const StudyFiles& files) {
   name(files.json, "study.json");
   name(files.markdown, "study.md");
   if (files.picture == nullptr) return;
-  if (!has_gnuplot()) {
-    fmt::print(stderr, "poise study: warning: the report has no picture: that needs gnuplot-nox\n");
+  if (files.picture_needs_gnuplot && !has_gnuplot()) {
+    fmt::print(stderr, "poise study: warning: the report has its charts, but no picture: that needs gnuplot-nox\n");
     return;
   }
   name(files.picture, "study.png");
   name(files.svg, "study.svg");
-  if (files.picture_if_any != nullptr) *files.picture_if_any = true;
 }
 
 /// As it is typed: `poise study NAME ...`.
@@ -104,7 +103,7 @@ int write_page(const StudyReport& report, const StudyFiles& files, int exit_code
   document.machine = io::this_machine();
   document.build = io::this_build();
   document.subtitle = document.machine.processor;
-  // Some studies draw no SVG.
+  document.charts = report.charts;
   for (const auto& [file, type] : {std::pair(files.svg, "image/svg+xml"), std::pair(files.picture, "image/png")}) {
     if (file == nullptr || !document.pictures.empty() || !std::filesystem::exists(*file, failure)) continue;
     const Result<std::string> picture = geometry::read_text_file(*file, kMostStudyBytes);
@@ -122,7 +121,7 @@ void add_study_report(CLI::App& command, StudyReport& report) {
            "Write a page into this folder that shows the study, and what it is made of (docs/viewing.md)");
 }
 
-int with_study_report(const StudyReport& report, const StudyFiles& files, const std::function<int()>& study) {
+int with_study_report(StudyReport& report, const StudyFiles& files, const std::function<int()>& study) {
   if (report.folder.empty()) return study();
   const std::string name = "study " + report.study;
   if (report.folder == "-") return refuse(name, kExitBadUsage, "--report must be a folder");

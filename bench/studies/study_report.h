@@ -4,6 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <vector>
+
+#include "app/report/line_chart.h"
 
 namespace poise::app {
 
@@ -11,23 +14,25 @@ namespace poise::app {
 struct StudyFiles {
   std::string* json = nullptr;
   std::string* markdown = nullptr;
+  /// Those of a picture that the page shows beside its charts; null where there is none.
   std::string* picture = nullptr;
   std::string* svg = nullptr;
-  bool* picture_if_any = nullptr;  ///< set: nothing to draw is no error
+  bool picture_needs_gnuplot = false;
 };
 
 /// `--report FOLDER` of a study.
 struct StudyReport {
-  std::string study;        ///< its name
-  std::string description;  ///< in a few words
-  std::string folder;       ///< empty: no page
+  std::string study;                   ///< its name
+  std::string description;             ///< in a few words
+  std::string folder;                  ///< empty: no page
+  std::vector<LineChart> charts = {};  ///< which the study gives
 };
 void add_study_report(CLI::App& command, StudyReport& report);
 
 /// Runs a study and returns its exit code. With a folder, first lets it write there what the options do not name, as
-/// `study.json`, `study.md`, `study.svg` and `study.png`, and makes the page of these files afterwards. Without gnuplot
-/// the page has no picture, with a warning. Refused before the study: a page that is not built, a folder that cannot be
-/// written, figures that go to the standard output.
-int with_study_report(const StudyReport& report, const StudyFiles& files, const std::function<int()>& study);
+/// `study.json` and `study.md`, for a picture `study.svg` and `study.png`, and makes the page of these files and of the
+/// charts afterwards. A picture that needs gnuplot is left out without it, with a warning. Refused before the study: a
+/// page that is not built, a folder that cannot be written, figures that go to the standard output.
+int with_study_report(StudyReport& report, const StudyFiles& files, const std::function<int()>& study);
 
 }  // namespace poise::app

@@ -123,7 +123,7 @@ int study_span(const StudyTimingOptions& o) {
     document.rows.push_back(state.back().row(settled, "all of these"));
   }
   document.by = measured_by(o, 1);
-  return write_timing(o, "scaling", io::span_json(document), io::span_markdown(document));
+  return write_timing(o, "scaling", io::span_json(document), io::span_markdown(document), io::span_charts(document));
 }
 
 }  // namespace poise::app

@@ -247,7 +247,7 @@ int study_strips(const StudyStripsOptions& o) {
   StudyTimesOptions without_plot = o.common;
   without_plot.picture.clear();
   without_plot.svg.clear();
-  Status written = write_study(without_plot, strips_table(strips.value(), o), {});
+  Status written = write_study(without_plot, strips_table(strips.value(), o), {}, std::string());
   if (written && !o.common.picture.empty()) {
     const Result<std::string> png = io::png_bytes(strips_picture(strips.value()));
     written = png ? io::write_file(o.common.picture, png.value()) : Status(png.error());

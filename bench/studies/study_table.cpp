@@ -174,13 +174,13 @@ Result<std::vector<StudyCell>> first_row_of(const std::string& json, const std::
   return cells;
 }
 
-std::string study_points(const StudyTable& table, const std::string& block, const std::string& x, const std::string& y,
-                         const std::vector<StudyFilter>& only) {
+std::vector<app::LinePoint> study_points(const StudyTable& table, const std::string& x, const std::string& y,
+                                         const std::vector<StudyFilter>& only) {
   const auto place = [&](const std::string& name) {
     const auto at = std::ranges::find(table.columns, name, &StudyColumn::name);
     return static_cast<std::size_t>(at - table.columns.begin());
   };
-  std::string text = fmt::format("${} << EOD\n", block);
+  std::vector<app::LinePoint> points;
   const std::size_t at_x = place(x);
   const std::size_t at_y = place(y);
   for (const std::vector<StudyCell>& row : table.rows) {
@@ -191,13 +191,9 @@ std::string study_points(const StudyTable& table, const std::string& block, cons
     if (!wanted || at_x >= row.size() || at_y >= row.size()) continue;
     const std::optional<double> px = number_of(row[at_x]);
     const std::optional<double> py = number_of(row[at_y]);
-    if (px && py) text += fmt::format("{:g} {:g}\n", *px, *py);
+    if (px && py) points.push_back({*px, *py, {}, {}});
   }
-  return text + "EOD\n";
-}
-
-bool has_numbers(const StudyTable& table, const std::string& column, const std::vector<StudyFilter>& only) {
-  return study_points(table, "none", column, column, only) != "$none << EOD\nEOD\n";
+  return points;
 }
 
 }  // namespace poise::io

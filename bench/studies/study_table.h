@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "poise/result.h"
 #include "scene/made_by.h"
 
@@ -52,14 +53,12 @@ Result<std::vector<StudyCell>> first_row_of(const std::string& json, const std::
 std::string study_text(const StudyTable& table);
 std::string study_markdown(const StudyTable& table);
 
-/// A data block for gnuplot with two columns of the rows in which both are numbers, in order. `only` selects the rows
-/// whose named column has this text.
+/// Selects the rows whose named column has this text.
 struct StudyFilter {
   std::string column, text;
 };
-std::string study_points(const StudyTable& table, const std::string& block, const std::string& x, const std::string& y,
-                         const std::vector<StudyFilter>& only);
-/// Whether any of those rows has a number in the column: gnuplot refuses to plot blocks without points.
-bool has_numbers(const StudyTable& table, const std::string& column, const std::vector<StudyFilter>& only);
+/// Two columns of the rows in which both are numbers, in order, as points of a line.
+std::vector<app::LinePoint> study_points(const StudyTable& table, const std::string& x, const std::string& y,
+                                         const std::vector<StudyFilter>& only);
 
 }  // namespace poise::io

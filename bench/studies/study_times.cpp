@@ -158,11 +158,22 @@ io::StudyTable begin_study(const std::string& name, const std::string& command) 
   return table;
 }
 
-Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, const std::string& plot) {
+Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, std::vector<LineChart> charts,
+                   std::size_t columns) {
+  leave_out_empty(charts);
+  const std::string plot = charts_plot(charts, columns);
+  return write_study(o, table, std::move(charts), plot);
+}
+
+Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, std::vector<LineChart> charts,
+                   const std::string& plot) {
   Status written = write_to(o.json, io::study_json(table));
   if (written) written = write_to(o.markdown, io::study_markdown(table));
   if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(io::study_text(table));
-  if (!written) return written;
+  leave_out_empty(charts);
+  if (o.page_charts != nullptr) *o.page_charts = std::move(charts);
+  if (!written || (o.picture.empty() && o.svg.empty())) return written;
+  if (plot.empty()) return bad_input("--picture: the study has no figures to draw");
   const parallel::Interrupt interrupt;
   return draw_by_gnuplot(plot, o.picture, o.svg, interrupt);
 }

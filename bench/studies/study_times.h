@@ -13,6 +13,7 @@
 #include "app/tree_cache_options.h"
 #include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
+#include "studies/study_charts.h"
 #include "studies/study_table.h"
 
 namespace poise::app {
@@ -25,6 +26,7 @@ struct StudyTimesOptions {
   std::string json, markdown, picture, svg;
   bool quiet = false;
   TreeCacheOptions tree_cache;
+  std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
 };
 /// Those of the scene, of threads and of what is written.
 void add_study_outputs(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene);
@@ -85,7 +87,11 @@ class StudyScene {
 
 /// A table with machine and build set.
 io::StudyTable begin_study(const std::string& name, const std::string& command);
-/// Writes the requested outputs; `plot` is a script for gnuplot.
-Status write_study(const StudyTimesOptions& options, const io::StudyTable& table, const std::string& plot);
+/// Writes the requested outputs; the picture has the charts in rows of so many.
+Status write_study(const StudyTimesOptions& options, const io::StudyTable& table, std::vector<LineChart> charts,
+                   std::size_t columns);
+/// The same with a picture that a script for gnuplot draws.
+Status write_study(const StudyTimesOptions& options, const io::StudyTable& table, std::vector<LineChart> charts,
+                   const std::string& plot);
 
 }  // namespace poise::app

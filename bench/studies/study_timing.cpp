@@ -173,7 +173,9 @@ io::MeasuredBy measured_by(const StudyTimingOptions& o, int threads) {
   return by;
 }
 
-int write_timing(const StudyTimingOptions& o, const char* study, const std::string& json, const std::string& markdown) {
+int write_timing(const StudyTimingOptions& o, const char* study, const std::string& json, const std::string& markdown,
+                 std::vector<LineChart> charts) {
+  if (o.page_charts != nullptr) *o.page_charts = std::move(charts);
   Status written = write_to(o.json, json);
   if (written) written = write_to(o.markdown, markdown);
   if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(markdown);

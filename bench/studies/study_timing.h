@@ -22,6 +22,7 @@ struct StudyTimingOptions {
   bool span = false;
   std::string executor;
   std::string json, markdown;
+  std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
   TreeCacheOptions tree_cache;
   bool quiet = false;
 };
@@ -54,8 +55,9 @@ Result<SceneRun> timed_scene(const StudyTimingOptions& options, std::uint64_t bo
 Status forget_pairs(SceneRun& run);
 io::MeasuredBy measured_by(const StudyTimingOptions& options, int threads);
 ExecutorKind timed_executor(const StudyTimingOptions& options, int threads);
-/// Writes JSON and markdown if requested, else the markdown to the standard output. Returns the exit code.
+/// Writes JSON and markdown if requested, else the markdown to the standard output; gives the charts to the page.
+/// Returns the exit code.
 int write_timing(const StudyTimingOptions& options, const char* study, const std::string& json,
-                 const std::string& markdown);
+                 const std::string& markdown, std::vector<LineChart> charts);
 
 }  // namespace poise::app

@@ -65,6 +65,7 @@ Result<io::TreesRow> make_row(const StudyTreesOptions& options, const StudyMesh&
 }
 
 Status write_all(const StudyTreesOptions& o, const io::TreesDocument& document) {
+  if (o.page_charts != nullptr) *o.page_charts = io::trees_charts(document);
   Status written = write_to(o.json, io::trees_json(document));
   if (written) written = write_to(o.markdown, io::trees_markdown(document));
   if (written) written = write_to(o.csv, io::trees_csv(document));

@@ -16,6 +16,7 @@ struct StudyTreesOptions {
   std::optional<std::uint64_t> depth, threads, seed, samples, most;
   bool scaling = false;
   bool quiet = false;
+  std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
 };
 
 /// Declares the options; `options` must outlive the parse.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "scene/made_by.h"
 
 namespace poise::io {
@@ -34,9 +35,10 @@ struct CostDocument {
   std::vector<CostRow> rows;  ///< stages of a population and state are consecutive; the last one is "all of these"
   MeasuredBy by;
 };
-/// `poise.cost/1`, and tables for docs.
+/// `poise.cost/1`, tables for docs, and what the page of the study draws; so it is of the other documents.
 std::string cost_json(const CostDocument& document);
 std::string cost_markdown(const CostDocument& document);
+std::vector<app::LineChart> cost_charts(const CostDocument& document);
 
 /// A stage in frames with cached data of earlier frames, and in frames without: medians.
 struct CacheRow {
@@ -62,6 +64,7 @@ struct CacheDocument {
 /// `poise.cache/1`, and a table for docs.
 std::string cache_json(const CacheDocument& document);
 std::string cache_markdown(const CacheDocument& document);
+std::vector<app::LineChart> cache_charts(const CacheDocument& document);
 
 /// Refinement on a number of threads.
 struct ScalingRow {
@@ -80,6 +83,7 @@ struct ScalingDocument {
 };
 std::string scaling_json(const ScalingDocument& document);
 std::string scaling_markdown(const ScalingDocument& document);
+std::vector<app::LineChart> scaling_charts(const ScalingDocument& document);
 
 /// Work and critical path of one stage in one state: medians over frames, each figure by itself.
 struct SpanRow {
@@ -104,6 +108,7 @@ struct SpanDocument {
 /// `poise.span/1`, and a table for docs.
 std::string span_json(const SpanDocument& document);
 std::string span_markdown(const SpanDocument& document);
+std::vector<app::LineChart> span_charts(const SpanDocument& document);
 
 /// Instructions of one feature in a step, off and on.
 struct FreeRow {
@@ -123,5 +128,6 @@ struct FreeDocument {
 };
 std::string free_json(const FreeDocument& document);
 std::string free_markdown(const FreeDocument& document);
+std::vector<app::LineChart> free_charts(const FreeDocument& document);
 
 }  // namespace poise::io

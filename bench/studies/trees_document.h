@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/line_chart.h"
 #include "app/tree/tree_document.h"
 
 namespace poise::io {
@@ -40,6 +41,8 @@ std::string trees_json(const TreesDocument& document);
 std::string trees_table(const TreesDocument& document);
 /// The same as a Markdown table with the machine below it.
 std::string trees_markdown(const TreesDocument& document);
+/// What the page of the study draws: fit against level, and cost against the number of triangles.
+std::vector<app::LineChart> trees_charts(const TreesDocument& document);
 /// One line a mesh and level, with a header.
 std::string trees_csv(const TreesDocument& document);
 

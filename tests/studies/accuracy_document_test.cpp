@@ -54,14 +54,27 @@ TEST(AccuracyDocument, TablesTellWhatWasMissedAndNameACaseOnce) {
   }
 }
 
-TEST(AccuracyDocument, ThePlotHasBothPanelsAndNoLogarithmOfNought) {
-  const std::string plot = io::accuracy_plot(study());
-  EXPECT_NE(plot.find("0.25 NaN 2\n0.5 0.001 NaN\n"), std::string::npos) << plot;
-  EXPECT_NE(plot.find("$case0 using 1:2"), std::string::npos);
-  EXPECT_NE(plot.find("$case0 using 1:3"), std::string::npos);
+TEST(AccuracyDocument, HasBothChartsAndNoLogarithmOfNought) {
+  const std::vector<app::LineChart> charts = io::accuracy_charts(study());
+  ASSERT_EQ(charts.size(), 2U);
+  const std::vector<app::LinePoint>& drift = charts[0].lines[0].points;
+  const std::vector<app::LinePoint>& energy = charts[1].lines[0].points;
+  EXPECT_TRUE(std::isnan(drift[0].y)) << "a gap";
+  EXPECT_EQ(drift[1].y, 0.001);
+  EXPECT_EQ(energy[0].y, 2);
+  EXPECT_TRUE(std::isnan(energy[1].y));
   io::AccuracyDocument none = study();
   none.series.clear();
-  EXPECT_EQ(io::accuracy_plot(none), "");
+  EXPECT_TRUE(io::accuracy_charts(none)[0].lines.empty());
+}
+
+TEST(AccuracyDocument, OfEachCaseTheFigureNearestToItsBoundIsDrawn) {
+  const app::LineChart chart = io::bounds_chart(study());
+  ASSERT_EQ(chart.x_names, (std::vector<std::string>{"slope", "666"}));
+  ASSERT_EQ(chart.lines.size(), 1U);
+  EXPECT_DOUBLE_EQ(chart.lines[0].points[0].y, 4) << "0.4 where 0.1 is allowed";
+  ASSERT_EQ(chart.levels.size(), 1U);
+  EXPECT_EQ(chart.levels[0].y, 1);
 }
 
 }  // namespace

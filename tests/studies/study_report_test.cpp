@@ -2,6 +2,7 @@
 #include "studies/study_report.h"
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -43,7 +44,8 @@ TEST(StudyReport, ShowsWhatTheStudyWroteWithItsClosingLineAsTheResult) {
     Study study;
     study.svg = folder.file("mine.svg");
     const app::StudyFiles files{&study.json_path, &study.markdown, &study.picture, &study.svg};
-    const app::StudyReport report{"some", "What it is", folder.file("out")};
+    app::StudyReport report{
+        "some", "What it is", folder.file("out"), {{"c", "chart", "", "x", {{"l", {{0, 1, {}, {}}}}}}}};
     EXPECT_EQ(app::with_study_report(report, files, [&] { return study.write(exit_code); }), exit_code);
     EXPECT_EQ(study.json_path, folder.file("out/study.json"));
     EXPECT_EQ(study.svg, folder.file("mine.svg")) << "what is named stays";
@@ -53,6 +55,8 @@ TEST(StudyReport, ShowsWhatTheStudyWroteWithItsClosingLineAsTheResult) {
     EXPECT_EQ(figures.at("headline").at("text"), "what closes it; a machine");
     EXPECT_EQ(figures.at("headline").at("mark"), exit_code == app::kExitDone ? "none" : "bad");
     EXPECT_EQ(figures.at("settings"), json::parse(R"({"scene": "heap", "frames": "3"})"));
+    ASSERT_EQ(figures.at("charts").size(), 1U);
+    EXPECT_TRUE(std::filesystem::exists(folder.file("out/c.png")));
     ASSERT_EQ(figures.at("pictures").size(), 1U);
     EXPECT_EQ(figures.at("pictures")[0].at("type"), "image/svg+xml");
   }
@@ -63,7 +67,7 @@ TEST(StudyReport, IsNoneWhereTheStudyFailsOrShowsNothing) {
   const TemporaryFolder folder;
   Study study;
   const app::StudyFiles files{&study.json_path, &study.markdown};
-  const app::StudyReport report{"some", "What it is", folder.file("out")};
+  app::StudyReport report{"some", "What it is", folder.file("out")};
   EXPECT_EQ(app::with_study_report(report, files, [&] { return study.write(app::kExitBadInput); }), app::kExitBadInput);
   EXPECT_FALSE(std::filesystem::exists(folder.file("out/report.html")));
   // What the run before has left is not taken for figures of this one.
@@ -76,15 +80,65 @@ TEST(StudyReport, WithoutAFolderTheStudyAloneRuns) {
   const TemporaryFolder folder;
   Study study;
   const app::StudyFiles files{&study.json_path, &study.markdown};
-  EXPECT_EQ(app::with_study_report({"some", "What it is", ""}, files, [] { return 7; }), 7);
+  app::StudyReport report{"some", "What it is", ""};
+  EXPECT_EQ(app::with_study_report(report, files, [] { return 7; }), 7);
   EXPECT_EQ(study.json_path, "");
 }
 
 TEST(StudyReport, IsAnOptionOfEveryStudy) {
-  for (const char* name : {"accuracy", "cache", "compliance", "constant-time", "cost", "forecast", "free", "levels",
-                           "overload", "population", "scaling", "trees"}) {
+  for (const char* name : {"accuracy", "cache", "compliance", "constant-time", "cost", "forecast", "free", "gaze",
+                           "levels", "order", "overload", "population", "scaling", "strips", "trees"}) {
     const CommandResult help = poise_command({"study", name, "--help"});
     EXPECT_NE(help.out.find("--report"), std::string::npos) << name;
+  }
+}
+
+/// A search path without any program, while it lives.
+class NoPrograms {
+ public:
+  explicit NoPrograms(const std::string& folder) { ::setenv("PATH", folder.c_str(), 1); }
+  ~NoPrograms() { ::setenv("PATH", before_.c_str(), 1); }
+  NoPrograms(const NoPrograms&) = delete;
+  NoPrograms& operator=(const NoPrograms&) = delete;
+
+ private:
+  std::string before_ = ::getenv("PATH") == nullptr ? "" : ::getenv("PATH");
+};
+
+TEST(StudyReport, OfEveryStudyShowsAChartOrAPictureWithoutGnuplot) {
+  if (!figures_are_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
+  const TemporaryFolder folder;
+  const std::vector<std::vector<std::string>> studies{
+      {"accuracy", "--only", "slope, box on plane"},
+      {"cache", "--bodies", "30", "--frames", "2", "--settle", "5"},
+      {"compliance", "--bodies", "20", "--frames", "10", "--warmup", "2", "--populations", "1"},
+      {"constant-time", "--most-bodies", "100", "--frames", "5", "--warmup", "2"},
+      {"cost", "--bodies", "30", "--frames", "2", "--skip", "1", "--settle", "4"},
+      {"forecast", "--bodies", "60", "--frames", "40", "--warmup", "30"},
+      {"gaze", "--bodies", "60", "--settle", "20", "--seeds", "1", "--states", "1", "--jumps", "1"},
+      {"order", "--bodies", "60", "--frames", "4", "--warmup", "30", "--budget", "20"},
+      {"overload", "--bodies", "30", "--settle", "20", "--hold", "10", "--clock", "work", "--drive", "deadline"},
+      {"population", "--bodies", "30,60", "--frames", "5"},
+      {"scaling", "--bodies", "60", "--frames", "2", "--settle", "40"},
+      {"scaling", "--span", "--bodies", "30", "--frames", "2", "--settle", "5"},
+      {"strips"},
+      {"trees", POISE_MESHES "/l.obj", "--depth", "1", "--samples", "100", "--preset", "fast"},
+  };
+  const NoPrograms nothing(folder.file("none"));
+  for (const std::vector<std::string>& study : studies) {
+    std::vector<std::string> arguments{"study"};
+    arguments.insert(arguments.end(), study.begin(), study.end());
+    arguments.insert(arguments.end(), {"--quiet", "--report", folder.file(study[0])});
+    const CommandResult result = poise_command(arguments);
+    // A deadline that was missed on a busy machine is a finding, not a failure.
+    ASSERT_LE(result.exit_code, app::kExitRequirementFailed) << study[0] << ": " << result.error;
+    const json figures = figures_in(contents(folder.file(study[0] + "/report.html")));
+    ASSERT_TRUE(figures.is_object()) << study[0];
+    EXPECT_GE(figures.at("charts").size() + figures.at("pictures").size(), 1U) << study[0];
+    for (const json& chart : figures.at("charts")) {
+      EXPECT_FALSE(chart.at("lines").empty()) << study[0];
+      EXPECT_TRUE(std::filesystem::exists(folder.file(study[0] + "/" + chart.at("id").get<std::string>() + ".svg")));
+    }
   }
 }
 

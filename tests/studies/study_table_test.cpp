@@ -84,18 +84,16 @@ TEST(StudyTable, ReadsItsFirstRowBackAndRefusesWhatIsNone) {
   }
 }
 
-TEST(StudyTable, KnowsColumnsWithoutNumbers) {
-  EXPECT_TRUE(io::has_numbers(some_table(), "y", {}));
-  EXPECT_TRUE(io::has_numbers(some_table(), "y", {{"name", "a"}}));
-  EXPECT_FALSE(io::has_numbers(some_table(), "y", {{"name", "b"}}));
-  EXPECT_FALSE(io::has_numbers(some_table(), "name", {}));
-  EXPECT_FALSE(io::has_numbers(some_table(), "nothing", {}));
-}
-
 TEST(StudyTable, GivesThePointsOfTheRowsThatAreAskedFor) {
-  EXPECT_EQ(io::study_points(some_table(), "d", "x", "y", {}), "$d << EOD\n3 1.25\n5 2\nEOD\n");
-  EXPECT_EQ(io::study_points(some_table(), "d", "x", "y", {{"x", "5"}}), "$d << EOD\n5 2\nEOD\n");
-  EXPECT_EQ(io::study_points(some_table(), "d", "x", "nothing", {}), "$d << EOD\nEOD\n");
+  const std::vector<app::LinePoint> all = io::study_points(some_table(), "x", "y", {});
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].x, 3);
+  EXPECT_EQ(all[0].y, 1.25);
+  EXPECT_EQ(all[1].x, 5);
+  const std::vector<app::LinePoint> one = io::study_points(some_table(), "x", "y", {{"x", "5"}});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0].y, 2);
+  EXPECT_TRUE(io::study_points(some_table(), "x", "nothing", {}).empty());
 }
 
 }  // namespace
