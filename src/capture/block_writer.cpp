@@ -50,6 +50,7 @@ Status BlockWriter::add(const SeenFrame& frame, std::string& out) {
     encoder_->begin_block();
   }
   encoder_->add(packed, block_);
+  sums_.push_back(frame.facts.momentum_ns);
   ++block_frames_;
   ++index_.end.frames;
   return block_frames_ == kMostBlockFrames || block_.size() >= kBlockBytes ? end_block(out) : Status(Done{});
@@ -71,7 +72,10 @@ Status BlockWriter::end_block(std::string& out) {
   block_.replace(0, count.size(), count);
   index_.blocks.push_back({at_, block_first_, block_frames_});
   block_frames_ = 0;
-  const Status written = chunk(kFramesChunk, block_, out);
+  Status written = chunk(kFramesChunk, block_, out);
+  const std::string sums = sums_bytes(sums_);
+  sums_.clear();
+  if (written && !sums.empty()) written = chunk(kSumsChunk, sums, out);
   if (!written || !with_pairs_) return written;
   pairs_block_.replace(0, count.size(), count);
   return chunk(kPairsChunk, pairs_block_, out);

@@ -11,6 +11,7 @@
 #include "capture/frame_code.h"
 #include "capture/frame_packer.h"
 #include "capture/header.h"
+#include "capture/sums_code.h"
 
 namespace poise::capture {
 
@@ -36,6 +37,7 @@ class BlockWriter {
   std::string block_;
   bool with_pairs_ = false;
   std::string pairs_block_;
+  std::vector<FrameSums> sums_;  // of the frames of this block
   std::uint32_t block_frames_ = 0;
   std::uint64_t block_first_ = 0;
   std::uint64_t at_ = 0;  // where the next chunk is put in the file

@@ -76,6 +76,10 @@ struct FrameFacts {
   std::uint64_t work = 0;
   double kinetic_j = std::numeric_limits<double>::quiet_NaN();
   double potential_j = std::numeric_limits<double>::quiet_NaN();
+  /// Linear, of the dynamic bodies, kg m/s; NaN where it was not measured, and of captures of earlier versions. In the
+  /// file it stands beside the frames, in the SUMS chunk of their block.
+  std::array<float, 3> momentum_ns{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN(),
+                                   std::numeric_limits<float>::quiet_NaN()};
 };
 
 /// A frame as the file holds it. All columns of bodies have one entry for each row, ascending.

@@ -67,6 +67,26 @@ Result<std::string> CaptureReader::chunk_at(std::uint64_t at) {
   return type;
 }
 
+// Those of a block that ends here; empty where the file has none for it.
+Result<std::vector<FrameSums>> CaptureReader::sums_at(std::uint64_t at, std::size_t frames) {
+  std::vector<FrameSums> none;
+  // What is behind the frames may be cut off or damaged: the frames are whole, and that was told.
+  if (damage_ && damage_->byte <= at) return none;
+  // Another chunk that is in order here is not read.
+  std::string head(kChunkHeadBytes, '\0');
+  stream_.clear();
+  stream_.seekg(static_cast<std::streamoff>(at));
+  if (!stream_.read(head.data(), static_cast<std::streamsize>(head.size()))) return none;
+  for (const std::string_view other : {kFramesChunk, kBodiesChunk, kPairsChunk, kIndexChunk}) {
+    if (head.starts_with(other)) return none;
+  }
+  const Result<std::string> type = chunk_at(at);
+  if (!type) return failed(at, type.error().message);
+  if (type.value() != kSumsChunk) return none;
+  Result<std::vector<FrameSums>> sums = read_sums(raw_, frames);
+  return sums ? sums : failed(at, sums.error().message);
+}
+
 Status CaptureReader::begin() {
   std::string magic(std::min<std::uint64_t>(kMagic.size(), size_), '\0');
   stream_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
@@ -185,10 +205,13 @@ Status CaptureReader::read_block(std::size_t block, const FrameSink& sink) {
   const Result<std::string> type = chunk_at(place.at);
   if (!type) return failed(place.at, type.error().message);
   if (type.value() != kFramesChunk) return failed(place.at, "the chunk is not FRAM, which the index names here");
-  ByteReader bytes(raw_);
+  block_.swap(raw_);
+  ByteReader bytes(block_);
   const auto frames = bytes.get<std::uint32_t>();
   if (frames != place.frames)
     return failed(place.at, fmt::format("FRAM: frames = {}, the index has {}", frames, place.frames));
+  const Result<std::vector<FrameSums>> sums = sums_at(place.at + stored_.size(), frames);
+  if (!sums) return sums.error();
   FrameDecoder decoder({static_cast<std::uint32_t>(bodies_.size()), header_.orientation_steps, header_.contacts});
   PackedFrame frame;
   std::uint64_t least = place.first_frame;
@@ -199,6 +222,7 @@ Status CaptureReader::read_block(std::size_t block, const FrameSink& sink) {
       return failed(place.at,
                     fmt::format("FRAM: frame = {}, must be {}{}", frame.facts.frame, i == 0 ? "" : "at least ", least));
     least = frame.facts.frame + 1;
+    frame.facts.momentum_ns = sums.value().empty() ? FrameFacts{}.momentum_ns : sums.value()[i];
     if (!sink(frame)) return Done{};
   }
   if (bytes.left() != 0) return failed(place.at, fmt::format("FRAM: {} bytes stand behind its frames", bytes.left()));

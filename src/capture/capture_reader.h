@@ -13,6 +13,7 @@
 #include "capture/capture.h"
 #include "capture/header.h"
 #include "capture/packed_pose.h"
+#include "capture/sums_code.h"
 #include "poise/result.h"
 
 namespace poise::capture {
@@ -57,6 +58,7 @@ class CaptureReader {
   CaptureReader() = default;
   Status begin();
   Result<std::string> chunk_at(std::uint64_t at);
+  Result<std::vector<FrameSums>> sums_at(std::uint64_t at, std::size_t frames);
   Status read_shapes(std::uint64_t& at);
   bool read_by_index();
   void read_in_order(std::uint64_t at);
@@ -73,7 +75,7 @@ class CaptureReader {
   std::uint64_t frames_ = 0;
   std::optional<CaptureEnd> end_;
   std::optional<Damage> damage_;
-  std::string stored_, raw_;
+  std::string stored_, raw_, block_;
 };
 
 }  // namespace poise::capture

@@ -20,6 +20,7 @@ inline constexpr std::string_view kHeaderChunk = "HEAD";
 inline constexpr std::string_view kShapeChunk = "SHAP";
 inline constexpr std::string_view kBodiesChunk = "BODY";
 inline constexpr std::string_view kFramesChunk = "FRAM";
+inline constexpr std::string_view kSumsChunk = "SUMS";
 inline constexpr std::string_view kPairsChunk = "PAIR";
 inline constexpr std::string_view kIndexChunk = "INDX";
 

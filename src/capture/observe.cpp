@@ -78,6 +78,11 @@ std::uint32_t captured_time(Nanoseconds time) {
   return clamped(static_cast<std::uint64_t>(std::max<std::int64_t>(time.count(), 0)) / 100);
 }
 
+std::array<float, 3> captured_momentum(const Vec3& momentum_ns) {
+  const Eigen::Vector3f rounded = momentum_ns.cast<float>();
+  return {rounded.x(), rounded.y(), rounded.z()};
+}
+
 FrameFacts facts_of_start(const View& view) {
   FrameFacts facts;
   put_view(view, facts);

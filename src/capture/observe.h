@@ -26,6 +26,8 @@ FrameFacts facts_of(const FrameReport& report, const View& view, double dt_s);
 FrameFacts facts_of_start(const View& view);
 /// `gaze_px` of these facts, for an image of this size.
 void find_gaze(const View& view, const std::array<double, 2>& resolution_px, FrameFacts& facts);
+/// A momentum as facts have it.
+std::array<float, 3> captured_momentum(const Vec3& momentum_ns);
 /// A time in the unit of facts: 100 ns.
 std::uint32_t captured_time(Nanoseconds time);
 

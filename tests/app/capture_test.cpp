@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -126,6 +127,11 @@ TEST(Capture, OfADeadlineHasTheTimesAndCausesOfTheRunAndSoHasThatOfItsReplay) {
   for (std::size_t k = 1; k <= 45; ++k) {
     for (const char* name : {"candidate_pairs", "coarse_pairs", "contact_pairs", "pairs_left", "jobs_done"})
       EXPECT_EQ(column(rows, k + 1, name), column(own, k, name)) << name << " of frame " << k;
+    for (const char* name : {"kinetic_j", "potential_j", "momentum_x_kgmps", "momentum_y_kgmps", "momentum_z_kgmps"}) {
+      const double exact = std::stod(column(own, k, name));
+      EXPECT_NEAR(std::stod(column(rows, k + 1, name)), exact, 1e-6 * std::abs(exact)) << name << " of frame " << k;
+    }
+    EXPECT_EQ(of_replay[k].facts.momentum_ns, of_run[k].facts.momentum_ns) << k;
   }
 }
 

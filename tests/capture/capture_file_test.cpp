@@ -24,6 +24,11 @@ using testing::written;
 void expect_same(const CaptureReader& reader, const PackedFrame& read, const SeenFrame& was) {
   EXPECT_EQ(read.facts.frame, was.facts.frame);
   EXPECT_EQ(read.facts.times, was.facts.times);
+  if (read.facts.frame == 0) {
+    EXPECT_TRUE(std::isnan(read.facts.momentum_ns[0])) << "the start was not measured";
+  } else {
+    EXPECT_EQ(read.facts.momentum_ns, was.facts.momentum_ns);
+  }
   ASSERT_EQ(read.rows.size(), was.bodies.size());
   for (std::size_t i = 0; i < read.rows.size(); ++i) {
     const SeenBody& body = was.bodies[i];

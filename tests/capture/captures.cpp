@@ -65,6 +65,7 @@ std::vector<capture::SeenFrame> some_frames(std::uint64_t seed, std::uint64_t co
     frame.facts.vertical_fov_rad = 0.8F;
     frame.facts.aspect = 1.5F;
     frame.facts.times[8] = static_cast<std::uint32_t>(random() % 100000);
+    if (k > 0) frame.facts.momentum_ns = {static_cast<float>(k), -0.5F, 1e-9F};
     if (!there.empty() && random() % 4 == 0)
       there.erase(there.begin() + static_cast<std::ptrdiff_t>(random() % there.size()));
     while (there.size() < bodies && (k == 0 || random() % 2 == 0)) {

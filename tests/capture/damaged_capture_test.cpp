@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <set>
 #include <span>
@@ -12,6 +13,7 @@
 #include "capture/captures.h"
 #include "capture/chunks.h"
 #include "capture/frame_code.h"
+#include "capture/sums_code.h"
 #include "scene/temporary_folder.h"
 
 namespace poise::capture {
@@ -78,7 +80,8 @@ TEST(DamagedCapture, CutAnywhereGivesAllFramesOfTheWholeBlocksBeforeTheCut) {
   const Given whole = given_by(folder.file("whole"));
   ASSERT_EQ(whole.frames.size(), 130U);
   const std::vector<std::size_t> borders = chunk_borders(bytes);
-  ASSERT_EQ(borders.size(), 1U + 3 + 3 + 3 + 1 + 1) << "HEAD, shapes, BODY and FRAM of each block, INDX, trailer";
+  ASSERT_EQ(borders.size(), 1U + 3 + 3 + 3 + 3 + 1 + 1)
+      << "HEAD, shapes, BODY, FRAM and SUMS of each block, INDX, trailer";
   std::set<std::size_t> cuts(borders.begin(), borders.end());
   for (const std::size_t border : borders) cuts.insert({border - 1, border + 1, border + kChunkHeadBytes});
   std::mt19937_64 random(5);
@@ -93,9 +96,9 @@ TEST(DamagedCapture, CutAnywhereGivesAllFramesOfTheWholeBlocksBeforeTheCut) {
     EXPECT_EQ(given.refusal, "") << cut;
     ASSERT_TRUE(given.damage) << cut;
     expect_beginning(given, whole);
-    const std::size_t blocks = cut >= borders[10] ? 3 : cut >= borders[8] ? 2 : cut >= borders[6] ? 1 : 0;
+    const std::size_t blocks = cut >= borders[12] ? 3 : cut >= borders[9] ? 2 : cut >= borders[6] ? 1 : 0;
     EXPECT_EQ(given.frames.size(), std::min<std::size_t>(60 * blocks, 130)) << cut;
-    if (std::ranges::find(borders, cut) != borders.end() && cut < borders[10]) {
+    if (std::ranges::find(borders, cut) != borders.end() && cut < borders[13]) {
       EXPECT_EQ(given.damage->what, "the file ends here, before the end of the run");
     }
   }
@@ -121,7 +124,7 @@ TEST(DamagedCapture, WithAnyByteChangedGivesNoWrongFrame) {
 TEST(DamagedCapture, InABlockBehindAGoodIndexIsToldWithFileAndByte) {
   const TemporaryFolder folder;
   std::string bytes = written(folder.file("a"), some_header(), some_frames(13, 130, 3));
-  const std::size_t block = chunk_borders(bytes)[7];
+  const std::size_t block = chunk_borders(bytes)[8];
   ASSERT_EQ(bytes.substr(block, 4), "FRAM");
   bytes[block + 40] = static_cast<char>(bytes[block + 40] ^ 1);
   put_file(folder.file("a"), bytes);
@@ -243,15 +246,55 @@ TEST(DamagedCapture, WhoseIndexNamesOtherPlacesIsReadWithoutIt) {
 TEST(DamagedCapture, WithAChunkThatNobodyKnowsIsReadBeyondIt) {
   const TemporaryFolder folder;
   const std::string bytes = written(folder.file("a"), some_header(), some_frames(14, 70, 3));
-  const std::size_t second = chunk_borders(bytes)[6];
+  const std::size_t second = chunk_borders(bytes)[7];
   std::string extra;
   ChunkPacker packer;
   ASSERT_TRUE(packer.add("MORE", "of a later version", extra).ok());
   // Its index is gone, as in a run that was killed.
-  put_file(folder.file("a"), bytes.substr(0, second) + extra + bytes.substr(second, chunk_borders(bytes)[8] - second));
+  put_file(folder.file("a"), bytes.substr(0, second) + extra + bytes.substr(second, chunk_borders(bytes)[10] - second));
   const Given given = given_by(folder.file("a"));
   EXPECT_EQ(given.refusal, "");
   EXPECT_EQ(given.frames.size(), 70U);
+}
+
+TEST(DamagedCapture, CutBehindItsFramesOrOfAnEarlierVersionHasNoMomentumAndAllFrames) {
+  const TemporaryFolder folder;
+  std::vector<SeenFrame> frames = some_frames(15, 130, 3);
+  const std::string bytes = written(folder.file("a"), some_header(), frames);
+  const std::size_t sums = chunk_borders(bytes)[9];
+  ASSERT_EQ(bytes.substr(sums, 4), "SUMS");
+  for (const std::size_t cut : {sums, sums + 7, sums + kChunkHeadBytes + 3}) {
+    put_file(folder.file("a"), bytes.substr(0, cut));
+    const Given given = given_by(folder.file("a"));
+    EXPECT_EQ(given.refusal, "");
+    ASSERT_EQ(given.frames.size(), 120U);
+    EXPECT_EQ(given.frames[59].facts.momentum_ns[0], 59);
+    EXPECT_TRUE(std::isnan(given.frames[60].facts.momentum_ns[0])) << "nothing of the block before";
+  }
+  for (SeenFrame& frame : frames) frame.facts.momentum_ns = FrameFacts{}.momentum_ns;
+  std::string old = written(folder.file("a"), some_header(), frames);
+  EXPECT_EQ(old.find("SUMS"), std::string::npos);
+  EXPECT_TRUE(std::isnan(given_by(folder.file("a")).frames.at(129).facts.momentum_ns[0]));
+  // Damage of a block is that of no other one.
+  const std::size_t block = chunk_borders(old)[7];
+  ASSERT_EQ(old.substr(block, 4), "FRAM");
+  old[block + 40] = static_cast<char>(old[block + 40] ^ 1);
+  put_file(folder.file("a"), old);
+  EXPECT_EQ(given_by(folder.file("a")).frames.size(), 60U);
+}
+
+TEST(DamagedCapture, WithSumsThatAreNotThoseOfTheirBlockIsRefused) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& sums) {
+    const std::string bytes = file_of({{kFramesChunk, block_of(2, {0, 5})}, {kSumsChunk, sums}});
+    put_file(folder.file("a"), bytes);
+    const std::string text = given_by(folder.file("a")).refusal;
+    return text.substr(std::min(text.size(), text.find("SUMS")));
+  };
+  const std::vector<FrameSums> two{{1, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(refusal(sums_bytes(two)), "");
+  EXPECT_EQ(refusal(sums_bytes(std::span(two).first(1))), "SUMS: frames = 1, its block has 2");
+  EXPECT_EQ(refusal(sums_bytes(two) + "x"), "SUMS: has 29 bytes for 2 frames");
 }
 
 }  // namespace

@@ -129,6 +129,12 @@ test("the table of a capture has the figures of --frames-csv", { skip: noCommand
       "miss",
     ])
       assert.deepEqual([...table.column(name)], [...expected.column(name)], name);
+    // Momentum is rounded to seven digits.
+    for (const axis of ["x", "y", "z"]) {
+      const name = `momentum_${axis}_kgmps`;
+      assert.deepEqual([...table.column(name)], [...expected.column(name)].map(Math.fround), name);
+    }
+    assert.ok(table.column("momentum_z_kgmps").some((value) => value < -1), "bodies fall");
     for (let row = 0; row < table.length; ++row)
       assert.ok(Math.abs(table.column("total_ms")[row] - expected.column("total_ms")[row]) < 2e-4);
   }),

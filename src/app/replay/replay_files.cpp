@@ -100,6 +100,7 @@ Status ReplayFiles::captured(const FrameReport& report, const io::RecordedFrame&
   capture::FrameFacts facts = capture::facts_of(seen, run_->view(), record_->dt_s);
   facts.kinetic_j = report.kinetic_j;
   facts.potential_j = report.potential_j;
+  facts.momentum_ns = capture::captured_momentum(report.momentum_ns);
   if (facts.frame < frames_.from) return Done{};
   if (!options_.report.empty()) {
     simulation::RunFrame frame;

@@ -249,6 +249,7 @@ CaptureSink capture_sink(const SceneRun& run, double dt_s, RunCapture& capture) 
     facts.warm_up = frame.warm_up;
     facts.kinetic_j = frame.report.kinetic_j;
     facts.potential_j = frame.report.potential_j;
+    facts.momentum_ns = capture::captured_momentum(frame.report.momentum_ns);
     return capture.frame(facts);
   };
 }

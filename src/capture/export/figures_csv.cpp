@@ -22,7 +22,7 @@ std::string figures_header() {
       "integrate_ms,publish_ms,total_ms,host_ms,budget_ms,reserve_ms,lateness_ms,dynamic_bodies,candidate_pairs,"
       "coarse_pairs,contact_pairs,pairs_left,jobs_done,jobs_discarded,asleep,held,paused";
   for (int level = 0; level < kPolygonBin; ++level) text += fmt::format(",contacts_level_{}", level);
-  text += ",contacts_polygons,work,kinetic_j,potential_j,bodies";
+  text += ",contacts_polygons,work,kinetic_j,potential_j,momentum_x_kgmps,momentum_y_kgmps,momentum_z_kgmps,bodies";
   for (const char* name : kActivityNames) text += fmt::format(",bodies_{}", name);
   return text + "\n";
 }
@@ -45,6 +45,10 @@ std::string figures_row(const PackedFrame& frame) {
   for (const double energy : {f.kinetic_j, f.potential_j}) {
     text += ',';
     if (std::isfinite(energy)) fmt::format_to(out, "{}", energy);
+  }
+  for (const float momentum : f.momentum_ns) {
+    text += ',';
+    if (std::isfinite(momentum)) fmt::format_to(out, "{}", momentum);
   }
   fmt::format_to(out, ",{}", frame.rows.size());
   std::array<std::size_t, kActivities> bodies{};

@@ -130,6 +130,7 @@ export class CaptureFile {
       for (const key of Object.keys(this.bodies)) this.bodies[key].push(...(key === "name" ? names : rows[key]));
     }
     if (chunk.type === "FRAM") this.takeBlock(chunk);
+    if (chunk.type === "SUMS") this.takeSums(chunk);
     if (chunk.type === "PAIR") {
       for (const { frame, at } of pairFramesOf(unpacked(chunk))) this.pairFrames.set(frame, { chunk, at });
     }
@@ -149,6 +150,15 @@ export class CaptureFile {
     }
     if (this.keptBytes + bytes.length <= kKeptBytes) this.keep(this.blocks.length, bytes);
     this.blocks.push({ chunk, first, count });
+  }
+
+  /** Momentum of the frames of the block before it. */
+  takeSums(chunk) {
+    const { first, count } = this.blocks[this.blocks.length - 1] ?? { count: 0 };
+    const reader = new ByteReader(unpacked(chunk));
+    if (reader.u32() !== count) throw new RangeError(`the chunk at byte ${chunk.at} is not that of its block`);
+    const columns = [0, 1, 2].map(() => reader.floats(count));
+    for (let k = 0; k < count; ++k) this.frames[first + k].momentum_kgmps = columns.map((column) => column[k]);
   }
 
   keep(number, bytes) {

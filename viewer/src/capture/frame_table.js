@@ -65,6 +65,8 @@ export function tableOfCapture(file) {
   );
   add("kinetic_j", (facts) => facts.kinetic_j);
   add("potential_j", (facts) => facts.potential_j);
+  // Captures of earlier versions have none.
+  ["x", "y", "z"].forEach((axis, k) => add(`momentum_${axis}_kgmps`, (facts) => facts.momentum_kgmps?.[k] ?? NaN));
   columns.set(
     "cause",
     rows.map((facts) => (facts.cause > 0 ? kCauses[facts.cause - 1] : "none")),

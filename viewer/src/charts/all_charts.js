@@ -67,7 +67,7 @@ function energyChart(frames) {
   });
 }
 
-/** Left out for a capture alone, and for tables of earlier versions: neither has momentum. */
+/** Left out for captures and tables of earlier versions, which have no momentum. */
 function momentumChart(frames) {
   const lines = [
     { label: "x", color: kOrange, column: frames.column("momentum_x_kgmps") },
