@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "app/exit_codes.h"
+#include "app/suggestions.h"
 #include "scene/made_by.h"
 #include "studies/study_list.h"
 
@@ -18,7 +19,7 @@ int run(int argc, char** argv) {
   const poise::io::BuildFacts build = poise::io::this_build();
   app.set_version_flag("--version", fmt::format("poise-study {} ({}, {}, {})", build.version, build.commit,
                                                 build.compiler, build.flags));
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.footer(
       "Example:\n  poise study trees --markdown trees.md\n  poise study levels --markdown levels.md\n  poise study "
       "accuracy --only slope\n\nEach study has its own --help.");
@@ -28,8 +29,15 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& stop) {
     // --help and --version also end here, with 0; every error is bad usage.
-    if (app.exit(stop) != 0) return poise::app::kExitBadUsage;
+    const int code = app.exit(stop);
+    if (dynamic_cast<const CLI::ExtrasError*>(&stop) != nullptr)
+      std::fputs(poise::app::argument_hints(app).c_str(), stderr);
+    if (code != 0) return poise::app::kExitBadUsage;
     return std::fflush(stdout) == 0 ? poise::app::kExitDone : poise::app::kExitOutputFailed;
+  }
+  if (app.get_subcommands().empty()) {
+    std::fprintf(stderr, "poise study: the name of a study is required; poise study --help lists them\n");
+    return poise::app::kExitBadUsage;
   }
   return exit_code;
 }

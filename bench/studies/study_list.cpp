@@ -32,6 +32,7 @@ StudyFiles files_of(Options& options, StudyPicture picture) {
     return files_of(options.common, picture);
   } else {
     StudyFiles files{&options.json, &options.markdown};
+    files.quiet = &options.quiet;
     if constexpr (requires { options.picture; }) {
       if (picture != StudyPicture::None) {
         files.picture = &options.picture;

@@ -110,7 +110,9 @@ int write_page(const StudyReport& report, const StudyFiles& files, int exit_code
     if (!picture) return refuse("study " + report.study, picture.error());
     document.pictures.push_back({report.description, type, picture.value()});
   }
-  const Status written = page.write(document);
+  Status written = page.write(document);
+  if (written && (files.quiet == nullptr || !*files.quiet))
+    written = io::write_stdout(fmt::format("report: {}\n", figures_page_of(report.folder)));
   return written ? exit_code : refuse("study " + report.study, written.error());
 }
 

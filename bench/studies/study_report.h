@@ -18,6 +18,7 @@ struct StudyFiles {
   std::string* picture = nullptr;
   std::string* svg = nullptr;
   bool picture_needs_gnuplot = false;
+  const bool* quiet = nullptr;  ///< set: where the page is, is not told
 };
 
 /// `--report FOLDER` of a study.

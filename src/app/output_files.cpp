@@ -75,6 +75,13 @@ Status can_write(std::initializer_list<std::string> paths) {
   return Done{};
 }
 
+Status make_folder(const char* option, const std::string& path) {
+  std::error_code failure;
+  std::filesystem::create_directories(path, failure);
+  if (!failure) return Done{};
+  return Error{ErrorKind::OutputFailed, fmt::format("{}: {}: cannot be made: {}", option, path, failure.message())};
+}
+
 Status write_to(const std::string& path, const std::string& text) {
   if (path.empty()) return Done{};
   return path == "-" ? io::write_stdout(text) : io::write_file(path, text);

@@ -28,6 +28,9 @@ Status check_picture(const std::string& path);
 /// tried: opening it is felt.
 Status can_write(std::initializer_list<std::string> paths);
 
+/// Makes a folder, and those that it is in. Refused with the option, and why.
+Status make_folder(const char* option, const std::string& path);
+
 /// Writes to a file, or to the standard output for "-"; nothing for an empty path.
 Status write_to(const std::string& path, const std::string& text);
 

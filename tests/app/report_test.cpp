@@ -143,6 +143,32 @@ TEST(RunReport, WithoutContactsHasNoChartOfThemNorThatOfAnEarlierRun) {
                                       "percentiles.svg", "report.html", "run.capture"}));
 }
 
+TEST(RunReport, IsNamedBelowTheTable) {
+  if (!page_is_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
+  const TemporaryFolder folder;
+  const std::string out = folder.file("r");
+  const CommandResult result = poise_command({"run", "two-body", "--frames", "1", "--report", out});
+  EXPECT_TRUE(result.out.ends_with("report         " + out + "/report.html\n")) << result.out;
+  const CommandResult refused = poise_command({"run", "two-body", "--frames", "1", "--report", "/proc/none"});
+  EXPECT_EQ(refused.exit_code, 4);
+  EXPECT_NE(refused.error.find("--report: /proc/none: cannot be made: "), std::string::npos) << refused.error;
+}
+
+TEST(View, TellsTwoCapturesOfOneNameApartByTheirFolders) {
+  if (!page_is_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
+  const TemporaryFolder folder;
+  for (const char* name : {"a", "b"}) {
+    const std::string out = folder.file(name);
+    ASSERT_EQ(poise_command({"run", "two-body", "--frames", "2", "--report", out, "--quiet"}).exit_code, 0);
+  }
+  const std::string page = folder.file("both.html");
+  const CommandResult both =
+      poise_command({"view", folder.file("a/run.capture"), folder.file("b/run.capture"), "--out", page});
+  ASSERT_EQ(both.exit_code, 0) << both.error;
+  EXPECT_EQ(json::parse(embedded(contents(page), "poise-page")).at("captures"),
+            json::parse(R"(["a/run.capture", "b/run.capture"])"));
+}
+
 TEST(RunReport, LeavesTheRunAsItWas) {
   if (!page_is_built()) GTEST_SKIP() << "the page is not built: cmake/build_viewer.sh";
   const TemporaryFolder folder;

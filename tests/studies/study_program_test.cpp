@@ -46,6 +46,17 @@ TEST(StudyProgram, TheCommandSaysHowItIsBuiltWhereItIsNotThere) {
   EXPECT_EQ(text.find('\n'), text.size() - 1) << "one line: " << text;
 }
 
+TEST(StudyProgram, OfAWrongNameTellsTheNearestAndOfNoneWhereTheyAreListed) {
+  const CommandResult wrong = poise_command({"study", "strip", "--quiet"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.error.find("poise study: did you mean strips instead of strip?"), std::string::npos) << wrong.error;
+  const CommandResult option = poise_command({"study", "strips", "--reprot", "x"});
+  EXPECT_NE(option.error.find("did you mean --report instead of --reprot?"), std::string::npos) << option.error;
+  const CommandResult none = poise_command({"study"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_EQ(none.error, "poise study: the name of a study is required; poise study --help lists them\n");
+}
+
 TEST(StudyProgram, IsNoPartOfTheCommand) {
   // This text of a study is in the program of the studies, and not in `poise`.
   const std::string words = "Compare the answers of each level";

@@ -430,6 +430,13 @@ test("a page of a capture alone has charts from the capture", { skip }, () =>
       assert.ok(await page.isVisible("#chart-frame-time"));
       assert.ok(await page.isVisible("#chart-energy"));
       assert.ok(await page.isVisible("#chart-momentum"));
+      const widths = await page.evaluate(() =>
+        ["energy", "momentum"].map((id) => {
+          const { _size: width, _values: texts } = window.poise.charts[id].chart().axes[1];
+          return width - 6.4 * Math.max(...texts.map((text) => text.length));
+        }),
+      );
+      assert.ok(Math.min(...widths) > 8, `${widths} px are left beside the longest text of an axis`);
       assert.ok(await page.isVisible("#replay"));
     },
   ),

@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -85,9 +84,8 @@ Status write_csv(capture::CaptureReader& reader, const capture::FrameChoice& cho
 
 Status write_pvd(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path) {
   const std::filesystem::path folder(path);
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be made: {}", path, failure.message())};
+  const Status there = make_folder("--pvd", path);
+  if (!there) return there.error();
   capture::FrameDrawer drawer(reader);
   std::vector<std::pair<double, std::string>> files;
   Status written = Done{};

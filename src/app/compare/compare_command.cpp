@@ -33,7 +33,8 @@ Status write_results(const CompareOptions& options, const io::ComparisonDocument
   if (written) written = write_to(options.json, options.json.empty() ? "" : io::comparison_json(document));
   if (written && report) written = report->write(comparison_figures(document, command_line()));
   if (!written || options.quiet) return written;
-  const std::string table = io::comparison_table(document);
+  std::string table = io::comparison_table(document);
+  if (report) table += fmt::format("\nreport: {}\n", figures_page_of(options.report));
   if (options.json != "-") return io::write_stdout(table);
   fmt::print(stderr, "{}", table);
   return Done{};

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <system_error>
 
 #include "app/option_values.h"
 #include "app/output_files.h"
@@ -62,11 +61,8 @@ Result<FilmFrames> FilmFrames::open(const PictureOptions& options) {
   FilmFrames frames;
   if (options.frames_dir.empty()) return frames;
   frames.folder_ = options.frames_dir;
-  std::error_code failure;
-  std::filesystem::create_directories(options.frames_dir, failure);
-  if (failure)
-    return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be made: {}", options.frames_dir, failure.message())};
-  return frames;
+  const Status there = make_folder("--frames-dir", options.frames_dir);
+  return there ? Result<FilmFrames>(std::move(frames)) : Result<FilmFrames>(there.error());
 }
 
 Status FilmFrames::write(std::uint64_t frame, const io::Image& image) {

@@ -2,8 +2,8 @@
 #include "app/report/figures_page.h"
 
 #include <nlohmann/json.hpp>
-#include <system_error>
 
+#include "app/output_files.h"
 #include "app/report/chart_axes.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
@@ -105,9 +105,8 @@ std::string figures_page_of(const std::string& folder) {
 Result<FiguresFiles> FiguresFiles::open(const std::string& folder) {
   Result<std::string> page = read_report_template(figures_template_places());
   if (!page) return bad_input("--report: " + page.error().message);
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return Error{ErrorKind::OutputFailed, folder + ": " + failure.message()};
+  const Status there = make_folder("--report", folder);
+  if (!there) return there.error();
   Result<io::AtomicFile> html = io::AtomicFile::open(figures_page_of(folder));
   if (!html) return html.error();
   return FiguresFiles(folder, std::move(page).value(), std::move(html).value());

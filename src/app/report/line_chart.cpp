@@ -16,7 +16,7 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 constexpr double kWidth = 900, kHeight = 480;
-constexpr double kLeft = 90, kTop = 50, kBottom = 100;
+constexpr double kLeft = 116, kTop = 50, kBottom = 100;
 constexpr double kLabelGap = 22, kBandOpacity = 0.14, kDash_px = 7, kDashGap_px = 5;
 // Of texts at the axis: width of a character of the image, and from row to row.
 constexpr double kCharacter = 12, kTickRow = 20, kBeside = 16;

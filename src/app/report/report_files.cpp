@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/capture/run_capture.h"
+#include "app/output_files.h"
 #include "app/report/frame_chart.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
@@ -43,9 +44,8 @@ Result<ReportFiles> ReportFiles::open(const std::string& folder) {
   if (folder.empty()) return made;
   Result<std::string> page = read_report_template();
   if (!page) return bad_input("--report: " + page.error().message);
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return Error{ErrorKind::OutputFailed, folder + ": " + failure.message()};
+  const Status there = make_folder("--report", folder);
+  if (!there) return there.error();
   Result<io::AtomicFile> html = io::AtomicFile::open(report_page_of(folder));
   if (!html) return html.error();
   Result<ChartFiles> times = open_chart(folder, "frame-times");

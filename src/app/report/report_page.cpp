@@ -60,6 +60,19 @@ Status write_capture(const std::string& path, io::AtomicFile& file) {
   return Done{};
 }
 
+/// What tells files apart for a reader: their names, or where these are the same, those of their folders too.
+std::vector<std::string> names_of(const std::vector<std::string>& paths) {
+  std::vector<std::string> names, whole;
+  for (const std::string& path : paths) {
+    std::error_code ignored;
+    const std::filesystem::path full = std::filesystem::absolute(path, ignored).lexically_normal();
+    names.push_back(full.filename().string());
+    whole.push_back((full.parent_path().filename() / full.filename()).string());
+  }
+  const bool alike = names.size() == 2 && names[0] == names[1] && whole[0] != whole[1];
+  return alike ? whole : names;
+}
+
 }  // namespace
 
 std::string data_element(std::string_view id, std::string_view type, const std::string& json) {
@@ -119,8 +132,7 @@ Status write_report_page(const std::string& page, const ReportParts& parts, io::
   const std::size_t place = page.find(kReportData);
   std::string data = page.substr(0, place);
   nlohmann::ordered_json about = {{"command", shell_line(parts.command)}};
-  for (const std::string& path : parts.captures)
-    about["captures"].push_back(std::filesystem::path(path).filename().string());
+  for (const std::string& name : names_of(parts.captures)) about["captures"].push_back(name);
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   data += data_element("poise-page", "application/json", about.dump(-1, ' ', false, replace));
   if (!parts.run_json.empty()) data += data_element("poise-run", "application/json", parts.run_json);

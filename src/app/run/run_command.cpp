@@ -183,7 +183,8 @@ Status write_json(const RunOptions& options, const io::RunDocument& document, Ou
 
 Status print_table(const RunOptions& options, const io::RunDocument& document) {
   if (options.quiet) return Done{};
-  const std::string table = run_table(document);
+  std::string table = run_table(document);
+  if (!options.report.empty()) table += fmt::format("report         {}\n", report_page_of(options.report));
   if (options.json != "-") return io::write_stdout(table);
   fmt::print(stderr, "{}", table);
   return Done{};

@@ -28,6 +28,10 @@ export const axis = (colors, more = {}) => ({
   ...more,
 });
 
+/** The width of an axis beside a chart: enough for its longest text, and at least so many pixels. */
+export const roomFor = (least) => (u, texts) =>
+  Math.max(least, 14 + 6.4 * Math.max(0, ...(texts ?? []).map((text) => String(text ?? "").length)));
+
 /** 1, 2 and 5 of each power of ten in a range, or the powers alone where it is wide. */
 export function roundValues(u, axisNumber, least, most) {
   const factors = most / least > 300 ? [1] : [1, 2, 5];

@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import { kCauses, kCauseText, kStages, lateFrames, levelColumns } from "../data/frames.js";
 import { counted, milliseconds, number, whole } from "../format.js";
 import { css, kCauseMark, kStageColor, kStateColor, levelColor } from "../palette.js";
-import { axis, roundValues } from "./chart.js";
+import { axis, roomFor, roundValues } from "./chart.js";
 import { drawMark, markElement } from "./marks.js";
 
 const kMarkBand = 16; // height above the plot in which late frames are marked
@@ -51,7 +51,7 @@ const frameAxis = (colors) =>
     values: (u, ticks) => ticks.map((tick) => (Number.isInteger(tick) ? whole(tick) : "")),
   });
 const valueAxis = (colors, values = (u, ticks) => ticks.map((tick) => number(tick, 4))) =>
-  axis(colors, { size: 46, values });
+  axis(colors, { size: roomFor(46), values });
 
 /** Stacks columns: the sum of all first, so that each later one is painted over it. */
 function stackSeries(frames, frame, parts) {

@@ -7,7 +7,8 @@ import { number } from "../format.js";
 const kColors = 8;
 const kWidth = 620,
   kHeight = 330;
-const kEdge = { left: 58, top: 12 };
+const kLeast = 58; // of the texts left of the axes
+const kTop = 12;
 const kBeside = 16; // from the axes to the names
 const kBelow = 42; // with one row of texts
 const kLabelGap = 15,
@@ -67,9 +68,10 @@ export class Curves {
     this.chart = chart;
     const points = chart.lines.flatMap((line) => line.points);
     this.xs = [...new Set(points.map(([x]) => x))].sort((a, b) => a - b);
+    this.left = Math.max(kLeast, 14 + 2 * kHalfCharacter * Math.max(0, ...chart.y.ticks.map(([, text]) => text.length)));
     const letters = Math.max(...[...chart.lines, ...chart.levels].map(({ label }) => label.length));
     this.right = kWidth - Math.min(0.5 * kWidth, Math.max(60, kBeside + kLetter * (letters + 1)));
-    this.rows = tickRows(chart.x, this.right - kEdge.left);
+    this.rows = tickRows(chart.x, this.right - this.left);
     this.floor = kHeight - kBelow - (this.rows - 1) * kTickRow;
     this.at = -1;
     this.note = element("p", { class: "read", "aria-live": "polite" });
@@ -85,10 +87,10 @@ export class Curves {
     this.listen();
   }
   x(value) {
-    return kEdge.left + shareOf(this.chart.x, value) * (this.right - kEdge.left);
+    return this.left + shareOf(this.chart.x, value) * (this.right - this.left);
   }
   y(value) {
-    return this.floor - shareOf(this.chart.y, value) * (this.floor - kEdge.top);
+    return this.floor - shareOf(this.chart.y, value) * (this.floor - kTop);
   }
 
   draw() {
@@ -101,8 +103,8 @@ export class Curves {
     const { right } = this;
     for (const [at, text] of this.chart.y.ticks) {
       picture.append(
-        svg("path", { class: "grid", d: `M${kEdge.left} ${this.y(at)}H${right}` }),
-        svg("text", { x: kEdge.left - 6, y: this.y(at) + 4, "text-anchor": "end" }, text),
+        svg("path", { class: "grid", d: `M${this.left} ${this.y(at)}H${right}` }),
+        svg("text", { x: this.left - 6, y: this.y(at) + 4, "text-anchor": "end" }, text),
       );
     }
     const { floor } = this;
@@ -112,7 +114,7 @@ export class Curves {
       ),
     );
     picture.append(
-      svg("text", { x: (kEdge.left + right) / 2, y: kHeight - 6, "text-anchor": "middle" }, this.chart.x_label),
+      svg("text", { x: (this.left + right) / 2, y: kHeight - 6, "text-anchor": "middle" }, this.chart.x_label),
     );
     this.cursor = svg("path", { class: "cursor", d: "" });
     picture.append(this.cursor);
@@ -121,7 +123,7 @@ export class Curves {
     const heights = apart(
       [...ends.map((end) => (end ? this.y(end[1]) : floor)), ...levels.map(({ y }) => this.y(y))],
       kLabelGap,
-      kEdge.top + 6,
+      kTop + 6,
       floor,
     );
     levels.forEach((level, k) => picture.append(...this.levelOf(level, heights[lines.length + k])));
@@ -134,7 +136,7 @@ export class Curves {
     const kind = line === null ? "level" : `line-${line % kColors}`;
     const { right } = this;
     return [
-      svg("path", { class: `across ${kind}`, d: `M${kEdge.left} ${this.y(y)}H${right}` }),
+      svg("path", { class: `across ${kind}`, d: `M${this.left} ${this.y(y)}H${right}` }),
       svg("text", { class: `name ${kind}`, x: right + kBeside, y: labelAt + 4 }, label),
     ];
   }
@@ -182,7 +184,7 @@ export class Curves {
       return;
     }
     const x = this.xs[at];
-    this.cursor.setAttribute("d", `M${this.x(x)} ${kEdge.top}V${this.floor}`);
+    this.cursor.setAttribute("d", `M${this.x(x)} ${kTop}V${this.floor}`);
     const values = this.chart.lines.flatMap(({ label, points }, kind) => {
       const point = points.find(([place]) => place === x);
       if (!point || point[1] === null) return [];
