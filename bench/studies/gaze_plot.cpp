@@ -150,7 +150,7 @@ LineChart bins_chart(const GazeRun& run) {
 }  // namespace
 
 std::vector<LineChart> gaze_charts(const GazeRun& run) {
-  std::vector<LineChart> charts{bins_chart(run), jump_chart(run)};
+  std::vector<LineChart> charts{jump_chart(run), bins_chart(run)};
   leave_out_empty(charts);
   return charts;
 }
