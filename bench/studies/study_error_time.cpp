@@ -10,7 +10,6 @@
 #include "app/refusal.h"
 #include "scene/run/percentiles.h"
 #include "scene/run/policy_name.h"
-#include "studies/gnuplot.h"
 
 namespace poise::app {
 namespace {
@@ -66,19 +65,19 @@ io::StudyCell own_of(const MethodRun& method) {
   return sum / static_cast<double>(method.own_e_rel.size());
 }
 
-// The curves of one measure against time, each with its name at its end.
-std::string panel(const io::StudyTable& table, const std::vector<std::string>& groups, const char* measure,
-                  const char* title) {
-  std::string text = fmt::format("set title \"{}\"\n", title);
-  std::string plot;
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const std::string block = fmt::format("{}{}", measure, g);
-    if (!io::has_numbers(table, measure, {{"group", groups[g]}})) continue;
-    text += io::study_points(table, block, "time_p50_ms", measure, {{"group", groups[g]}});
-    plot += fmt::format("{}${} using 1:2 with linespoints lt {} lw 2 pt 7 title \"{}\"", plot.empty() ? "" : ", ",
-                        block, g + 1, groups[g]);
+// The curves of one measure against time.
+LineChart chart_of(const io::StudyTable& table, const char* id, const char* measure, const char* title) {
+  LineChart chart{
+      id,   title, "Each line is a way to step, each dot a setting of it.", "time of a step, ms (median)", {}, {},
+      true, true};
+  for (const std::vector<io::StudyCell>& row : table.rows) {
+    const std::string group = std::get<std::string>(row.front());
+    if (!chart.lines.empty() && chart.lines.back().label == group) continue;
+    std::vector<LinePoint> points = io::study_points(table, "time_p50_ms", measure, {{"group", group}});
+    std::ranges::sort(points, {}, &LinePoint::x);
+    chart.lines.push_back({group, std::move(points)});
   }
-  return plot.empty() ? "" : text + "plot " + plot + "\n";
+  return chart;
 }
 
 ErrorTimeSettings settings_of(const StudyErrorTimeOptions& o, const Scene& scene) {
@@ -125,23 +124,9 @@ io::StudyTable error_time_table(const ErrorTimeRun& run, std::uint64_t seed) {
   return table;
 }
 
-std::string error_time_plot(const io::StudyTable& table) {
-  std::vector<std::string> groups;
-  for (const std::vector<io::StudyCell>& row : table.rows) {
-    const std::string group = std::get<std::string>(row.front());
-    if (std::ranges::find(groups, group) == groups.end()) groups.push_back(group);
-  }
-  const std::string left = panel(table, groups, "e_rel", "relative error of the change of velocities");
-  const std::string right = panel(table, groups, "e_seen_mps", "error as it is seen, m/s");
-  if (left.empty() || right.empty()) return "";
-  return plot_style(1200, 560) +
-         "set logscale xy\nset xlabel \"time of a step, ms (median)\"\n"
-         // The decades alone would leave half of each panel empty.
-         "set xtics (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)\nset xrange [] noextend\n"
-         "set ytics (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)\nset yrange [] noextend\n"
-         "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n"
-         "set multiplot layout 1,2 margins 0.06, 0.98, 0.24, 0.92 spacing 0.08, 0.1\n" +
-         left + right + "unset multiplot\n";
+std::vector<LineChart> error_time_charts(const io::StudyTable& table) {
+  return {chart_of(table, "relative-error", "e_rel", "relative error of the change of velocities"),
+          chart_of(table, "seen-error", "e_seen_mps", "error as it is seen, m/s")};
 }
 
 void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
@@ -213,7 +198,7 @@ int study_error_time(const StudyErrorTimeOptions& o) {
                                            {"bodies", settings.bodies},
                                            {"history", settings.history},
                                            {"threads", static_cast<std::uint64_t>(scene.value().threads())}});
-  const Status written = write_study(common, table, error_time_plot(table));
+  const Status written = write_study(common, table, error_time_charts(table), 2);
   return written ? kExitDone : refuse("study error-time", written.error());
 }
 

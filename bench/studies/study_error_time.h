@@ -19,8 +19,8 @@ void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& opti
 /// Measures error against time. Returns the exit code.
 int study_error_time(const StudyErrorTimeOptions& options);
 
-/// The table of a run, a row a method; and the script of its picture.
+/// The table of a run, a row a method; and its curves.
 io::StudyTable error_time_table(const ErrorTimeRun& run, std::uint64_t seed);
-std::string error_time_plot(const io::StudyTable& table);
+std::vector<LineChart> error_time_charts(const io::StudyTable& table);
 
 }  // namespace poise::app
