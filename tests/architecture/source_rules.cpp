@@ -146,6 +146,8 @@ std::optional<std::string> wrong_code(const Room& room, std::string_view path, s
   if (!may_read_clock && found(clocks, code))
     return "time is an argument; only parallel, frame, verify and programs read a clock";
   if (!is_program && found(prints, code)) return "the library neither prints nor ends the program";
+  static const std::regex prefetches(R"(^\s*(template\s*<.*>\s*)?(inline\s+|static\s+)*void prefetch\w*\()");
+  if (found(prefetches, code)) return "what only prefetches is HWY_INLINE: GCC leaves out calls of it";
   return std::nullopt;
 }
 
