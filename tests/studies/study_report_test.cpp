@@ -122,7 +122,7 @@ TEST(StudyReport, OfEveryStudyShowsAChartOrAPictureWithoutGnuplot) {
       {"scaling", "--bodies", "60", "--frames", "2", "--settle", "40"},
       {"scaling", "--span", "--bodies", "30", "--frames", "2", "--settle", "5"},
       {"strips"},
-      {"trees", POISE_MESHES "/l.obj", "--depth", "1", "--samples", "100", "--preset", "fast"},
+      {"trees", std::string(POISE_MESHES) + "/l.obj", "--depth", "1", "--samples", "100", "--preset", "fast"},
   };
   const NoPrograms nothing(folder.file("none"));
   for (const std::vector<std::string>& study : studies) {
