@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/report/line_chart.h"
+
 namespace poise::app {
 
 /// The command line of `poise study trees`.
