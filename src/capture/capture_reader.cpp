@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "assets/files/open_file.h"
 #include "capture/bytes.h"
 #include "capture/chunks.h"
 #include "capture/frame_code.h"
@@ -32,10 +31,10 @@ Result<BlockPlace> place_of(std::string_view raw, std::uint64_t at) {
 Result<CaptureReader> CaptureReader::open(const std::filesystem::path& path) {
   CaptureReader reader;
   reader.name_ = path.string();
-  Result<geometry::OpenFile> file = geometry::open_file(path);
-  if (!file) return file.error();
-  reader.stream_ = std::move(file.value().stream);
-  reader.size_ = file.value().bytes;
+  Result<geometry::OpenFile> file = geometry::OpenFile::open(path);
+  if (!file) return bad_input(reader.name_ + ": " + file.error().message);
+  reader.file_ = std::move(file).value();
+  reader.size_ = reader.file_->bytes();
   const Status begun = reader.begin();
   if (!begun) return begun.error();
   if (!reader.read_by_index()) reader.read_in_order(reader.shapes_end_);
@@ -51,16 +50,14 @@ Result<std::string> CaptureReader::chunk_at(std::uint64_t at) {
   const std::uint64_t left = size_ - std::min(at, size_);
   if (left < kChunkHeadBytes + kChunkTailBytes) return bad_input("the file ends within a chunk");
   stored_.resize(kChunkHeadBytes);
-  stream_.clear();
-  stream_.seekg(static_cast<std::streamoff>(at));
-  if (!stream_.read(stored_.data(), kChunkHeadBytes)) return bad_input("the file cannot be read");
+  if (!file_->read(at, stored_)) return bad_input("the file cannot be read");
   const Result<ChunkHead> head = read_chunk_head(stored_);
   if (!head) return head.error();
   const std::size_t stored = head.value().stored;
   if (stored > left - kChunkHeadBytes - kChunkTailBytes) return bad_input("the file ends within a chunk");
   std::string type(head.value().type);
   stored_.resize(kChunkHeadBytes + stored + kChunkTailBytes);
-  if (!stream_.read(stored_.data() + kChunkHeadBytes, static_cast<std::streamsize>(stored + kChunkTailBytes)))
+  if (!file_->read(at + kChunkHeadBytes, std::span(stored_).subspan(kChunkHeadBytes)))
     return bad_input("the file cannot be read");
   const Status unpacked = unpack_chunk(stored_, raw_);
   if (!unpacked) return unpacked.error();
@@ -89,7 +86,7 @@ Result<std::vector<FrameSums>> CaptureReader::sums_at(std::uint64_t at, std::siz
 
 Status CaptureReader::begin() {
   std::string magic(std::min<std::uint64_t>(kMagic.size(), size_), '\0');
-  stream_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  if (!file_->read(0, magic)) return bad_input(name_ + ": cannot be read");
   if (magic != kMagic) {
     if (size_ == 0) return bad_input(name_ + ": is empty: not a capture, or its run was killed before it began");
     if (!magic.starts_with(kMagicOfAny)) return bad_input(name_ + ": not a capture of poise run --capture");
@@ -125,9 +122,7 @@ Status CaptureReader::read_shapes(std::uint64_t& at) {
 bool CaptureReader::read_by_index() {
   if (size_ < shapes_end_ + kTrailerBytes) return false;
   std::string trailer(kTrailerBytes, '\0');
-  stream_.clear();
-  stream_.seekg(static_cast<std::streamoff>(size_ - kTrailerBytes));
-  if (!stream_.read(trailer.data(), kTrailerBytes) || !trailer.ends_with(kTrailerMagic)) return false;
+  if (!file_->read(size_ - kTrailerBytes, trailer) || !trailer.ends_with(kTrailerMagic)) return false;
   const auto at = ByteReader(trailer).get<std::uint64_t>();
   if (at < shapes_end_ || at >= size_) return false;
   const Result<std::string> type = chunk_at(at);

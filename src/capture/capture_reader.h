@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "assets/files/open_file.h"
 #include "capture/capture.h"
 #include "capture/header.h"
 #include "capture/packed_pose.h"
@@ -66,7 +66,7 @@ class CaptureReader {
   [[nodiscard]] Error failed(std::uint64_t at, const std::string& what) const;
 
   std::string name_;
-  std::ifstream stream_;
+  std::optional<geometry::OpenFile> file_;
   std::uint64_t size_ = 0;
   std::uint64_t shapes_end_ = 0;
   CaptureHeader header_;

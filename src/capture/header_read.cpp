@@ -31,18 +31,18 @@ void require_vec3(const ObjectReader& reader, std::string_view key, std::array<d
 }
 
 /// The items of a member that is an array; none where it is not, which is refused.
-const std::vector<JsonValue>& items_of(const ObjectReader& reader, std::string_view key) {
-  static const std::vector<JsonValue> none;
+JsonValue::Items items_of(const ObjectReader& reader, std::string_view key) {
+  const JsonValue::Items none(nullptr, 0);
   const JsonValue* value = reader.require(key);
   if (value == nullptr) return none;
-  if (value->kind == JsonValue::Kind::Array) return value->items;
+  if (value->kind() == JsonValue::Kind::Array) return value->items();
   reader.problems().refuse(reader.path(key), *value, "must be an array");
   return none;
 }
 
 bool is_null(const ObjectReader& reader, std::string_view key) {
   const JsonValue* value = reader.require(key);
-  return value == nullptr || value->kind == JsonValue::Kind::Null;
+  return value == nullptr || value->kind() == JsonValue::Kind::Null;
 }
 
 void read_made_by(const ObjectReader& top, CaptureHeader& header) {
@@ -64,7 +64,7 @@ void read_made_by(const ObjectReader& top, CaptureHeader& header) {
 }
 
 void read_shapes(const ObjectReader& top, CaptureHeader& header) {
-  const std::vector<JsonValue>& items = items_of(top, "shapes");
+  const JsonValue::Items items = items_of(top, "shapes");
   for (std::size_t i = 0; i < items.size(); ++i) {
     const ObjectReader reader(items[i], item_path("shapes", i), top.problems(),
                               {"name", "kind", "radius_m", "triangles", "levels", "normal", "offset_m"});
@@ -85,7 +85,7 @@ void read_shapes(const ObjectReader& top, CaptureHeader& header) {
 }
 
 void read_materials(const ObjectReader& top, CaptureHeader& header) {
-  const std::vector<JsonValue>& items = items_of(top, "materials");
+  const JsonValue::Items items = items_of(top, "materials");
   for (std::size_t i = 0; i < items.size(); ++i) {
     const ObjectReader reader(items[i], item_path("materials", i), top.problems(),
                               {"name", "friction", "restitution", "density_kgpm3"});
@@ -99,11 +99,11 @@ void read_materials(const ObjectReader& top, CaptureHeader& header) {
 
 void read_run(const ObjectReader& top, CaptureHeader& header) {
   top.require_text("scene", header.scene);
-  const std::vector<JsonValue>& words = items_of(top, "command");
+  const JsonValue::Items words = items_of(top, "command");
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i].kind != JsonValue::Kind::String)
+    if (words[i].kind() != JsonValue::Kind::String)
       top.problems().refuse(item_path("command", i), words[i], "must be a text");
-    header.command.push_back(words[i].text);
+    header.command.emplace_back(words[i].text());
   }
   top.require_number("dt_s", Range{0, kMaxTimeStepS, true}, header.dt_s);
   if (!is_null(top, "deadline_ms")) top.number("deadline_ms", kNotNegative, header.deadline_ms.emplace());
@@ -131,7 +131,7 @@ void read_run(const ObjectReader& top, CaptureHeader& header) {
 
 /// A column of BODY: as many whole numbers up to `most` as there are rows.
 std::vector<std::uint64_t> column(const ObjectReader& reader, const char* key, std::uint64_t most, std::size_t rows) {
-  const std::vector<JsonValue>& items = items_of(reader, key);
+  const JsonValue::Items items = items_of(reader, key);
   if (items.size() != rows)
     reader.problems().refuse(reader.path(key), fmt::format("has {} items, must have {}", items.size(), rows));
   std::vector<std::uint64_t> values(rows, 0);
@@ -237,11 +237,11 @@ Status read_bodies(std::string_view json, const CaptureHeader& header, std::vect
   const std::vector<std::uint64_t> shape = column(top, "shape", last(header.shapes.size()), rows);
   const std::vector<std::uint64_t> material = column(top, "material", last(header.materials.size()), rows);
   const std::vector<std::uint64_t> motion = column(top, "motion", 2, rows);
-  const std::vector<JsonValue>& mass = items_of(top, "mass_kg");
+  const JsonValue::Items mass = items_of(top, "mass_kg");
   if (mass.size() != rows) problems.refuse("mass_kg", fmt::format("has {} items, must have {}", mass.size(), rows));
   const JsonValue* names = top.find("name");
-  if (names != nullptr && names->items.size() != rows)
-    problems.refuse("name", fmt::format("has {} items, must have {}", names->items.size(), rows));
+  if (names != nullptr && names->items().size() != rows)
+    problems.refuse("name", fmt::format("has {} items, must have {}", names->items().size(), rows));
   if (problems.first()) return *problems.first();
   for (std::size_t i = 0; i < rows; ++i) {
     CapturedBody body;
@@ -250,7 +250,7 @@ Status read_bodies(std::string_view json, const CaptureHeader& header, std::vect
     body.material = static_cast<std::uint32_t>(material[i]);
     body.motion = static_cast<MotionType>(motion[i]);
     io::read_number(mass[i], item_path("mass_kg", i), kNotNegative, problems, body.mass_kg);
-    if (names != nullptr) body.name = names->items[i].text;
+    if (names != nullptr) body.name = names->items()[i].text();
     if (!bodies.empty() && body.number <= bodies.back().number)
       problems.refuse(item_path("number", i), fmt::format("= {}, must ascend", body.number));
     bodies.push_back(std::move(body));

@@ -36,9 +36,15 @@ std::uint64_t folded(std::uint32_t value, std::uint32_t before) {
   return change < 0 ? (static_cast<std::uint64_t>(-(change + 1)) << 1U) | 1U : static_cast<std::uint64_t>(change) << 1U;
 }
 
-std::int64_t unfolded(std::uint64_t value) {
-  const auto half = static_cast<std::int64_t>(value >> 1U);
-  return (value & 1U) != 0 ? -half - 1 : half;
+// Adds a folded change to a number below `end`, which is at most 2^32. False if the sum is not such a number.
+bool unfold(std::uint64_t change, std::uint64_t end, std::uint32_t& number) {
+  const std::uint64_t half = change >> 1U;
+  // Also keeps the sums below within 64 bits.
+  if (half >= end) return false;
+  const std::uint64_t sum = (change & 1U) != 0 ? std::uint64_t{number} - half - 1 : std::uint64_t{number} + half;
+  if (sum >= end) return false;
+  number = static_cast<std::uint32_t>(sum);
+  return true;
 }
 
 class Reader {
@@ -115,24 +121,24 @@ void put_steps(const std::vector<RefinementStep>& steps, std::string& out) {
 
 void take_steps(std::uint32_t pairs, Reader& reader, std::vector<RefinementStep>& steps) {
   steps.assign(reader.count(), {});
-  // Read first, because decoding them needs the workers, which are stored after them.
-  std::vector<std::uint64_t> words(steps.size());
-  for (std::uint64_t& word : words) word = reader.number();
+  // Passed over first, because decoding them needs the workers, which are stored after them.
+  Reader words = reader;
+  for (std::size_t i = 0; i < steps.size(); ++i) reader.number();
   const std::uint8_t several = reader.byte();
   if (several > 1) reader.refuse();
   if (several == 1) {
     for (RefinementStep& step : steps) step.worker = reader.byte();
   }
+  if (!reader.sound()) return;
   std::array<std::uint32_t, kMostWorkers> before{};
-  for (std::size_t i = 0; i < steps.size() && reader.sound(); ++i) {
-    RefinementStep& step = steps[i];
-    const std::uint64_t kind = words[i] & ((1U << kKindBits) - 1U);
-    const std::int64_t pair = static_cast<std::int64_t>(before[step.worker]) + unfolded(words[i] >> kKindBits);
-    if (kind > static_cast<std::uint64_t>(RefinementStep::Kind::Full) || pair < 0 ||
-        pair >= static_cast<std::int64_t>(pairs))
+  for (RefinementStep& step : steps) {
+    const std::uint64_t word = words.number();
+    const std::uint64_t kind = word & ((1U << kKindBits) - 1U);
+    if (kind > static_cast<std::uint64_t>(RefinementStep::Kind::Full) ||
+        !unfold(word >> kKindBits, pairs, before[step.worker]))
       return reader.refuse();
     step.kind = static_cast<RefinementStep::Kind>(kind);
-    step.pair = before[step.worker] = static_cast<std::uint32_t>(pair);
+    step.pair = before[step.worker];
   }
 }
 
@@ -148,11 +154,10 @@ void put_ascending(const std::vector<std::uint32_t>& numbers, std::string& out) 
 // Numbers below `end`.
 void take_ascending(std::uint64_t end, Reader& reader, std::vector<std::uint32_t>& numbers) {
   numbers.assign(reader.count(), 0);
-  std::int64_t sum = 0;
+  std::uint32_t sum = 0;
   for (std::uint32_t& number : numbers) {
-    sum += unfolded(reader.number());
-    if (sum < 0 || sum >= static_cast<std::int64_t>(end)) return reader.refuse();
-    number = static_cast<std::uint32_t>(sum);
+    if (!unfold(reader.number(), end, sum)) return reader.refuse();
+    number = sum;
   }
 }
 

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
-#include "assets/files/open_file.h"
 #include "record/record_bytes.h"
 
 namespace poise::io {
@@ -24,6 +24,14 @@ constexpr std::size_t kTailBytes = 4;
 constexpr std::uint32_t kMostBlockBytes = 1U << 28U;
 // The fastest level, since the frame of the run waits for it.
 constexpr int kLevel = 1;
+// A block that would be compressed further is stored as it is, so that a reader can refuse a size that would take
+// memory out of proportion to the file.
+constexpr std::uint64_t kFreeBytes = std::uint64_t{1} << 20U;
+constexpr std::uint64_t kMostRatio = 8;
+// Chosen: what a killed run loses at most. Each time costs a call of the system, some 10 us.
+constexpr std::chrono::milliseconds kFlushEvery{250};
+
+bool in_proportion(std::uint64_t raw, std::uint64_t stored) { return raw <= kFreeBytes + kMostRatio * stored; }
 
 constexpr char kHeader = 'H';
 constexpr char kScene = 'S';
@@ -71,24 +79,29 @@ class ZlibStream {
   ZlibStream(const ZlibStream&) = delete;
   ZlibStream& operator=(const ZlibStream&) = delete;
 
-  /// Compresses `raw` and appends the result.
+  /// Compresses `raw` and appends the result, which is in proportion to it.
   bool pack(std::string_view raw, std::string& stored) {
-    std::array<char, 1U << 14U> room;
-    stream_.next_in = bytes_of(raw.data());
-    stream_.avail_in = static_cast<uInt>(raw.size());
-    do {
-      stream_.next_out = bytes_of(room.data());
-      stream_.avail_out = static_cast<uInt>(room.size());
-      const int done = ::deflate(&stream_, Z_SYNC_FLUSH);
-      if (done != Z_OK && done != Z_BUF_ERROR) return false;
-      stored.append(room.data(), room.size() - stream_.avail_out);
-    } while (stream_.avail_out == 0);
-    return true;
+    if (raw.size() <= kFreeBytes) return pack_at(kLevel, raw, stored);
+    const std::size_t begin = stored.size();
+    z_stream before{};
+    if (::deflateCopy(&before, &stream_) != Z_OK) return false;
+    const bool packed = pack_at(kLevel, raw, stored);
+    if (packed && in_proportion(raw.size(), stored.size() - begin)) {
+      ::deflateEnd(&before);
+      return true;
+    }
+    // Again from the state before, without compression.
+    ::deflateEnd(&stream_);
+    sound_ = ::deflateCopy(&stream_, &before) == Z_OK;
+    ::deflateEnd(&before);
+    stored.resize(begin);
+    return packed && sound_ && pack_at(Z_NO_COMPRESSION, raw, stored);
   }
   /// Decompresses into `raw`, which must have `size` bytes; returns false otherwise.
   bool unpack(std::string_view stored, std::size_t size, std::string& raw) {
     std::array<char, 1U << 14U> room;
     raw.clear();
+    raw.reserve(size);
     stream_.next_in = bytes_of(stored.data());
     stream_.avail_in = static_cast<uInt>(stored.size());
     do {
@@ -103,10 +116,32 @@ class ZlibStream {
   }
 
  private:
+  bool pack_at(int level, std::string_view raw, std::string& stored) {
+    std::array<char, 1U << 14U> room;
+    // Everything before was flushed, so that nothing is written where the level changes.
+    stream_.next_in = nullptr;
+    stream_.avail_in = 0;
+    stream_.next_out = bytes_of(room.data());
+    stream_.avail_out = static_cast<uInt>(room.size());
+    if (level != level_ && ::deflateParams(&stream_, level, Z_DEFAULT_STRATEGY) != Z_OK) return false;
+    level_ = level;
+    stored.append(room.data(), room.size() - stream_.avail_out);
+    stream_.next_in = bytes_of(raw.data());
+    stream_.avail_in = static_cast<uInt>(raw.size());
+    do {
+      stream_.next_out = bytes_of(room.data());
+      stream_.avail_out = static_cast<uInt>(room.size());
+      const int done = ::deflate(&stream_, Z_SYNC_FLUSH);
+      if (done != Z_OK && done != Z_BUF_ERROR) return false;
+      stored.append(room.data(), room.size() - stream_.avail_out);
+    } while (stream_.avail_out == 0);
+    return true;
+  }
   explicit ZlibStream(bool packs) : packs_(packs) {
     sound_ = (packs ? deflateInit(&stream_, kLevel) : inflateInit(&stream_)) == Z_OK;
   }
   z_stream stream_{};
+  int level_ = kLevel;
   bool packs_;
   bool sound_ = false;
 };
@@ -145,14 +180,23 @@ Status RecordWriter::begin(const RecordHeader& header) {
   if (!written) return written;
   bytes_ = kMagic.size();
   const Status first = block(kHeader, header_json(header));
-  return first ? block(kScene, header.scene_text) : first;
+  if (!first) return first;
+  const Status scene = block(kScene, header.scene_text);
+  return scene ? flush() : scene;
+}
+
+Status RecordWriter::flush() {
+  flushed_ = std::chrono::steady_clock::now();
+  return file_.flush();
 }
 
 Status RecordWriter::frame(const RecordedFrame& frame) {
   raw_.clear();
   write_frame(frame, raw_);
   ++frames_;
-  return block(kFrame, raw_);
+  const Status written = block(kFrame, raw_);
+  if (!written) return written;
+  return frames_ == 1 || std::chrono::steady_clock::now() - flushed_ >= kFlushEvery ? flush() : written;
 }
 
 Status RecordWriter::finish(bool stopped) {
@@ -170,10 +214,10 @@ RecordReader::~RecordReader() = default;
 Result<RecordReader> RecordReader::open(const std::filesystem::path& path) {
   RecordReader reader;
   reader.name_ = path.string();
-  Result<geometry::OpenFile> file = geometry::open_file(path);
-  if (!file) return file.error();
-  reader.stream_ = std::move(file.value().stream);
-  reader.size_ = file.value().bytes;
+  Result<geometry::OpenFile> file = geometry::OpenFile::open(path);
+  if (!file) return bad_input(reader.name_ + ": " + file.error().message);
+  reader.file_ = std::move(file).value();
+  reader.size_ = reader.file_->bytes();
   if (!reader.zlib_) return bad_input(reader.name_ + ": cannot be read: no memory");
   const Status begun = reader.begin();
   if (!begun) return bad_input(reader.name_ + ": " + begun.error().message);
@@ -182,7 +226,7 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& path) {
 
 Status RecordReader::begin() {
   std::string magic(std::min<std::uint64_t>(kMagic.size(), size_), '\0');
-  stream_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  if (!file_->read(0, magic)) return bad_input("the file cannot be read");
   if (magic != kMagic) {
     if (!magic.starts_with(kMagicOfAny)) return bad_input("not a record of poise run --record");
     return bad_input("a record of another version, must be " + std::string(kMagic.substr(0, kMagic.size() - 1)));
@@ -206,14 +250,15 @@ Result<RecordReader::Block> RecordReader::block() {
   if (left == 0) return bad_input("the file ends here, before the end of the run");
   if (left < kHeadBytes + kTailBytes) return bad_input("the file ends within a block");
   stored_.resize(kHeadBytes);
-  if (!stream_.read(stored_.data(), kHeadBytes)) return bad_input("the file cannot be read");
+  if (!file_->read(at_, stored_)) return bad_input("the file cannot be read");
   const std::uint32_t raw_bytes = get32(stored_.data() + 1);
   const std::uint32_t stored_bytes = get32(stored_.data() + 5);
   if (stored_bytes > left - kHeadBytes - kTailBytes)
     return bad_input("the file ends within a block, or the block's length is damaged");
-  if (raw_bytes > kMostBlockBytes || stored_bytes > kMostBlockBytes) return bad_input("the block's length is damaged");
+  if (raw_bytes > kMostBlockBytes || stored_bytes > kMostBlockBytes || !in_proportion(raw_bytes, size_))
+    return bad_input("the block's length is damaged");
   stored_.resize(kHeadBytes + stored_bytes + kTailBytes);
-  if (!stream_.read(stored_.data() + kHeadBytes, static_cast<std::streamsize>(stored_bytes + kTailBytes)))
+  if (!file_->read(at_ + kHeadBytes, std::span(stored_).subspan(kHeadBytes)))
     return bad_input("the file cannot be read");
   const std::string_view checked = std::string_view(stored_).substr(0, kHeadBytes + stored_bytes);
   if (crc_of(checked) != get32(stored_.data() + checked.size()))

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "assets/files/open_file.h"
 #include "poise/result.h"
 #include "record/record.h"
 #include "scene/result_file.h"
@@ -19,7 +20,8 @@ namespace poise::io {
 class ZlibStream;
 
 /// Writes a record during its run. The file appears when it is complete. If the program is killed, a file remains in
-/// the same folder whose name ends in `.part`; it can be replayed. One thread at a time.
+/// the same folder whose name ends in `.part`; it can be replayed: the header, the first frame, and all up to a quarter
+/// of a second before. One thread at a time.
 class RecordWriter {
  public:
   /// Refused as AtomicFile refuses.
@@ -39,12 +41,14 @@ class RecordWriter {
  private:
   explicit RecordWriter(AtomicFile file);
   Status block(char kind, std::string_view raw);
+  Status flush();
 
   AtomicFile file_;
   std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
   std::uint64_t frames_ = 0;
   std::uint64_t bytes_ = 0;
+  std::chrono::steady_clock::time_point flushed_;
 };
 
 /// Reads a record up to its end or to the first damaged block. One thread at a time.
@@ -81,10 +85,10 @@ class RecordReader {
   Next damaged(std::string what);
 
   std::string name_;
-  std::ifstream stream_;
+  std::optional<geometry::OpenFile> file_;
   std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
-  std::uint64_t size_ = 0;    ///< of the file
+  std::uint64_t size_ = 0;    ///< of the file, when it was opened
   std::uint64_t at_ = 0;      ///< offset of the next block
   std::uint64_t frames_ = 0;  ///< number read so far
   RecordHeader header_;

@@ -75,7 +75,7 @@ const Named* named_in(const ObjectReader& reader, std::string_view key, std::spa
   const JsonValue* value = reader.require(key);
   if (value == nullptr) return nullptr;
   for (const Named& named : names) {
-    if (value->kind == JsonValue::Kind::String && value->text == named.name) return &named;
+    if (value->kind() == JsonValue::Kind::String && value->text() == named.name) return &named;
   }
   reader.problems().refuse(reader.path(key), *value, "must be a name that this program knows");
   return nullptr;
@@ -84,9 +84,9 @@ const Named* named_in(const ObjectReader& reader, std::string_view key, std::spa
 void read_hex(const ObjectReader& reader, std::string_view key, std::uint64_t& target) {
   const JsonValue* value = reader.require(key);
   if (value == nullptr) return;
-  const std::string& text = value->text;
+  const std::string_view text = value->text();
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), target, 16);
-  if (value->kind != JsonValue::Kind::String || text.size() != 16 || failure != std::errc{} ||
+  if (value->kind() != JsonValue::Kind::String || text.size() != 16 || failure != std::errc{} ||
       stop != text.data() + text.size()) {
     reader.problems().refuse(reader.path(key), *value, "must be 16 hexadecimal digits");
   }
@@ -94,7 +94,7 @@ void read_hex(const ObjectReader& reader, std::string_view key, std::uint64_t& t
 
 void read_optional(const ObjectReader& reader, std::string_view key, std::optional<std::uint64_t>& target) {
   const JsonValue* value = reader.require(key);
-  if (value == nullptr || value->kind == JsonValue::Kind::Null) return;
+  if (value == nullptr || value->kind() == JsonValue::Kind::Null) return;
   std::uint64_t number = 0;
   reader.whole(key, 0, UINT64_MAX, number);
   target = number;
@@ -106,8 +106,9 @@ void read_shape(const JsonValue& value, const std::string& path, Problems& probl
   read_hex(reader, "xxh64", shape.hash);
   const JsonValue* files = reader.require("files");
   if (files == nullptr) return;
-  for (std::size_t i = 0; i < files->items.size(); ++i) {
-    const ObjectReader file(files->items[i], item_path(reader.path("files"), i), problems, {"path", "bytes", "xxh64"});
+  for (std::size_t i = 0; i < files->items().size(); ++i) {
+    const ObjectReader file(files->items()[i], item_path(reader.path("files"), i), problems,
+                            {"path", "bytes", "xxh64"});
     RecordedFile read;
     file.require_text("path", read.path);
     file.require_whole("bytes", 0, UINT64_MAX, read.bytes);
@@ -193,14 +194,14 @@ void read_scene_part(const ObjectReader& top, RecordHeader& header) {
   read_optional(reader, "seed", header.seed);
   read_hex(reader, "start_hash", header.start_hash);
   const JsonValue* gaze = reader.require("gaze");
-  if (gaze != nullptr && gaze->kind != JsonValue::Kind::Null) reader.text("gaze", header.gaze.emplace());
+  if (gaze != nullptr && gaze->kind() != JsonValue::Kind::Null) reader.text("gaze", header.gaze.emplace());
   reader.require("gaze_loop");
   reader.flag("gaze_loop", header.gaze_loop);
   const JsonValue* shapes = reader.require("shapes");
   if (shapes == nullptr) return;
-  for (std::size_t i = 0; i < shapes->items.size(); ++i) {
+  for (std::size_t i = 0; i < shapes->items().size(); ++i) {
     header.shapes.emplace_back();
-    read_shape(shapes->items[i], item_path("scene.shapes", i), top.problems(), header.shapes.back());
+    read_shape(shapes->items()[i], item_path("scene.shapes", i), top.problems(), header.shapes.back());
   }
 }
 

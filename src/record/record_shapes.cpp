@@ -8,7 +8,7 @@
 #include <string>
 
 #include "assets/files/text_file.h"
-#include "scene/json_document.h"
+#include "assets/json/json_document.h"
 
 namespace poise::io {
 namespace {

@@ -95,33 +95,34 @@ void Problems::refuse(const std::string& path, const std::string& what) {
 }
 
 void read_number(const JsonValue& value, const std::string& path, Range range, Problems& problems, double& target) {
-  if (value.kind != JsonValue::Kind::Number) {
+  if (value.kind() != JsonValue::Kind::Number) {
     problems.refuse(path, value, "must be a number");
-  } else if (range.open_min ? !(value.number > range.min) : !(value.number >= range.min)) {
+  } else if (range.open_min ? !(value.number() > range.min) : !(value.number() >= range.min)) {
     problems.refuse(path, value, fmt::format("must be {} {:g}", range.open_min ? ">" : ">=", range.min));
-  } else if (!(value.number <= range.max)) {
+  } else if (!(value.number() <= range.max)) {
     problems.refuse(path, value, fmt::format("must be <= {:g}", range.max));
   } else {
-    target = value.number;
+    target = value.number();
   }
 }
 
 void read_whole(const JsonValue& value, const std::string& path, std::uint64_t min, std::uint64_t max,
                 Problems& problems, std::uint64_t& target) {
-  if (value.kind != JsonValue::Kind::Number || !value.is_unsigned || value.magnitude < min || value.magnitude > max) {
+  if (value.kind() != JsonValue::Kind::Number || !value.is_unsigned() || value.magnitude() < min ||
+      value.magnitude() > max) {
     problems.refuse(path, value, fmt::format("must be a whole number from {} to {}", min, max));
   } else {
-    target = value.magnitude;
+    target = value.magnitude();
   }
 }
 
 void read_vec3(const JsonValue& value, const std::string& path, Range range, Problems& problems, Vec3& target) {
-  if (value.kind != JsonValue::Kind::Array || value.items.size() != 3) {
+  if (value.kind() != JsonValue::Kind::Array || value.items().size() != 3) {
     problems.refuse(path, value, "must be a list of 3 numbers");
     return;
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    read_number(value.items[i], item_path(path, i), range, problems, target[static_cast<Eigen::Index>(i)]);
+    read_number(value.items()[i], item_path(path, i), range, problems, target[static_cast<Eigen::Index>(i)]);
   }
 }
 
@@ -132,7 +133,7 @@ ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& p
 ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& problems,
                            const std::vector<std::string_view>& names)
     : value_(value), path_(std::move(path)), problems_(problems) {
-  if (value.kind != JsonValue::Kind::Object) {
+  if (value.kind() != JsonValue::Kind::Object) {
     if (path_.empty()) {
       problems_.refuse("", fmt::format("must be an object, is {}", shown(value)));
     } else {
@@ -140,7 +141,9 @@ ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& p
     }
     return;
   }
-  for (const std::string& key : value.keys) {
+  const JsonValue::Keys keys = value.keys();
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const std::string_view key = keys[i];
     if (std::find(names.begin(), names.end(), std::string_view(key)) == names.end()) {
       problems_.refuse(this->path(key), "no such field" + problems_.suggest(key, names));
     }
@@ -148,12 +151,12 @@ ObjectReader::ObjectReader(const JsonValue& value, std::string path, Problems& p
 }
 
 const JsonValue* ObjectReader::find(std::string_view key) const {
-  return value_.kind == JsonValue::Kind::Object ? value_.find(key) : nullptr;
+  return value_.kind() == JsonValue::Kind::Object ? value_.find(key) : nullptr;
 }
 
 const JsonValue* ObjectReader::require(std::string_view key) const {
   const JsonValue* found = find(key);
-  if (found == nullptr && value_.kind == JsonValue::Kind::Object)
+  if (found == nullptr && value_.kind() == JsonValue::Kind::Object)
     problems_.refuse(path(key), "missing, and it is required");
   return found;
 }
@@ -175,20 +178,20 @@ void ObjectReader::bits(std::string_view key, std::uint32_t& target) const {
 void ObjectReader::flag(std::string_view key, bool& target) const {
   const JsonValue* found = find(key);
   if (found == nullptr) return;
-  if (found->kind != JsonValue::Kind::Boolean) {
+  if (found->kind() != JsonValue::Kind::Boolean) {
     problems_.refuse(path(key), *found, "must be true or false");
   } else {
-    target = found->boolean;
+    target = found->boolean();
   }
 }
 
 void ObjectReader::text(std::string_view key, std::string& target) const {
   const JsonValue* found = find(key);
   if (found == nullptr) return;
-  if (found->kind != JsonValue::Kind::String) {
+  if (found->kind() != JsonValue::Kind::String) {
     problems_.refuse(path(key), *found, "must be a text");
   } else {
-    target = found->text;
+    target = found->text();
   }
 }
 
@@ -199,25 +202,25 @@ void ObjectReader::vec3(std::string_view key, Range range, Vec3& target) const {
 void ObjectReader::pair(std::string_view key, Range range, std::array<double, 2>& target) const {
   const JsonValue* found = find(key);
   if (found == nullptr) return;
-  if (found->kind != JsonValue::Kind::Array || found->items.size() != 2) {
+  if (found->kind() != JsonValue::Kind::Array || found->items().size() != 2) {
     problems_.refuse(path(key), *found, "must be a list of 2 numbers");
     return;
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    read_number(found->items[i], item_path(path(key), i), range, problems_, target[i]);
+    read_number(found->items()[i], item_path(path(key), i), range, problems_, target[i]);
   }
 }
 
 void ObjectReader::one_of(std::string_view key, const std::vector<std::string_view>& names, std::size_t& target) const {
   const JsonValue* found = find(key);
   if (found == nullptr) return;
-  if (found->kind != JsonValue::Kind::String) {
+  if (found->kind() != JsonValue::Kind::String) {
     problems_.refuse(path(key), *found, "must be a text");
     return;
   }
-  const auto at = std::find(names.begin(), names.end(), std::string_view(found->text));
+  const auto at = std::find(names.begin(), names.end(), std::string_view(found->text()));
   if (at == names.end()) {
-    problems_.refuse(path(key), *found, "must be " + listed(names) + problems_.suggest(found->text, names));
+    problems_.refuse(path(key), *found, "must be " + listed(names) + problems_.suggest(found->text(), names));
   } else {
     target = static_cast<std::size_t>(at - names.begin());
   }

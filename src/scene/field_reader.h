@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "assets/json/json_document.h"
 #include "poise/result.h"
 #include "poise/types.h"
-#include "scene/json_document.h"
 
 namespace poise::io {
 

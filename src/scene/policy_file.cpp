@@ -24,7 +24,7 @@ void parse_file(const JsonValue& root, Problems& problems, PolicyFile& file) {
   if (const JsonValue* given = top.find("name"); given != nullptr && file.name.empty())
     problems.refuse("name", *given, "must not be empty");
   const JsonValue* const evidence = top.find("evidence");
-  if (evidence != nullptr && evidence->kind != JsonValue::Kind::Object)
+  if (evidence != nullptr && evidence->kind() != JsonValue::Kind::Object)
     problems.refuse("evidence", *evidence, "must be an object");
   if (const JsonValue* policy = top.require("policy")) parse_policy(*policy, problems, file.policy);
 }

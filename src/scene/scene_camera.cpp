@@ -66,20 +66,20 @@ void parse_path(const ObjectReader& reader, const JsonValue& path, SceneCamera& 
     if (reader.has(key)) problems.refuse(reader.path(key), "not with path, whose keys have it");
   }
   const std::string place = reader.path("path");
-  if (path.kind != JsonValue::Kind::Array || path.items.size() < 2) {
+  if (path.kind() != JsonValue::Kind::Array || path.items().size() < 2) {
     problems.refuse(place, path, "must be a list of at least two keys");
     return;
   }
   const SoundSoFar sound(problems);
-  for (std::size_t i = 0; i < path.items.size(); ++i) {
+  for (std::size_t i = 0; i < path.items().size(); ++i) {
     const std::string at = item_path(place, i);
     const SoundSoFar key_sound(problems);
-    camera.path.push_back(parse_key(path.items[i], at, problems, camera));
+    camera.path.push_back(parse_key(path.items()[i], at, problems, camera));
     if (i > 0 && key_sound && !(camera.path[i].time_s > camera.path[i - 1].time_s)) {
-      problems.refuse(member_path(at, "time_s"), *path.items[i].find("time_s"), "must be > that of the key before");
+      problems.refuse(member_path(at, "time_s"), *path.items()[i].find("time_s"), "must be > that of the key before");
     }
   }
-  if (sound && camera.loop) check_loop(item_path(place, path.items.size() - 1), problems, camera.path);
+  if (sound && camera.loop) check_loop(item_path(place, path.items().size() - 1), problems, camera.path);
   camera.position_m = camera.path.front().position_m;
   camera.look_at_m = camera.path.front().look_at_m;
   camera.vertical_fov_deg = camera.path.front().vertical_fov_deg;

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <utility>
 
+#include "assets/files/text_file.h"
 #include "scene/scene_parse.h"
 
 namespace poise {
@@ -35,20 +35,20 @@ void read_gaze_point(const ObjectReader& reader, const SceneCamera& camera, std:
 void parse_gaze_keys(const ObjectReader& reader, const JsonValue& path, const SceneCamera& camera, SceneGaze& gaze) {
   Problems& problems = reader.problems();
   const std::string place = reader.path("path");
-  if (path.kind != JsonValue::Kind::Array || path.items.empty()) {
+  if (path.kind() != JsonValue::Kind::Array || path.items().empty()) {
     problems.refuse(place, path, "must be a list of at least one key");
     return;
   }
-  for (std::size_t i = 0; i < path.items.size(); ++i) {
+  for (std::size_t i = 0; i < path.items().size(); ++i) {
     const std::string at = item_path(place, i);
-    const ObjectReader key(path.items[i], at, problems, {"time_s", "at_px"});
+    const ObjectReader key(path.items()[i], at, problems, {"time_s", "at_px"});
     const SoundSoFar sound(problems);
     GazeKey read;
     key.require("time_s");
     key.number("time_s", kGazeTime, read.time_s);
     read_gaze_point(key, camera, read.at_px);
     if (i > 0 && sound && !(read.time_s > gaze.path.back().time_s))
-      problems.refuse(member_path(at, "time_s"), *path.items[i].find("time_s"), "must be > that of the key before");
+      problems.refuse(member_path(at, "time_s"), *path.items()[i].find("time_s"), "must be > that of the key before");
     gaze.path.push_back(read);
   }
 }
@@ -82,24 +82,14 @@ Result<GazeKey> read_gaze_line(std::string_view line, const std::array<double, 2
 }
 
 Result<std::string> read_gaze_text(const std::filesystem::path& file) {
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(file, failure)) {
-    const bool there = std::filesystem::exists(file, failure);
-    return bad_input(file.string() + (there ? ": is no file" : ": no such file"));
-  }
-  if (std::filesystem::file_size(file, failure) > kMostGazeBytes)
-    return bad_input(file.string() + ": larger than 64 MiB, must be a recorded gaze");
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) return bad_input(file.string() + ": cannot be read");
-  return text;
+  return geometry::read_text_file(file, kMostGazeBytes);
 }
 
 }  // namespace
 
 void parse_scene_gaze(const JsonValue& value, Problems& problems, Scene& scene) {
   const ObjectReader reader(value, "gaze", problems, {"path", "file", "jumps", "loop"});
-  if (value.kind != JsonValue::Kind::Object) return;
+  if (value.kind() != JsonValue::Kind::Object) return;
   if (!scene.camera) {
     problems.refuse("gaze", "needs a camera");
     return;
@@ -113,7 +103,7 @@ void parse_scene_gaze(const JsonValue& value, Problems& problems, Scene& scene) 
   if (file != nullptr) {
     std::string name;
     reader.text("file", name);
-    if (file->kind == JsonValue::Kind::String && (name.empty() || name.find('\0') != std::string::npos))
+    if (file->kind() == JsonValue::Kind::String && (name.empty() || name.find('\0') != std::string::npos))
       problems.refuse("gaze.file", *file, "must be the name of a file");
     gaze.file = name;
     if (reader.has("jumps")) problems.refuse("gaze.jumps", "not with file, whose points stay until the next");

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
+#include "assets/files/text_file.h"
 #include "scene/islands_wait_name.h"
 
 namespace poise {
@@ -20,18 +20,20 @@ constexpr Range kDeadline{0, 1e6, true};
 constexpr Range kHostWork{0, 1e6, false};
 constexpr Range kAlpha{1e-5, 0.5, false};
 
+bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == std::string_view::npos; }
+
 /// Index in `list` of the name in `value`. The list of all names is built only if a suggestion is needed.
 template <class Named>
 void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
                const std::vector<Named>& list, std::size_t& target) {
-  if (value.kind != JsonValue::Kind::String) {
+  if (value.kind() != JsonValue::Kind::String) {
     problems.refuse(path, value, fmt::format("must be the name of a {}", what));
     return;
   }
   // An empty list of names was refused already.
   if (list.empty()) return;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i].name == value.text) {
+    if (list[i].name == value.text()) {
       target = i;
       return;
     }
@@ -40,13 +42,13 @@ void read_name(const JsonValue& value, const std::string& path, Problems& proble
   if (problems.suggests()) {
     for (const Named& named : list) names.emplace_back(named.name);
   }
-  problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, problems.suggest(value.text, names)));
+  problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, problems.suggest(value.text(), names)));
 }
 
 void parse_frame(const ObjectReader& top, Scene& scene) {
   const JsonValue* name = top.require("name");
   top.text("name", scene.name);
-  if (name != nullptr && name->kind == JsonValue::Kind::String && name->text.empty()) {
+  if (name != nullptr && name->kind() == JsonValue::Kind::String && name->text().empty()) {
     top.problems().refuse("name", *name, "must not be empty");
   }
   top.text("description", scene.description);
@@ -86,12 +88,12 @@ void parse_host_work(const JsonValue& value, Problems& problems, Scene& scene) {
 void parse_max_level(const ObjectReader& top, Scene& scene) {
   const JsonValue* value = top.find("max_level");
   if (value == nullptr) return;
-  if (value->kind == JsonValue::Kind::String) {
-    scene.polygons = value->text == "polygons";
+  if (value->kind() == JsonValue::Kind::String) {
+    scene.polygons = value->text() == "polygons";
     if (!scene.polygons) {
       top.problems().refuse("max_level", *value,
                             fmt::format("must be a whole number from 0 to {}, or \"polygons\"{}", kMaxTreeDepth,
-                                        top.problems().suggest(value->text, {"polygons"})));
+                                        top.problems().suggest(value->text(), {"polygons"})));
     }
     return;
   }
@@ -125,7 +127,7 @@ void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
       {"name",      "description", "gravity_mps2", "dt_s",     "frames",       "seed",      "deadline_ms", "alpha",
        "host_work", "max_level",   "backtracking", "sleeping", "islands_wait", "policy",    "camera",      "gaze_px",
        "gaze",      "materials",   "shapes",       "bodies",   "tray",         "generators"});
-  if (root.kind != JsonValue::Kind::Object) return;
+  if (root.kind() != JsonValue::Kind::Object) return;
   parse_frame(top, scene);
   parse_max_level(top, scene);
   top.flag("backtracking", scene.backtracking);
@@ -204,9 +206,10 @@ Result<std::string> io::read_scene_text(const std::filesystem::path& file) {
   // Opening a pipe blocks until a writer opens it, and some devices never end.
   if (!std::filesystem::is_regular_file(status))
     return bad_input(name + ": is a pipe or a device, must be a file; SCENE - reads the standard input");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return bad_input(name + ": cannot be opened for reading");
-  return read_scene_stream(stream, name);
+  Result<std::string> text = geometry::read_bytes(file, kMaxSceneBytes);
+  if (!text) return bad_input(fmt::format("{}: {}; must be a scene file", name, text.error().message));
+  if (is_blank(text.value())) return bad_input(name + ": the file is empty");
+  return text;
 }
 
 Result<std::string> io::read_scene_stream(std::istream& stream, const std::string& name) {
@@ -218,7 +221,7 @@ Result<std::string> io::read_scene_stream(std::istream& stream, const std::strin
     if (text.size() > io::kMaxSceneBytes) return bad_input(name + ": larger than 256 MiB, must be a scene file");
   }
   if (stream.bad()) return bad_input(name + ": cannot be read");
-  if (text.find_first_not_of(" \t\r\n") == std::string::npos) return bad_input(name + ": the file is empty");
+  if (is_blank(text)) return bad_input(name + ": the file is empty");
   return text;
 }
 

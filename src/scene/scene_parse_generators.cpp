@@ -27,12 +27,12 @@ void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& k
   if (one != nullptr) {
     kind.shapes.resize(1);
     read_shape_name(*one, reader.path("shape"), problems, scene, kind.shapes[0]);
-  } else if (several->kind != JsonValue::Kind::Array || several->items.empty()) {
+  } else if (several->kind() != JsonValue::Kind::Array || several->items().empty()) {
     problems.refuse(reader.path("shapes"), *several, "must be a list of at least one name");
   } else {
-    kind.shapes.resize(several->items.size());
-    for (std::size_t i = 0; i < several->items.size(); ++i) {
-      read_shape_name(several->items[i], item_path(reader.path("shapes"), i), problems, scene, kind.shapes[i]);
+    kind.shapes.resize(several->items().size());
+    for (std::size_t i = 0; i < several->items().size(); ++i) {
+      read_shape_name(several->items()[i], item_path(reader.path("shapes"), i), problems, scene, kind.shapes[i]);
     }
   }
   for (const std::size_t shape : kind.shapes) {
@@ -66,12 +66,12 @@ void parse_count(const ObjectReader& reader, GridGenerator& grid) {
   const JsonValue* count = reader.require("count");
   if (count == nullptr) return;
   const std::string path = reader.path("count");
-  if (count->kind != JsonValue::Kind::Array || count->items.size() != 3) {
+  if (count->kind() != JsonValue::Kind::Array || count->items().size() != 3) {
     reader.problems().refuse(path, *count, "must be a list of 3 whole numbers");
     return;
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    read_whole(count->items[i], item_path(path, i), 1, kMaxSceneBodies, reader.problems(), grid.count[i]);
+    read_whole(count->items()[i], item_path(path, i), 1, kMaxSceneBodies, reader.problems(), grid.count[i]);
   }
 }
 
@@ -81,11 +81,11 @@ void parse_blocks(const ObjectReader& grid_reader, GridGenerator& grid) {
   const ObjectReader reader(*value, grid_reader.path("blocks"), grid_reader.problems(), {"count", "spacing_m"});
   GridBlocks blocks;
   const JsonValue* count = reader.require("count");
-  if (count != nullptr && (count->kind != JsonValue::Kind::Array || count->items.size() != 2)) {
+  if (count != nullptr && (count->kind() != JsonValue::Kind::Array || count->items().size() != 2)) {
     reader.problems().refuse(reader.path("count"), *count, "must be a list of 2 whole numbers");
   } else if (count != nullptr) {
     for (std::size_t i = 0; i < 2; ++i) {
-      read_whole(count->items[i], item_path(reader.path("count"), i), 1, kMaxSceneBodies, reader.problems(),
+      read_whole(count->items()[i], item_path(reader.path("count"), i), 1, kMaxSceneBodies, reader.problems(),
                  blocks.count[i]);
     }
   }
@@ -112,7 +112,7 @@ SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Probl
        "origin_m",     "blocks",    "jitter_m",   "in_tray",  "bodies", "bottom_m",      "random_orientation",
        "velocity_mps", "speed_mps", "spin_radps", "seed",     "group",  "collides_with", "importance"});
   GridGenerator grid;
-  if (value.kind != JsonValue::Kind::Object) return grid;
+  if (value.kind() != JsonValue::Kind::Object) return grid;
   parse_kind(reader, scene, grid.kind);
   parse_static(reader, grid);
   reader.require("spacing_m");
@@ -168,7 +168,7 @@ SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Pro
                              "region_min_m", "region_max_m", "life_s", "random_orientation", "velocity_mps",
                              "speed_mps", "spin_radps", "seed", "group", "collides_with", "importance"});
   StreamGenerator stream;
-  if (value.kind != JsonValue::Kind::Object) return stream;
+  if (value.kind() != JsonValue::Kind::Object) return stream;
   parse_kind(reader, scene, stream.kind);
   parse_rate(reader, stream);
   if (reader.has("life_s")) {
@@ -193,7 +193,7 @@ void parse_tray(const JsonValue& value, Problems& problems, Scene& scene) {
   const ObjectReader reader(value, "tray", problems, {"material", "side_m", "side_per_sqrt_body_m"});
   SceneTray tray;
   scene.tray = tray;
-  if (value.kind != JsonValue::Kind::Object) return;
+  if (value.kind() != JsonValue::Kind::Object) return;
   read_material_name(reader, scene, tray.material);
   if (reader.has("side_m") == reader.has("side_per_sqrt_body_m")) {
     problems.refuse("tray", "must have either side_m or side_per_sqrt_body_m");
@@ -204,14 +204,14 @@ void parse_tray(const JsonValue& value, Problems& problems, Scene& scene) {
 }
 
 void parse_generators(const JsonValue& value, Problems& problems, Scene& scene) {
-  if (value.kind != JsonValue::Kind::Array) {
+  if (value.kind() != JsonValue::Kind::Array) {
     problems.refuse("generators", value, "must be a list");
     return;
   }
-  for (std::size_t i = 0; i < value.items.size(); ++i) {
+  for (std::size_t i = 0; i < value.items().size(); ++i) {
     const std::string path = item_path("generators", i);
-    const ObjectReader reader(value.items[i], path, problems, {"grid", "stream"});
-    if (value.items[i].kind == JsonValue::Kind::Object && value.items[i].items.size() != 1) {
+    const ObjectReader reader(value.items()[i], path, problems, {"grid", "stream"});
+    if (value.items()[i].kind() == JsonValue::Kind::Object && value.items()[i].items().size() != 1) {
       problems.refuse(path, "must have exactly one of grid, stream");
     }
     if (const JsonValue* grid = reader.find("grid")) {

@@ -39,7 +39,7 @@ void read_file_name(const ObjectReader& reader, const char* key, std::filesystem
   const JsonValue* file = reader.find(key);
   std::string text;
   reader.text(key, text);
-  if (file != nullptr && file->kind == JsonValue::Kind::String &&
+  if (file != nullptr && file->kind() == JsonValue::Kind::String &&
       (text.empty() || text.find('\0') != std::string::npos)) {
     reader.problems().refuse(reader.path(key), *file, "must be the name of a file");
   }
@@ -56,14 +56,14 @@ void read_rotation(const ObjectReader& reader, std::string_view key, Quat& targe
   const JsonValue* value = reader.find(key);
   if (value == nullptr) return;
   const std::string path = reader.path(key);
-  if (value->kind != JsonValue::Kind::Array || value->items.size() != 4) {
+  if (value->kind() != JsonValue::Kind::Array || value->items().size() != 4) {
     reader.problems().refuse(path, *value, "must be a list of 4 numbers, w x y z");
     return;
   }
   const SoundSoFar sound(reader.problems());
   std::array<double, 4> wxyz{};
   for (std::size_t i = 0; i < 4; ++i) {
-    read_number(value->items[i], item_path(path, i), kAnyQuantity, reader.problems(), wxyz[i]);
+    read_number(value->items()[i], item_path(path, i), kAnyQuantity, reader.problems(), wxyz[i]);
   }
   if (!sound) return;
   const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
@@ -127,20 +127,20 @@ void parse_spheres(const JsonValue& value, const std::string& path, Problems& pr
   const JsonValue* centers = reader.require("centers_m");
   const JsonValue* radii = reader.require("radii_m");
   if (centers == nullptr || radii == nullptr) return;
-  if (centers->kind != JsonValue::Kind::Array || centers->items.empty()) {
+  if (centers->kind() != JsonValue::Kind::Array || centers->items().empty()) {
     problems.refuse(reader.path("centers_m"), *centers, "must be a list of at least one point");
     return;
   }
-  if (radii->kind != JsonValue::Kind::Array || radii->items.size() != centers->items.size()) {
+  if (radii->kind() != JsonValue::Kind::Array || radii->items().size() != centers->items().size()) {
     problems.refuse(reader.path("radii_m"), *radii,
-                    fmt::format("must be a list of {} numbers, one for each centre", centers->items.size()));
+                    fmt::format("must be a list of {} numbers, one for each centre", centers->items().size()));
     return;
   }
-  source.spheres.resize(centers->items.size());
+  source.spheres.resize(centers->items().size());
   for (std::size_t i = 0; i < source.spheres.size(); ++i) {
-    read_vec3(centers->items[i], item_path(reader.path("centers_m"), i), kAnyQuantity, problems,
+    read_vec3(centers->items()[i], item_path(reader.path("centers_m"), i), kAnyQuantity, problems,
               source.spheres[i].center_m);
-    read_number(radii->items[i], item_path(reader.path("radii_m"), i), kLength, problems, source.spheres[i].radius_m);
+    read_number(radii->items()[i], item_path(reader.path("radii_m"), i), kLength, problems, source.spheres[i].radius_m);
   }
   shape.source = std::move(source);
 }
@@ -199,7 +199,7 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
       value, path, problems,
       {"name", "shape", "material", "static", "motion", "position_m", "orientation_wxyz", "velocity_mps",
        "angular_velocity_radps", "mass_kg", "inertia_kgm2", "group", "collides_with", "importance"});
-  if (value.kind != JsonValue::Kind::Object) return;
+  if (value.kind() != JsonValue::Kind::Object) return;
   SceneBody body;
   reader.text("name", body.name);
   const SoundSoFar shape_known(problems);
@@ -225,14 +225,14 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
 }  // namespace
 
 void parse_materials(const JsonValue& value, Problems& problems, Scene& scene) {
-  if (value.kind != JsonValue::Kind::Object || value.items.empty()) {
+  if (value.kind() != JsonValue::Kind::Object || value.items().empty()) {
     problems.refuse("materials", value, "must be an object with at least one material");
     return;
   }
-  for (std::size_t i = 0; i < value.items.size(); ++i) {
-    const ObjectReader reader(value.items[i], member_path("materials", value.keys[i]), problems,
+  for (std::size_t i = 0; i < value.items().size(); ++i) {
+    const ObjectReader reader(value.items()[i], member_path("materials", value.keys()[i]), problems,
                               {"restitution", "friction", "density_kgpm3"});
-    SceneMaterial made{value.keys[i], {}};
+    SceneMaterial made{std::string(value.keys()[i]), {}};
     reader.number("restitution", kFactor, made.material.restitution);
     reader.number("friction", kNotNegative, made.material.friction);
     reader.number("density_kgpm3", kPositive, made.material.density_kgpm3);
@@ -241,19 +241,19 @@ void parse_materials(const JsonValue& value, Problems& problems, Scene& scene) {
 }
 
 void parse_shapes(const JsonValue& value, Problems& problems, Scene& scene) {
-  if (value.kind != JsonValue::Kind::Object || value.items.empty()) {
+  if (value.kind() != JsonValue::Kind::Object || value.items().empty()) {
     problems.refuse("shapes", value, "must be an object with at least one shape");
     return;
   }
-  for (std::size_t i = 0; i < value.items.size(); ++i) {
-    const JsonValue& item = value.items[i];
-    const std::string path = member_path("shapes", value.keys[i]);
+  for (std::size_t i = 0; i < value.items().size(); ++i) {
+    const JsonValue& item = value.items()[i];
+    const std::string path = member_path("shapes", value.keys()[i]);
     const ObjectReader reader(item, path, problems, {"sphere", "plane", "mesh", "spheres", "tree"});
-    if (item.kind == JsonValue::Kind::Object && item.items.size() != 1) {
+    if (item.kind() == JsonValue::Kind::Object && item.items().size() != 1) {
       problems.refuse(path, "must have exactly one of sphere, plane, mesh, spheres, tree");
     }
     SceneShape shape;
-    shape.name = value.keys[i];
+    shape.name = value.keys()[i];
     if (const JsonValue* sphere = reader.find("sphere")) parse_sphere(*sphere, reader.path("sphere"), problems, shape);
     if (const JsonValue* plane = reader.find("plane")) parse_plane(*plane, reader.path("plane"), problems, shape);
     if (const JsonValue* mesh = reader.find("mesh")) parse_mesh(*mesh, reader.path("mesh"), problems, shape);
@@ -265,12 +265,12 @@ void parse_shapes(const JsonValue& value, Problems& problems, Scene& scene) {
 }
 
 void parse_bodies(const JsonValue& value, Problems& problems, Scene& scene) {
-  if (value.kind != JsonValue::Kind::Array) {
+  if (value.kind() != JsonValue::Kind::Array) {
     problems.refuse("bodies", value, "must be a list");
     return;
   }
-  for (std::size_t i = 0; i < value.items.size(); ++i) {
-    parse_body(value.items[i], item_path("bodies", i), problems, scene);
+  for (std::size_t i = 0; i < value.items().size(); ++i) {
+    parse_body(value.items()[i], item_path("bodies", i), problems, scene);
   }
 }
 
@@ -281,7 +281,7 @@ void parse_policy(const JsonValue& value, Problems& problems, scheduler::Policy&
   for (const scheduler::PolicyCount& field : scheduler::policy_counts()) known.push_back(field.name);
   const ObjectReader reader(value, "policy", problems, known);
   const JsonValue* kind = reader.find("kind");
-  if (kind != nullptr && kind->kind == JsonValue::Kind::String && kind->text == "custom") {
+  if (kind != nullptr && kind->kind() == JsonValue::Kind::String && kind->text() == "custom") {
     problems.refuse("policy.kind", *kind,
                     fmt::format("is for programs that hand the World a function of their own; a scene file may say {}",
                                 fmt::join(kPolicyNames, ", ")));

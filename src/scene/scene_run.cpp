@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "assets/json/json_document.h"
 #include "poise/scene/scene.h"
 #include "scene/generators.h"
-#include "scene/json_document.h"
 #include "scene/pouring.h"
 #include "scene/scene_shapes.h"
 

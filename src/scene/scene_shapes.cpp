@@ -10,13 +10,13 @@
 #include <string>
 #include <utility>
 
+#include "assets/json/json_document.h"
 #include "parallel/executor.h"
 #include "parallel/interrupt.h"
 #include "parallel/shared_counters.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
 #include "poise/assets/tree_formats.h"
-#include "scene/json_document.h"
 
 namespace poise::io {
 namespace {

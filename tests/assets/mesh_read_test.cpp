@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+
+#include <fmt/format.h>
 
 #include "meshes.h"
 #include "poise/assets/mesh_file.h"
@@ -103,26 +106,38 @@ TEST_F(MeshFile, WhatCannotBeReadIsRefusedWithItsRule) {
       {write("word.obj", std::string("v 0 0 zero\n") + kTetrahedron), "line 1: z of a vertex is 'zero'"},
       {write("short.obj", std::string("v 0 0\n") + kTetrahedron), "line 1: z of a vertex is ''"},
       {write("huge.obj", std::string("v 1e400 0 0\n") + kTetrahedron), "line 1: x of a vertex is '1e400'"},
-      {write("index.obj", std::string(kTetrahedron) + "f 1 2 9\n"), "names vertex 9 of 4"},
-      {write("zero.obj", std::string(kTetrahedron) + "f 0 1 2\n"), "not a valid OBJ"},
+      {write("index.obj", std::string(kTetrahedron) + "f 1 2 9\n"),
+       "line 9: a face names vertex 8 of 4, counted from 0, must exist"},
+      {write("zero.obj", std::string(kTetrahedron) + "f 0 1 2\n"),
+       "line 9: a corner of a face is '0', must be the number of a vertex"},
       {write("negative.obj", std::string(kTetrahedron) + "f -9 1 2\n"), "must exist"},
-      {write("text.stl", "this is no STL file at all"), ""},
-      {write("text.glb", "this is no glTF file at all"), ""},
-      {write("text.gltf", "{\"asset\": "), ""},
-      {write("nan.off", nan_off), "must be finite"},
+      {write("text.stl", "this is no STL file at all"), "must begin with 'solid' or with a head of 84 bytes"},
+      {write("text.glb", "this is no glTF file at all"), "not valid JSON"},
+      {write("text.gltf", "{\"asset\": "), "not valid JSON"},
+      {write("nan.off", nan_off), "line 5: y of vertex 2 is 'nan', must be a finite number"},
       {write("many.off", "OFF\n999999999999 1 0\n0 0 0\n"), "announces 999999999999 vertices"},
-      {write("many.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n"), "announces 4000000000"},
+      {write("many.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nelement face 1\nend_header\n"),
+       "announces 4000000000"},
       {write("index.ply",
              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement "
              "face 1\n"
              "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 70000\n"),
-       ""},
+       "face 0: a face names vertex 70000 of 3"},
   };
   for (const auto& [file, rule] : cases) {
     const std::string message = refusal(file);
     EXPECT_NE(message, "not refused") << file;
     EXPECT_NE(message.find(rule), std::string::npos) << message;
   }
+}
+
+TEST_F(MeshFile, APipeOrDeviceIsRefusedInsteadOfWaitedFor) {
+  for (const char* name : {"p.obj", "p.stl", "p.ply", "p.off", "p.gltf", "p.glb"}) {
+    ASSERT_EQ(::mkfifo((folder_ / name).c_str(), 0600), 0);
+    EXPECT_NE(refusal(folder_ / name).find("not a file: a folder, a pipe or a device"), std::string::npos) << name;
+  }
+  fs::create_symlink("/dev/zero", folder_ / "zero.stl");
+  EXPECT_NE(refusal(folder_ / "zero.stl").find("not a file"), std::string::npos);
 }
 
 TEST_F(MeshFile, ObjWithAByteOrderMarkIsRead) {
@@ -201,7 +216,8 @@ TEST_F(MeshFile, GltfThatIsCutOffOrNamesWhatIsNotThereIsRefused) {
       {write("text.glb", whole.substr(0, 100)), "bytes of JSON are announced"},
       {write("binary.glb", whole.substr(0, whole.size() - 10)), "is cut off"},
       {write("version.glb", "glTF" + std::string(1, 9) + whole.substr(5)), "version 9, must be 1 or 2"},
-      {write("short.gltf", triangle_gltf(R"(, "uri": "short.bin")")), ""},
+      {write("short.gltf", triangle_gltf(R"(, "uri": "short.bin")")),
+       "bufferViews[0] must lie in the 30 bytes of its buffer"},
       {write("noscene.gltf", R"({"asset": {"version": "2.0"}, "nodes": []})"), "has no scene"},
       {write("scene.gltf", R"({"asset": {"version": "2.0"}, "scene": 2, "scenes": [{}, {}]})"),
        "scene = 2, must be one of 2 scenes"},
@@ -213,6 +229,14 @@ TEST_F(MeshFile, GltfThatIsCutOffOrNamesWhatIsNotThereIsRefused) {
     const std::string message = refusal(file);
     EXPECT_NE(message, "not refused") << file;
     EXPECT_NE(message.find(rule), std::string::npos) << message;
+  }
+}
+
+TEST_F(MeshFile, GltfThatNamesAPipeADeviceOrNoNameIsRefused) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe.bin").c_str(), 0600), 0);
+  for (const char* uri : {"pipe.bin", "/dev/zero", "/dev/tty", ".", "a%00b"}) {
+    const std::string message = refusal(write("uri.gltf", triangle_gltf(fmt::format(R"(, "uri": "{}")", uri))));
+    EXPECT_NE(message.find(fmt::format("buffer 0 names the file '{}', which ", uri)), std::string::npos) << message;
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <random>
@@ -295,6 +296,13 @@ TEST(DamagedCapture, WithSumsThatAreNotThoseOfTheirBlockIsRefused) {
   EXPECT_EQ(refusal(sums_bytes(two)), "");
   EXPECT_EQ(refusal(sums_bytes(std::span(two).first(1))), "SUMS: frames = 1, its block has 2");
   EXPECT_EQ(refusal(sums_bytes(two) + "x"), "SUMS: has 29 bytes for 2 frames");
+}
+
+TEST(DamagedCapture, APipeOrADeviceIsRefusedInsteadOfWaitedFor) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo(folder.file("pipe").c_str(), 0600), 0);
+  EXPECT_EQ(given_by(folder.file("pipe")).refusal, folder.file("pipe") + ": not a file: a folder, a pipe or a device");
+  EXPECT_EQ(given_by("/dev/zero").refusal, "/dev/zero: not a file: a folder, a pipe or a device");
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
-#include "assets/mesh/mesh_counts.h"
+#include <rapidcheck/gtest.h>
+#include <numbers>
+
 #include "geometry/mesh/ear_clipping.h"
 #include "meshes.h"
 
@@ -139,7 +140,8 @@ TEST(Polygon, AConcaveOneIsCutWithoutLeavingIt) {
   for (std::uint32_t start = 0; start < 4; ++start) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     const std::vector<std::uint32_t> corners{start, (start + 1) % 4, (start + 2) % 4, (start + 3) % 4};
-    geometry::triangulate_polygon(vertices, corners, triangles);
+    std::uint64_t tests = 1000;
+    EXPECT_TRUE(geometry::triangulate_polygon(vertices, corners, tests, triangles));
     EXPECT_EQ(triangles.size(), 2U);
     EXPECT_NEAR(area_of(vertices, triangles), 1.5, 1e-14);
   }
@@ -148,20 +150,37 @@ TEST(Polygon, AConcaveOneIsCutWithoutLeavingIt) {
 TEST(Polygon, OneThatCrossesItselfStillGivesTwoTrianglesLess) {
   const std::vector<Vec3> vertices{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  geometry::triangulate_polygon(vertices, std::vector<std::uint32_t>{0, 1, 2, 3, 4}, triangles);
+  std::uint64_t tests = 1000;
+  EXPECT_TRUE(geometry::triangulate_polygon(vertices, std::vector<std::uint32_t>{0, 1, 2, 3, 4}, tests, triangles));
   EXPECT_EQ(triangles.size(), 3U);
-  geometry::triangulate_polygon(vertices, std::vector<std::uint32_t>{0, 1}, triangles);
+  EXPECT_TRUE(geometry::triangulate_polygon(vertices, std::vector<std::uint32_t>{0, 1}, tests, triangles));
   EXPECT_EQ(triangles.size(), 3U);
 }
 
-TEST(MeshCounts, MoreVerticesThanBytesAreRefused) {
-  EXPECT_EQ(geometry::wrong_off_counts("OFF\n# 9999999\n8 6 12\n", 300), "");
-  EXPECT_NE(geometry::wrong_off_counts("OFF\n353535235358 6 12\n", 300), "");
-  EXPECT_NE(geometry::wrong_off_counts("OFF 8 99999999999999999999999 12\n", 300), "");
-  EXPECT_EQ(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 6\nend_header\nelement face 999\n", 300),
-            "");
-  EXPECT_NE(geometry::wrong_ply_counts("ply\nelement vertex 8\nend_header\nelement face 6\n", 300), "");
-  EXPECT_NE(geometry::wrong_ply_counts("ply\nelement vertex 8\nelement face 301\nend_header\n", 300), "");
+TEST(Polygon, OneOf5000CornersThatCrossesItselfTakesAtMostThreeTimesTheSquare) {
+  // A star drawn in one line: each corner is joined to the one nearly opposite.
+  constexpr std::uint32_t kCorners = 5001;
+  std::vector<Vec3> vertices;
+  std::vector<std::uint32_t> star;
+  for (std::uint32_t i = 0; i < kCorners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCorners;
+    vertices.emplace_back(std::cos(angle), std::sin(angle), 0);
+    star.push_back(i * (kCorners / 2) % kCorners);
+  }
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint64_t tests = geometry::kMostPolygonTests;
+  EXPECT_TRUE(geometry::triangulate_polygon(vertices, star, tests, triangles));
+  EXPECT_EQ(triangles.size(), kCorners - 2);
+  EXPECT_LE(geometry::kMostPolygonTests - tests, std::uint64_t{3} * kCorners * kCorners);
+}
+
+TEST(Polygon, MoreComparisonsThanAllowedAreRefusedBeforeTheyAreDone) {
+  const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint64_t tests = 100;
+  EXPECT_FALSE(geometry::triangulate_polygon(vertices, std::vector<std::uint32_t>(20, 1), tests, triangles));
+  EXPECT_TRUE(triangles.empty());
+  EXPECT_EQ(tests, 100U);
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <fstream>
@@ -243,13 +247,116 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   const TemporaryFolder folder;
   const std::string file = folder.file("none");
   EXPECT_EQ(read_all(file).refusal, file + ": no such file");
-  EXPECT_EQ(read_all(folder.path().string()).refusal, folder.path().string() + ": no such file");
+  EXPECT_EQ(read_all(folder.path().string()).refusal,
+            folder.path().string() + ": not a file: a folder, a pipe or a device");
   put(file, "{\"name\": \"a scene\"}");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "poise.record/1\n and so on");
   EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/5");
+}
+
+TEST(Record, OfARunThatIsKilledReplaysFromItsFirstFrameOn) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    Result<RecordWriter> writer = RecordWriter::open(folder.file("r"));
+    const bool sound =
+        writer.ok() && writer.value().begin(some_header()).ok() && writer.value().frame(some_frame(0)).ok();
+    // As if by a signal: nothing is closed and nothing that is buffered is written.
+    ::_exit(sound ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  ASSERT_EQ(folder.entries(), 1U);
+  const std::string part = std::filesystem::directory_iterator(folder.path())->path().string();
+  EXPECT_TRUE(part.ends_with(".part")) << part;
+  const Read read = read_all(part);
+  ASSERT_TRUE(read.opened) << read.refusal;
+  EXPECT_EQ(read.frames, 1U);
+  EXPECT_EQ(read.damage.value().what, "the file ends here, before the end of the run");
+}
+
+/// A frame of about two bytes for each of `steps` steps, that compresses to almost nothing.
+RecordedFrame uniform_frame(std::uint32_t steps) {
+  RecordedFrame frame;
+  frame.decisions.active_pairs = 5000;
+  frame.decisions.steps.assign(steps, {7, 1, Kind::Completed});
+  return frame;
+}
+
+TEST(Record, AFrameOutOfProportionIsStoredLargerAndReadAgain) {
+  const TemporaryFolder folder;
+  constexpr std::uint32_t kSteps = 2'000'000;
+  Result<RecordWriter> writer = RecordWriter::open(folder.file("r"));
+  ASSERT_TRUE(writer.ok());
+  ASSERT_TRUE(writer.value().begin(some_header()).ok());
+  ASSERT_TRUE(writer.value().frame(uniform_frame(kSteps)).ok());
+  RecordedFrame second = some_frame(1);
+  ASSERT_TRUE(writer.value().frame(second).ok());
+  ASSERT_TRUE(writer.value().finish(false).ok());
+  EXPECT_GT(writer.value().bytes(), 2 * kSteps) << "not compressed 100 times";
+  Result<RecordReader> reader = RecordReader::open(folder.file("r"));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  RecordedFrame frame;
+  ASSERT_EQ(reader.value().next(frame), RecordReader::Next::Frame) << reader.value().damage()->what;
+  expect_equal(frame, uniform_frame(kSteps));
+  ASSERT_EQ(reader.value().next(frame), RecordReader::Next::Frame) << "what follows is compressed against it";
+  expect_equal(frame, second);
+  EXPECT_EQ(reader.value().next(frame), RecordReader::Next::End);
+}
+
+/// A block of this many zeros as a record has it; the first of its stream.
+std::string block_of_zeros(char kind, std::size_t size) {
+  const std::string raw(size, '\0');
+  z_stream stream{};
+  EXPECT_EQ(deflateInit(&stream, 9), Z_OK);
+  std::string packed(deflateBound(&stream, size) + 100, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(raw.data()));
+  stream.avail_in = static_cast<uInt>(raw.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  EXPECT_EQ(deflate(&stream, Z_SYNC_FLUSH), Z_OK);
+  packed.resize(packed.size() - stream.avail_out);
+  deflateEnd(&stream);
+  const auto number = [](std::size_t value) {
+    const auto small = static_cast<std::uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&small), sizeof small);
+  };
+  std::string block = kind + number(raw.size()) + number(packed.size()) + packed;
+  return block + number(crc32_z(0, reinterpret_cast<const Bytef*>(block.data()), block.size()));
+}
+
+TEST(Record, ABlockOfZerosThatIsOutOfProportionToTheFileIsRefusedBeforeItIsUnpacked) {
+  const TemporaryFolder folder;
+  put(folder.file("zeros"), "poise.record/5\n" + block_of_zeros('H', std::size_t{200} << 20U));
+  EXPECT_LT(std::filesystem::file_size(folder.file("zeros")), 300'000U);
+  EXPECT_NE(read_all(folder.file("zeros")).refusal.find("the block's length is damaged"), std::string::npos);
+  put(folder.file("few"), "poise.record/5\n" + block_of_zeros('H', std::size_t{1} << 20U));
+  EXPECT_NE(read_all(folder.file("few")).refusal.find("not valid JSON"), std::string::npos) << "unpacked";
+}
+
+TEST(Record, APipeIsRefusedInsteadOfWaitedFor) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo(folder.file("pipe").c_str(), 0600), 0);
+  EXPECT_EQ(read_all(folder.file("pipe")).refusal, folder.file("pipe") + ": not a file: a folder, a pipe or a device");
+  EXPECT_EQ(read_all("/dev/zero").refusal, "/dev/zero: not a file: a folder, a pipe or a device");
+}
+
+TEST(Record, ChangesThatLeadBeyondAllNumbersAreRefused) {
+  // Numbers of a list are stored as changes: 5 and then the largest that there is, of either sign.
+  for (const char parity : {'\xfe', '\xff'}) {
+    std::string bytes;
+    write_frame({}, bytes);
+    // Behind the frame's number, hash, four times and what they are of, three counts, `learns`, and the first list.
+    const std::size_t second_list = 1 + 8 + 4 + 1 + 3 + 1 + 1;
+    ASSERT_EQ(bytes[second_list], '\0') << "an empty list";
+    bytes.replace(second_list, 1, std::string("\2\x0a") + parity + std::string(8, '\xff') + "\1");
+    RecordedFrame read;
+    EXPECT_FALSE(read_frame(bytes, read).ok());
+  }
 }
 
 TEST(Record, IsNotThereUntilItIsWhole) {

@@ -13,7 +13,7 @@
 #include "app/output_files.h"
 #include "app/report/figures_page.h"
 #include "app/suggestions.h"
-#include "scene/json_document.h"
+#include "assets/json/json_document.h"
 #include "scene/policy_file.h"
 #include "scene/run/policy_name.h"
 

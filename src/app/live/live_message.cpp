@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "assets/json/json_document.h"
 #include "scene/field_reader.h"
-#include "scene/json_document.h"
 #include "scene/run/policy_name.h"
 
 namespace poise::app {
@@ -104,7 +104,7 @@ LiveMessage read_count(const JsonValue& root, std::uint64_t least, std::uint64_t
 LiveMessage read_view(const JsonValue& root, Problems& problems) {
   const ObjectReader reader(root, "", problems, {"do", "camera", "gaze"});
   SetView made;
-  const auto is_null = [](const JsonValue& value) { return value.kind == JsonValue::Kind::Null; };
+  const auto is_null = [](const JsonValue& value) { return value.kind() == JsonValue::Kind::Null; };
   if (const JsonValue* camera = reader.find("camera")) {
     made.camera.emplace();
     if (!is_null(*camera)) *made.camera = read_camera(*camera, problems);
@@ -172,13 +172,13 @@ Result<LiveMessage> parse_live_message(std::string_view text) {
   std::vector<std::string_view> names;
   for (const Kind& kind : kKinds) names.push_back(kind.name);
   std::size_t which = names.size();
-  if (root.value().kind != JsonValue::Kind::Object) {
+  if (root.value().kind() != JsonValue::Kind::Object) {
     problems.refuse("", fmt::format("must be an object, is {}", io::shown(root.value())));
   } else if (const JsonValue* asked = root.value().find("do"); asked == nullptr) {
     problems.refuse("do", "missing, and it is required");
   } else {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if (asked->kind == JsonValue::Kind::String && asked->text == names[i]) which = i;
+      if (asked->kind() == JsonValue::Kind::String && asked->text() == names[i]) which = i;
     }
     if (which == names.size()) problems.refuse("do", *asked, "must be " + io::listed(names));
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cerrno>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "assets/files/open_file.h"
 #include "capture/chunks.h"
 
 namespace poise::app {
@@ -46,17 +48,19 @@ bool is_plain(const std::string& word) {
 /// In blocks, since a capture may be large.
 Status write_capture(const std::string& path, io::AtomicFile& file) {
   constexpr std::size_t kBlock = std::size_t{3} << 18U;  // whole groups of three, so that blocks need no padding
-  std::ifstream capture(path, std::ios::binary);
-  std::string block(kBlock, '\0');
+  const Result<geometry::OpenFile> capture = geometry::OpenFile::open(path);
+  if (!capture) return bad_input(path + ": " + capture.error().message);
+  const std::uint64_t size = capture.value().bytes();
+  std::string block;
   std::string text;
-  while (capture) {
-    capture.read(block.data(), kBlock);
+  for (std::uint64_t at = 0; at < size; at += block.size()) {
+    block.resize(std::min<std::uint64_t>(kBlock, size - at));
+    if (!capture.value().read(at, block)) return bad_input(path + ": could not be read to its end");
     text.clear();
-    append_base64({block.data(), static_cast<std::size_t>(capture.gcount())}, text);
+    append_base64(block, text);
     const Status written = file.write(text);
     if (!written) return written;
   }
-  if (!capture.eof()) return bad_input(path + ": could not be read to its end");
   return Done{};
 }
 
@@ -110,14 +114,11 @@ void append_base64(std::string_view bytes, std::string& out) {
 }
 
 Status check_capture_file(const std::string& path) {
-  std::error_code failure;
-  const std::uint64_t size = std::filesystem::file_size(path, failure);
-  if (failure) return bad_input(path + ": " + failure.message());
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return bad_input(path + ": " + std::generic_category().message(errno));
+  const Result<geometry::OpenFile> file = geometry::OpenFile::open(path);
+  if (!file) return bad_input(path + ": " + file.error().message);
+  const std::uint64_t size = file.value().bytes();
   std::array<char, capture::kMagic.size()> begin{};
-  file.read(begin.data(), begin.size());
-  if (std::string_view(begin.data(), begin.size()) != capture::kMagic)
+  if (!file.value().read(0, begin) || std::string_view(begin.data(), begin.size()) != capture::kMagic)
     return bad_input(path + ": not a capture of this version (poise.capture/1)");
   if (size > kMostCaptureBytes) {
     return bad_input(

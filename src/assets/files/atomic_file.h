@@ -23,6 +23,8 @@ class AtomicFile {
 
   /// Buffers text and writes it in blocks. A failure is stored, and commit() returns it too.
   Status write(std::string_view text);
+  /// Hands what is buffered to the system, so that it outlives the program.
+  Status flush();
   /// Writes the rest, closes and renames. The file is closed afterwards, whatever the result.
   Status commit();
   [[nodiscard]] const std::filesystem::path& path() const { return shown_; }
@@ -30,7 +32,6 @@ class AtomicFile {
  private:
   AtomicFile() = default;
   void discard();
-  Status flush();
   Error failed(int reason) const;
 
   std::filesystem::path shown_;      ///< the caller's path

@@ -2,30 +2,28 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <string_view>
 
 #include "poise/mesh.h"
 
 namespace poise::geometry {
 
-// One function for each family of file formats. They return the triangles of the file, unscaled and not welded, with
-// every index checked. An Error's message is the rule alone, without the file's name. Any thread.
+// One function for each file format. They return the triangles of the file, unscaled and not welded, with every index
+// checked and every coordinate finite, and use memory in proportion to the file. An Error's message is line or byte,
+// value and rule, without the file's name. Any thread.
 
-/// OBJ by tinyobjloader. `file_text` is the whole file.
-Result<TriangleMesh> parse_obj(const std::string& file_text);
+/// OBJ: vertices `v` and faces `f`; everything else is left out.
+Result<TriangleMesh> parse_obj(std::string_view text);
+/// OFF in its text form.
+Result<TriangleMesh> parse_off(std::string_view text);
+/// STL in its text and its binary form.
+Result<TriangleMesh> parse_stl(std::string_view bytes);
+/// PLY in its text form and both binary ones: faces and triangle strips.
+Result<TriangleMesh> parse_ply(std::string_view bytes);
 
-/// STL, PLY and OFF by assimp.
-Result<TriangleMesh> import_with_assimp(const std::filesystem::path& file);
-
-/// glTF by assimp, from text without references to other files; the transforms of the nodes are applied and the meshes
-/// merged.
-Result<TriangleMesh> import_gltf_with_assimp(const std::string& text);
-
-/// Extracts the geometry of a glTF or GLB file (version 1 or 2) as glTF text: nodes, meshes with their positions and
-/// indices, and buffers, all inside the text. Materials, names, skins and the like are removed, so that errors in them
-/// do not matter. `bytes` is the whole file, `folder` the folder of its buffers. Refused: content that is neither JSON
-/// nor a container, a buffer that is missing or too short, a file without a scene, and several scenes without a valid
-/// choice.
-Result<std::string> plain_gltf(const std::string& bytes, const std::filesystem::path& folder);
+/// glTF and GLB of version 1 and 2: the meshes that the nodes of the scene place, merged. `folder` is that of the
+/// file's buffers. Materials, names, skins and the like are not looked at, so that errors in them do not matter.
+/// Refused: compressed meshes and instances by extensions, which would be read wrongly.
+Result<TriangleMesh> parse_gltf(std::string_view bytes, const std::filesystem::path& folder);
 
 }  // namespace poise::geometry

@@ -1,271 +1,227 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <optional>
-#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <Eigen/Geometry>
 
+#include "assets/mesh/gltf_document.h"
 #include "assets/mesh/mesh_files.h"
 
 namespace poise::geometry {
 namespace {
 
-using Json = nlohmann::json;
+using io::JsonValue;
+using Transform = Eigen::Matrix4d;
 
-/// Text and binary part of a container; the binary part may be empty.
-struct Parts {
-  std::string_view text;
-  std::string_view binary;
-};
+/// Nodes may repeat a mesh. Vertices and corners beyond the bytes of the file and its buffers; chosen.
+constexpr std::uint64_t kMostRepeated = 2'000'000;
+constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-std::uint32_t number_at(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-  return value;
-}
-
-/// Splits a GLB container of version 1 or 2; anything else is text.
-Result<Parts> take_apart(std::string_view bytes) {
-  if (!bytes.starts_with("glTF")) return Parts{bytes.starts_with("\xef\xbb\xbf") ? bytes.substr(3) : bytes, {}};
-  if (bytes.size() < 20) return bad_input("GLB: ends within its header");
-  const std::uint32_t version = number_at(bytes, 4);
-  if (version != 1 && version != 2) return bad_input(fmt::format("GLB: version {}, must be 1 or 2", version));
-  const std::size_t length = number_at(bytes, 12);
-  if (length > bytes.size() - 20)
-    return bad_input(
-        fmt::format("GLB: {} bytes of JSON are announced in {} bytes, must have room", length, bytes.size()));
-  Parts parts{bytes.substr(20, length), bytes.substr(20 + length)};
-  if (version == 1) return parts;
-  // Version 2 has chunks; the second one, if present, is the binary part.
-  if (parts.binary.size() < 8) return Parts{parts.text, {}};
-  const std::size_t size = number_at(parts.binary, 0);
-  if (size > parts.binary.size() - 8)
-    return bad_input(fmt::format("GLB: its binary part of {} bytes is cut off", size));
-  return Parts{parts.text, parts.binary.substr(8, size)};
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      three = three << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63U];
+/// Numbers of a member; false if it is something else than `count` numbers. Without the member they stay.
+bool read_numbers(const JsonValue& node, const char* name, std::size_t count, double* numbers) {
+  const JsonValue* value = node.find(name);
+  if (value == nullptr) return true;
+  if (!value->is_array() || value->items().size() != count) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!value->items()[i].is_number()) return false;
+    numbers[i] = value->items()[i].number();
   }
-  return text;
+  return true;
 }
 
-/// Decodes a relative reference to a file name: %20 and similar become bytes.
-std::string decoded(std::string_view uri) {
-  const auto digit = [](char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    const char low = static_cast<char>(c | 0x20);
-    return low >= 'a' && low <= 'f' ? low - 'a' + 10 : -1;
-  };
-  std::string name;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
-      name += static_cast<char>(16 * digit(uri[i + 1]) + digit(uri[i + 2]));
-      i += 2;
-    } else {
-      name += uri[i];
-    }
+Result<Transform> transform_of(const JsonValue& node, const std::string& place) {
+  std::array<double, 16> matrix{};
+  if (node.find("matrix") != nullptr) {
+    if (!read_numbers(node, "matrix", matrix.size(), matrix.data()))
+      return bad_input(place + ".matrix must be a list of 16 numbers");
+    return Transform(Eigen::Map<const Transform>(matrix.data()));
   }
-  return name;
+  Vec3 move = Vec3::Zero();
+  Vec3 scale = Vec3::Ones();
+  std::array<double, 4> turn{0, 0, 0, 1};
+  if (!read_numbers(node, "translation", 3, move.data()) || !read_numbers(node, "scale", 3, scale.data()))
+    return bad_input(place + ": translation and scale must be lists of 3 numbers");
+  if (!read_numbers(node, "rotation", 4, turn.data()))
+    return bad_input(place + ".rotation must be a list of 4 numbers");
+  const Eigen::Quaterniond rotation(turn[3], turn[0], turn[1], turn[2]);
+  if (!(rotation.norm() > 0) || !std::isfinite(rotation.norm()))
+    return bad_input(place + ".rotation must have a length");
+  Transform transform = Transform::Identity();
+  transform.topLeftCorner<3, 3>() = rotation.normalized().toRotationMatrix() * scale.asDiagonal();
+  transform.topRightCorner<3, 1>() = move;
+  return transform;
 }
 
-/// The members of an object that have one of these names. A value that is not an object is returned unchanged; the
-/// reader refuses it.
-Json only(const Json& value, std::initializer_list<const char*> names) {
-  if (!value.is_object()) return value;
-  Json kept = Json::object();
-  for (const char* name : names) {
-    if (const auto found = value.find(name); found != value.end()) kept[name] = *found;
-  }
-  return kept;
-}
+/// Reads what the nodes of a scene place. Invariant: every corner of `mesh_` exists.
+class SceneReader {
+ public:
+  explicit SceneReader(GltfDocument& document) : document_(document) {}
 
-/// Applies `change` to each entry of a list or of a dictionary (used by version 1).
-template <class Change>
-Json each(const Json& list, Change&& change) {
-  Json changed = list;
-  if (!list.is_array() && !list.is_object()) return changed;
-  for (auto entry = changed.begin(); entry != changed.end(); ++entry) *entry = change(*entry);
-  return changed;
-}
-
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
-
-Json plain_primitive(const Json& primitive) {
-  Json plain = only(primitive, {"attributes", "indices", "mode", "primitive"});
-  if (!plain.is_object()) return plain;
-  if (plain.contains("attributes")) plain["attributes"] = only(plain["attributes"], {"POSITION"});
-  const auto extensions = primitive.find("extensions");
-  if (extensions != primitive.end() && extensions->is_object() && extensions->contains(kDraco)) {
-    Json draco = only((*extensions)[kDraco], {"bufferView", "attributes"});
-    if (draco.is_object() && draco.contains("attributes"))
-      draco["attributes"] = only(draco["attributes"], {"POSITION"});
-    plain["extensions"][kDraco] = std::move(draco);
-  }
-  return plain;
-}
-
-/// A member that is an integer >= 0, else `otherwise`.
-std::uint64_t whole_number(const Json& object, const char* name, std::uint64_t otherwise) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : otherwise;
-}
-
-/// Whether [offset, offset + length) lies in [0, room).
-bool fits(std::uint64_t offset, std::uint64_t length, std::uint64_t room) {
-  return length <= room && offset <= room - length;
-}
-
-/// Removes views that reach beyond their buffers, and for version 1 also accessors that reach beyond their views, which
-/// the reader does not check. The reader refuses a file that needs one of them.
-void leave_out_what_is_cut_off(Json& plain) {
-  const auto entry_of = [&plain](const char* list, const Json& owner, const char* name) -> const Json* {
-    const auto entries = plain.find(list);
-    const auto key = owner.find(name);
-    if (entries == plain.end() || key == owner.end()) return nullptr;
-    if (entries->is_array() && key->is_number_unsigned() && key->get<std::uint64_t>() < entries->size())
-      return &(*entries)[key->get<std::size_t>()];
-    if (entries->is_object() && key->is_string() && entries->contains(key->get<std::string>()))
-      return &(*entries)[key->get<std::string>()];
-    return nullptr;
-  };
-  const auto leave_out = [&plain](const char* list, auto&& stays) {
-    const auto entries = plain.find(list);
-    if (entries == plain.end()) return;
-    Json kept = entries->is_array() ? Json::array() : Json::object();
-    for (const auto& [name, entry] : entries->items()) {
-      const bool good = entry.is_object() && stays(entry);
-      if (entries->is_array()) {
-        kept.push_back(good ? entry : Json::object());
-      } else if (good) {
-        kept[name] = entry;
+  Result<TriangleMesh> read(const JsonValue& scene) {
+    reached_.assign(document_.entries(GltfList::Nodes).size(), false);
+    Status read = Done{};
+    if (const JsonValue* nodes = scene.find("nodes")) read = enter(*nodes, "scene.nodes", Transform::Identity());
+    while (read && !open_.empty()) {
+      NodeList& list = open_.back();
+      if (list.next == list.nodes->items().size()) {
+        open_.pop_back();
+      } else {
+        const std::size_t i = list.next++;
+        const Transform parent = list.parent;  // a list that is entered moves this one
+        read = read_node(list.nodes->items()[i], parent);
       }
     }
-    *entries = std::move(kept);
-  };
-  leave_out("bufferViews", [&](const Json& view) {
-    const Json* buffer = entry_of("buffers", view, "buffer");
-    return buffer != nullptr && fits(whole_number(view, "byteOffset", 0), whole_number(view, "byteLength", 0),
-                                     whole_number(*buffer, "byteLength", 0));
-  });
-  const auto accessors = plain.find("accessors");
-  if (accessors == plain.end() || !accessors->is_object()) return;
-  leave_out("accessors", [&](const Json& accessor) {
-    const Json* view = entry_of("bufferViews", accessor, "bufferView");
-    if (view == nullptr) return false;
-    const std::uint64_t component = whole_number(accessor, "componentType", 0);
-    const std::uint64_t width = component >= 5125 ? 4 : (component >= 5122 ? 2 : 1);  // 5120 byte .. 5126 float
-    const std::uint64_t size = width * (accessor.value("type", Json()) == "SCALAR" ? 1 : 3);
-    const std::uint64_t stride = std::max(size, whole_number(accessor, "byteStride", 0));
-    const std::uint64_t count = whole_number(accessor, "count", 0);
-    constexpr std::uint64_t kMost = std::uint64_t{1} << 31U;
-    if (stride > kMost || count > kMost) return false;
-    return fits(whole_number(accessor, "byteOffset", 0), count == 0 ? 0 : (count - 1) * stride + size,
-                whole_number(*view, "byteLength", 0));
-  });
-}
-
-/// Moves the bytes of a buffer into its own entry, from another file or from the container.
-Status embed(Json& buffer, const std::string& name, std::string_view binary, bool owns_binary,
-             const std::filesystem::path& folder) {
-  const auto uri = buffer.find("uri");
-  const bool has_uri = uri != buffer.end() && uri->is_string();
-  std::string bytes;
-  if (owns_binary) {
-    bytes = binary;
-  } else if (!has_uri) {
-    return bad_input(fmt::format("buffer {} names no file, and nothing is in this one", name));
-  } else {
-    const std::string reference = uri->get<std::string>();
-    if (reference.starts_with("data:")) return Done{};
-    std::ifstream stream(folder / decoded(reference), std::ios::binary);
-    if (!stream)
-      return bad_input(
-          fmt::format("buffer {} names the file '{}', which cannot be read", name, reference.substr(0, 100)));
-    bytes.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    if (!read) return read.error();
+    return std::move(mesh_);
   }
-  // If bytes are missing, the parts that need them are refused below; often only a picture needs them.
-  bytes.resize(std::min<std::uint64_t>(bytes.size(), whole_number(buffer, "byteLength", bytes.size())));
-  buffer["byteLength"] = bytes.size();
-  buffer["uri"] = "data:application/octet-stream;base64," + base64(bytes);
-  return Done{};
-}
 
-/// Selects the scene; a single scene is used whatever the file says.
-Status choose_scene(Json& plain) {
-  const auto scenes = plain.find("scenes");
-  if (scenes == plain.end() || scenes->empty()) return bad_input("has no scene, so nothing of it is to be shown");
-  if (scenes->size() == 1) {
-    plain["scene"] = scenes->is_array() ? Json(0) : Json(scenes->begin().key());
+ private:
+  /// A list of nodes that is being read, with the transform of their parent.
+  struct NodeList {
+    const JsonValue* nodes;
+    std::size_t next = 0;
+    Transform parent;
+  };
+
+  Status enter(const JsonValue& nodes, const std::string& place, const Transform& parent) {
+    if (!nodes.is_array()) return bad_input(place + " must be a list of nodes");
+    open_.push_back({&nodes, 0, parent});
     return Done{};
   }
-  if (!plain.contains("scene")) return Done{};
-  const Json& scene = plain["scene"];
-  const bool known = scenes->is_array() ? scene.is_number_unsigned() && scene.get<std::uint64_t>() < scenes->size()
-                                        : scene.is_string() && scenes->contains(scene.get<std::string>());
-  if (known) return Done{};
-  return bad_input(fmt::format("scene = {}, must be one of {} scenes",
-                               scene.dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40),
-                               scenes->size()));
+
+  Status read_node(const JsonValue& name, const Transform& parent) {
+    const auto entry = document_.find(GltfList::Nodes, name);
+    if (!entry) return bad_input(fmt::format("a list of nodes names {}, must exist", io::shown(name)));
+    const std::string place = document_.place(GltfList::Nodes, *entry);
+    if (reached_[*entry]) return bad_input(place + " is its own descendant or has two parents, nodes must be a tree");
+    reached_[*entry] = true;
+    const JsonValue& node = document_.entries(GltfList::Nodes)[*entry];
+    if (!node.is_object()) return bad_input(place + " must be an object");
+    const JsonValue* extensions = node.find("extensions");
+    if (extensions != nullptr && extensions->find("EXT_mesh_gpu_instancing") != nullptr)
+      return bad_input(place + " has instances by EXT_mesh_gpu_instancing, must be nodes");
+    const Result<Transform> own = transform_of(node, place);
+    if (!own) return own.error();
+    const Transform transform = parent * own.value();
+    Status read = Done{};
+    if (const JsonValue* mesh = node.find("mesh")) read = read_mesh(*mesh, place, transform);
+    // Version 1 has several meshes in a node.
+    if (const JsonValue* meshes = node.find("meshes"); meshes != nullptr && read) {
+      for (std::size_t i = 0; i < meshes->items().size() && read; ++i)
+        read = read_mesh(meshes->items()[i], place, transform);
+    }
+    const JsonValue* children = node.find("children");
+    return read && children != nullptr ? enter(*children, place + ".children", transform) : read;
+  }
+
+  Status read_mesh(const JsonValue& name, const std::string& node_place, const Transform& transform) {
+    const auto entry = document_.find(GltfList::Meshes, name);
+    if (!entry) return bad_input(fmt::format("{}.mesh = {}, must exist", node_place, io::shown(name)));
+    const JsonValue* primitives = document_.entries(GltfList::Meshes)[*entry].find("primitives");
+    const std::string place = document_.place(GltfList::Meshes, *entry) + ".primitives";
+    if (primitives == nullptr || !primitives->is_array()) return bad_input(place + " must be a list");
+    for (std::size_t i = 0; i < primitives->items().size(); ++i) {
+      const Status read = read_primitive(primitives->items()[i], transform);
+      if (!read) return bad_input(fmt::format("{}[{}]: {}", place, i, read.error().message));
+    }
+    return Done{};
+  }
+
+  Status read_primitive(const JsonValue& primitive, const Transform& transform) {
+    // "primitive" is what drafts of version 1 called it.
+    const auto mode = whole_member(primitive, primitive.find("mode") != nullptr ? "mode" : "primitive", kTriangles);
+    if (!mode || *mode > kFan) return bad_input("mode must be a whole number from 0 to 6");
+    const JsonValue* attributes = primitive.find("attributes");
+    const JsonValue* position = attributes != nullptr ? attributes->find("POSITION") : nullptr;
+    if (position == nullptr) return Done{};
+    const JsonValue* extensions = primitive.find("extensions");
+    if (extensions != nullptr && extensions->find("KHR_draco_mesh_compression") != nullptr)
+      return bad_input(
+          "is compressed by KHR_draco_mesh_compression, must be decompressed before, by Blender or "
+          "gltf-transform for example");
+    Result<std::vector<Vec3>> points = document_.points(*position);
+    if (!points) return points.error();
+    std::vector<std::uint32_t> corners;
+    if (const JsonValue* indices = primitive.find("indices")) {
+      Result<std::vector<std::uint32_t>> read = document_.indices(*indices);
+      if (!read) return read.error();
+      corners = std::move(read).value();
+    } else {
+      corners.resize(points.value().size());
+      for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<std::uint32_t>(i);
+    }
+    repeated_ += points.value().size() + corners.size();
+    if (repeated_ > kMostRepeated + document_.bytes_read())
+      return bad_input(
+          fmt::format("its nodes place {} vertices and corners up to here, must be at most {} with the {} "
+                      "bytes that were read",
+                      repeated_, kMostRepeated + document_.bytes_read(), document_.bytes_read()));
+    return add(points.value(), corners, *mode, transform);
+  }
+
+  Status add(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& corners, std::uint64_t mode,
+             const Transform& transform) {
+    const std::size_t base = mesh_.vertices_m.size();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 placed = (transform * points[i].homogeneous()).head<3>();
+      if (!points[i].allFinite() || !placed.allFinite())
+        return bad_input(
+            fmt::format("vertex {} is ({}, {}, {}), must be finite", i, points[i].x(), points[i].y(), points[i].z()));
+      mesh_.vertices_m.push_back(placed);
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (corners[i] >= points.size())
+        return bad_input(fmt::format("indices: value {} = {}, must be below {}", i, corners[i], points.size()));
+    }
+    if (mode < kTriangles) return Done{};  // points and lines
+    const bool mirrored = transform.topLeftCorner<3, 3>().determinant() < 0;
+    const auto at = [&](std::size_t i) { return static_cast<std::uint32_t>(base + corners[i]); };
+    const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {
+      mesh_.triangles.push_back({at(a), at(mirrored ? c : b), at(mirrored ? b : c)});
+    };
+    // Corners beyond the last whole triangle are left out, as the format requires.
+    if (mode == kTriangles) {
+      for (std::size_t i = 0; i + 2 < corners.size(); i += 3) triangle(i, i + 1, i + 2);
+    } else {
+      for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+        if (mode == kFan) triangle(0, i + 1, i + 2);
+        if (mode == kStrip) triangle(i, i + 1 + i % 2, i + 2 - i % 2);
+      }
+    }
+    return Done{};
+  }
+
+  GltfDocument& document_;
+  TriangleMesh mesh_;
+  std::vector<bool> reached_;
+  std::vector<NodeList> open_;  ///< the innermost last
+  std::uint64_t repeated_ = 0;
+};
+
+/// The scene that is to be shown; a single one is shown whatever the file says.
+Result<std::size_t> chosen_scene(const GltfDocument& document) {
+  const std::size_t scenes = document.entries(GltfList::Scenes).size();
+  if (scenes == 0) return bad_input("has no scene, so nothing of it is to be shown");
+  const JsonValue* choice = document.root().find("scene");
+  if (scenes == 1 || choice == nullptr) return std::size_t{0};
+  const auto found = document.find(GltfList::Scenes, *choice);
+  if (found) return *found;
+  return bad_input(fmt::format("scene = {}, must be one of {} scenes", io::shown(*choice), scenes));
 }
 
 }  // namespace
 
-Result<std::string> plain_gltf(const std::string& bytes, const std::filesystem::path& folder) {
-  const Result<Parts> parts = take_apart(bytes);
-  if (!parts) return parts.error();
-  Json whole;
-  try {
-    whole = Json::parse(parts.value().text);
-  } catch (const Json::exception& failure) {
-    return bad_input(fmt::format("not valid JSON: {}", failure.what()));
-  }
-  if (!whole.is_object()) return bad_input("not a glTF file: must be a JSON object");
-  Json plain = only(whole, {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"});
-  plain["asset"] = only(plain["asset"].is_null() ? Json::object() : plain["asset"], {"version"});
-  if (Status chosen = choose_scene(plain); !chosen) return chosen.error();
-  plain["scenes"] = each(plain["scenes"], [](const Json& scene) { return only(scene, {"nodes"}); });
-  if (plain.contains("nodes")) {
-    plain["nodes"] = each(plain["nodes"], [](const Json& node) {
-      return only(node, {"children", "matrix", "rotation", "scale", "translation", "mesh", "meshes"});
-    });
-  }
-  if (plain.contains("meshes")) {
-    plain["meshes"] = each(plain["meshes"], [](const Json& mesh) {
-      Json kept = only(mesh, {"primitives"});
-      if (kept.is_object() && kept.contains("primitives") && kept["primitives"].is_array()) {
-        kept["primitives"] = each(kept["primitives"], plain_primitive);
-      }
-      return kept;
-    });
-  }
-  if (plain.contains("buffers") && (plain["buffers"].is_array() || plain["buffers"].is_object())) {
-    bool first = true;
-    for (const auto& [name, buffer] : plain["buffers"].items()) {
-      if (!buffer.is_object()) return bad_input(fmt::format("buffer {}: must be an object", name));
-      const bool in_container = !parts.value().binary.empty();
-      const bool owns_binary =
-          in_container && (name == "binary_glTF" || (plain["buffers"].is_array() && first && !buffer.contains("uri")));
-      if (Status embedded = embed(buffer, name, parts.value().binary, owns_binary, folder); !embedded)
-        return embedded.error();
-      first = false;
-    }
-  }
-  leave_out_what_is_cut_off(plain);
-  const auto used = whole.find("extensionsUsed");
-  if (used != whole.end() && used->is_array() && std::ranges::find(*used, Json(kDraco)) != used->end())
-    plain["extensionsUsed"] = {kDraco};
-  return plain.dump(-1, ' ', false, Json::error_handler_t::replace);
+Result<TriangleMesh> parse_gltf(std::string_view bytes, const std::filesystem::path& folder) {
+  Result<GltfDocument> document = GltfDocument::open(bytes, folder);
+  if (!document) return document.error();
+  const Result<std::size_t> scene = chosen_scene(document.value());
+  if (!scene) return scene.error();
+  return SceneReader(document.value()).read(document.value().entries(GltfList::Scenes)[scene.value()]);
 }
 
 }  // namespace poise::geometry

@@ -1,40 +1,23 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-#include <charconv>
-#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
-#include <tiny_obj_loader.h>
 
+#include "assets/mesh/face_list.h"
 #include "assets/mesh/mesh_files.h"
-#include "geometry/mesh/ear_clipping.h"
+#include "assets/mesh/text_cursor.h"
 
 namespace poise::geometry {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view next_word(std::string_view& line) {
-  const std::size_t begin = std::min(line.find_first_not_of(kBlanks), line.size());
-  const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
-  const std::string_view word = line.substr(begin, end - begin);
-  line.remove_prefix(end);
-  return word;
-}
-
-bool parse_finite(std::string_view word, double& value) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
-}
-
-/// A line that ends in a backslash continues in the next one, which the loader does not support. Joins such lines, with
-/// each line end replaced by a blank, and adds the same number of line ends after them, so that line numbers stay the
-/// same.
-std::string joined_lines(const std::string& text) {
-  if (text.find('\\') == std::string::npos) return text;
+/// A line that ends in a backslash continues in the next one. Joins such lines, with each line end replaced by a blank,
+/// and adds the same number of line ends after them, so that line numbers stay the same.
+std::string joined_lines(std::string_view text) {
   std::string joined;
+  joined.reserve(text.size());
   std::size_t owed = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool carriage = text[i] == '\\' && i + 2 < text.size() && text[i + 1] == '\r' && text[i + 2] == '\n';
@@ -53,67 +36,84 @@ std::string joined_lines(const std::string& text) {
   return joined;
 }
 
-/// The loader reads a word that is not a number as 0, and its numbers may be wrong in the last digit, so the
-/// coordinates are read here first. Returns what is wrong with one; empty if all are valid.
-std::string read_coordinates(std::string_view text, std::vector<Vec3>& vertices) {
-  std::size_t line_number = 0;
-  while (!text.empty()) {
-    ++line_number;
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (next_word(line) != "v") continue;
-    Vec3& vertex = vertices.emplace_back();
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::string_view word = next_word(line);
-      if (!parse_finite(word, vertex[axis])) {
-        return fmt::format("line {}: {} of a vertex is '{}', must be a finite number", line_number, "xyz"[axis],
-                           word.substr(0, 40));
-      }
-    }
+/// A face as it was written. Its vertices may come later, so that it is made into triangles at the end.
+struct Face {
+  std::size_t end = 0;   ///< its corners are those up to here, from the face before
+  std::size_t line = 0;  ///< for messages
+};
+
+/// What is read of a file.
+struct Parsed {
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> corners;
+  std::vector<Face> faces;
+};
+
+std::string read_vertex(TextCursor& text, TriangleMesh& mesh) {
+  Vec3& vertex = mesh.vertices_m.emplace_back();
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = text.next_word();
+    if (!parse_finite(word, vertex[axis]))
+      return fmt::format("{} of a vertex is '{}', must be a finite number", "xyz"[axis], shown_word(word));
   }
   return {};
 }
 
+/// A corner `vertex`, `vertex/texture`, `vertex//normal` or `vertex/texture/normal`, each counted from 1 on or, below
+/// 0, back from the last one so far.
+std::string read_corner(std::string_view word, std::size_t vertices, std::uint32_t& corner) {
+  const std::string_view digits = word.substr(0, word.find('/'));
+  std::int64_t number = 0;
+  if (!parse_number(digits, number) || number == 0 || word.find_first_not_of("-+0123456789/") != std::string_view::npos)
+    return fmt::format("a corner of a face is '{}', must be the number of a vertex, from 1 or below 0",
+                       shown_word(word));
+  const std::int64_t index = number > 0 ? number - 1 : number + static_cast<std::int64_t>(vertices);
+  if (index < 0 || index >= std::numeric_limits<std::uint32_t>::max())
+    return fmt::format("a face names vertex {} where there are {}, must exist", number, vertices);
+  corner = static_cast<std::uint32_t>(index);
+  return {};
+}
+
+std::string read_face(TextCursor& text, Parsed& parsed) {
+  for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word()) {
+    std::string wrong = read_corner(word, parsed.mesh.vertices_m.size(), parsed.corners.emplace_back());
+    if (!wrong.empty()) return wrong;
+  }
+  parsed.faces.push_back({parsed.corners.size(), text.number()});
+  return {};
+}
+
+/// Cuts the faces into triangles.
+Status add_faces(Parsed& parsed) {
+  FaceList faces(parsed.mesh);
+  std::size_t begin = 0;
+  for (const Face& face : parsed.faces) {
+    const std::span<const std::uint32_t> corners = std::span(parsed.corners).subspan(begin, face.end - begin);
+    begin = face.end;
+    if (const std::string wrong = faces.add(corners); !wrong.empty())
+      return bad_input(fmt::format("line {}: {}", face.line, wrong));
+  }
+  return Done{};
+}
+
 }  // namespace
 
-Result<TriangleMesh> parse_obj(const std::string& file_text) {
-  const std::string text = joined_lines(file_text);
-  TriangleMesh mesh;
-  if (std::string wrong = read_coordinates(text, mesh.vertices_m); !wrong.empty()) return bad_input(std::move(wrong));
-  tinyobj::ObjReaderConfig config;
-  config.triangulate = false;
-  config.vertex_color = false;
-  tinyobj::ObjReader reader;
-  if (!reader.ParseFromString(text, std::string(), config)) {
-    std::string why = reader.Error();
-    std::ranges::replace(why, '\n', ' ');
-    return bad_input(fmt::format("not a valid OBJ: {}", why));
+Result<TriangleMesh> parse_obj(std::string_view whole) {
+  std::string joined;
+  if (whole.find('\\') != std::string_view::npos) whole = joined = joined_lines(whole);
+  TextCursor text(whole, true);
+  Parsed parsed;
+  while (text.next_line()) {
+    const std::string_view word = text.next_word();
+    std::string wrong;
+    if (word == "v") wrong = read_vertex(text, parsed.mesh);
+    if (word == "f" || word == "fo") wrong = read_face(text, parsed);
+    if (!wrong.empty()) return bad_input(fmt::format("line {}: {}", text.number(), wrong));
   }
-  if (reader.GetAttrib().vertices.size() != 3 * mesh.vertices_m.size()) {
-    return bad_input(fmt::format("not a valid OBJ: {} lines 'v', but {} vertices", mesh.vertices_m.size(),
-                                 reader.GetAttrib().vertices.size() / 3));
-  }
-  std::size_t face_number = 0;
-  std::vector<std::uint32_t> corners;
-  for (const tinyobj::shape_t& shape : reader.GetShapes()) {
-    std::size_t first = 0;
-    for (const auto corner_count : shape.mesh.num_face_vertices) {
-      ++face_number;
-      corners.clear();
-      for (std::size_t i = 0; i < corner_count; ++i) {
-        const int index = shape.mesh.indices[first + i].vertex_index;
-        if (index < 0 || static_cast<std::size_t>(index) >= mesh.vertices_m.size()) {
-          return bad_input(fmt::format("face {}: names vertex {} of {}, must exist", face_number, index + 1,
-                                       mesh.vertices_m.size()));
-        }
-        corners.push_back(static_cast<std::uint32_t>(index));
-      }
-      first += corner_count;
-      triangulate_polygon(mesh.vertices_m, corners, mesh.triangles);
-    }
-  }
-  return mesh;
+  if (parsed.mesh.vertices_m.size() > std::numeric_limits<std::uint32_t>::max())
+    return bad_input("has more than 2^32 vertices");
+  if (const Status added = add_faces(parsed); !added) return added.error();
+  return std::move(parsed.mesh);
 }
 
 }  // namespace poise::geometry

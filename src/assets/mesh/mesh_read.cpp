@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <system_error>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "assets/mesh/mesh_counts.h"
+#include "assets/files/text_file.h"
 #include "assets/mesh/mesh_files.h"
 #include "geometry/primitives/rounding.h"
 #include "poise/assets/mesh_file.h"
@@ -25,30 +26,8 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-/// Why the file cannot be read; empty if it can.
-std::string why_unreadable(const fs::path& file) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status)) return "cannot be read: no such file";
-  if (!fs::is_regular_file(status)) return "cannot be read: not a file";
-  const auto size = fs::file_size(file, error);
-  if (!error && size == 0) return "is empty";
-  return std::ifstream(file, std::ios::binary) ? std::string() : "cannot be read: no permission";
-}
-
-/// The first bytes of a file, enough for any header.
-std::string start_of(const fs::path& file) {
-  std::string start(65536, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream.gcount()));
-  return start;
-}
-
-std::string whole_file(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
+/// Chosen: so that vertices have numbers of 32 bits.
+constexpr std::uint64_t kMostFileBytes = std::uint64_t{4} << 30U;
 
 /// Text without a byte order mark, with two-byte text converted to one byte: only ASCII is needed, other characters
 /// become '?'.
@@ -72,23 +51,32 @@ std::string why_no_triangle(std::size_t vertices) {
                      vertices);
 }
 
+/// The formats by extension; the reader of glTF is another, since it reads more files.
+struct Format {
+  std::string_view extension;
+  Result<TriangleMesh> (*parse)(std::string_view bytes);
+};
+constexpr std::array kFormats{
+    Format{".obj", geometry::parse_obj},
+    Format{".stl", geometry::parse_stl},
+    Format{".ply", geometry::parse_ply},
+    Format{".off", geometry::parse_off},
+    Format{".gltf", nullptr},
+    Format{".glb", nullptr},
+};
+
 Result<TriangleMesh> read_unscaled(const fs::path& file) {
   const std::string extension = lower_extension(file);
-  if (extension == ".obj") return geometry::parse_obj(plain_text(whole_file(file)));
-  if (extension == ".gltf" || extension == ".glb") {
-    const Result<std::string> plain = geometry::plain_gltf(whole_file(file), file.parent_path());
-    if (!plain) return plain.error();
-    return geometry::import_gltf_with_assimp(plain.value());
-  }
-  std::string wrong;
-  if (extension == ".off") wrong = geometry::wrong_off_counts(start_of(file), fs::file_size(file));
-  if (extension == ".ply") wrong = geometry::wrong_ply_counts(start_of(file), fs::file_size(file));
-  if (!wrong.empty()) return bad_input(std::move(wrong));
-  for (const char* known : {".stl", ".ply", ".off"}) {
-    if (extension == known) return geometry::import_with_assimp(file);
-  }
-  return bad_input(
-      fmt::format("extension '{}' is not known, must be one of .obj .stl .ply .off .gltf .glb", extension));
+  const auto format = std::ranges::find(kFormats, extension, &Format::extension);
+  if (format == kFormats.end())
+    return bad_input(
+        fmt::format("extension '{}' is not known, must be one of .obj .stl .ply .off .gltf .glb", extension));
+  Result<std::string> read = geometry::read_bytes(file, kMostFileBytes);
+  if (!read) return read.error();
+  if (read.value().empty()) return bad_input("is empty");
+  if (format->parse == nullptr) return geometry::parse_gltf(read.value(), file.parent_path());
+  const bool is_text = extension == ".obj" || extension == ".off";
+  return format->parse(is_text ? plain_text(std::move(read).value()) : read.value());
 }
 
 }  // namespace
@@ -101,7 +89,6 @@ Result<TriangleMesh> read_mesh(const fs::path& file, const MeshReadOptions& opti
     return refuse(fmt::format("weld_relative = {}, must be from 0 to 0.1", options.weld_relative));
   }
   try {
-    if (const std::string wrong = why_unreadable(file); !wrong.empty()) return refuse(wrong);
     Result<TriangleMesh> read = read_unscaled(file);
     if (!read) return refuse(read.error().message);
     TriangleMesh mesh = std::move(read).value();

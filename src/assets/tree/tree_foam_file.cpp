@@ -5,11 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "assets/json/json_document.h"
 #include "assets/tree/tree_files.h"
 
 namespace poise::geometry {
 namespace {
 
+using io::JsonValue;
 using nlohmann::ordered_json;
 
 ordered_json level_json(const SphereTree& tree, Level level) {
@@ -33,21 +35,19 @@ ordered_json level_json(const SphereTree& tree, Level level) {
   return json;
 }
 
-Status read_sphere(const ordered_json& item, const std::string& place, std::vector<Sphere>& spheres) {
-  const auto origin = item.is_object() ? item.find("origin") : item.end();
-  const auto radius = item.is_object() ? item.find("radius") : item.end();
-  if (!item.is_object() || origin == item.end() || radius == item.end()) {
-    return bad_input(place + ": must be a sphere with origin and radius");
-  }
+Status read_sphere(const JsonValue& item, const std::string& place, std::vector<Sphere>& spheres) {
+  const JsonValue* origin = item.find("origin");
+  const JsonValue* radius = item.find("radius");
+  if (origin == nullptr || radius == nullptr) return bad_input(place + ": must be a sphere with origin and radius");
   Sphere sphere;
-  bool sound = origin->is_array() && origin->size() == 3;
+  bool sound = origin->is_array() && origin->items().size() == 3;
   for (std::size_t i = 0; sound && i < 3; ++i) {
-    sound = (*origin)[i].is_number();
-    if (sound) sphere.center_m[static_cast<int>(i)] = (*origin)[i].get<double>();
+    sound = origin->items()[i].is_number();
+    if (sound) sphere.center_m[static_cast<int>(i)] = origin->items()[i].number();
   }
   if (!sound) return bad_input(place + ".origin: must be a list of three numbers");
   if (!radius->is_number()) return bad_input(place + ".radius: must be a number");
-  sphere.radius_m = radius->get<double>();
+  sphere.radius_m = radius->number();
   return take_sphere(sphere, place, spheres);
 }
 
@@ -60,26 +60,18 @@ std::string foam_text(const SphereTree& tree, Level level) {
 }
 
 Result<std::vector<Sphere>> foam_spheres(const std::string& text, const SphereChoice& choice) {
-  ordered_json root;
-  try {
-    root = ordered_json::parse(text);
-  } catch (const nlohmann::json::exception& failure) {
-    // After "[json.exception...] " the library's message gives line and column.
-    const std::string message = failure.what();
-    constexpr std::size_t kLongest = 160;
-    return bad_input("not valid JSON: " +
-                     shown_text(message.substr(std::min(message.find("] ") + 2, message.size())), kLongest));
-  }
-  if (!root.is_array() || root.empty()) return bad_input("must be a list of levels, each with its spheres");
-  const std::size_t level = choice.level ? std::size_t{*choice.level} : root.size() - 1;
-  if (level >= root.size()) return bad_input(fmt::format("has no level {}, the deepest is {}", level, root.size() - 1));
-  const ordered_json& chosen = root[level];
-  if (!chosen.is_object() || !chosen.contains("spheres") || !chosen["spheres"].is_array()) {
-    return bad_input(fmt::format("[{}]: must have a list of spheres", level));
-  }
+  const Result<JsonValue> root = io::parse_json(text, "JSON");
+  if (!root) return root.error();
+  const JsonValue::Items levels = root.value().items();
+  if (!root.value().is_array() || levels.empty()) return bad_input("must be a list of levels, each with its spheres");
+  const std::size_t level = choice.level ? std::size_t{*choice.level} : levels.size() - 1;
+  if (level >= levels.size())
+    return bad_input(fmt::format("has no level {}, the deepest is {}", level, levels.size() - 1));
+  const JsonValue* list = levels[level].find("spheres");
+  if (list == nullptr || !list->is_array()) return bad_input(fmt::format("[{}]: must have a list of spheres", level));
   std::vector<Sphere> spheres;
-  for (std::size_t i = 0; i < chosen["spheres"].size(); ++i) {
-    const Status read = read_sphere(chosen["spheres"][i], fmt::format("[{}].spheres[{}]", level, i), spheres);
+  for (std::size_t i = 0; i < list->items().size(); ++i) {
+    const Status read = read_sphere(list->items()[i], fmt::format("[{}].spheres[{}]", level, i), spheres);
     if (!read) return read.error();
   }
   return spheres;

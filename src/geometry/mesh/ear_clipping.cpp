@@ -2,6 +2,7 @@
 #include "geometry/mesh/ear_clipping.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace poise::geometry {
 namespace {
@@ -38,40 +39,90 @@ std::vector<Point2> flatten(std::span<const Vec3> vertices_m, std::span<const st
   return points;
 }
 
+/// A polygon from which ears are cut, the first in the order of its corners at each turn. A corner whose triangle has
+/// another corner inside stays blocked until that one is cut or a neighbour changes, so that each triangle is compared
+/// with each corner once: 3 n^2 comparisons at most, where looking anew at each turn takes n^3.
+class EarClipper {
+ public:
+  EarClipper(std::vector<Point2> points, std::uint64_t& tests_left)
+      : points_(std::move(points)), states_(points_.size()), tests_left_(tests_left) {
+    for (std::size_t i = 0; i < points_.size(); ++i) left_.push_back(static_cast<std::uint32_t>(i));
+  }
+  [[nodiscard]] std::size_t size() const { return left_.size(); }
+  /// The corners before, at and after place `i` of those that are left.
+  [[nodiscard]] std::array<std::uint32_t, 3> triangle(std::size_t i) const {
+    const std::size_t n = left_.size();
+    return {left_[(i + n - 1) % n], left_[i], left_[(i + 1) % n]};
+  }
+  /// The place of the first ear. A polygon without an ear crosses itself; then any corner may be cut.
+  std::size_t first_ear() {
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      if (is_ear(i)) return i;
+    }
+    return 0;
+  }
+  void cut(std::size_t i) {
+    const std::array<std::uint32_t, 3> corners = triangle(i);
+    states_[corners[0]] = {};
+    states_[corners[2]] = {};
+    states_[corners[1]].cut = true;
+    left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  [[nodiscard]] bool exhausted() const { return tests_left_ == 0; }
+
+ private:
+  struct State {
+    std::uint32_t next = 0;  ///< corners below it are outside the triangle of this one
+    bool known = false;
+    bool turns = false;  ///< to the left, as an ear does
+    bool cut = false;
+  };
+
+  bool is_ear(std::size_t i) {
+    const std::array<std::uint32_t, 3> corners = triangle(i);
+    State& state = states_[corners[1]];
+    const Point2& a = points_[corners[0]];
+    const Point2& b = points_[corners[1]];
+    const Point2& c = points_[corners[2]];
+    if (!state.known) state = {0, true, doubled_area(a, b, c) > 0, false};
+    count(1);
+    if (!state.turns) return false;
+    for (; state.next < points_.size() && !exhausted(); ++state.next) {
+      if (states_[state.next].cut) continue;
+      const Point2& p = points_[state.next];
+      if (p != a && p != b && p != c && inside_or_on(p, a, b, c)) return false;
+      count(1);
+    }
+    return true;
+  }
+  void count(std::uint64_t tests) { tests_left_ -= std::min(tests, tests_left_); }
+
+  std::vector<Point2> points_;
+  std::vector<State> states_;
+  std::vector<std::uint32_t> left_;
+  std::uint64_t& tests_left_;
+};
+
 }  // namespace
 
-void triangulate_polygon(std::span<const Vec3> vertices_m, std::span<const std::uint32_t> corners,
-                         std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  if (corners.size() < 3) return;
+bool triangulate_polygon(std::span<const Vec3> vertices_m, std::span<const std::uint32_t> corners,
+                         std::uint64_t& tests_left, std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  if (corners.size() < 3) return true;
   if (corners.size() == 3) {
     triangles.push_back({corners[0], corners[1], corners[2]});
-    return;
+    return true;
   }
-  const std::vector<Point2> points = flatten(vertices_m, corners);
-  std::vector<std::size_t> left(corners.size());
-  for (std::size_t i = 0; i < left.size(); ++i) left[i] = i;
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
-    std::size_t ear = 0;  // a polygon without an ear crosses itself; then any corner may be cut
-    bool found = false;
-    for (std::size_t i = 0; i < n && !found; ++i) {
-      const Point2& a = points[left[(i + n - 1) % n]];
-      const Point2& b = points[left[i]];
-      const Point2& c = points[left[(i + 1) % n]];
-      if (!(doubled_area(a, b, c) > 0)) continue;
-      const bool blocked = std::ranges::any_of(left, [&](std::size_t other) {
-        const Point2& p = points[other];
-        return p != a && p != b && p != c && inside_or_on(p, a, b, c);
-      });
-      if (!blocked) {
-        ear = i;
-        found = true;
-      }
-    }
-    triangles.push_back({corners[left[(ear + n - 1) % n]], corners[left[ear]], corners[left[(ear + 1) % n]]});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+  constexpr std::size_t kMostCorners = 1'000'000;  // whose square is a number still
+  if (corners.size() > kMostCorners || corners.size() * corners.size() / 2 > tests_left) return false;
+  EarClipper polygon(flatten(vertices_m, corners), tests_left);
+  for (;;) {
+    const std::size_t ear = polygon.size() > 3 ? polygon.first_ear() : 1;
+    if (polygon.exhausted()) return false;
+    const std::array<std::uint32_t, 3> cut = polygon.triangle(ear);
+    triangles.push_back({corners[cut[0]], corners[cut[1]], corners[cut[2]]});
+    if (polygon.size() == 3) return true;
+    polygon.cut(ear);
   }
-  triangles.push_back({corners[left[0]], corners[left[1]], corners[left[2]]});
 }
 
 }  // namespace poise::geometry

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
+#include "assets/json/json_document.h"
 #include "parallel/executor.h"
 #include "scene/check/placed_bodies.h"
-#include "scene/json_document.h"
 #include "scene/scene_parse.h"
 #include "scene/scene_shapes.h"
 

@@ -10,8 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "assets/json/json_document.h"
 #include "scene/field_reader.h"
-#include "scene/json_document.h"
 
 namespace poise::io {
 namespace {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/cache/tree_cache_folder.h"
+#include "assets/json/json_document.h"
 
 namespace poise::io {
 namespace {
@@ -24,21 +25,25 @@ std::string text_of(const TimePriorsKey& key) {
                      key.contact, key.alpha);
 }
 
-bool read_list(const Json& json, scheduler::TailForecast::Features& into) {
-  if (!json.is_array() || json.size() != into.size()) return false;
+bool read_list(const JsonValue* json, scheduler::TailForecast::Features& into) {
+  if (json == nullptr || !json->is_array() || json->items().size() != into.size()) return false;
   for (std::size_t i = 0; i < into.size(); ++i) {
-    if (!json[i].is_number()) return false;
-    into[i] = json[i].get<double>();
+    if (!json->items()[i].is_number()) return false;
+    into[i] = json->items()[i].number();
     if (!std::isfinite(into[i]) || into[i] < 0 || into[i] > kMostUs) return false;
   }
   return true;
 }
 
-bool read_number(const Json& json, const char* name, double least, double most, double& into) {
-  const auto at = json.find(name);
-  if (at == json.end() || !at->is_number()) return false;
-  into = at->get<double>();
+bool read_number(const JsonValue& json, const char* name, double least, double most, double& into) {
+  const JsonValue* const at = json.find(name);
+  if (at == nullptr || !at->is_number()) return false;
+  into = at->number();
   return std::isfinite(into) && into >= least && into <= most;
+}
+
+bool is_text(const JsonValue* json, std::string_view text) {
+  return json != nullptr && json->is_string() && json->text() == text;
 }
 
 }  // namespace
@@ -52,13 +57,18 @@ std::optional<scheduler::TimePriors> read_time_priors(const std::filesystem::pat
   std::string bytes;
   if (geometry::read_entry(time_priors_file(folder, key), kMostBytes, bytes) != geometry::EntryRead::Found)
     return std::nullopt;
-  const Json json = Json::parse(bytes, nullptr, false);
-  if (!json.is_object() || json.value("schema", Json()) != kSchema || json.value("key", Json()) != text_of(key))
-    return std::nullopt;
+  return parse_time_priors(bytes, key);
+}
+
+std::optional<scheduler::TimePriors> parse_time_priors(std::string_view text, const TimePriorsKey& key) {
+  const Result<JsonValue> read = parse_json(text, "times");
+  if (!read) return std::nullopt;
+  const JsonValue& json = read.value();
+  if (!is_text(json.find("schema"), kSchema) || !is_text(json.find("key"), text_of(key))) return std::nullopt;
   scheduler::TimePriors priors;
   double frames = 0;
-  const bool sound = read_list(json.value("tail_us", Json()), priors.tail_us) &&
-                     read_list(json.value("head_us", Json()), priors.head_us) &&
+  const bool sound = read_list(json.find("tail_us"), priors.tail_us) &&
+                     read_list(json.find("head_us"), priors.head_us) &&
                      read_number(json, "log_quantile", scheduler::TrackedQuantile::kLow,
                                  scheduler::TrackedQuantile::kHigh, priors.log_quantile) &&
                      read_number(json, "spread", 0,

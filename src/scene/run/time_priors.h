@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "poise/scheduler/forecast.h"
 
@@ -24,6 +25,9 @@ std::filesystem::path time_priors_file(const std::filesystem::path& folder, cons
 
 /// Empty if the file is missing, damaged, of another key or has an invalid number.
 std::optional<scheduler::TimePriors> read_time_priors(const std::filesystem::path& folder, const TimePriorsKey& key);
+
+/// The same from the text of such a file.
+std::optional<scheduler::TimePriors> parse_time_priors(std::string_view text, const TimePriorsKey& key);
 
 /// Writes the file completely or not at all; creates a missing folder. Returns false on failure, or if there is nothing
 /// to store.

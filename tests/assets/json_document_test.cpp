@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scene/json_document.h"
+#include "assets/json/json_document.h"
 
 #include <gtest/gtest.h>
 
@@ -17,14 +17,16 @@ TEST(JsonDocument, KeepsMembersInFileOrderAndNumbersExactly) {
   const Result<JsonValue> value =
       parse_json(R"({"b": 0.1, "a": [true, null, "x", 18446744073709551615, -3]} // end)", "f");
   ASSERT_TRUE(value) << value.error().message;
-  EXPECT_EQ(value.value().keys, (std::vector<std::string>{"b", "a"}));
-  EXPECT_EQ(value.value().find("b")->number, 0.1);
+  ASSERT_EQ(value.value().keys().size(), 2U);
+  EXPECT_EQ(value.value().keys()[0], "b");
+  EXPECT_EQ(value.value().keys()[1], "a");
+  EXPECT_EQ(value.value().find("b")->number(), 0.1);
   const JsonValue& list = *value.value().find("a");
-  EXPECT_TRUE(list.items[0].boolean);
-  EXPECT_EQ(list.items[1].kind, JsonValue::Kind::Null);
-  EXPECT_EQ(list.items[2].text, "x");
-  EXPECT_EQ(list.items[3].magnitude, 18446744073709551615ULL);
-  EXPECT_FALSE(list.items[4].is_unsigned);
+  EXPECT_TRUE(list.items()[0].boolean());
+  EXPECT_EQ(list.items()[1].kind(), JsonValue::Kind::Null);
+  EXPECT_EQ(list.items()[2].text(), "x");
+  EXPECT_EQ(list.items()[3].magnitude(), 18446744073709551615ULL);
+  EXPECT_FALSE(list.items()[4].is_unsigned());
   EXPECT_EQ(value.value().find("c"), nullptr);
 }
 

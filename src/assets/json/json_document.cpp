@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "scene/json_document.h"
+#include "assets/json/json_document.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
-#include <set>
 #include <utility>
+#include <vector>
 
 namespace poise::io {
 namespace {
@@ -21,48 +24,21 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
   Builder(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   bool null() override { return add({}); }
-  bool boolean(bool value) override {
-    JsonValue made;
-    made.kind = JsonValue::Kind::Boolean;
-    made.boolean = value;
-    return add(std::move(made));
-  }
+  bool boolean(bool value) override { return add(JsonValue::of(value)); }
   bool number_integer(number_integer_t value) override {
-    JsonValue made;
-    made.kind = JsonValue::Kind::Number;
-    made.number = static_cast<double>(value);
-    made.is_unsigned = value >= 0;
-    made.magnitude = value >= 0 ? static_cast<std::uint64_t>(value) : 0;
-    made.text = fmt::format("{}", value);
-    return add(std::move(made));
+    const std::string text = fmt::format("{}", value);
+    return add(JsonValue::of_number(text, static_cast<double>(value), value >= 0, static_cast<std::uint64_t>(value)));
   }
   bool number_unsigned(number_unsigned_t value) override {
-    JsonValue made;
-    made.kind = JsonValue::Kind::Number;
-    made.number = static_cast<double>(value);
-    made.is_unsigned = true;
-    made.magnitude = value;
-    made.text = fmt::format("{}", value);
-    return add(std::move(made));
+    return add(JsonValue::of_number(fmt::format("{}", value), 0, true, value));
   }
   bool number_float(number_float_t value, const string_t& written) override {
-    JsonValue made;
-    made.kind = JsonValue::Kind::Number;
-    made.number = value;
     // 1e3 and 600.0 are integers too; beyond 2^53 a double does not identify the written integer.
-    if (value >= 0 && value <= 9007199254740992.0 && value == static_cast<double>(static_cast<std::uint64_t>(value))) {
-      made.is_unsigned = true;
-      made.magnitude = static_cast<std::uint64_t>(value);
-    }
-    made.text = written;
-    return add(std::move(made));
+    const bool whole = !std::signbit(value) && value <= 9007199254740992.0 &&
+                       value == static_cast<double>(static_cast<std::uint64_t>(value));
+    return add(JsonValue::of_number(written, value, whole, whole ? static_cast<std::uint64_t>(value) : 0));
   }
-  bool string(string_t& value) override {
-    JsonValue made;
-    made.kind = JsonValue::Kind::String;
-    made.text = std::move(value);
-    return add(std::move(made));
-  }
+  bool string(string_t& value) override { return add(JsonValue::of_text(value)); }
   bool binary(binary_t& /*value*/) override { return false; }
 
   bool start_object(std::size_t /*size*/) override { return open(JsonValue::Kind::Object); }
@@ -71,12 +47,7 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
   bool end_array() override { return close(); }
 
   bool key(string_t& value) override {
-    Open& top = open_.back();
-    if (!top.seen.insert(value).second) {
-      error_ = bad_input(fmt::format("{}: {} is given twice", name_, member_path(path_of(open_.size() - 1), value)));
-      return false;
-    }
-    top.value.keys.push_back(std::move(value));
+    open_.back().keys.add(JsonValue::of_text(value));
     return true;
   }
 
@@ -104,15 +75,15 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
 
  private:
   struct Open {
-    JsonValue value;
-    std::set<std::string> seen;
+    JsonValue::Kind kind = JsonValue::Kind::Array;
+    JsonValue::Growing keys, items;
   };
 
   bool add(JsonValue value) {
     if (open_.empty()) {
       root_ = std::move(value);
     } else {
-      open_.back().value.items.push_back(std::move(value));
+      open_.back().items.add(std::move(value));
     }
     return true;
   }
@@ -122,19 +93,36 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
       return false;
     }
     open_.emplace_back();
-    open_.back().value.kind = kind;
+    open_.back().kind = kind;
     return true;
   }
   bool close() {
-    JsonValue value = std::move(open_.back().value);
+    Open& top = open_.back();
+    const bool is_object = top.kind == JsonValue::Kind::Object;
+    if (is_object && has_twice(top.keys)) return false;
+    JsonValue value = is_object ? JsonValue::of_object(std::move(top.keys), std::move(top.items))
+                                : JsonValue::of_array(std::move(top.items));
     open_.pop_back();
     return add(std::move(value));
+  }
+  /// Refuses an object, the innermost one, that has two members of one name.
+  bool has_twice(const JsonValue::Growing& keys) {
+    std::vector<std::uint32_t> order(keys.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return keys[a].text() < keys[b].text(); });
+    const auto twice = std::adjacent_find(
+        order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a].text() == keys[b].text(); });
+    if (twice == order.end()) return false;
+    error_ = bad_input(
+        fmt::format("{}: {} is given twice", name_, member_path(path_of(open_.size() - 1), keys[*twice].text())));
+    return true;
   }
 
   /// Path of the container open_[depth].
   [[nodiscard]] std::string path_of(std::size_t depth) const {
     std::string path;
-    for (std::size_t i = 0; i < depth; ++i) path = step_into(path, open_[i].value);
+    for (std::size_t i = 0; i < depth; ++i) path = step_into(path, open_[i]);
     return path;
   }
   /// Path of the next value.
@@ -142,9 +130,10 @@ class Builder final : public nlohmann::json_sax<ParsedJson> {
     std::string path = path_of(open_.size());
     return path.empty() ? "the file" : path;
   }
-  static std::string step_into(const std::string& path, const JsonValue& container) {
+  static std::string step_into(const std::string& path, const Open& container) {
     if (container.kind == JsonValue::Kind::Array) return item_path(path, container.items.size());
-    return container.keys.empty() ? path : member_path(path, container.keys.back());
+    const std::size_t keys = container.keys.size();
+    return keys == 0 ? path : member_path(path, container.keys[keys - 1].text());
   }
   [[nodiscard]] std::pair<std::size_t, std::size_t> place(std::size_t position) const {
     const std::string_view before = text_.substr(0, std::min(position == 0 ? 0 : position - 1, text_.size()));
@@ -168,14 +157,9 @@ bool plain_key(std::string_view key) {
 
 }  // namespace
 
-const JsonValue* JsonValue::find(std::string_view key) const {
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (keys[i] == key) return &items[i];
-  }
-  return nullptr;
-}
-
 Result<JsonValue> parse_json(std::string_view text, const std::string& name) {
+  if (text.size() > std::numeric_limits<std::uint32_t>::max())
+    return bad_input(fmt::format("{}: {} bytes of JSON, at most 4 GiB are accepted", name, text.size()));
   Builder builder(text, name);
   try {
     const bool done =
@@ -208,21 +192,22 @@ std::string in_quotes(std::string_view text) {
 }
 
 std::string shown(const JsonValue& value) {
-  switch (value.kind) {
+  switch (value.kind()) {
     case JsonValue::Kind::Null:
       return "null";
     case JsonValue::Kind::Boolean:
-      return value.boolean ? "true" : "false";
+      return value.boolean() ? "true" : "false";
     case JsonValue::Kind::Number:
-      return printable(std::string_view(value.text).substr(0, 40));
+      return printable(value.text().substr(0, 40));
     case JsonValue::Kind::String:
-      return in_quotes(value.text);
+      return in_quotes(value.text());
     case JsonValue::Kind::Array: {
-      if (value.items.size() > 4) return fmt::format("a list of {} values", value.items.size());
+      const JsonValue::Items items = value.items();
+      if (items.size() > 4) return fmt::format("a list of {} values", items.size());
       std::string list = "[";
-      for (const JsonValue& item : value.items) {
-        const bool nested = item.kind == JsonValue::Kind::Array || item.kind == JsonValue::Kind::Object;
-        list += (list.size() > 1 ? ", " : "") + (nested ? "..." : shown(item));
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        const bool nested = items[i].is_array() || items[i].is_object();
+        list += (i > 0 ? ", " : "") + (nested ? "..." : shown(items[i]));
       }
       return list + "]";
     }

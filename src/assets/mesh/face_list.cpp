@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include "assets/mesh/face_list.h"
+
+#include <fmt/format.h>
+
+#include "assets/mesh/text_cursor.h"
+
+namespace poise::geometry {
+
+std::string FaceList::too_few(std::size_t corners) {
+  return fmt::format("a face has {} corners, must have at least 3", corners);
+}
+
+std::string FaceList::too_many(std::size_t corners) {
+  return fmt::format(
+      "a face of {} corners: the polygons of the file together need more than {} comparisons to cut, "
+      "must have fewer corners or be triangles",
+      corners, kMostPolygonTests);
+}
+
+std::string FaceList::missing(std::uint32_t corner) const {
+  return fmt::format("a face names vertex {} of {}, counted from 0, must exist", corner, mesh_.vertices_m.size());
+}
+
+std::string shown_word(std::string_view word) {
+  constexpr std::size_t kShown = 40;
+  std::string shown(word.substr(0, kShown));
+  for (char& c : shown) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return shown;
+}
+
+}  // namespace poise::geometry

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace poise::geometry {
+
+/// Reads a text line by line and each line word by word, and never beyond its end. Blanks are spaces, tabs and carriage
+/// returns; what follows `#` in a line is a comment if `comments` is set. Invariant: `line_` is the unread rest of line
+/// number(), `rest_` begins behind its end.
+class TextCursor {
+ public:
+  TextCursor(std::string_view text, bool comments) : rest_(text), comments_(comments) {}
+
+  /// Goes to the next line; false at the end of the text, and the line is then empty.
+  bool next_line() {
+    line_ = {};
+    if (rest_.empty()) return false;
+    ++number_;
+    const std::size_t end = rest_.find('\n');
+    line_ = rest_.substr(0, end);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    if (comments_) line_ = line_.substr(0, line_.find('#'));
+    return true;
+  }
+  /// Goes on to the next line that has a word; false at the end of the text.
+  bool next_line_with_words() {
+    while (next_line()) {
+      if (skip_blanks()) return true;
+    }
+    return false;
+  }
+  /// The next word of the line; empty at its end.
+  std::string_view next_word() {
+    if (!skip_blanks()) return {};
+    std::size_t end = 1;
+    while (end < line_.size() && !is_blank(line_[end])) ++end;
+    const std::string_view word = line_.substr(0, end);
+    line_.remove_prefix(end);
+    return word;
+  }
+  /// The next word of the text, in this line or one further on; empty at its end.
+  std::string_view next_word_of_text() {
+    for (;;) {
+      const std::string_view word = next_word();
+      if (!word.empty() || !next_line()) return word;
+    }
+  }
+  /// Leaves out the rest of the line.
+  void skip_line() { line_ = {}; }
+  /// Of the line, counted from 1; 0 before the first.
+  [[nodiscard]] std::size_t number() const { return number_; }
+  [[nodiscard]] std::size_t bytes_left_of_line() const { return line_.size(); }
+  /// Of this line and all that follow.
+  [[nodiscard]] std::size_t bytes_left() const { return line_.size() + rest_.size(); }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  bool skip_blanks() {
+    std::size_t begin = 0;
+    while (begin < line_.size() && is_blank(line_[begin])) ++begin;
+    line_.remove_prefix(begin);
+    return !line_.empty();
+  }
+
+  std::string_view rest_, line_;
+  std::size_t number_ = 0;
+  bool comments_;
+};
+
+/// A word as a number, all of it; a plus before it is allowed.
+template <class Number>
+bool parse_number(std::string_view word, Number& value) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size();
+}
+
+inline bool parse_finite(std::string_view word, double& value) {
+  return parse_number(word, value) && std::isfinite(value);
+}
+
+/// A word of a file for a message: short, printable ASCII.
+std::string shown_word(std::string_view word);
+
+}  // namespace poise::geometry
