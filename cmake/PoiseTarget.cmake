@@ -38,6 +38,13 @@ function(poise_target_settings target)
   endif()
 endfunction()
 
+# poise_fuzzed(TARGET): with POISE_FUZZ, a fuzzer sees which branches of it are taken.
+function(poise_fuzzed target)
+  if(POISE_FUZZ)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
+endfunction()
+
 # poise_library(TARGET EXPORT-NAME): one layer of the library.
 function(poise_library target name)
   add_library(${target})

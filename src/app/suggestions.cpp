@@ -11,8 +11,9 @@
 namespace poise::app {
 namespace {
 
-/// A command line may be long; the first slips are told. Chosen.
+/// A command line may be long; the first slips are told, of the first words that are looked at. Chosen.
 constexpr std::size_t kMostHints = 8;
+constexpr std::size_t kMostWords = 64;
 
 std::vector<std::string> commands_of(const CLI::App& app) {
   std::vector<std::string> names;
@@ -45,8 +46,10 @@ std::string argument_hints(const CLI::App& app) {
   }
   std::string hints;
   std::size_t told = 0;
+  std::size_t seen = 0;
   bool first = true;
   for (const std::string& word : app.remaining(true)) {
+    if (++seen > kMostWords || told == kMostHints) break;
     const bool option = word.size() > 2 && word.starts_with("--");
     std::string near;
     if (option) {
@@ -55,7 +58,8 @@ std::string argument_hints(const CLI::App& app) {
       near = nearest(word, commands_of(*command));
     }
     first = false;
-    if (near.empty() || ++told > kMostHints) continue;
+    if (near.empty()) continue;
+    ++told;
     hints += fmt::format("{}: did you mean {} instead of {}?\n", called, near, io::printable(word.substr(0, 40)));
   }
   return hints;

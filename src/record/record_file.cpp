@@ -28,8 +28,6 @@ constexpr int kLevel = 1;
 // memory out of proportion to the file.
 constexpr std::uint64_t kFreeBytes = std::uint64_t{1} << 20U;
 constexpr std::uint64_t kMostRatio = 8;
-// Chosen: what a killed run loses at most. Each time costs a call of the system, some 10 us.
-constexpr std::chrono::milliseconds kFlushEvery{250};
 
 bool in_proportion(std::uint64_t raw, std::uint64_t stored) { return raw <= kFreeBytes + kMostRatio * stored; }
 
@@ -186,7 +184,6 @@ Status RecordWriter::begin(const RecordHeader& header) {
 }
 
 Status RecordWriter::flush() {
-  flushed_ = std::chrono::steady_clock::now();
   return file_.flush();
 }
 
@@ -195,8 +192,7 @@ Status RecordWriter::frame(const RecordedFrame& frame) {
   write_frame(frame, raw_);
   ++frames_;
   const Status written = block(kFrame, raw_);
-  if (!written) return written;
-  return frames_ == 1 || std::chrono::steady_clock::now() - flushed_ >= kFlushEvery ? flush() : written;
+  return written && frames_ == 1 ? flush() : written;
 }
 
 Status RecordWriter::finish(bool stopped) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -20,8 +19,8 @@ namespace poise::io {
 class ZlibStream;
 
 /// Writes a record during its run. The file appears when it is complete. If the program is killed, a file remains in
-/// the same folder whose name ends in `.part`; it can be replayed: the header, the first frame, and all up to a quarter
-/// of a second before. One thread at a time.
+/// the same folder whose name ends in `.part`; it can be replayed: the header, the first frame, and all up to the last
+/// flush() or the last 256 kB. One thread at a time.
 class RecordWriter {
  public:
   /// Refused as AtomicFile refuses.
@@ -34,6 +33,8 @@ class RecordWriter {
   Status begin(const RecordHeader& header);
   /// Appends a frame; call in order.
   Status frame(const RecordedFrame& frame);
+  /// Hands all frames so far to the system, so that they outlive the program.
+  Status flush();
   /// Closes the record and renames the file.
   Status finish(bool stopped);
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
@@ -41,14 +42,12 @@ class RecordWriter {
  private:
   explicit RecordWriter(AtomicFile file);
   Status block(char kind, std::string_view raw);
-  Status flush();
 
   AtomicFile file_;
   std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
   std::uint64_t frames_ = 0;
   std::uint64_t bytes_ = 0;
-  std::chrono::steady_clock::time_point flushed_;
 };
 
 /// Reads a record up to its end or to the first damaged block. One thread at a time.

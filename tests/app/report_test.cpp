@@ -94,7 +94,7 @@ TEST(ReportPage, HoldsItsPartsWhereTheTemplateSaysAndNoMarkupOfTheRun) {
 TEST(ReportPage, RefusesCapturesThatNoPageCanShow) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& path) { return app::check_capture_file(path).error().message; };
-  EXPECT_EQ(message(folder.file("none")), folder.file("none") + ": No such file or directory");
+  EXPECT_EQ(message(folder.file("none")), folder.file("none") + ": no such file");
   const std::string file = folder.file("x");
   for (const char* text : {"", "poise.record/5\n", "poise.capture/2\n and more"}) {
     write(file, text);
@@ -220,7 +220,7 @@ TEST(View, IsRefusedByFileAndRule) {
   EXPECT_NE(over.error.find("would overwrite the file that is read as CAPTURE"), std::string::npos) << over.error;
   const CommandResult missing = poise_command({"view", folder.file("none")});
   EXPECT_EQ(missing.exit_code, 3);
-  EXPECT_NE(missing.error.find("none: No such file or directory"), std::string::npos) << missing.error;
+  EXPECT_NE(missing.error.find("none: no such file"), std::string::npos) << missing.error;
   write(file, "something else entirely");
   const CommandResult other = poise_command({"view", file});
   EXPECT_EQ(other.exit_code, 3);

@@ -243,18 +243,18 @@ TEST_F(TreeFormats, EachBrokenYamlIsRefusedWithItsPlace) {
       {"[1, 2]", "must have collision_spheres"},
       {"collision_spheres: spheres/arm.yml", "must have collision_spheres with a list of spheres for each link"},
       {"collision_spheres: {a: 3}", "no link has spheres"},
-      {"collision_spheres: {[1]: []}", "must be the name of a link"},
+      {"collision_spheres: {[1]: []}", "no link has spheres"},
       {"a: [", "not valid YAML"},
-      {list("  - 3\n"), "line 3: must be a sphere with center and radius"},
+      {list("  - 3\n"), "collision_spheres.a[0]: must be a sphere with center and radius"},
       {list("  - {center: [0, 0, 0]}\n"), "must be a sphere with center and radius"},
       {list("  - {radius: 1}\n"), "must be a sphere with center and radius"},
-      {list("  - {center: [0, 0], radius: 1}\n"), "line 3: center must be a list of three numbers"},
+      {list("  - {center: [0, 0], radius: 1}\n"), "collision_spheres.a[0]: center must be a list of three numbers"},
       {list("  - {center: [0, 0, x], radius: 1}\n"), "center must be a list of three numbers"},
       {list("  - {center: [0, 0, .nan], radius: 1}\n"), "center must be a list of three numbers"},
       {list("  - {center: 3, radius: 1}\n"), "center must be a list of three numbers"},
-      {list("  - {center: [0, 0, 0], radius: [1]}\n"), "line 3: radius must be a number"},
+      {list("  - {center: [0, 0, 0], radius: [1]}\n"), "collision_spheres.a[0]: radius must be a number"},
       {list("  - {center: [0, 0, 0], radius: 1}\n  - {center: [0, 0, 0], radius: -1}\n"),
-       "line 4: radius = -1, must be from"},
+       "collision_spheres.a[1]: radius = -1, must be from"},
       {list("  - {center: [0, 2e9, 0], radius: 1}\n"), "coordinate = 2000000000"},
   };
   for (const auto& [text, rule] : cases) {
@@ -262,6 +262,25 @@ TEST_F(TreeFormats, EachBrokenYamlIsRefusedWithItsPlace) {
     EXPECT_NE(message.find(rule), std::string::npos) << text << " -> " << message;
   }
   EXPECT_NE(refusal("a.yml", std::string(20000, '[')).find("not valid YAML"), std::string::npos) << "deep nesting";
+  std::string flow = "{collision_spheres: {a: [";
+  while (flow.size() < 500'000) flow += "{center: [0, 0, 0], radius: 1},";
+  EXPECT_NE(refusal("a.yml", flow + "]}}").find("a collection in brackets of more than 262144 bytes"),
+            std::string::npos);
+}
+
+TEST_F(TreeFormats, YamlOfOtherThingsBesideTheSpheresIsReadPast) {
+  const std::string text =
+      "%YAML 1.2\n---\nrobot_cfg:\n  common: &other {a: [1, 2, {b: c}]}\n  kinematics:\n    again: *other\n"
+      "    names:\n      [\n        \"x: y\", # a comment [\n        'it''s',\n      ]\n    text: |\n      - {center: "
+      "no}\n"
+      "    ? [complex, key]\n    : 1\n    empty:\n    collision_spheres:\n      'base link':\n"
+      "      - \"center\": [0.0, +1.0, -2e-1]\n        \"radius\": 0.5\n        tag: !!str 3\n";
+  const auto path = file("robot.yml");
+  std::ofstream(path) << text;
+  const auto spheres = read_spheres(path);
+  ASSERT_TRUE(spheres.ok()) << spheres.error().message;
+  ASSERT_EQ(spheres.value().size(), 1U);
+  EXPECT_EQ(spheres.value()[0].center_m, Vec3(0, 1, -0.2));
 }
 
 TEST_F(TreeFormats, EachBrokenFoamFileIsRefusedWithItsPlace) {

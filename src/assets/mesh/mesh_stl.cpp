@@ -47,8 +47,10 @@ Result<TriangleMesh> parse_binary(std::string_view bytes, std::uint32_t count) {
 }
 
 bool is_word(std::string_view word, std::string_view lower) {
-  return std::ranges::equal(
-      word, lower, [](char a, char b) { return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b; });
+  if (word == lower) return true;
+  return word.size() == lower.size() && std::ranges::equal(word, lower, [](char a, char b) {
+           return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+         });
 }
 
 /// Reads the text form; each function returns what is wrong, empty for nothing.

@@ -40,11 +40,12 @@ class TextCursor {
   /// The next word of the line; empty at its end.
   std::string_view next_word() {
     if (!skip_blanks()) return {};
-    std::size_t end = 1;
-    while (end < line_.size() && !is_blank(line_[end])) ++end;
-    const std::string_view word = line_.substr(0, end);
-    line_.remove_prefix(end);
-    return word;
+    const char* const begin = line_.data();
+    const char* const last = begin + line_.size();
+    const char* end = begin + 1;
+    while (end != last && !is_blank(*end)) ++end;
+    line_ = {end, static_cast<std::size_t>(last - end)};
+    return {begin, static_cast<std::size_t>(end - begin)};
   }
   /// The next word of the text, in this line or one further on; empty at its end.
   std::string_view next_word_of_text() {
@@ -64,10 +65,11 @@ class TextCursor {
  private:
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
   bool skip_blanks() {
-    std::size_t begin = 0;
-    while (begin < line_.size() && is_blank(line_[begin])) ++begin;
-    line_.remove_prefix(begin);
-    return !line_.empty();
+    const char* at = line_.data();
+    const char* const end = at + line_.size();
+    while (at != end && is_blank(*at)) ++at;
+    line_ = {at, static_cast<std::size_t>(end - at)};
+    return at != end;
   }
 
   std::string_view rest_, line_;

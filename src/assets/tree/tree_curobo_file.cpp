@@ -3,40 +3,40 @@
 
 #include <fmt/format.h>
 
+#include "assets/json/json_value.h"
 #include "assets/tree/tree_files.h"
+#include "assets/tree/yaml_value.h"
 
 namespace poise::geometry {
 namespace {
 
-std::string place_of(const YAML::Node& node) {
-  return node.Mark().is_null() ? std::string("the file") : fmt::format("line {}", node.Mark().line + 1);
+using io::JsonValue;
+
+bool read_scalar(const JsonValue& value, double& number) {
+  return value.is_string() && read_number(value.text(), number);
 }
 
-bool read_scalar(const YAML::Node& node, double& value) { return node.IsScalar() && read_number(node.Scalar(), value); }
-
-Status read_sphere(const YAML::Node& item, std::vector<Sphere>& spheres) {
-  if (!item.IsMap() || !item["center"].IsDefined() || !item["radius"].IsDefined()) {
-    return bad_input(place_of(item) + ": must be a sphere with center and radius");
-  }
-  const YAML::Node center = item["center"];
+Status read_yaml_sphere(const JsonValue& item, const std::string& place, std::vector<Sphere>& spheres) {
+  const JsonValue* center = item.find("center");
+  const JsonValue* radius = item.find("radius");
+  if (center == nullptr || radius == nullptr) return bad_input(place + ": must be a sphere with center and radius");
   Sphere sphere;
-  bool sound = center.IsSequence() && center.size() == 3;
-  for (std::size_t i = 0; sound && i < 3; ++i) sound = read_scalar(center[i], sphere.center_m[static_cast<int>(i)]);
-  if (!sound) return bad_input(place_of(center) + ": center must be a list of three numbers");
-  if (!read_scalar(item["radius"], sphere.radius_m))
-    return bad_input(place_of(item["radius"]) + ": radius must be a number");
-  return take_sphere(sphere, place_of(item), spheres);
+  bool sound = center->is_array() && center->items().size() == 3;
+  for (std::size_t i = 0; sound && i < 3; ++i)
+    sound = read_scalar(center->items()[i], sphere.center_m[static_cast<int>(i)]);
+  if (!sound) return bad_input(place + ": center must be a list of three numbers");
+  if (!read_scalar(*radius, sphere.radius_m)) return bad_input(place + ": radius must be a number");
+  return take_sphere(sphere, place, spheres);
 }
 
-/// The node `collision_spheres` of a file of spheres, or nested in a complete robot configuration.
-YAML::Node spheres_node(const YAML::Node& root) {
-  YAML::Node node;
-  node.reset(root);
+/// `collision_spheres` of a file of spheres, or nested in a complete robot configuration.
+const JsonValue* links_of(const JsonValue& root) {
+  const JsonValue* node = &root;
   for (const char* key : {"robot_cfg", "kinematics"}) {
-    if (node.IsMap() && node[key].IsDefined()) node.reset(node[key]);
+    const JsonValue* inner = node->find(key);
+    if (inner != nullptr) node = inner;
   }
-  if (!node.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
-  return node["collision_spheres"];
+  return node->find("collision_spheres");
 }
 
 /// Always with a decimal point before an exponent: YAML 1.1, which Python reads, parses 1e-05 as text.
@@ -64,29 +64,25 @@ std::string curobo_text(std::span<const Sphere> spheres, const std::string& name
 }
 
 Result<std::vector<Sphere>> curobo_spheres(const std::string& text, const SphereChoice& choice) {
-  try {
-    const YAML::Node links = spheres_node(YAML::Load(text));
-    if (!links.IsDefined() || !links.IsMap())
-      return bad_input("must have collision_spheres with a list of spheres for each link");
-    std::vector<std::string> names;
-    for (const auto& link : links) {
-      if (!link.first.IsScalar()) return bad_input(place_of(link.first) + ": must be the name of a link");
-      if (link.second.IsSequence() && link.second.size() > 0) names.push_back(link.first.Scalar());
-    }
-    const Result<std::string> chosen = chosen_link(names, choice.link);
-    if (!chosen) return chosen.error();
-    std::vector<Sphere> spheres;
-    for (const auto& link : links) {
-      if (link.first.Scalar() != chosen.value() || !spheres.empty()) continue;
-      for (const YAML::Node& item : link.second) {
-        const Status read = read_sphere(item, spheres);
-        if (!read) return read.error();
-      }
-    }
-    return spheres;
-  } catch (const YAML::Exception& failure) {
-    return bad_input(fmt::format("line {}: not valid YAML: {}", failure.mark.line + 1, shown_text(failure.msg)));
+  const Result<JsonValue> root = parse_yaml(text);
+  if (!root) return root.error();
+  const JsonValue* links = links_of(root.value());
+  if (links == nullptr || !links->is_object())
+    return bad_input("must have collision_spheres with a list of spheres for each link");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < links->items().size(); ++i) {
+    if (!links->items()[i].items().empty() && links->items()[i].is_array()) names.emplace_back(links->keys()[i]);
   }
+  const Result<std::string> chosen = chosen_link(names, choice.link);
+  if (!chosen) return chosen.error();
+  const JsonValue::Items list = links->find(chosen.value())->items();
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string place = fmt::format("collision_spheres.{}[{}]", shown_text(chosen.value()), i);
+    const Status read = read_yaml_sphere(list[i], place, spheres);
+    if (!read) return read.error();
+  }
+  return spheres;
 }
 
 }  // namespace poise::geometry

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "fuzz/readers.h"
+
+// What readers hold at most while they read, beside the bytes themselves: a small multiple of these
+// (docs/reliability.md). Memory of C libraries (zlib, Zstandard), which is constant, is not counted.
+namespace {
+
+std::atomic<std::size_t> held{0};
+std::atomic<std::size_t> most_held{0};
+
+void* counted(std::size_t size) noexcept {
+  void* memory = std::malloc(size);
+  if (memory == nullptr) return nullptr;
+  const std::size_t now = held.fetch_add(::malloc_usable_size(memory)) + ::malloc_usable_size(memory);
+  std::size_t most = most_held.load();
+  while (most < now && !most_held.compare_exchange_weak(most, now)) {
+  }
+  return memory;
+}
+
+void freed(void* memory) noexcept {
+  if (memory == nullptr) return;
+  held.fetch_sub(::malloc_usable_size(memory));
+  std::free(memory);
+}
+
+void* counted_or_thrown(std::size_t size) {
+  void* memory = counted(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted_or_thrown(size); }
+void* operator new[](std::size_t size) { return counted_or_thrown(size); }
+void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept { return counted(size); }
+void* operator new[](std::size_t size, const std::nothrow_t& /*tag*/) noexcept { return counted(size); }
+void operator delete(void* memory) noexcept { freed(memory); }
+void operator delete[](void* memory) noexcept { freed(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept { freed(memory); }
+void operator delete[](void* memory, std::size_t /*size*/) noexcept { freed(memory); }
+void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { freed(memory); }
+void operator delete[](void* memory, const std::nothrow_t& /*tag*/) noexcept { freed(memory); }
+
+namespace poise::fuzz {
+namespace {
+
+constexpr std::size_t kBytes = 2'000'000;
+
+/// `begin`, as many `part` as go into about kBytes, `end`.
+std::string repeated(const std::string& begin, const std::string& part, const std::string& end = "") {
+  std::string text = begin;
+  while (text.size() < kBytes) text += part;
+  return text + end;
+}
+
+std::string members(const std::string& begin, const std::string& end) {
+  std::string text = begin;
+  for (int i = 0; text.size() < kBytes; ++i) text += fmt::format("\"{:x}\":0,", i);
+  text.pop_back();
+  return text + end;
+}
+
+/// The largest memory for each byte that was read.
+double multiple(std::string_view name, const std::string& bytes) {
+  const Reader* reader = find_reader(name);
+  if (reader == nullptr) return 0;
+  const std::size_t before = held.load();
+  most_held = before;
+  reader->read(bytes);
+  const double share = static_cast<double>(most_held.load() - before) / static_cast<double>(bytes.size());
+  ::testing::Test::RecordProperty(std::string(name), fmt::format("{:.1f}", share));
+  fmt::print("{}: {:.1f} bytes for each byte of {:.30}...\n", name, share, bytes);
+  return share;
+}
+
+TEST(ReaderMemory, OfJsonIsAtMost20TimesTheFile) {
+  const std::string zeros = repeated("[0", ",0", "]");
+  for (const char* reader : {"scene", "foam", "gltf", "priors", "policy", "capture", "record"}) {
+    const std::string part = reader == std::string_view("capture") || reader == std::string_view("record") ? "H" : "";
+    EXPECT_LE(multiple(reader, part + zeros), 20) << reader;
+  }
+  EXPECT_LE(multiple("scene", repeated("[[0]", ",[0]", "]")), 20);
+  EXPECT_LE(multiple("scene", repeated("[\"\"", ",\"\"", "]")), 20);
+  EXPECT_LE(multiple("scene", repeated("[0.0000000", ",0.0000000", "]")), 20);
+  EXPECT_LE(multiple("scene", repeated("[{}", ",{\"a\":{}}", "]")), 20);
+  EXPECT_LE(multiple("scene", members("{", "}")), 20);
+  EXPECT_LE(multiple("scene", members("{\"shapes\": {", "}}")), 40) << "with the shapes that it names";
+  EXPECT_LE(multiple("gltf", members("{\"nodes\": {", "}}")), 20);
+  EXPECT_LE(multiple("gltf", repeated("{\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{}", ",{}", "]}")), 20);
+}
+
+TEST(ReaderMemory, OfMeshesIsAtMost20TimesTheFile) {
+  const std::string ply =
+      "ply\nformat {} 1.0\nelement vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\nelement "
+      "face {}\nproperty list uchar uchar vertex_indices\nend_header\n";
+  const auto ply_head = [&](const char* form, std::size_t vertices, const char* type, std::size_t faces) {
+    return fmt::format(fmt::runtime(ply), form, vertices, type, type, type, faces);
+  };
+  EXPECT_LE(multiple("obj", repeated("", "v 0 0 0\n")), 20);
+  EXPECT_LE(multiple("obj", repeated("v 0 0 0\n", "f 1 1 1\n")), 20);
+  EXPECT_LE(multiple("obj", repeated("v 0 0 0\nf", " 1")), 20);
+  EXPECT_LE(multiple("obj", repeated("v 0 0 0\n", "f 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n")), 20);
+  EXPECT_LE(multiple("obj", repeated("", "\\\n")), 20);
+  EXPECT_LE(multiple("off", repeated("OFF 300000 0\n", "0 0 0\n")), 20);
+  EXPECT_LE(multiple("off", repeated("OFF 1 240000\n0 0 0\n", "3 0 0 0\n")), 20);
+  EXPECT_LE(multiple("off", repeated("OFF 1 1\n0 0 0\n900000", " 0")), 20);
+  EXPECT_LE(multiple("stl",
+                     repeated("solid\n", "facet outer loop vertex 0 0 0 vertex 0 0 0 vertex 0 0 0 endloop endfacet\n")),
+            20);
+  EXPECT_LE(multiple("ply", repeated(ply_head("ascii", 300'000, "char", 1), "0 0 0\n")), 20);
+  EXPECT_LE(multiple("ply", repeated(ply_head("ascii", 1, "char", 240'000) + "0 0 0\n", "3 0 0 0\n")), 20);
+  EXPECT_LE(multiple("ply", repeated(ply_head("binary_little_endian", 600'000, "char", 1), std::string(3, '\0'))), 20);
+  EXPECT_LE(multiple("ply", repeated(ply_head("binary_little_endian", 1, "char", 450'000) + std::string(3, '\0'),
+                                     std::string("\3\0\0\0", 4))),
+            20);
+  const std::string gltf =
+      R"({"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5120,"count":480000,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":1440000}],"buffers":[{"byteLength":1440000,"uri":"data:;base64,)";
+  EXPECT_LE(multiple("gltf", repeated(gltf, "AAAA", "\"}]}")), 40);
+}
+
+// The parser holds what is between brackets until these are closed; what is longer is refused.
+TEST(ReaderMemory, OfYamlIsAtMost40TimesTheFileAndThatOfItsLongestBrackets) {
+  for (const std::string& text :
+       {repeated("collision_spheres:\n", "- 0\n"), repeated("- 0\n", "- 0\n"), repeated("", "- - - - - -\n"),
+        repeated("", "0\n"), repeated("", "a: 0\n"), repeated("a: \"", "\\x41"), repeated("- &a 0\n", "- *a\n")})
+    EXPECT_LE(multiple("yaml", text), 40);
+  for (const std::string& text : {repeated("[0", ",0", "]"), repeated("{0", ",0", "}"), repeated("a: [0", ",\n 0", "]"),
+                                  repeated("a: \"", "0", "\"")})
+    EXPECT_LE(multiple("yaml", text) * static_cast<double>(text.size()), 60'000'000);
+}
+
+TEST(ReaderMemory, OfTreesIsAtMost40TimesTheFile) {
+  EXPECT_LE(multiple("urdf", repeated("<robot>", "<a/>", "</robot>")), 40);
+  EXPECT_LE(multiple("urdf", repeated("<robot>", "<link name=''><collision/></link>", "</robot>")), 40);
+  EXPECT_LE(multiple("urdf", repeated("<robot ", "a=''", "/>")), 40);
+  EXPECT_LE(multiple("sph", repeated("6 8\n", "0 0 0 1\n")), 40);
+  EXPECT_LE(multiple("sph", repeated("1 1\n", "0 ")), 40);
+  EXPECT_LE(multiple("gaze", repeated("", "0,1,1\n")), 40);
+}
+
+}  // namespace
+}  // namespace poise::fuzz

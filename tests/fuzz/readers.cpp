@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "fuzz/readers.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "app/live/live_message.h"
+#include "assets/cache/tree_cache_entry.h"
+#include "assets/mesh/mesh_files.h"
+#include "assets/tree/tree_files.h"
+#include "fuzz/checks.h"
+#include "fuzz/containers.h"
+#include "poise/assets/sph_file.h"
+#include "poise/scene/scene.h"
+#include "record/record_bytes.h"
+#include "record/record_file.h"
+#include "scene/policy_file.h"
+#include "scene/run/time_priors.h"
+
+namespace poise::fuzz {
+namespace {
+
+bool read_scene_text(std::string_view bytes) {
+  std::vector<std::string> errors;
+  const Result<Scene> scene = parse_scene(bytes, "scene", ".", &errors);
+  for (const std::string& error : errors) checked(bad_input(error));
+  require(scene.ok() == errors.empty(), "a scene is refused with what is wrong");
+  return checked(scene);
+}
+
+bool read_gaze(std::string_view bytes) { return checked(parse_gaze(bytes, "gaze", {1920, 1080})); }
+
+bool read_obj(std::string_view bytes) { return checked_mesh(geometry::parse_obj(bytes)); }
+bool read_off(std::string_view bytes) { return checked_mesh(geometry::parse_off(bytes)); }
+bool read_stl(std::string_view bytes) { return checked_mesh(geometry::parse_stl(bytes)); }
+bool read_ply(std::string_view bytes) { return checked_mesh(geometry::parse_ply(bytes)); }
+bool read_gltf(std::string_view bytes) { return checked_mesh(geometry::parse_gltf(bytes, "/nowhere")); }
+
+bool read_sph_file(std::string_view bytes) {
+  const MemoryFile file(bytes, "sph");
+  return checked(read_sph(file.path()));
+}
+
+bool checked_spheres(const Result<std::vector<Sphere>>& spheres) {
+  if (!spheres.ok()) return checked(spheres.error());
+  require(spheres.value().size() <= kMaxUnionSpheres, "spheres are at most kMaxUnionSpheres");
+  for (const Sphere& sphere : spheres.value())
+    require(sphere.center_m.allFinite() && sphere.radius_m > 0, "a sphere is finite");
+  return true;
+}
+bool read_urdf(std::string_view bytes) { return checked_spheres(geometry::urdf_spheres(std::string(bytes), {})); }
+bool read_yaml(std::string_view bytes) { return checked_spheres(geometry::curobo_spheres(std::string(bytes), {})); }
+bool read_foam(std::string_view bytes) { return checked_spheres(geometry::foam_spheres(std::string(bytes), {})); }
+
+/// A whole record with its checksums put right, or one part of it: the first byte says which.
+bool read_record(std::string_view bytes) {
+  if (bytes.starts_with("poise.record/")) {
+    const MemoryFile file(with_record_checksums(bytes), "record");
+    Result<io::RecordReader> reader = io::RecordReader::open(file.path());
+    if (!reader) return checked(reader.error());
+    io::RecordedFrame frame;
+    while (reader.value().next(frame) == io::RecordReader::Next::Frame) {
+    }
+    return !reader.value().damage().has_value();
+  }
+  if (bytes.empty()) return false;
+  const std::string_view part = bytes.substr(1);
+  io::RecordedFrame frame;
+  io::RecordEnd end;
+  if (bytes[0] == 'F') return checked(io::read_frame(part, frame));
+  if (bytes[0] == 'E') return checked(io::read_end(part, end));
+  return checked(io::read_header(part, "header"));
+}
+
+bool read_cache_entry(std::string_view bytes) {
+  const geometry::TreeKey key{};
+  const auto tree = geometry::entry_tree(with_entry_checksum(bytes), key);
+  if (!tree) return false;
+  require(geometry::entry_bytes(*tree, key) == with_entry_checksum(bytes), "an entry is its tree and nothing else");
+  return true;
+}
+
+bool read_time_priors(std::string_view bytes) {
+  const io::TimePriorsKey key{"machine", 2, 2, "tbb", "fitted", 0.01};
+  return io::parse_time_priors(bytes, key).has_value();
+}
+
+bool read_policy(std::string_view bytes) {
+  const MemoryFile file(bytes, "policy");
+  return checked(io::read_policy_file(file.path(), {}));
+}
+
+bool read_live_message(std::string_view bytes) { return checked(app::parse_live_message(bytes)); }
+
+constexpr std::array kReaders{
+    Reader{"scene", read_scene_text},  Reader{"gaze", read_gaze},
+    Reader{"obj", read_obj},           Reader{"off", read_off},
+    Reader{"stl", read_stl},           Reader{"ply", read_ply},
+    Reader{"gltf", read_gltf},         Reader{"sph", read_sph_file},
+    Reader{"urdf", read_urdf},         Reader{"yaml", read_yaml},
+    Reader{"foam", read_foam},         Reader{"record", read_record},
+    Reader{"cache", read_cache_entry}, Reader{"priors", read_time_priors},
+    Reader{"policy", read_policy},     Reader{"live", read_live_message},
+#ifdef POISE_FUZZ_CAPTURE
+    Reader{"capture", read_capture},
+#endif
+};
+
+}  // namespace
+
+std::span<const Reader> readers() { return kReaders; }
+
+const Reader* find_reader(std::string_view name) {
+  const auto found = std::ranges::find(kReaders, name, &Reader::name);
+  return found == kReaders.end() ? nullptr : &*found;
+}
+
+}  // namespace poise::fuzz
