@@ -71,9 +71,7 @@ Result<std::vector<FrameSums>> CaptureReader::sums_at(std::uint64_t at, std::siz
   if (damage_ && damage_->byte <= at) return none;
   // Another chunk that is in order here is not read.
   std::string head(kChunkHeadBytes, '\0');
-  stream_.clear();
-  stream_.seekg(static_cast<std::streamoff>(at));
-  if (!stream_.read(head.data(), static_cast<std::streamsize>(head.size()))) return none;
+  if (at > size_ || size_ - at < head.size() || !file_->read(at, head)) return none;
   for (const std::string_view other : {kFramesChunk, kBodiesChunk, kPairsChunk, kIndexChunk}) {
     if (head.starts_with(other)) return none;
   }
