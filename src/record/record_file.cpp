@@ -183,9 +183,7 @@ Status RecordWriter::begin(const RecordHeader& header) {
   return scene ? flush() : scene;
 }
 
-Status RecordWriter::flush() {
-  return file_.flush();
-}
+Status RecordWriter::flush() { return file_.flush(); }
 
 Status RecordWriter::frame(const RecordedFrame& frame) {
   raw_.clear();

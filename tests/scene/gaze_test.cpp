@@ -78,7 +78,8 @@ TEST(Gaze, OfAFileIsReadWhenTheRunIsMade) {
   EXPECT_NEAR((run.value().view().gaze - Vec3(1, -2, 1).normalized()).norm(), 0, 1e-12);
   const Result<SceneRun> missing = SceneRun::create(scene("none.csv"), {});
   ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().message, "s.json: gaze.file: " + folder.file("none.csv") + ": cannot be read: no such file");
+  EXPECT_EQ(missing.error().message,
+            "s.json: gaze.file: " + folder.file("none.csv") + ": cannot be read: no such file");
 }
 
 TEST(Gaze, OfASceneIsRefusedWithItsField) {

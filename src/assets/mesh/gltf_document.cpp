@@ -42,6 +42,11 @@ std::size_t size_of_component(std::uint64_t component) {
   }
 }
 
+/// Whether it may be that of indices.
+bool is_without_sign(std::uint64_t component) {
+  return component == kUint8 || component == kUint16 || component == kUint32;
+}
+
 const char* name_of(GltfList list) { return kListNames[static_cast<std::size_t>(list)]; }
 
 std::uint32_t read_index(const char* bytes, std::uint64_t component) {
@@ -257,8 +262,7 @@ Result<GltfDocument::Accessor> GltfDocument::accessor(const JsonValue& name, con
   if (type == nullptr || type->text() != wanted.type)
     return bad_input(fmt::format("{}.type must be \"{}\"", made.place, wanted.type));
   const auto component = whole_member(value, "componentType", 0);
-  const bool whole = component == kUint8 || component == kUint16 || component == kUint32;
-  if (!component || size_of_component(*component) == 0 || (wanted.whole && !whole))
+  if (!component || size_of_component(*component) == 0 || (wanted.whole && !is_without_sign(*component)))
     return bad_input(fmt::format("{}.componentType must be {}", made.place,
                                  wanted.whole ? "5121, 5123 or 5125" : "from 5120 to 5126, without 5124"));
   const auto count = whole_member(value, "count", 0);
@@ -290,7 +294,7 @@ Status GltfDocument::read_sparse(const JsonValue& sparse, const Wanted& wanted, 
   if (!count || *count < 1 || indices == nullptr || values == nullptr)
     return bad_input(place + " must have count, indices and values");
   const auto component = whole_member(*indices, "componentType", 0);
-  if (component != kUint8 && component != kUint16 && component != kUint32)
+  if (!component || !is_without_sign(*component))
     return bad_input(place + ".indices.componentType must be 5121, 5123 or 5125");
   Result<Span> at = span(*indices, place + ".indices", *count, 1, *component, nullptr);
   if (!at) return at.error();
