@@ -11,7 +11,7 @@ endfunction()
 # What each layer must do without, under the names that find_package knows them by. Those of a static library stay.
 set(not_core fmt nlohmann_json CLI11 assimp tinyobjloader tinyxml2 yaml-cpp PNG ZLIB fcl benchmark GTest rapidcheck)
 set(not_scheduler ${not_core} Eigen3 Threads TBB PkgConfig)
-set(not_scene CLI11 PNG fcl benchmark GTest rapidcheck)
+set(not_scene assimp tinyobjloader CLI11 PNG fcl benchmark GTest rapidcheck)
 
 # consume(LAYER COMPONENTS...): installs these components into a folder of their own, and builds and runs a project against
 # it that knows nothing of this one and may find no package that the layer must do without.
