@@ -234,9 +234,10 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   // A pair may gain points in any later frame; slots for these cost no memory until they are used.
   cache.reserve(2 * table.capacity());
   cache.reserve_slots(slots, executor);
+  const bool distant = table.size() > parallel::kPairsAtHand;
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
     for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      if (i + kPointsAhead < table.size()) prefetch_points_of(input, i + kPointsAhead, cache);
+      if (distant && i + kPointsAhead < table.size()) prefetch_points_of(input, i + kPointsAhead, cache);
       make_pair(input, i, table.begin_of(chunk), cache, count, manifolds);
     }
   });

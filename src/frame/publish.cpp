@@ -241,9 +241,10 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   touch_changed.resize(table.size());
   publication.touch_ns.reserve(table.capacity());
   publication.touch_ns.resize(table.size());
+  const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (i + kMotionsAhead < end) prefetch_motions_of(input, i + kMotionsAhead);
+      if (distant && i + kMotionsAhead < end) prefetch_motions_of(input, i + kMotionsAhead);
       next[i] = cached_after(input, i);
       // What waits goes on touching as it did.
       const bool held = input.levels.progress[i].held;

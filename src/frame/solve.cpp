@@ -187,10 +187,11 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
 void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velocities& velocities,
                     parallel::Executor& executor) {
   constexpr std::size_t kAhead = 4;
+  const bool distant = manifolds.manifolds.size() > parallel::kPairsAtHand;
   parallel::parallel_for(executor, manifolds.manifolds.size(), kFillGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t m = begin; m < end; ++m) {
-                             if (m + kAhead < end) source.prefetch(m + kAhead);
+                             if (distant && m + kAhead < end) source.prefetch(m + kAhead);
                              if (!manifolds.manifolds[m].fast) continue;
                              const std::uint32_t row = velocities.row_of[m];
                              source.fill(row);

@@ -8,6 +8,10 @@
 
 namespace poise::parallel {
 
+/// About so many pairs, at 800 bytes each, fit into the second cache of a core: with fewer nothing is prefetched, which
+/// would take instructions and save no time. Chosen.
+inline constexpr std::size_t kPairsAtHand = 1024;
+
 /// Prefetches all cache lines of an object that is read some objects later, where these lie anywhere in memory.
 ///
 /// Whatever calls it must be inline too (HWY_INLINE, or a lambda): GCC takes a function that only prefetches for one

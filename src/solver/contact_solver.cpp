@@ -65,7 +65,8 @@ struct ContactSolver::Buffers {
   std::vector<double> swept;          // impulses of all lanes after the last plain iteration
   EnergyGuard energy;
   bool keeps_totals = false;
-  double alone_j = 0;  // of this substep without contacts; contacts only reduce it
+  bool distant = false;  // what the pairs name is in no cache near by: it is prefetched
+  double alone_j = 0;    // of this substep without contacts; contacts only reduce it
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -326,6 +327,7 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   const std::size_t needed = make_blocks(system, executor);
   all.manifold_points.resize(std::max(all.manifold_points.size(), needed));
   keeps_totals = keeps;
+  distant = system.pairs.size() > parallel::kPairsAtHand;
   if (keeps) all.totals.resize(std::max(all.totals.size(), needed));
   all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
   all.motions.resize(system.bodies.size());
@@ -361,7 +363,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       std::array<TotalLanes<T>, collision::kMaxManifoldPoints> here;
       const std::span<TotalLanes<T>> totals =
           keeps_totals ? all.totals_of(blocks[i]) : std::span(here).first(blocks[i].manifold_points);
-      if (i + 1 < blocks.size()) prefetch_motions(bodies, blocks[i + 1]);
+      if (distant && i + 1 < blocks.size()) prefetch_motions(bodies, blocks[i + 1]);
       const IterationChange<T> change = solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), totals,
                                                     substep_terms, round == 0, bodies);
       if (substep_terms.watch) changes[i] = widened(change);
@@ -420,15 +422,15 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
   constexpr std::size_t kPairsAhead = 3;
   constexpr std::size_t kAhead = 1;
   iteration(executor, [&](std::size_t i) {
-    if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
+    if (distant && i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (distant && i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
     fill_block(system, {still_mps(settings), h_s}, blocks[i], all.pairs[i], all);
     warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
   if (limit.mixed) energy.begin(system, blocks);
   const auto give = [&](std::size_t i, std::span<const TotalLanes<T>> totals) {
-    if (i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
-    if (i + kAhead < blocks.size()) prefetch_results(system, blocks[i + kAhead]);
+    if (distant && i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (distant && i + kAhead < blocks.size()) prefetch_results(system, blocks[i + kAhead]);
     write_back_block(system, h_s, blocks[i], all.pairs[i],
                      std::span<const PointLanes<T>>(all.manifold_points_of(blocks[i])), totals);
   };

@@ -143,6 +143,7 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
     ended.reached = true;
     return ended;
   }
+  const bool distant = system.rows.size() > parallel::kPairsAtHand;
   changed.assign(system.bodies.size(), 0);
   for (std::uint32_t round = 1; round <= most; ++round) {
     ++ended.iterations;
@@ -158,8 +159,8 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       return i < activations.size() && activations[i].ready && !skips(activations[i]);
     };
     for_each_row(system, executor, [&](std::size_t i) {
-      if (needs(i + kRowsAhead)) prefetch_row(system, activations[i + kRowsAhead], i + kRowsAhead);
-      if (needs(i + kOverlapsAhead)) prefetch_overlaps(system, system.rows[i + kOverlapsAhead]);
+      if (distant && needs(i + kRowsAhead)) prefetch_row(system, activations[i + kRowsAhead], i + kRowsAhead);
+      if (distant && needs(i + kOverlapsAhead)) prefetch_overlaps(system, system.rows[i + kOverlapsAhead]);
       RowActivation& gate = activations[i];
       if (skips(gate)) return;
       ContactRow& row = system.rows[i];
