@@ -23,10 +23,10 @@ struct StepMethod {
 };
 
 struct ErrorTimeSettings {
-  std::uint64_t bodies = 500;  ///< of the generators
+  std::uint64_t bodies = 300;  ///< of the generators
   std::uint64_t seed = 1;      ///< of the intervals
   std::uint64_t warm_up = 60;  ///< frames before the first state
-  std::uint64_t states = 24;
+  std::uint64_t states = 16;
   std::uint64_t every = 10;    ///< frames from state to state
   std::uint64_t history = 10;  ///< frames that each method steps by itself from a state; the last one is measured
   std::vector<scheduler::Policy> policies;

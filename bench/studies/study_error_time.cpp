@@ -15,7 +15,7 @@ namespace poise::app {
 namespace {
 
 constexpr const char* kErrorTimeScene = "jacks";
-constexpr std::uint64_t kErrorTimeBodies = 500;
+constexpr std::uint64_t kErrorTimeBodies = 300;
 constexpr std::uint64_t kErrorTimeMostBodies = 100'000;
 constexpr std::uint64_t kErrorTimeThreads = 1;  // the other engines have one
 
@@ -88,8 +88,8 @@ ErrorTimeSettings settings_of(const StudyErrorTimeOptions& o, const Scene& scene
   settings.states = o.states.value_or(settings.states);
   settings.every = o.every.value_or(settings.every);
   settings.history = o.history.value_or(settings.history);
-  settings.deadlines_ms = o.deadlines_ms.empty() ? std::vector<double>{0.5, 1, 1.5, 2, 3, 4, 6} : o.deadlines_ms;
-  settings.iterations = o.iterations.empty() ? std::vector<int>{1, 4, 10, 32, 100, 320} : o.iterations;
+  settings.deadlines_ms = o.deadlines_ms.empty() ? std::vector<double>{0.4, 0.6, 0.8, 1.2, 2} : o.deadlines_ms;
+  settings.iterations = o.iterations.empty() ? std::vector<int>{4, 10, 32, 100} : o.iterations;
   for (const std::string& name : o.policies.empty() ? std::vector<std::string>{"perceptual", "random"} : o.policies) {
     scheduler::Policy policy = scene.policy;
     policy.kind = io::policy_named(name)->kind;
@@ -132,12 +132,12 @@ std::vector<LineChart> error_time_charts(const io::StudyTable& table) {
 void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
   add_whole(command, "--bodies", o.bodies, 1, kErrorTimeMostBodies,
             fmt::format("Bodies (default {})", kErrorTimeBodies));
-  add_whole(command, "--states", o.states, 1, kMaxSceneFrames, "States that are stepped from (default 24)");
+  add_whole(command, "--states", o.states, 1, kMaxSceneFrames, "States that are stepped from (default 16)");
   add_whole(command, "--every", o.every, 1, kMaxSceneFrames, "Frames from state to state (default 10)");
   add_whole(command, "--warmup", o.common.warmup, 0, kMaxSceneFrames, "Frames before the first state (default 60)");
   add_whole(command, "--history", o.history, 1, kMaxSceneFrames,
             "Frames that each steps by itself from a state; the last one is measured (default 10)");
-  command.add_option("--deadlines", o.deadlines_ms, "Deadlines in ms, with commas (default 0.5,1,1.5,2,3,4,6)")
+  command.add_option("--deadlines", o.deadlines_ms, "Deadlines in ms, with commas (default 0.4,0.6,0.8,1.2,2)")
       ->delimiter(',')
       ->check(CLI::Range(0.001, 1e6))
       ->type_name("LIST");
@@ -147,14 +147,14 @@ void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
       ->type_name("LIST");
   command
       .add_option("--iterations", o.iterations,
-                  "Iterations of the solvers of other engines, with commas (default 1,4,10,32,100,320)")
+                  "Iterations of the solvers of other engines, with commas (default 4,10,32,100)")
       ->delimiter(',')
       ->check(CLI::Range(1, 100'000))
       ->type_name("LIST");
   add_study_outputs(command, o.common, kErrorTimeScene);
   command.footer(
       "Examples:\n"
-      "  poise study error-time --markdown error-time.md --picture error-time.png      some minutes\n"
+      "  poise study error-time --markdown error-time.md --picture error-time.png      four minutes\n"
       "  poise study error-time --bodies 100 --states 4 --iterations 10 --json -\n\n"
       "From each state each way to step goes on by itself; its last frame is held against the reference of the state "
       "in "

@@ -10,9 +10,9 @@ namespace poise::app {
 struct StudyErrorTimeOptions {
   StudyTimesOptions common;
   std::optional<std::uint64_t> bodies, states, every, history;
-  std::vector<double> deadlines_ms;   ///< empty: shares of what full levels take
+  std::vector<double> deadlines_ms;   ///< empty: 0.4 to 2
   std::vector<std::string> policies;  ///< empty: perceptual and random
-  std::vector<int> iterations;        ///< of other engines; empty: 4 to 256
+  std::vector<int> iterations;        ///< of other engines; empty: 4 to 100
 };
 void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& options);
 
