@@ -168,7 +168,7 @@ std::vector<MethodRun> methods_of(const ErrorTimeSettings& settings, Level deepe
       methods.push_back({{io::policy_name(policy.kind), deadline_ms, policy, false}, {}, {}});
   }
   for (Level level = 0; level <= deepest; ++level)
-    methods.push_back({{"levels", static_cast<double>(level), {}, true}, {}, {}});
+    methods.push_back({{kLevelsGroup, static_cast<double>(level), {}, true}, {}, {}});
   for (const bench::Engine& engine : engines) {
     for (const int iterations : settings.iterations)
       methods.push_back({{engine.name, static_cast<double>(iterations), {}, false}, {}, {}});

@@ -22,6 +22,8 @@ struct StepMethod {
   bool levels = false;                      ///< Poise, each pair to this level at most
 };
 
+inline constexpr const char* kLevelsGroup = "levels";
+
 struct ErrorTimeSettings {
   std::uint64_t bodies = 300;  ///< of the generators
   std::uint64_t seed = 1;      ///< of the intervals

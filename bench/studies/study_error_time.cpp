@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "app/exit_codes.h"
 #include "app/option_values.h"
@@ -22,6 +23,7 @@ constexpr std::uint64_t kErrorTimeThreads = 1;  // the other engines have one
 const std::vector<io::StudyColumn> kErrorTimeColumns = {{"group", "steps by", 0},
                                                         {"setting", "setting", 2},
                                                         {"unit", "of", 0},
+                                                        {"states", "states", 0},
                                                         {"time_p50_ms", "ms", 3},
                                                         {"time_p25_ms", "", 3},
                                                         {"time_p75_ms", "", 3},
@@ -39,16 +41,14 @@ const char* unit_of(const StepMethod& method) {
   return method.policy ? "ms" : "iterations";
 }
 
-// Steps of all methods, state by state, as comparisons have them: each method is a policy with one budget.
-io::ComparedSteps steps_of(const ErrorTimeRun& run) {
+// What the steps of a method come to. Each is judged in its own states, so what has not converged for one is left out
+// of its row alone.
+io::PolicyComparison figures_of(const MethodRun& method, std::uint64_t seed) {
   io::ComparedSteps steps;
   steps.budgets = {0};
-  for (std::size_t i = 0; i < run.methods.size(); ++i) steps.policies.push_back(fmt::format("{}", i));
-  const std::size_t states = run.methods.empty() ? 0 : run.methods.front().steps.size();
-  for (std::size_t state = 0; state < states; ++state) {
-    for (const MethodRun& method : run.methods) steps.steps.push_back(method.steps[state]);
-  }
-  return steps;
+  steps.policies = {method.method.group};
+  steps.steps = method.steps;
+  return io::compare_steps(steps, seed);
 }
 
 double time_percentile_ms(const MethodRun& method, double share) {
@@ -75,7 +75,8 @@ LineChart chart_of(const io::StudyTable& table, const char* id, const char* meas
     if (!chart.lines.empty() && chart.lines.back().label == group) continue;
     std::vector<LinePoint> points = io::study_points(table, "time_p50_ms", measure, {{"group", group}});
     std::ranges::sort(points, {}, &LinePoint::x);
-    chart.lines.push_back({group, std::move(points)});
+    // Levels take about the same time, so there is no line through them.
+    chart.lines.push_back({group, std::move(points), group == kLevelsGroup ? LineMarks::Dots : LineMarks::LineAndDots});
   }
   return chart;
 }
@@ -105,22 +106,24 @@ ErrorTimeSettings settings_of(const StudyErrorTimeOptions& o, const Scene& scene
 io::StudyTable error_time_table(const ErrorTimeRun& run, std::uint64_t seed) {
   io::StudyTable table = begin_study("error-time", "poise study error-time");
   table.columns = kErrorTimeColumns;
-  const io::PolicyComparison comparison = io::compare_steps(steps_of(run), seed);
-  table.facts = {{"states", static_cast<std::uint64_t>(comparison.frames)},
-                 {"states_not_converged", static_cast<std::uint64_t>(comparison.not_converged)},
-                 {"states_without_contacts", static_cast<std::uint64_t>(comparison.undefined)},
+  std::uint64_t states = 0;
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (const MethodRun& method : run.methods) {
+    const io::PolicyComparison figures = figures_of(method, seed);
+    states = std::max<std::uint64_t>(states, method.steps.size());
+    least = std::min<std::uint64_t>(least, figures.frames);
+    if (figures.frames == 0) continue;
+    const io::ComparisonRow& row = figures.rows.front();
+    table.rows.push_back({method.method.group, method.method.setting, std::string(unit_of(method.method)),
+                          static_cast<std::uint64_t>(figures.frames), time_percentile_ms(method, 0.5),
+                          time_percentile_ms(method, 0.25), time_percentile_ms(method, 0.75), row.e_rel.mean,
+                          row.e_rel.low, row.e_rel.high, row.e_seen_mps.mean, row.e_seen_mps.low, row.e_seen_mps.high,
+                          own_of(method), row.false_rate ? io::StudyCell(100 * *row.false_rate) : io::StudyCell()});
+  }
+  table.facts = {{"states", states},
+                 {"states_that_count_at_least", run.methods.empty() ? 0 : least},
                  {"engines", run.engines.empty() ? io::StudyCell(std::string("none are built in"))
                                                  : io::StudyCell(fmt::format("{}", fmt::join(run.engines, "; ")))}};
-  if (comparison.frames == 0) return table;
-  for (std::size_t i = 0; i < run.methods.size(); ++i) {
-    const MethodRun& method = run.methods[i];
-    const io::ComparisonRow& row = comparison.rows[i];
-    table.rows.push_back({method.method.group, method.method.setting, std::string(unit_of(method.method)),
-                          time_percentile_ms(method, 0.5), time_percentile_ms(method, 0.25),
-                          time_percentile_ms(method, 0.75), row.e_rel.mean, row.e_rel.low, row.e_rel.high,
-                          row.e_seen_mps.mean, row.e_seen_mps.low, row.e_seen_mps.high, own_of(method),
-                          row.false_rate ? io::StudyCell(100 * *row.false_rate) : io::StudyCell()});
-  }
   return table;
 }
 
