@@ -22,6 +22,7 @@ compliance.png | long | $POISE study compliance --picture OUT
 constant-time.png | long | $POISE study constant-time --picture OUT
 film.webp | short | docs/make_film.py $POISE OUT
 gallery.png | short | $POISE run gallery --frames 110 --clock work --picture-size 640x360 --picture OUT --quiet
+error-time.png | long | $POISE study error-time --picture OUT
 gaze.png | long | $POISE study gaze --picture OUT
 jacks.png | short | $POISE run jacks --frames 230 --clock work --budget-work 200 --picture OUT --quiet
 levels.png | long | $POISE study levels --picture OUT
