@@ -41,7 +41,7 @@ const char* unit_of(const StepMethod& method) {
   return method.policy ? "ms" : "iterations";
 }
 
-// What the steps of a method come to. Each is judged in its own states, so what has not converged for one is left out
+// What the steps of a method come to. Each is measured in its own states, so what has not converged for one is left out
 // of its row alone.
 io::PolicyComparison figures_of(const MethodRun& method, std::uint64_t seed) {
   io::ComparedSteps steps;
