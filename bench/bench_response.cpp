@@ -63,8 +63,8 @@ struct Block {
       pair.point_begin = pair.force_begin = static_cast<std::uint32_t>(i);
       pair.point_count = 1;
       const Vec3 on_b = -0.5 * directions[i];
-      points.push_back({directions[i], directions[i].dot(on_b),
-                        poses[pair.b].position_m + on_b - poses[pair.a].position_m, 0});
+      points.push_back(
+          {directions[i], directions[i].dot(on_b), poses[pair.b].position_m + on_b - poses[pair.a].position_m, 0});
     }
     forces.resize(points.size());
     applied_impulse_ns.resize(pairs.size());
