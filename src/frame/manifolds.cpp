@@ -236,8 +236,9 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   cache.reserve_slots(slots, executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
-    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      if (distant && i + kPointsAhead < table.size()) prefetch_points_of(input, i + kPointsAhead, cache);
+    const std::size_t end = table.end_of(chunk);
+    for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
+      if (distant && i + kPointsAhead < end) prefetch_points_of(input, i + kPointsAhead, cache);
       make_pair(input, i, table.begin_of(chunk), cache, count, manifolds);
     }
   });

@@ -155,12 +155,12 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
       const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
       return round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched;
     };
-    const auto needs = [&](std::size_t i) {
-      return i < activations.size() && activations[i].ready && !skips(activations[i]);
+    const auto needs = [&](std::size_t i, std::size_t end) {
+      return i < end && activations[i].ready && !skips(activations[i]);
     };
-    for_each_row(system, executor, [&](std::size_t i) {
-      if (distant && needs(i + kRowsAhead)) prefetch_row(system, activations[i + kRowsAhead], i + kRowsAhead);
-      if (distant && needs(i + kOverlapsAhead)) prefetch_overlaps(system, system.rows[i + kOverlapsAhead]);
+    for_each_row(system, executor, [&](std::size_t i, std::size_t end) {
+      if (distant && needs(i + kRowsAhead, end)) prefetch_row(system, activations[i + kRowsAhead], i + kRowsAhead);
+      if (distant && needs(i + kOverlapsAhead, end)) prefetch_overlaps(system, system.rows[i + kOverlapsAhead]);
       RowActivation& gate = activations[i];
       if (skips(gate)) return;
       ContactRow& row = system.rows[i];
@@ -188,7 +188,7 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
   }
   // A pair that closes fast enough to rebound keeps its speed until it meets, in this step or the next. The first
   // iteration has noted it; rows that impulses changed since are checked again.
-  for_each_row(system, executor, [&](std::size_t i) {
+  for_each_row(system, executor, [&](std::size_t i, std::size_t) {
     if (changed[activations[i].a] == 0 && changed[activations[i].b] == 0) return;
     if (activations[i].ready) note_rebound(system, system.rows[i], still_mps);
   });

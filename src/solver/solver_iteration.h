@@ -8,9 +8,9 @@
 
 namespace poise::solver {
 
-/// Calls solve(i) for the index of every row, colour after colour: in parallel within a colour, whose rows share no
-/// dynamic body, and one after another where no colour was free. The order is that of the rows, so the result does not
-/// depend on threads.
+/// Calls solve(i, end) for the index of every row, colour after colour: in parallel within a colour, whose rows share
+/// no dynamic body, and one after another where no colour was free. The order is that of the rows, so the result does
+/// not depend on threads. Rows from i to `end` are the same worker's: those after them may be another's at this time.
 template <class Solve>
 void for_each_row(const System& system, parallel::Executor& executor, Solve&& solve) {
   constexpr std::size_t kGrain = 32;
@@ -18,10 +18,10 @@ void for_each_row(const System& system, parallel::Executor& executor, Solve&& so
     const std::size_t first = system.coloring.begin(color);
     const std::size_t count = system.coloring.begin(color + 1) - first;
     parallel::parallel_for(executor, count, kGrain, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = first + begin; i < first + end; ++i) solve(i);
+      for (std::size_t i = first + begin; i < first + end; ++i) solve(i, first + end);
     });
   }
-  for (std::size_t i = system.coloring.serial_begin(); i < system.rows.size(); ++i) solve(i);
+  for (std::size_t i = system.coloring.serial_begin(); i < system.rows.size(); ++i) solve(i, system.rows.size());
 }
 
 /// True if the last iteration changed no impulse by more than the share of the largest one that `stopping` allows.
