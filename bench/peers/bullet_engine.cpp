@@ -63,6 +63,8 @@ class BulletPile {
       body.setInterpolationLinearVelocity(body.getLinearVelocity());
       body.setInterpolationAngularVelocity(body.getAngularVelocity());
     }
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) dispatcher_.getManifoldByIndexInternal(i)->clearManifold();
+    solver_.reset();
   }
   void iterations(int count) { world_.getSolverInfo().m_numIterations = count; }
 

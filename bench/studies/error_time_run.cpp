@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "studies/error_time_run.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <unordered_map>
 
 #include "app/compare/compare_loop.h"
+#include "app/compare/state_trials.h"
 #include "parallel/interrupt.h"
 #include "scene/run/milliseconds.h"
 #include "scene/run/policy_name.h"
@@ -43,21 +42,14 @@ class Trials {
     for (std::size_t i = 0; i < bodies_.size(); ++i) body_in_[bodies_[i].slot] = i;
   }
 
-  [[nodiscard]] const std::vector<bench::Engine>& engines() const { return engines_; }
-
-  Status warm(std::uint64_t frame) {
-    const Status ready = run_.before_frame(frame);
-    return ready ? step(input_at(frame)) : ready;
-  }
-
-  // All methods from the state before `frame`, which the run then steps from.
+  // All methods from the state before `frame`, to which the run is put back.
   Status measure(std::uint64_t frame, std::vector<MethodRun>& methods) {
     shared_.save(run_.world());
     for (MethodRun& method : methods) {
+      if (interrupt_.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
       shared_.rewind(run_.world());
-      const bench::Engine* engine = engine_named(method.method.group);
       const Result<io::ComparedStep> measured =
-          engine == nullptr ? by_poise(frame, method.method) : by_engine(frame, *engine, method);
+          method.method.kind == SettingKind::Iterations ? by_engine(frame, method) : by_poise(frame, method.method);
       if (!measured) return measured.error();
       method.steps.push_back(measured.value());
     }
@@ -66,16 +58,8 @@ class Trials {
   }
 
  private:
-  [[nodiscard]] const bench::Engine* engine_named(const std::string& name) const {
-    const auto found = std::ranges::find(engines_, name, &bench::Engine::name);
-    return found == engines_.end() ? nullptr : &*found;
-  }
   [[nodiscard]] StepInput input_at(std::uint64_t frame) const {
-    StepInput input;
-    input.dt_s = scene_.dt_s;
-    input.max_level = scene_.max_level;
-    input.view = scene_view(scene_, static_cast<double>(frame) * scene_.dt_s);
-    return input;
+    return compared_input(scene_, scene_view(scene_, static_cast<double>(frame) * scene_.dt_s));
   }
   Status step(const StepInput& input, FrameReport* report = nullptr) {
     const FrameReport done = run_.world().step(input);
@@ -85,13 +69,14 @@ class Trials {
   }
 
   Result<io::ComparedStep> by_poise(std::uint64_t frame, const StepMethod& method) {
-    Status done = run_.world().set_policy(method.policy.value_or(scene_.policy));
+    const bool to_level = method.kind == SettingKind::Level;
+    Status done = run_.world().set_policy(to_level ? scene_.policy : method.policy);
     FrameReport report;
     StepInput input;
     for (std::uint64_t k = 0; done && k < settings_.history; ++k) {
       if (k + 1 == settings_.history) shared_.begin(run_.world());
       input = input_at(frame + k);
-      if (method.levels) {
+      if (to_level) {
         input.max_level = static_cast<Level>(method.setting);
       } else {
         input.budget = Budget::within(of_ms(method.setting));
@@ -102,7 +87,8 @@ class Trials {
     return compared(shared_.compare(run_.world(), input), ms(report.times.total));
   }
 
-  Result<io::ComparedStep> by_engine(std::uint64_t frame, const bench::Engine& engine, MethodRun& method) {
+  Result<io::ComparedStep> by_engine(std::uint64_t frame, MethodRun& method) {
+    const bench::Engine& engine = *std::ranges::find(engines_, method.method.group, &bench::Engine::name);
     World& world = run_.world();
     for (std::size_t i = 0; i < bodies_.size(); ++i) before_[i] = world.state(bodies_[i]).value();
     engine.set_iterations(static_cast<int>(method.method.setting));
@@ -137,7 +123,7 @@ class Trials {
   }
 
   // The error of the changes in `touched` against those of the same engine from before_ with its solver converged.
-  double own_e_rel(const bench::Engine& engine, std::vector<simulation::ComparedBody> touched) {
+  std::optional<double> own_e_rel(const bench::Engine& engine, std::vector<simulation::ComparedBody> touched) {
     engine.set_states(before_);
     engine.set_iterations(kLimitIterations);
     engine.step();
@@ -147,7 +133,7 @@ class Trials {
       body.reference_dv_mps = after_[i].velocity_mps - before_[i].velocity_mps;
       body.reference_dw_radps = after_[i].angular_velocity_radps - before_[i].angular_velocity_radps;
     }
-    return simulation::compare_frames(touched, {}, false).e_rel.value_or(0);
+    return simulation::compare_frames(touched, {}, false).e_rel;
   }
 
   const Scene& scene_;
@@ -158,20 +144,23 @@ class Trials {
   std::unordered_map<std::uint32_t, std::size_t> body_in_;  // slot to place in bodies_
   std::vector<BodyState> before_, after_;
   simulation::SharedReference shared_;
+  parallel::Interrupt interrupt_;
 };
 
 std::vector<MethodRun> methods_of(const ErrorTimeSettings& settings, Level deepest,
                                   const std::vector<bench::Engine>& engines) {
   std::vector<MethodRun> methods;
+  const auto add = [&](const std::string& group, SettingKind kind, double setting) -> StepMethod& {
+    methods.emplace_back().method = {group, kind, setting};
+    return methods.back().method;
+  };
   for (const scheduler::Policy& policy : settings.policies) {
     for (const double deadline_ms : settings.deadlines_ms)
-      methods.push_back({{io::policy_name(policy.kind), deadline_ms, policy, false}, {}, {}});
+      add(io::policy_name(policy.kind), SettingKind::Deadline, deadline_ms).policy = policy;
   }
-  for (Level level = 0; level <= deepest; ++level)
-    methods.push_back({{kLevelsGroup, static_cast<double>(level), {}, true}, {}, {}});
+  for (Level level = 0; level <= deepest; ++level) add(kLevelsGroup, SettingKind::Level, level);
   for (const bench::Engine& engine : engines) {
-    for (const int iterations : settings.iterations)
-      methods.push_back({{engine.name, static_cast<double>(iterations), {}, false}, {}, {}});
+    for (const int iterations : settings.iterations) add(engine.name, SettingKind::Iterations, iterations);
   }
   return methods;
 }
@@ -190,24 +179,30 @@ Result<ErrorTimeRun> error_time_run(const Scene& scene, const SceneRunOptions& s
                                     const std::function<void(double share)>& told) {
   Result<SceneRun> run = SceneRun::create(scene, start);
   if (!run) return run.error();
-  Result<std::vector<bench::Engine>> engines = other_engines(scene, settings.bodies);
-  if (!engines) return engines.error();
-  Trials trials(scene, run.value(), settings, std::move(engines).value());
   ErrorTimeRun made;
-  for (const bench::Engine& engine : trials.engines()) made.engines.push_back(engine.name + " " + engine.version);
-  made.methods = methods_of(settings, deepest_of(run.value()), trials.engines());
-  const parallel::Interrupt interrupt;
-  const std::uint64_t frames = settings.warm_up + settings.states * settings.every;
-  for (std::uint64_t frame = 0; frame < frames; ++frame) {
-    if (frame >= settings.warm_up && (frame - settings.warm_up) % settings.every == 0) {
-      const Status measured = trials.measure(frame, made.methods);
-      if (!measured) return measured.error();
-    }
-    const Status stepped = trials.warm(frame);
-    if (!stepped) return stepped.error();
-    if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
-    told(static_cast<double>(frame + 1) / static_cast<double>(frames));
+  std::vector<bench::Engine> engines;
+  Result<std::vector<bench::Engine>> others = other_engines(scene, settings.bodies);
+  if (others) {
+    engines = std::move(others).value();
+  } else {
+    made.why_none = others.error().message;
   }
+  if (others && engines.empty()) made.why_none = "none are built in";
+  for (const bench::Engine& engine : engines) made.engines.push_back(engine.name + " " + engine.version);
+  made.methods = methods_of(settings, deepest_of(run.value()), engines);
+  Trials trials(scene, run.value(), settings, std::move(engines));
+  CompareSettings states;
+  states.from_policy.policy = scene.policy;
+  states.warm_up = settings.warm_up;
+  states.every = settings.every;
+  states.states = settings.states;
+  const Status done = visit_states(
+      scene, run.value(), states, [&](std::uint64_t frame) { return trials.measure(frame, made.methods); },
+      [&](double share) {
+        told(share);
+        return true;
+      });
+  if (!done) return done.error();
   return made;
 }
 

@@ -14,12 +14,19 @@
 /// from the same states.
 namespace poise::app {
 
+/// What the setting of a way to step is.
+enum class SettingKind : std::uint8_t {
+  Deadline,    ///< Poise, in ms
+  Level,       ///< Poise without a deadline, each pair to this level at most
+  Iterations,  ///< another engine, of its solver
+};
+
 /// One way to step, with one setting.
 struct StepMethod {
-  std::string group;                        ///< name of its curve: a policy, `levels`, or an engine
-  double setting = 0;                       ///< a deadline in ms, a level, or iterations of an engine's solver
-  std::optional<scheduler::Policy> policy;  ///< of Poise, with a deadline
-  bool levels = false;                      ///< Poise, each pair to this level at most
+  std::string group;  ///< name of its curve: a policy, `levels`, or an engine
+  SettingKind kind = SettingKind::Deadline;
+  double setting = 0;
+  scheduler::Policy policy = {};  ///< with a deadline
 };
 
 inline constexpr const char* kLevelsGroup = "levels";
@@ -42,20 +49,22 @@ struct MethodRun {
   std::vector<io::ComparedStep> steps;
   /// Of other engines: E_rel against what the engine itself does from the same state with kLimitIterations. It tells
   /// how far its solver has converged, without what it models otherwise than Poise.
-  std::vector<double> own_e_rel;
+  std::vector<std::optional<double>> own_e_rel;  ///< empty where nothing changed
 };
 inline constexpr int kLimitIterations = 3000;
 
 struct ErrorTimeRun {
   std::vector<MethodRun> methods;
   std::vector<std::string> engines;  ///< other engines that took part, with version
+  std::string why_none;              ///< where there are none
 };
 
 /// Steps a scene with everything refined; from each state each method steps `history` frames by itself. Its last frame
 /// is held against the reference (docs/reference.md) of the state in which that frame began. Methods go in turns, state
-/// by state. Other engines take part where they are built in and know the scene: bodies of one shape made of spheres
-/// in a tray. Whatever an engine models otherwise counts as its error, as impacts that are answered a step later do.
-/// `told` gets the share that is done. Refused: what the World refuses, and Ctrl-C.
+/// by state. Other engines take part where they are built in and can have the scene: bodies of one shape made of
+/// spheres in a tray. They begin each state without what they had cached of contacts. Whatever an engine models
+/// otherwise counts as its error, as impacts that are answered a step later do. `told` gets the share that is done.
+/// Refused: what the World refuses, and Ctrl-C.
 Result<ErrorTimeRun> error_time_run(const Scene& scene, const SceneRunOptions& start, const ErrorTimeSettings& settings,
                                     const std::function<void(double share)>& told);
 

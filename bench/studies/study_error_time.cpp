@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <array>
 
 #include "app/exit_codes.h"
 #include "app/option_values.h"
@@ -25,8 +25,8 @@ const std::vector<io::StudyColumn> kErrorTimeColumns = {{"group", "steps by", 0}
                                                         {"unit", "of", 0},
                                                         {"states", "states", 0},
                                                         {"time_p50_ms", "ms", 3},
-                                                        {"time_p25_ms", "", 3},
-                                                        {"time_p75_ms", "", 3},
+                                                        {"time_p25_ms", "p25", 3},
+                                                        {"time_p75_ms", "p75", 3},
                                                         {"e_rel", "E_rel", 3},
                                                         {"e_rel_low", "from", 3},
                                                         {"e_rel_high", "to", 3},
@@ -37,43 +37,85 @@ const std::vector<io::StudyColumn> kErrorTimeColumns = {{"group", "steps by", 0}
                                                         {"false_contacts_percent", "false contacts %", 1}};
 
 const char* unit_of(const StepMethod& method) {
-  if (method.levels) return "level";
-  return method.policy ? "ms" : "iterations";
+  switch (method.kind) {
+    case SettingKind::Deadline:
+      return "ms";
+    case SettingKind::Level:
+      return "level";
+    case SettingKind::Iterations:
+      return "iterations";
+  }
+  return "";
 }
 
-// What the steps of a method come to. Each is measured in its own states, so what has not converged for one is left out
-// of its row alone.
-io::PolicyComparison figures_of(const MethodRun& method, std::uint64_t seed) {
+bool counts(const io::ComparedStep& step) { return step.converged && step.e_rel && step.e_seen_mps; }
+
+// Which states count for a group: those in which every setting of it was measured against a reference that has
+// converged, so that its rows differ in nothing but the setting.
+std::vector<std::size_t> states_of(const ErrorTimeRun& run, const std::string& group) {
+  std::vector<std::size_t> states;
+  for (std::size_t i = 0; i < run.methods.front().steps.size(); ++i) {
+    const bool all = std::ranges::all_of(
+        run.methods, [&](const MethodRun& method) { return method.method.group != group || counts(method.steps[i]); });
+    if (all) states.push_back(i);
+  }
+  return states;
+}
+
+// One row: a method over the states that count for its group.
+std::vector<io::StudyCell> row_of(const MethodRun& method, const std::vector<std::size_t>& states, std::uint64_t seed) {
   io::ComparedSteps steps;
   steps.budgets = {0};
   steps.policies = {method.method.group};
-  steps.steps = method.steps;
-  return io::compare_steps(steps, seed);
-}
-
-double time_percentile_ms(const MethodRun& method, double share) {
   std::vector<double> times_ms;
-  for (const io::ComparedStep& step : method.steps) times_ms.push_back(step.time_ms);
-  return simulation::percentile(std::move(times_ms), share);
-}
-
-// Mean over the states; empty for Poise.
-io::StudyCell own_of(const MethodRun& method) {
-  if (method.own_e_rel.empty()) return {};
-  double sum = 0;
-  for (const double e_rel : method.own_e_rel) sum += e_rel;
-  return sum / static_cast<double>(method.own_e_rel.size());
+  double own = 0;
+  std::size_t with_own = 0;
+  for (const std::size_t state : states) {
+    steps.steps.push_back(method.steps[state]);
+    times_ms.push_back(method.steps[state].time_ms);
+    if (method.own_e_rel.empty() || !method.own_e_rel[state]) continue;
+    own += *method.own_e_rel[state];
+    ++with_own;
+  }
+  const io::PolicyComparison figures = io::compare_steps(steps, seed);
+  const io::ComparisonRow& row = figures.rows.front();
+  const auto time_ms = [&](double share) { return simulation::percentile(times_ms, share); };
+  return {method.method.group,
+          method.method.setting,
+          std::string(unit_of(method.method)),
+          static_cast<std::uint64_t>(states.size()),
+          time_ms(0.5),
+          time_ms(0.25),
+          time_ms(0.75),
+          row.e_rel.mean,
+          row.e_rel.low,
+          row.e_rel.high,
+          row.e_seen_mps.mean,
+          row.e_seen_mps.low,
+          row.e_seen_mps.high,
+          with_own > 0 ? io::StudyCell(own / static_cast<double>(with_own)) : io::StudyCell(),
+          row.false_rate ? io::StudyCell(100 * *row.false_rate) : io::StudyCell()};
 }
 
 // The curves of one measure against time.
-LineChart chart_of(const io::StudyTable& table, const char* id, const char* measure, const char* title) {
+LineChart chart_of(const io::StudyTable& table, const char* id, const std::array<const char*, 3>& measure,
+                   const char* title) {
+  const auto of = [&](std::size_t column, const std::string& group) {
+    return io::study_points(table, "time_p50_ms", measure[column], {{"group", group}});
+  };
   LineChart chart{
-      id,   title, "Each line is a way to step, each dot a setting of it.", "time of a step, ms (median)", {}, {},
+      id,   title, "Each line is a way to step, each dot a setting of it.", "median time of a step, ms", {}, {},
       true, true};
+  chart.x_measured = true;
   for (const std::vector<io::StudyCell>& row : table.rows) {
     const std::string group = std::get<std::string>(row.front());
     if (!chart.lines.empty() && chart.lines.back().label == group) continue;
-    std::vector<LinePoint> points = io::study_points(table, "time_p50_ms", measure, {{"group", group}});
+    std::vector<LinePoint> points = of(0, group);
+    const std::vector<LinePoint> low = of(1, group), high = of(2, group);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].low = low[i].y;
+      points[i].high = high[i].y;
+    }
     std::ranges::sort(points, {}, &LinePoint::x);
     // Levels take about the same time, so there is no line through them.
     chart.lines.push_back({group, std::move(points), group == kLevelsGroup ? LineMarks::Dots : LineMarks::LineAndDots});
@@ -106,30 +148,25 @@ ErrorTimeSettings settings_of(const StudyErrorTimeOptions& o, const Scene& scene
 io::StudyTable error_time_table(const ErrorTimeRun& run, std::uint64_t seed) {
   io::StudyTable table = begin_study("error-time", "poise study error-time");
   table.columns = kErrorTimeColumns;
-  std::uint64_t states = 0;
-  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t states = run.methods.empty() ? 0 : run.methods.front().steps.size();
+  std::uint64_t least = states;
   for (const MethodRun& method : run.methods) {
-    const io::PolicyComparison figures = figures_of(method, seed);
-    states = std::max<std::uint64_t>(states, method.steps.size());
-    least = std::min<std::uint64_t>(least, figures.frames);
-    if (figures.frames == 0) continue;
-    const io::ComparisonRow& row = figures.rows.front();
-    table.rows.push_back({method.method.group, method.method.setting, std::string(unit_of(method.method)),
-                          static_cast<std::uint64_t>(figures.frames), time_percentile_ms(method, 0.5),
-                          time_percentile_ms(method, 0.25), time_percentile_ms(method, 0.75), row.e_rel.mean,
-                          row.e_rel.low, row.e_rel.high, row.e_seen_mps.mean, row.e_seen_mps.low, row.e_seen_mps.high,
-                          own_of(method), row.false_rate ? io::StudyCell(100 * *row.false_rate) : io::StudyCell()});
+    const std::vector<std::size_t> counted = states_of(run, method.method.group);
+    least = std::min<std::uint64_t>(least, counted.size());
+    if (!counted.empty()) table.rows.push_back(row_of(method, counted, seed));
   }
   table.facts = {{"states", states},
-                 {"states_that_count_at_least", run.methods.empty() ? 0 : least},
-                 {"engines", run.engines.empty() ? io::StudyCell(std::string("none are built in"))
+                 {"states_that_count_at_least", least},
+                 {"engines", run.engines.empty() ? io::StudyCell(run.why_none)
                                                  : io::StudyCell(fmt::format("{}", fmt::join(run.engines, "; ")))}};
   return table;
 }
 
 std::vector<LineChart> error_time_charts(const io::StudyTable& table) {
-  return {chart_of(table, "relative-error", "e_rel", "relative error of the change of velocities"),
-          chart_of(table, "seen-error", "e_seen_mps", "error as it is seen, m/s")};
+  return {
+      chart_of(table, "relative-error", {"e_rel", "e_rel_low", "e_rel_high"},
+               "relative error of the change of velocities"),
+      chart_of(table, "seen-error", {"e_seen_mps", "e_seen_low_mps", "e_seen_high_mps"}, "error as it is seen, m/s")};
 }
 
 void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
@@ -154,7 +191,7 @@ void add_study_error_time_options(CLI::App& command, StudyErrorTimeOptions& o) {
       ->delimiter(',')
       ->check(CLI::Range(1, 100'000))
       ->type_name("LIST");
-  add_study_outputs(command, o.common, kErrorTimeScene);
+  add_study_outputs(command, o.common, kErrorTimeScene, kErrorTimeThreads);
   command.footer(
       "Examples:\n"
       "  poise study error-time --markdown error-time.md --picture error-time.png      four minutes\n"

@@ -17,26 +17,29 @@
 
 namespace poise::app {
 
-void add_study_outputs(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene) {
+void add_study_outputs(CLI::App& command, StudyTimesOptions& o, const std::string& default_scene,
+                       std::uint64_t default_threads) {
   command
       .add_option("--scene", o.scene,
                   fmt::format("A scene with generators, by file or name (default {})", default_scene))
       ->type_name("SCENE");
-  add_study_files(command, o, "Draw the figures as a PNG (needs gnuplot)");
+  add_study_files(command, o, "Draw the figures as a PNG (needs gnuplot)", default_threads);
   add_path(command, "--svg", o.svg, "The same as an SVG");
 }
 
-void add_study_tables(CLI::App& command, StudyTimesOptions& o) {
-  add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
+void add_study_tables(CLI::App& command, StudyTimesOptions& o, std::uint64_t default_threads) {
+  add_whole(command, "--threads", o.threads, 0, 256,
+            fmt::format("Threads, 0 = as many as the machine has (default {})", default_threads));
   add_path(command, "--json", o.json, "Write the rows as JSON, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
 }
 
-void add_study_files(CLI::App& command, StudyTimesOptions& o, const std::string& picture) {
+void add_study_files(CLI::App& command, StudyTimesOptions& o, const std::string& picture,
+                     std::uint64_t default_threads) {
   add_path(command, "--picture", o.picture, picture);
-  add_study_tables(command, o);
+  add_study_tables(command, o, default_threads);
 }
 
 void add_study_clock(CLI::App& command, std::string& clock) {

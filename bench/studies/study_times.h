@@ -29,11 +29,13 @@ struct StudyTimesOptions {
   std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
 };
 /// Those of the scene, of threads and of what is written.
-void add_study_outputs(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene);
+void add_study_outputs(CLI::App& command, StudyTimesOptions& options, const std::string& default_scene,
+                       std::uint64_t default_threads = 0);
 /// Threads and tables, for studies that draw nothing.
-void add_study_tables(CLI::App& command, StudyTimesOptions& options);
+void add_study_tables(CLI::App& command, StudyTimesOptions& options, std::uint64_t default_threads = 0);
 /// Those of the outputs without the scene; `picture` tells what is drawn.
-void add_study_files(CLI::App& command, StudyTimesOptions& options, const std::string& picture);
+void add_study_files(CLI::App& command, StudyTimesOptions& options, const std::string& picture,
+                     std::uint64_t default_threads = 0);
 /// `--clock wall|work`; empty is wall.
 void add_study_clock(CLI::App& command, std::string& clock);
 void add_study_deadline(CLI::App& command, StudyTimesOptions& options);

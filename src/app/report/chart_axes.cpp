@@ -121,8 +121,9 @@ ChartAxis x_axis_of(const LineChart& chart) {
   if (chart.x_log) {
     ChartAxis axis = log_axis(range);
     // What was chosen for a run is what is read; dots stand where the measurement has put them.
-    const bool is_chosen =
-        std::ranges::any_of(chart.lines, [](const ChartLine& line) { return line.marks != LineMarks::Dots; });
+    const bool is_chosen = !chart.x_measured && std::ranges::any_of(chart.lines, [](const ChartLine& line) {
+      return line.marks != LineMarks::Dots;
+    });
     if (is_chosen && !places.empty() && *places.begin() > 0 && places.size() <= kMostOwnTicks) {
       axis.ticks.clear();
       for (const double place : places) axis.ticks.push_back({place, tick_text(rounded(place))});

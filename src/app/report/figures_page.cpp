@@ -59,7 +59,9 @@ Json json_of(const LineChart& chart) {
     Json points = Json::array();
     for (const LinePoint& point : line.points) {
       Json& numbers = points.emplace_back(Json::array({point.x, y.shows(point.y) ? Json(point.y) : Json()}));
-      if (point.low && point.high) numbers.insert(numbers.end(), {*point.low, *point.high});
+      // A band that the axis cannot show would be no polygon.
+      if (point.low && point.high && y.shows(*point.low) && y.shows(*point.high))
+        numbers.insert(numbers.end(), {*point.low, *point.high});
     }
     json["lines"].push_back({{"label", line.label}, {"marks", name_of(line.marks)}, {"points", points}});
   }

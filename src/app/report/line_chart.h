@@ -41,6 +41,7 @@ struct LineChart {
   std::vector<ChartLine> lines;
   std::vector<ChartLevel> levels = {};
   bool x_log = false, y_log = false;
+  bool x_measured = false;                ///< and not chosen for a run: a logarithmic axis has round numbers
   bool y_from_data = false;               ///< it begins near the least value instead of at 0
   std::vector<std::string> x_names = {};  ///< where not empty, x = 0, 1, ... are these
 };
