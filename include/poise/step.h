@@ -241,6 +241,10 @@ struct FrameReport {
   /// with a valid cue.
   std::size_t cues_refused = 0;
   std::size_t degenerate = 0;  ///< contacts without a positive finite effective mass, which are not solved
+  /// Bodies that the step would have taken beyond the limits of BodyState, or to numbers that are not finite: they are
+  /// at rest where they were before it, and their contacts in it gave nothing.
+  std::size_t out_of_range = 0;
+  BodyId out_of_range_body;  ///< of these, the one in the first slot
 
   // After the step, with StepInput::measure_energy; the potential is 0 at the world origin
   double kinetic_j = 0;

@@ -5,16 +5,17 @@
 
 namespace poise::simulation {
 
-StepMotion move_kinematic(dynamics::BodyStore& bodies, std::size_t slot, double dt_s) {
-  if (!bodies.moves_by_itself(slot)) return {};
+MovedBody moved_by_itself(const dynamics::BodyStore& bodies, std::size_t slot, double dt_s) {
   const Vec3 moved_m = dt_s * bodies.velocity(slot);
-  bodies.set_position(slot, bodies.position(slot) + moved_m);
   const Vec3 spin = bodies.spin(slot);
-  if (spin.isZero(0)) return {moved_m, 0};
+  MovedBody moved{{bodies.position(slot) + moved_m, bodies.orientation(slot), bodies.velocity(slot), spin},
+                  {moved_m, 0}};
+  if (spin.isZero(0)) return moved;
   const Quat turn = dynamics::rotation_by(dt_s * spin);
-  bodies.set_orientation(slot, (turn * bodies.orientation(slot)).normalized());
+  moved.state.orientation = (turn * bodies.orientation(slot)).normalized();
   // A point of the surface moves along a chord of its turn.
-  return {moved_m, 2.0 * bodies.shape[slot]->bounding_radius_m * turn.vec().norm()};
+  moved.motion.turned_m = 2.0 * bodies.shape[slot]->bounding_radius_m * turn.vec().norm();
+  return moved;
 }
 
 void drive_trajectory(const dynamics::BodyStore& bodies, std::uint32_t slot, double dt_s, Trajectory& trajectory) {

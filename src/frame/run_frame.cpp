@@ -7,6 +7,7 @@
 #include "frame/budget/frame_time.h"
 #include "frame/budget/pause.h"
 #include "frame/ccd/swept.h"
+#include "frame/out_of_range.h"
 #include "parallel/ranges.h"
 
 namespace poise::simulation {
@@ -148,6 +149,7 @@ class Step {
     solve(solved);
     report_.times.solve = laps_.lap();
     integrate({frame_.motion, frame_.velocities, terms_.dt_s}, world_.bodies, frame_.motions, executor_);
+    report_out_of_range();
     report_.times.integrate = laps_.lap();
     PublishInput published = publish_input(world_);
     published.persist_events = input_.persist_events;
@@ -221,6 +223,14 @@ class Step {
     if (!world_.swept_pool)
       world_.swept_pool = std::make_unique<collision::FrontPool>(world_.settings.max_front_entries);
     solve_swept(input, frame_.velocities, *world_.swept_pool, report_, executor_);
+  }
+
+  void report_out_of_range() {
+    const std::vector<std::uint32_t>& slots = frame_.motions.out_of_range;
+    if (slots.empty()) return;
+    report_.out_of_range = slots.size();
+    report_.out_of_range_body = world_.bodies.id_of(slots.front());
+    forget_contacts_of(slots, frame_.table, frame_.manifolds, world_.cache.points, frame_.velocities, world_.bodies);
   }
 
   // How many point iterations a substep may make: as many as the solver makes by itself, or before a deadline as many

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "poise/world.h"
@@ -29,6 +30,15 @@ Error stale_body(BodyId body);
 std::optional<Error> check_settings(const WorldSettings& settings);
 std::optional<Error> check_body(const BodyDefinition& definition, const Shape& shape);
 std::optional<Error> check_state(const BodyState& state, bool is_static);
+
+/// Would check_state accept it? With a unit quaternion. Any thread.
+inline bool in_range(const BodyState& state) {
+  const auto within = [](const Vec3& value, double most) {
+    return std::abs(value.x()) <= most && std::abs(value.y()) <= most && std::abs(value.z()) <= most;
+  };
+  return within(state.position_m, kMaxPositionM) && within(state.velocity_mps, kMaxSpeedMps) &&
+         within(state.angular_velocity_radps, kMaxSpinRadps) && std::abs(state.orientation.squaredNorm() - 1.0) <= 1e-9;
+}
 
 struct BodyMass {
   double mass_kg = 0;

@@ -204,6 +204,21 @@ TEST(RunFigures, NamesTheLongestPieceOfRefinementWithItsPair) {
   EXPECT_DOUBLE_EQ(figures.longest_job_ms_max, 0.07);
 }
 
+TEST(RunFigures, NamesTheFirstBodyThatLeftTheRangeWarmUpIncluded) {
+  std::vector<RunFrame> frames(4, frame_of(milliseconds(10)));
+  EXPECT_EQ(run_figures(frames, {true}).out_of_range.bodies, 0U);
+  frames[0].warm_up = true;
+  for (const std::size_t k : {0U, 2U}) {
+    frames[k].report.frame = 20 + k;
+    frames[k].report.out_of_range = 3;
+    frames[k].out_of_range_body = 7 + k;
+  }
+  const OutOfRangeFigures out = run_figures(frames, {true}).out_of_range;
+  EXPECT_EQ(out.bodies, 6U);
+  EXPECT_EQ(out.first_frame, 20U);
+  EXPECT_EQ(out.first_body, 7U);
+}
+
 TEST(RunFigures, NamesTheLatestFramesWithCauseAndLongestStage) {
   std::vector<RunFrame> frames(10, frame_of(milliseconds(10)));
   EXPECT_TRUE(run_figures(frames, {true}).worst_frames.empty());

@@ -126,6 +126,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
       frame.longest_job_bodies = {number_of(run, frame.report.longest_job_a),
                                   number_of(run, frame.report.longest_job_b)};
     }
+    if (frame.report.out_of_range > 0) frame.out_of_range_body = number_of(run, frame.report.out_of_range_body);
     const SteadyClock::time_point recorded_from = SteadyClock::now();
     status = record ? record(frame.report) : Status(Done{});
     if (status && capture) status = capture(frame);

@@ -230,6 +230,14 @@ void state(const io::RunDocument& d, Out out) {
         "full           {} pairs left out, {} fronts without room, {} contacts beyond the colours, {} degenerate\n",
         c.pairs_discarded, c.fronts_full, c.colors_full, c.degenerate);
   }
+  const simulation::OutOfRangeFigures& lost = d.figures.out_of_range;
+  if (lost.bodies > 0) {
+    fmt::format_to(
+        out,
+        "out of range   {} times a body was put to rest where it was, since a step took it beyond 1e12 m, 1e9 "
+        "m/s or 1e9 rad/s; first body {} in frame {}\n",
+        lost.bodies, lost.first_body, lost.first_frame);
+  }
   if (d.capture) {
     fmt::format_to(out, "capture        {} frames, {:.1f} kB", d.capture->frames,
                    static_cast<double>(d.capture->bytes) / 1e3);

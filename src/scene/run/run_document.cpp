@@ -210,6 +210,11 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"fronts_full", f.capacity.fronts_full},
                       {"colors_full", f.capacity.colors_full},
                       {"degenerate", f.capacity.degenerate}};
+  json["out_of_range"] = {{"bodies", f.out_of_range.bodies}};
+  if (f.out_of_range.bodies > 0) {
+    json["out_of_range"]["first_frame"] = f.out_of_range.first_frame;
+    json["out_of_range"]["first_body"] = f.out_of_range.first_body;
+  }
   json["swept"] = {{"pairs", f.swept.pairs}, {"hits", f.swept.hits}, {"cut", f.swept.cut}};
   json["sleep"] = {{"asleep_end", f.sleep.asleep_end},
                    {"asleep_mean", f.sleep.asleep_mean},

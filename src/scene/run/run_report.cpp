@@ -245,6 +245,12 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   std::vector<RunFrame> kept;
   kept.reserve(all.size());
   for (const RunFrame& frame : all) {
+    OutOfRangeFigures& out = figures.out_of_range;
+    if (out.bodies == 0 && frame.report.out_of_range > 0) {
+      out.first_frame = frame.report.frame;
+      out.first_body = frame.out_of_range_body;
+    }
+    out.bodies += frame.report.out_of_range;
     if (!frame.warm_up) {
       kept.push_back(frame);
       continue;

@@ -22,6 +22,8 @@ struct RunFrame {
   std::uint64_t releases_skipped = 0;  ///< paced runs: releases that passed while this frame was still running
   /// Numbers of the bodies of FrameReport::longest_job, where a report may name them.
   std::array<std::uint64_t, 2> longest_job_bodies{};
+  /// Number of FrameReport::out_of_range_body, where there is one.
+  std::uint64_t out_of_range_body = 0;
 };
 
 /// Why a frame of a run was late whose report says MissCause::Release: the cause of the frame before it, if that one
@@ -125,6 +127,12 @@ struct CapacityFigures {
   std::uint64_t pairs_discarded = 0, fronts_full = 0, colors_full = 0, degenerate = 0;
 };
 
+/// Bodies that came to rest where they were because a step would have taken them out of range, warm-up included.
+struct OutOfRangeFigures {
+  std::uint64_t bodies = 0;                       ///< sum over the frames
+  std::uint64_t first_frame = 0, first_body = 0;  ///< where bodies > 0; as in LongestJob
+};
+
 /// Sums of backtracking over the frames.
 struct SweptFigures {
   std::uint64_t pairs = 0, hits = 0, cut = 0;
@@ -178,6 +186,7 @@ struct RunFigures {
   LevelFigures levels;
   WorkFigures work;
   CapacityFigures capacity;
+  OutOfRangeFigures out_of_range;
   SweptFigures swept;
   SleepFigures sleep;
   ReferenceRunFigures reference;

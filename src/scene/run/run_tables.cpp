@@ -133,6 +133,7 @@ void work_columns(const FrameReport& r, FrameRow& row) {
   row.column("fronts_full", r.fronts_full);
   row.column("colors_full", r.colors_full);
   row.column("degenerate", r.degenerate);
+  row.column("out_of_range", r.out_of_range);
   row.column("asleep", r.asleep);
   row.column("fell_asleep", r.fell_asleep);
   row.column("woken", r.woken);
