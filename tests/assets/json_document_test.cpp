@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <type_traits>
 
 namespace poise::io {
 namespace {
@@ -64,6 +65,10 @@ TEST(JsonDocument, RefusesDepthBombsInsteadOfFollowingThem) {
   EXPECT_EQ(refusal(objects), "f.json: nested deeper than 64 levels");
   EXPECT_EQ(refusal(std::string(64, '[') + std::string(64, ']')), "accepted");
 }
+
+// What a collection holds in blocks is not in a vector of values: an assignment of vectors would lose it.
+static_assert(std::is_nothrow_move_constructible_v<JsonValue::Growing>);
+static_assert(!std::is_move_assignable_v<JsonValue::Growing> && !std::is_copy_constructible_v<JsonValue::Growing>);
 
 TEST(JsonDocument, ShowsValuesShortAndPrintable) {
   EXPECT_EQ(in_quotes(std::string(100, 'x')).size(), 42U);

@@ -107,7 +107,7 @@ TEST_F(MeshFile, WhatCannotBeReadIsRefusedWithItsRule) {
       {write("short.obj", std::string("v 0 0\n") + kTetrahedron), "line 1: z of a vertex is ''"},
       {write("huge.obj", std::string("v 1e400 0 0\n") + kTetrahedron), "line 1: x of a vertex is '1e400'"},
       {write("index.obj", std::string(kTetrahedron) + "f 1 2 9\n"),
-       "line 9: a face names vertex 8 of 4, counted from 0, must exist"},
+       "line 9: a face names vertex 9 of 4, counted from 1, must exist"},
       {write("zero.obj", std::string(kTetrahedron) + "f 0 1 2\n"),
        "line 9: a corner of a face is '0', must be the number of a vertex"},
       {write("negative.obj", std::string(kTetrahedron) + "f -9 1 2\n"), "must exist"},

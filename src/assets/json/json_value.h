@@ -54,8 +54,9 @@ class JsonValue {
    public:
     Growing() = default;
     Growing(Growing&& other) noexcept = default;
-    Growing& operator=(Growing&& other) noexcept = default;
     Growing(const Growing&) = delete;
+    /// Blocks that it has would be lost.
+    Growing& operator=(Growing&&) = delete;
     Growing& operator=(const Growing&) = delete;
     ~Growing();
     void add(JsonValue value);

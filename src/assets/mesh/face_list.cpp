@@ -19,7 +19,8 @@ std::string FaceList::too_many(std::size_t corners) {
 }
 
 std::string FaceList::missing(std::uint32_t corner) const {
-  return fmt::format("a face names vertex {} of {}, counted from 0, must exist", corner, mesh_.vertices_m.size());
+  return fmt::format("a face names vertex {} of {}, counted from {}, must exist", std::uint64_t{corner} + first_,
+                     mesh_.vertices_m.size(), first_);
 }
 
 std::string shown_word(std::string_view word) {

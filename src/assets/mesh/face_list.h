@@ -13,7 +13,8 @@ namespace poise::geometry {
 /// Adds the faces of a file to a mesh whose vertices are all there. Invariant: every corner of `mesh` exists.
 class FaceList {
  public:
-  explicit FaceList(TriangleMesh& mesh) : mesh_(mesh) {}
+  /// Messages count vertices from `first`, as the file does; the corners are counted from 0.
+  explicit FaceList(TriangleMesh& mesh, std::uint32_t first = 0) : mesh_(mesh), first_(first) {}
 
   /// Appends the triangles of a face. Returns what is wrong with it, and then its triangles may be missing; empty if
   /// nothing is.
@@ -32,6 +33,7 @@ class FaceList {
   [[nodiscard]] std::string missing(std::uint32_t corner) const;
 
   TriangleMesh& mesh_;
+  std::uint32_t first_;
   std::uint64_t tests_left_ = kMostPolygonTests;
 };
 

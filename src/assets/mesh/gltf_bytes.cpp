@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "assets/mesh/byte_cursor.h"
+#include "assets/mesh/text_cursor.h"
 
 namespace poise::geometry {
 namespace {
@@ -38,8 +39,7 @@ int hex_digit(char c) {
 }  // namespace
 
 Result<GltfParts> split_gltf(std::string_view bytes) {
-  if (!bytes.starts_with(kContainerMagic))
-    return GltfParts{bytes.starts_with("\xef\xbb\xbf") ? bytes.substr(3) : bytes, {}};
+  if (!bytes.starts_with(kContainerMagic)) return GltfParts{without_byte_order_mark(bytes), {}};
   if (bytes.size() < kContainerHeadBytes) return bad_input("GLB: ends within its header");
   const std::uint32_t version = number_at(bytes, 4);
   if (version != 1 && version != 2) return bad_input(fmt::format("GLB: version {}, must be 1 or 2", version));
@@ -57,11 +57,26 @@ Result<GltfParts> split_gltf(std::string_view bytes) {
   return GltfParts{parts.text, parts.binary.substr(kChunkContainerHeadBytes, size)};
 }
 
+std::string decoded_uri(std::string_view part) {
+  std::string bytes;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    if (part[i] == '%' && i + 2 < part.size() && hex_digit(part[i + 1]) >= 0 && hex_digit(part[i + 2]) >= 0) {
+      bytes += static_cast<char>(16 * hex_digit(part[i + 1]) + hex_digit(part[i + 2]));
+      i += 2;
+    } else {
+      bytes += part[i];
+    }
+  }
+  return bytes;
+}
+
 Result<std::string> data_of_uri(std::string_view uri) {
   constexpr std::string_view kBase64 = ";base64,";
   const std::size_t at = uri.substr(0, 200).find(kBase64);
   if (at == std::string_view::npos) return bad_input("data in a uri must begin with data:TYPE;base64,");
   std::string_view digits = uri.substr(at + kBase64.size());
+  std::string decoded;
+  if (digits.find('%') != std::string_view::npos) digits = decoded = decoded_uri(digits);
   while (digits.ends_with('=')) digits.remove_suffix(1);
   std::string bytes;
   bytes.reserve(digits.size() / 4 * 3 + 3);
@@ -74,19 +89,6 @@ Result<std::string> data_of_uri(std::string_view uri) {
     if (i % 4 != 0) bytes += static_cast<char>(bits >> (6 - 2 * (i % 4)) & 0xffU);
   }
   return bytes;
-}
-
-std::string file_of_uri(std::string_view uri) {
-  std::string name;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size() && hex_digit(uri[i + 1]) >= 0 && hex_digit(uri[i + 2]) >= 0) {
-      name += static_cast<char>(16 * hex_digit(uri[i + 1]) + hex_digit(uri[i + 2]));
-      i += 2;
-    } else {
-      name += uri[i];
-    }
-  }
-  return name;
 }
 
 }  // namespace poise::geometry

@@ -17,10 +17,10 @@ struct GltfParts {
 /// Splits a GLB container of version 1 or 2; anything else is text.
 Result<GltfParts> split_gltf(std::string_view bytes);
 
-/// The bytes of `data:TYPE;base64,DIGITS`.
+/// The bytes of `data:TYPE;base64,DIGITS`; digits may be written as %2B and similar.
 Result<std::string> data_of_uri(std::string_view uri);
 
-/// A relative reference as the name of a file: %20 and similar become bytes.
-std::string file_of_uri(std::string_view uri);
+/// A part of a URI with %20 and similar as bytes: of a relative reference, the name of a file.
+std::string decoded_uri(std::string_view part);
 
 }  // namespace poise::geometry

@@ -122,7 +122,7 @@ Result<GltfDocument> GltfDocument::open(std::string_view bytes, const std::files
   document.folder_ = folder;
   document.bytes_read_ = bytes.size();
   for (std::size_t list = 0; list < kListNames.size(); ++list) {
-    const JsonValue* entries = document.root_.find(kListNames[list]);
+    const JsonValue* entries = document.lists_[list] = document.root_.find(kListNames[list]);
     if (entries == nullptr || !entries->is_object()) continue;
     const JsonValue::Keys keys = entries->keys();
     std::vector<std::uint32_t>& order = document.by_name_[list];
@@ -133,13 +133,23 @@ Result<GltfDocument> GltfDocument::open(std::string_view bytes, const std::files
   return document;
 }
 
+Status GltfDocument::charge(std::uint64_t numbers) {
+  charged_ += numbers;
+  const std::uint64_t most = kMostRepeatedNumbers + bytes_read_;
+  if (charged_ <= most) return Done{};
+  return bad_input(
+      fmt::format("its nodes, meshes and accessors repeat so much that {} numbers and members would be read up to here, "
+                  "must be at most {} with the {} bytes that were read",
+                  charged_, most, bytes_read_));
+}
+
 JsonValue::Items GltfDocument::entries(GltfList list) const {
-  const JsonValue* value = root_.find(name_of(list));
+  const JsonValue* value = lists_[static_cast<std::size_t>(list)];
   return value != nullptr ? value->items() : JsonValue::Items(nullptr, 0);
 }
 
 std::optional<std::size_t> GltfDocument::find(GltfList list, const JsonValue& name) const {
-  const JsonValue* value = root_.find(name_of(list));
+  const JsonValue* value = lists_[static_cast<std::size_t>(list)];
   if (value == nullptr) return std::nullopt;
   if (value->is_array()) {
     if (!name.is_unsigned() || name.magnitude() >= value->items().size()) return std::nullopt;
@@ -154,14 +164,14 @@ std::optional<std::size_t> GltfDocument::find(GltfList list, const JsonValue& na
 }
 
 std::string GltfDocument::place(GltfList list, std::size_t entry) const {
-  const JsonValue* value = root_.find(name_of(list));
+  const JsonValue* value = lists_[static_cast<std::size_t>(list)];
   if (value != nullptr && value->is_object()) return io::member_path(name_of(list), value->keys()[entry]);
   return io::item_path(name_of(list), entry);
 }
 
 // Bytes of another file or in the uri itself.
 Result<std::string_view> GltfDocument::load(const JsonValue& uri, const std::string& place) {
-  const std::string name = file_of_uri(uri.text());
+  const std::string name = decoded_uri(uri.text());
   const auto refuse = [&](const std::string& why) {
     return bad_input(fmt::format("{} names the file '{}', which {}", place, shown_word(uri.text()), why));
   };
@@ -178,8 +188,15 @@ Result<std::string_view> GltfDocument::load(const JsonValue& uri, const std::str
 }
 
 Result<std::string_view> GltfDocument::buffer(std::size_t entry) {
+  if (const auto held = buffers_.find(entry); held != buffers_.end()) return held->second;
+  Result<std::string_view> bytes = read_buffer(entry);
+  if (bytes) buffers_.emplace(entry, bytes.value());
+  return bytes;
+}
+
+Result<std::string_view> GltfDocument::read_buffer(std::size_t entry) {
   const JsonValue& value = entries(GltfList::Buffers)[entry];
-  const JsonValue* list = root_.find(name_of(GltfList::Buffers));
+  const JsonValue* list = lists_[static_cast<std::size_t>(GltfList::Buffers)];
   const std::string name = list->is_object() ? std::string(list->keys()[entry]) : fmt::format("{}", entry);
   const std::string place = "buffer " + io::printable(std::string_view(name).substr(0, 40));
   const auto length = whole_member(value, "byteLength", std::numeric_limits<std::uint64_t>::max());
@@ -190,13 +207,9 @@ Result<std::string_view> GltfDocument::buffer(std::size_t entry) {
   if (!in_container) {
     if (uri == nullptr || !uri->is_string()) return bad_input(place + " names no file, and nothing is in this one");
     if (uri->text().starts_with("data:")) {
-      auto held = embedded_.find(entry);
-      if (held == embedded_.end()) {
-        Result<std::string> data = data_of_uri(uri->text());
-        if (!data) return bad_input(place + ": " + data.error().message);
-        held = embedded_.emplace(entry, std::move(data).value()).first;
-      }
-      bytes = held->second;
+      Result<std::string> data = data_of_uri(uri->text());
+      if (!data) return bad_input(place + ": " + data.error().message);
+      bytes = embedded_.emplace(entry, std::move(data).value()).first->second;
     } else {
       const Result<std::string_view> file = load(*uri, place);
       if (!file) return file;
@@ -207,14 +220,19 @@ Result<std::string_view> GltfDocument::buffer(std::size_t entry) {
 }
 
 Result<std::string_view> GltfDocument::view(const JsonValue& name, const std::string& place, std::uint64_t& stride) {
+  if (const Status charged = charge(name); !charged) return charged.error();
   const auto entry = find(GltfList::BufferViews, name);
   if (!entry) return bad_input(fmt::format("{}.bufferView = {}, must exist", place, io::shown(name)));
   const std::string view_place = this->place(GltfList::BufferViews, *entry);
   const JsonValue& value = entries(GltfList::BufferViews)[*entry];
   const JsonValue* extensions = value.find("extensions");
+  const JsonValue* buffer_name = value.find("buffer");
+  for (const JsonValue* looked_at : {&value, extensions, buffer_name}) {
+    if (looked_at == nullptr) continue;
+    if (const Status charged = charge(*looked_at); !charged) return charged.error();
+  }
   if (extensions != nullptr && extensions->find("EXT_meshopt_compression") != nullptr)
     return bad_input(view_place + " is compressed by EXT_meshopt_compression, must be decompressed before");
-  const JsonValue* buffer_name = value.find("buffer");
   const auto buffer_entry = buffer_name != nullptr ? find(GltfList::Buffers, *buffer_name) : std::nullopt;
   if (!buffer_entry) return bad_input(view_place + ".buffer must exist");
   const Result<std::string_view> bytes = buffer(*buffer_entry);
@@ -253,9 +271,11 @@ Result<GltfDocument::Span> GltfDocument::span(const JsonValue& owner, const std:
 }
 
 Result<GltfDocument::Accessor> GltfDocument::accessor(const JsonValue& name, const Wanted& wanted) {
+  if (const Status charged = charge(name); !charged) return charged.error();
   const auto entry = find(GltfList::Accessors, name);
   if (!entry) return bad_input(fmt::format("accessor {}, must exist", io::shown(name)));
   const JsonValue& value = entries(GltfList::Accessors)[*entry];
+  if (const Status charged = charge(value); !charged) return charged.error();
   Accessor made;
   made.place = place(GltfList::Accessors, *entry);
   const JsonValue* type = value.find("type");
@@ -293,6 +313,9 @@ Status GltfDocument::read_sparse(const JsonValue& sparse, const Wanted& wanted, 
   const JsonValue* values = sparse.find("values");
   if (!count || *count < 1 || indices == nullptr || values == nullptr)
     return bad_input(place + " must have count, indices and values");
+  for (const JsonValue* looked_at : {&sparse, indices, values}) {
+    if (const Status charged = charge(*looked_at); !charged) return charged.error();
+  }
   const auto component = whole_member(*indices, "componentType", 0);
   if (!component || !is_without_sign(*component))
     return bad_input(place + ".indices.componentType must be 5121, 5123 or 5125");
@@ -306,26 +329,25 @@ Status GltfDocument::read_sparse(const JsonValue& sparse, const Wanted& wanted, 
   return Done{};
 }
 
-Result<std::vector<Vec3>> GltfDocument::points(const JsonValue& name) {
+Status GltfDocument::add_points(const JsonValue& name, std::vector<Vec3>& points) {
   const Result<Accessor> read = accessor(name, {"VEC3", 3, false});
   if (!read) return read.error();
-  std::vector<Vec3> points(read.value().count, Vec3::Zero());
-  const Status taken = read.value().each([&](std::uint64_t i, const char* bytes, std::uint64_t component) {
+  if (const Status charged = charge(3 * (read.value().count + read.value().replaced)); !charged) return charged;
+  const std::size_t base = points.size();
+  points.resize(base + read.value().count, Vec3::Zero());
+  return read.value().each([&](std::uint64_t i, const char* bytes, std::uint64_t component) {
     for (int axis = 0; axis < 3; ++axis, bytes += size_of_component(component))
-      points[i][axis] = read_coordinate(bytes, component, read.value().normalized);
+      points[base + i][axis] = read_coordinate(bytes, component, read.value().normalized);
   });
-  if (!taken) return taken.error();
-  return points;
 }
 
-Result<std::vector<std::uint32_t>> GltfDocument::indices(const JsonValue& name) {
+Status GltfDocument::read_indices(const JsonValue& name, std::vector<std::uint32_t>& indices) {
   const Result<Accessor> read = accessor(name, {"SCALAR", 1, true});
   if (!read) return read.error();
-  std::vector<std::uint32_t> indices(read.value().count, 0);
-  const Status taken = read.value().each(
+  if (const Status charged = charge(read.value().count + read.value().replaced); !charged) return charged;
+  indices.assign(read.value().count, 0);
+  return read.value().each(
       [&](std::uint64_t i, const char* bytes, std::uint64_t component) { indices[i] = read_index(bytes, component); });
-  if (!taken) return taken.error();
-  return indices;
 }
 
 }  // namespace poise::geometry

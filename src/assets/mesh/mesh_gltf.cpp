@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -18,8 +19,6 @@ namespace {
 using io::JsonValue;
 using Transform = Eigen::Matrix4d;
 
-/// Nodes may repeat a mesh. Vertices and corners beyond the bytes of the file and its buffers; chosen.
-constexpr std::uint64_t kMostRepeated = 2'000'000;
 constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
 
 /// Numbers of a member; false if it is something else than `count` numbers. Without the member they stay.
@@ -120,9 +119,12 @@ class SceneReader {
   }
 
   Status read_mesh(const JsonValue& name, const std::string& node_place, const Transform& transform) {
+    if (const Status charged = document_.charge(name); !charged) return charged;
     const auto entry = document_.find(GltfList::Meshes, name);
     if (!entry) return bad_input(fmt::format("{}.mesh = {}, must exist", node_place, io::shown(name)));
-    const JsonValue* primitives = document_.entries(GltfList::Meshes)[*entry].find("primitives");
+    const JsonValue& mesh = document_.entries(GltfList::Meshes)[*entry];
+    if (const Status charged = document_.charge(mesh); !charged) return charged;
+    const JsonValue* primitives = mesh.find("primitives");
     const std::string place = document_.place(GltfList::Meshes, *entry) + ".primitives";
     if (primitives == nullptr || !primitives->is_array()) return bad_input(place + " must be a list");
     for (std::size_t i = 0; i < primitives->items().size(); ++i) {
@@ -137,58 +139,55 @@ class SceneReader {
     const auto mode = whole_member(primitive, primitive.find("mode") != nullptr ? "mode" : "primitive", kTriangles);
     if (!mode || *mode > kFan) return bad_input("mode must be a whole number from 0 to 6");
     const JsonValue* attributes = primitive.find("attributes");
+    const JsonValue* extensions = primitive.find("extensions");
+    for (const JsonValue* looked_at : {&primitive, attributes, extensions}) {
+      if (looked_at == nullptr) continue;
+      if (const Status charged = document_.charge(*looked_at); !charged) return charged;
+    }
     const JsonValue* position = attributes != nullptr ? attributes->find("POSITION") : nullptr;
     if (position == nullptr) return Done{};
-    const JsonValue* extensions = primitive.find("extensions");
     if (extensions != nullptr && extensions->find("KHR_draco_mesh_compression") != nullptr)
       return bad_input(
           "is compressed by KHR_draco_mesh_compression, must be decompressed before, by Blender or "
           "gltf-transform for example");
-    Result<std::vector<Vec3>> points = document_.points(*position);
-    if (!points) return points.error();
-    std::vector<std::uint32_t> corners;
+    const std::size_t base = mesh_.vertices_m.size();
+    if (const Status read = document_.add_points(*position, mesh_.vertices_m); !read) return read;
+    const std::size_t points = mesh_.vertices_m.size() - base;
     if (const JsonValue* indices = primitive.find("indices")) {
-      Result<std::vector<std::uint32_t>> read = document_.indices(*indices);
-      if (!read) return read.error();
-      corners = std::move(read).value();
+      if (const Status read = document_.read_indices(*indices, corners_); !read) return read;
     } else {
-      corners.resize(points.value().size());
-      for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<std::uint32_t>(i);
+      if (const Status charged = document_.charge(points); !charged) return charged;
+      corners_.resize(points);
+      std::iota(corners_.begin(), corners_.end(), 0U);
     }
-    repeated_ += points.value().size() + corners.size();
-    if (repeated_ > kMostRepeated + document_.bytes_read())
-      return bad_input(
-          fmt::format("its nodes place {} vertices and corners up to here, must be at most {} with the {} "
-                      "bytes that were read",
-                      repeated_, kMostRepeated + document_.bytes_read(), document_.bytes_read()));
-    return add(points.value(), corners, *mode, transform);
+    return place_primitive(base, *mode, transform);
   }
 
-  Status add(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& corners, std::uint64_t mode,
-             const Transform& transform) {
-    const std::size_t base = mesh_.vertices_m.size();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 placed = (transform * points[i].homogeneous()).head<3>();
-      if (!points[i].allFinite() || !placed.allFinite())
-        return bad_input(
-            fmt::format("vertex {} is ({}, {}, {}), must be finite", i, points[i].x(), points[i].y(), points[i].z()));
-      mesh_.vertices_m.push_back(placed);
+  /// Moves the vertices from `base` on to where the node has them and adds the triangles of `corners_`.
+  Status place_primitive(std::size_t base, std::uint64_t mode, const Transform& transform) {
+    const std::size_t points = mesh_.vertices_m.size() - base;
+    for (std::size_t i = 0; i < points; ++i) {
+      Vec3& point = mesh_.vertices_m[base + i];
+      const Vec3 placed = (transform * point.homogeneous()).head<3>();
+      if (!point.allFinite() || !placed.allFinite())
+        return bad_input(fmt::format("vertex {} is ({}, {}, {}), must be finite", i, point.x(), point.y(), point.z()));
+      point = placed;
     }
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (corners[i] >= points.size())
-        return bad_input(fmt::format("indices: value {} = {}, must be below {}", i, corners[i], points.size()));
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if (corners_[i] >= points)
+        return bad_input(fmt::format("indices: value {} = {}, must be below {}", i, corners_[i], points));
     }
     if (mode < kTriangles) return Done{};  // points and lines
     const bool mirrored = transform.topLeftCorner<3, 3>().determinant() < 0;
-    const auto at = [&](std::size_t i) { return static_cast<std::uint32_t>(base + corners[i]); };
+    const auto at = [&](std::size_t i) { return static_cast<std::uint32_t>(base + corners_[i]); };
     const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {
       mesh_.triangles.push_back({at(a), at(mirrored ? c : b), at(mirrored ? b : c)});
     };
     // Corners beyond the last whole triangle are left out, as the format requires.
     if (mode == kTriangles) {
-      for (std::size_t i = 0; i + 2 < corners.size(); i += 3) triangle(i, i + 1, i + 2);
+      for (std::size_t i = 0; i + 2 < corners_.size(); i += 3) triangle(i, i + 1, i + 2);
     } else {
-      for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+      for (std::size_t i = 0; i + 2 < corners_.size(); ++i) {
         if (mode == kFan) triangle(0, i + 1, i + 2);
         if (mode == kStrip) triangle(i, i + 1 + i % 2, i + 2 - i % 2);
       }
@@ -200,7 +199,7 @@ class SceneReader {
   TriangleMesh mesh_;
   std::vector<bool> reached_;
   std::vector<NodeList> open_;  ///< the innermost last
-  std::uint64_t repeated_ = 0;
+  std::vector<std::uint32_t> corners_;  ///< of the primitive that is read
 };
 
 /// The scene that is to be shown; a single one is shown whatever the file says.

@@ -13,24 +13,30 @@
 namespace poise::geometry {
 namespace {
 
-/// A line that ends in a backslash continues in the next one. Joins such lines, with each line end replaced by a blank,
-/// and adds the same number of line ends after them, so that line numbers stay the same.
-std::string joined_lines(std::string_view text) {
+/// A line that ends in a backslash continues in the next one, unless the backslash is in a comment. Joins such lines,
+/// with each line end replaced by a blank, and adds the same number of line ends after them, so that line numbers stay
+/// the same.
+std::string joined_lines(std::string_view text, char line_end) {
   std::string joined;
   joined.reserve(text.size());
   std::size_t owed = 0;
+  bool in_comment = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool carriage = text[i] == '\\' && i + 2 < text.size() && text[i + 1] == '\r' && text[i + 2] == '\n';
-    if (carriage || (text[i] == '\\' && i + 1 < text.size() && text[i + 1] == '\n')) {
-      joined += ' ';
-      ++owed;
-      i += carriage ? 2 : 1;
-      continue;
+    if (text[i] == '\\' && !in_comment) {
+      const std::size_t end = i + 1 + (text.substr(i + 1).starts_with("\r\n") ? 1U : 0U);
+      if (end < text.size() && text[end] == line_end) {
+        joined += ' ';
+        ++owed;
+        i = end;
+        continue;
+      }
     }
     joined += text[i];
-    if (text[i] == '\n') {
-      joined.append(owed, '\n');
+    if (text[i] == '#') in_comment = true;
+    if (text[i] == line_end) {
+      joined.append(owed, line_end);
       owed = 0;
+      in_comment = false;
     }
   }
   return joined;
@@ -85,7 +91,7 @@ std::string read_face(TextCursor& text, Parsed& parsed) {
 
 /// Cuts the faces into triangles.
 Status add_faces(Parsed& parsed) {
-  FaceList faces(parsed.mesh);
+  FaceList faces(parsed.mesh, 1);
   std::size_t begin = 0;
   for (const Face& face : parsed.faces) {
     const std::span<const std::uint32_t> corners = std::span(parsed.corners).subspan(begin, face.end - begin);
@@ -99,9 +105,10 @@ Status add_faces(Parsed& parsed) {
 }  // namespace
 
 Result<TriangleMesh> parse_obj(std::string_view whole) {
+  const char line_end = line_end_of(whole);
   std::string joined;
-  if (whole.find('\\') != std::string_view::npos) whole = joined = joined_lines(whole);
-  TextCursor text(whole, true);
+  if (whole.find('\\') != std::string_view::npos) whole = joined = joined_lines(whole, line_end);
+  TextCursor text(whole, true, line_end);
   Parsed parsed;
   while (text.next_line()) {
     const std::string_view word = text.next_word();

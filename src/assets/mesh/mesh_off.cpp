@@ -25,7 +25,8 @@ std::string line_of(const TextCursor& text) { return fmt::format("line {}: ", te
 /// Why `count` entries cannot be in the rest of the file; empty if they can.
 std::string too_many(const TextCursor& text, std::uint64_t count, const char* what, std::size_t least_bytes) {
   if (count <= (text.bytes_left() + 1) / least_bytes) return {};
-  return fmt::format("announces {} {} in {} bytes, must have room for them", count, what, text.bytes_left());
+  return line_of(text) +
+         fmt::format("announces {} {} in {} bytes, must have room for them", count, what, text.bytes_left());
 }
 
 /// Reads the keyword, if there is one, and the counts, which may stand in the same line. The keyword may begin with ST,

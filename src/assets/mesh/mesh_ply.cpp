@@ -21,7 +21,8 @@ namespace {
 /// The entries of a text: a line each, a word for each number.
 class TextEntries {
  public:
-  TextEntries(std::string_view text, std::size_t lines_before) : text_(text, false), lines_before_(lines_before) {}
+  TextEntries(std::string_view text, const PlyHeader& header)
+      : text_(text, false, header.line_end), lines_before_(header.lines) {}
   bool begin_entry() { return text_.next_line_with_words(); }
   bool real(PlyType /*type*/, double& value) { return parse_number(text_.next_word(), value); }
   bool whole(PlyType /*type*/, std::int64_t& value) { return parse_number(text_.next_word(), value); }
@@ -275,7 +276,8 @@ class PlyReader {
 
 }  // namespace
 
-Result<TriangleMesh> parse_ply(std::string_view whole) {
+Result<TriangleMesh> parse_ply(std::string_view bytes) {
+  const std::string_view whole = without_byte_order_mark(bytes);
   const Result<PlyHeader> read = read_ply_header(whole);
   if (!read) return read.error();
   const PlyHeader& header = read.value();
@@ -290,8 +292,9 @@ Result<TriangleMesh> parse_ply(std::string_view whole) {
       return bad_input(fmt::format("announces {} entries '{}' in {} bytes, must have room for them", element.count,
                                    shown_word(element.name), entries.size()));
   }
-  if (header.form == PlyForm::Text) return PlyReader(header, TextEntries(entries, header.lines)).read();
-  return PlyReader(header, BinaryEntries(entries, header.bytes, header.form == PlyForm::BigEndFirst)).read();
+  if (header.form == PlyForm::Text) return PlyReader(header, TextEntries(entries, header)).read();
+  const std::size_t before = bytes.size() - entries.size();
+  return PlyReader(header, BinaryEntries(entries, before, header.form == PlyForm::BigEndFirst)).read();
 }
 
 }  // namespace poise::geometry

@@ -10,6 +10,7 @@
 
 #include "assets/files/text_file.h"
 #include "assets/mesh/mesh_files.h"
+#include "assets/mesh/text_cursor.h"
 #include "geometry/primitives/rounding.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
@@ -29,12 +30,12 @@ std::string lower_extension(const fs::path& file) {
 /// Chosen: so that vertices have numbers of 32 bits.
 constexpr std::uint64_t kMostFileBytes = std::uint64_t{4} << 30U;
 
-/// Text without a byte order mark, with two-byte text converted to one byte: only ASCII is needed, other characters
-/// become '?'.
-std::string plain_text(std::string text) {
-  if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
+/// Whether a text begins with the mark of two-byte characters, of either order.
+bool is_wide(std::string_view text) { return text.starts_with("\xfe\xff") || text.starts_with("\xff\xfe"); }
+
+/// Two-byte text as one-byte text: only ASCII is needed, other characters become '?'.
+std::string narrowed(std::string_view text) {
   const bool big_end_first = text.starts_with("\xfe\xff");
-  if (!big_end_first && !text.starts_with("\xff\xfe")) return text;
   std::string plain;
   plain.reserve(text.size() / 2);
   for (std::size_t i = 2; i + 1 < text.size(); i += 2) {
@@ -76,7 +77,9 @@ Result<TriangleMesh> read_unscaled(const fs::path& file) {
   if (read.value().empty()) return bad_input("is empty");
   if (format->parse == nullptr) return geometry::parse_gltf(read.value(), file.parent_path());
   const bool is_text = extension == ".obj" || extension == ".off";
-  return format->parse(is_text ? plain_text(std::move(read).value()) : read.value());
+  if (!is_text) return format->parse(read.value());
+  if (is_wide(read.value())) return format->parse(narrowed(read.value()));
+  return format->parse(geometry::without_byte_order_mark(read.value()));
 }
 
 }  // namespace

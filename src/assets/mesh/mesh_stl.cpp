@@ -126,8 +126,9 @@ Result<TriangleMesh> parse_stl(std::string_view bytes) {
     // The head of a binary file may begin with "solid" too, so that its length decides.
     if (bytes.size() == kStlHeadBytes + kStlTriangleBytes * std::size_t{count}) return parse_binary(bytes, count);
   }
-  TextCursor first(bytes.substr(0, kStlHeadBytes), false);
-  if (is_word(first.next_word_of_text(), "solid")) return SolidReader(bytes).read();
+  const std::string_view text = without_byte_order_mark(bytes);
+  TextCursor first(text.substr(0, kStlHeadBytes), false);
+  if (is_word(first.next_word_of_text(), "solid")) return SolidReader(text).read();
   if (bytes.size() < kStlHeadBytes)
     return bad_input(
         fmt::format("has {} bytes, must begin with 'solid' or with a head of {} bytes", bytes.size(), kStlHeadBytes));

@@ -101,8 +101,10 @@ std::size_t PlyElement::least_bytes(bool is_text) const {
 }
 
 Result<PlyHeader> read_ply_header(std::string_view whole) {
-  TextCursor text(whole, false);
   PlyHeader header;
+  // Of a binary file, too, only the header is text, so that its first line says what ends a line.
+  if (whole.starts_with("ply\r") && !whole.starts_with("ply\r\n")) header.line_end = '\r';
+  TextCursor text(whole, false, header.line_end);
   bool has_format = false;
   text.next_line();
   if (text.next_word() != "ply") return bad_input("line 1: not a PLY file: must begin with 'ply'");

@@ -41,6 +41,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::size_t bytes = 0;  ///< up to the first entry
   std::size_t lines = 0;
+  char line_end = '\n';
 };
 
 /// Reads the header of a PLY file (Turk 1994), which the names in it refer to. Refused with the line: what is no

@@ -12,19 +12,32 @@
 
 namespace poise::geometry {
 
+/// What ends a line: a carriage return where the text has no line feed at all, as old programs wrote it.
+inline char line_end_of(std::string_view text) {
+  const bool old = text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
+  return old ? '\r' : '\n';
+}
+
+/// A text without the mark of UTF-8 that may stand before it.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
 /// Reads a text line by line and each line word by word, and never beyond its end. Blanks are spaces, tabs and carriage
 /// returns; what follows `#` in a line is a comment if `comments` is set. Invariant: `line_` is the unread rest of line
 /// number(), `rest_` begins behind its end.
 class TextCursor {
  public:
-  TextCursor(std::string_view text, bool comments) : rest_(text), comments_(comments) {}
+  TextCursor(std::string_view text, bool comments) : TextCursor(text, comments, line_end_of(text)) {}
+  TextCursor(std::string_view text, bool comments, char line_end)
+      : rest_(text), line_end_(line_end), comments_(comments) {}
 
   /// Goes to the next line; false at the end of the text, and the line is then empty.
   bool next_line() {
     line_ = {};
     if (rest_.empty()) return false;
     ++number_;
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest_.find(line_end_);
     line_ = rest_.substr(0, end);
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     if (comments_) line_ = line_.substr(0, line_.find('#'));
@@ -74,6 +87,7 @@ class TextCursor {
 
   std::string_view rest_, line_;
   std::size_t number_ = 0;
+  char line_end_;
   bool comments_;
 };
 
