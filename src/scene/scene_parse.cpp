@@ -22,25 +22,23 @@ constexpr Range kAlpha{1e-5, 0.5, false};
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == std::string_view::npos; }
 
-/// Index in `list` of the name in `value`. The list of all names is built only if a suggestion is needed.
+/// Index of the name in `value`. The list of all names is built only if a suggestion is needed.
 template <class Named>
 void read_name(const JsonValue& value, const std::string& path, Problems& problems, const char* what,
-               const std::vector<Named>& list, std::size_t& target) {
+               const NameIndex<Named>& index, std::size_t& target) {
   if (value.kind() != JsonValue::Kind::String) {
     problems.refuse(path, value, fmt::format("must be the name of a {}", what));
     return;
   }
   // An empty list of names was refused already.
-  if (list.empty()) return;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i].name == value.text()) {
-      target = i;
-      return;
-    }
+  if (index.list().empty()) return;
+  if (const auto found = index.find(value.text())) {
+    target = *found;
+    return;
   }
   std::vector<std::string_view> names;
   if (problems.suggests()) {
-    for (const Named& named : list) names.emplace_back(named.name);
+    for (const Named& named : index.list()) names.emplace_back(named.name);
   }
   problems.refuse(path, value, fmt::format("must be the name of a {}{}", what, problems.suggest(value.text(), names)));
 }
@@ -143,9 +141,10 @@ void parse_top(const JsonValue& root, Problems& problems, Scene& scene) {
   if (const JsonValue* value = top.require("materials")) parse_materials(*value, problems, scene);
   if (const JsonValue* value = top.require("shapes")) parse_shapes(*value, problems, scene);
   const SoundSoFar sound(problems);
-  if (const JsonValue* value = top.find("bodies")) parse_bodies(*value, problems, scene);
-  if (const JsonValue* value = top.find("tray")) parse_tray(*value, problems, scene);
-  if (const JsonValue* value = top.find("generators")) parse_generators(*value, problems, scene);
+  const SceneNames names(scene);
+  if (const JsonValue* value = top.find("bodies")) parse_bodies(*value, problems, names, scene);
+  if (const JsonValue* value = top.find("tray")) parse_tray(*value, problems, names, scene);
+  if (const JsonValue* value = top.find("generators")) parse_generators(*value, problems, names, scene);
   if (sound && scene.bodies.empty() && scene.generators.empty()) {
     problems.refuse("", "bodies and generators are both empty or missing, at least one body or generator is required");
   }
@@ -162,15 +161,15 @@ bool is_plane(const Scene& scene, std::size_t shape) {
   return shape < scene.shapes.size() && std::holds_alternative<PlaneSource>(scene.shapes[shape].source);
 }
 
-void read_shape_name(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene,
+void read_shape_name(const JsonValue& value, const std::string& path, Problems& problems, const SceneNames& names,
                      std::size_t& target) {
-  read_name(value, path, problems, "shape", scene.shapes, target);
+  read_name(value, path, problems, "shape", names.shapes, target);
 }
 
-void read_material_name(const ObjectReader& reader, const Scene& scene, std::size_t& target) {
+void read_material_name(const ObjectReader& reader, const SceneNames& names, std::size_t& target) {
   const JsonValue* value = reader.require("material");
   if (value == nullptr) return;
-  read_name(*value, reader.path("material"), reader.problems(), "material", scene.materials, target);
+  read_name(*value, reader.path("material"), reader.problems(), "material", names.materials, target);
 }
 
 }  // namespace io

@@ -15,7 +15,7 @@ constexpr Range kSpacing{0, kMaxQuantity, true};
 constexpr Range kSeconds{0, 1e9, false};
 constexpr Range kLife{0, 1e9, true};
 
-void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& kind) {
+void parse_kind(const ObjectReader& reader, const SceneNames& names, const Scene& scene, GeneratedKind& kind) {
   Problems& problems = reader.problems();
   const JsonValue* one = reader.find("shape");
   const JsonValue* several = reader.find("shapes");
@@ -26,13 +26,13 @@ void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& k
   const SoundSoFar sound(problems);
   if (one != nullptr) {
     kind.shapes.resize(1);
-    read_shape_name(*one, reader.path("shape"), problems, scene, kind.shapes[0]);
+    read_shape_name(*one, reader.path("shape"), problems, names, kind.shapes[0]);
   } else if (several->kind() != JsonValue::Kind::Array || several->items().empty()) {
     problems.refuse(reader.path("shapes"), *several, "must be a list of at least one name");
   } else {
     kind.shapes.resize(several->items().size());
     for (std::size_t i = 0; i < several->items().size(); ++i) {
-      read_shape_name(several->items()[i], item_path(reader.path("shapes"), i), problems, scene, kind.shapes[i]);
+      read_shape_name(several->items()[i], item_path(reader.path("shapes"), i), problems, names, kind.shapes[i]);
     }
   }
   for (const std::size_t shape : kind.shapes) {
@@ -44,7 +44,7 @@ void parse_kind(const ObjectReader& reader, const Scene& scene, GeneratedKind& k
   std::size_t mix = 0;
   reader.one_of("mix", {"cycle", "seed"}, mix);
   kind.mix_by_seed = mix == 1;
-  read_material_name(reader, scene, kind.material);
+  read_material_name(reader, names, kind.material);
   reader.flag("random_orientation", kind.random_orientation);
   reader.vec3("velocity_mps", kAnyQuantity, kind.velocity_mps);
   reader.number("speed_mps", kNotNegative, kind.speed_mps);
@@ -105,7 +105,8 @@ void parse_static(const ObjectReader& reader, GridGenerator& grid) {
   }
 }
 
-SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene) {
+SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Problems& problems, const SceneNames& names,
+                            const Scene& scene) {
   const ObjectReader reader(
       value, path, problems,
       {"shape",        "shapes",    "mix",        "material", "static", "count",         "spacing_m",
@@ -113,7 +114,7 @@ SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Probl
        "velocity_mps", "speed_mps", "spin_radps", "seed",     "group",  "collides_with", "importance"});
   GridGenerator grid;
   if (value.kind() != JsonValue::Kind::Object) return grid;
-  parse_kind(reader, scene, grid.kind);
+  parse_kind(reader, names, scene, grid.kind);
   parse_static(reader, grid);
   reader.require("spacing_m");
   reader.number("spacing_m", kSpacing, grid.spacing_m);
@@ -162,14 +163,15 @@ void parse_rate(const ObjectReader& reader, StreamGenerator& stream) {
   }
 }
 
-SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Problems& problems, const Scene& scene) {
+SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Problems& problems, const SceneNames& names,
+                            const Scene& scene) {
   const ObjectReader reader(value, path, problems,
                             {"shape", "shapes", "mix", "material", "per_second", "from_s", "to_s", "total",
                              "region_min_m", "region_max_m", "life_s", "random_orientation", "velocity_mps",
                              "speed_mps", "spin_radps", "seed", "group", "collides_with", "importance"});
   StreamGenerator stream;
   if (value.kind() != JsonValue::Kind::Object) return stream;
-  parse_kind(reader, scene, stream.kind);
+  parse_kind(reader, names, scene, stream.kind);
   parse_rate(reader, stream);
   if (reader.has("life_s")) {
     double life_s = 1;
@@ -189,12 +191,12 @@ SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Pro
 
 }  // namespace
 
-void parse_tray(const JsonValue& value, Problems& problems, Scene& scene) {
+void parse_tray(const JsonValue& value, Problems& problems, const SceneNames& names, Scene& scene) {
   const ObjectReader reader(value, "tray", problems, {"material", "side_m", "side_per_sqrt_body_m"});
   SceneTray tray;
   scene.tray = tray;
   if (value.kind() != JsonValue::Kind::Object) return;
-  read_material_name(reader, scene, tray.material);
+  read_material_name(reader, names, tray.material);
   if (reader.has("side_m") == reader.has("side_per_sqrt_body_m")) {
     problems.refuse("tray", "must have either side_m or side_per_sqrt_body_m");
   }
@@ -203,7 +205,7 @@ void parse_tray(const JsonValue& value, Problems& problems, Scene& scene) {
   scene.tray = tray;
 }
 
-void parse_generators(const JsonValue& value, Problems& problems, Scene& scene) {
+void parse_generators(const JsonValue& value, Problems& problems, const SceneNames& names, Scene& scene) {
   if (value.kind() != JsonValue::Kind::Array) {
     problems.refuse("generators", value, "must be a list");
     return;
@@ -215,9 +217,9 @@ void parse_generators(const JsonValue& value, Problems& problems, Scene& scene) 
       problems.refuse(path, "must have exactly one of grid, stream");
     }
     if (const JsonValue* grid = reader.find("grid")) {
-      scene.generators.push_back(parse_grid(*grid, reader.path("grid"), problems, scene));
+      scene.generators.push_back(parse_grid(*grid, reader.path("grid"), problems, names, scene));
     } else if (const JsonValue* stream = reader.find("stream")) {
-      scene.generators.push_back(parse_stream(*stream, reader.path("stream"), problems, scene));
+      scene.generators.push_back(parse_stream(*stream, reader.path("stream"), problems, names, scene));
     }
   }
   if (scene.tray && scene.generators.empty() && scene.tray->side_per_sqrt_body_m > 0) {

@@ -194,7 +194,8 @@ void check_static(const ObjectReader& reader, bool plane, const SceneBody& body)
   }
 }
 
-void parse_body(const JsonValue& value, const std::string& path, Problems& problems, Scene& scene) {
+void parse_body(const JsonValue& value, const std::string& path, Problems& problems, const SceneNames& names,
+                Scene& scene) {
   const ObjectReader reader(
       value, path, problems,
       {"name", "shape", "material", "static", "motion", "position_m", "orientation_wxyz", "velocity_mps",
@@ -204,9 +205,9 @@ void parse_body(const JsonValue& value, const std::string& path, Problems& probl
   reader.text("name", body.name);
   const SoundSoFar shape_known(problems);
   if (const JsonValue* shape = reader.require("shape"))
-    read_shape_name(*shape, reader.path("shape"), problems, scene, body.shape);
+    read_shape_name(*shape, reader.path("shape"), problems, names, body.shape);
   const bool plane = shape_known && is_plane(scene, body.shape);
-  read_material_name(reader, scene, body.material);
+  read_material_name(reader, names, body.material);
   BodyDefinition& definition = body.definition;
   parse_motion(reader, definition);
   reader.vec3("position_m", kAnyQuantity, definition.position_m);
@@ -264,13 +265,13 @@ void parse_shapes(const JsonValue& value, Problems& problems, Scene& scene) {
   }
 }
 
-void parse_bodies(const JsonValue& value, Problems& problems, Scene& scene) {
+void parse_bodies(const JsonValue& value, Problems& problems, const SceneNames& names, Scene& scene) {
   if (value.kind() != JsonValue::Kind::Array) {
     problems.refuse("bodies", value, "must be a list");
     return;
   }
   for (std::size_t i = 0; i < value.items().size(); ++i) {
-    parse_body(value.items()[i], item_path("bodies", i), problems, scene);
+    parse_body(value.items()[i], item_path("bodies", i), problems, names, scene);
   }
 }
 

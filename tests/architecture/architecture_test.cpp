@@ -75,6 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"src/scene/a.cpp", "std::cout << 1;", "neither prints"},
                     Planted{"src/geometry/a.cpp", "if (bad) abort();", "neither prints"},
                     Planted{"src/geometry/a.cpp", "std::fprintf(stderr, \"bad\");", "neither prints"},
+                    Planted{"src/assets/cache/a.cpp", "const int file = ::open(name, O_RDONLY);", "opens what is read"},
+                    Planted{"src/scene/a.cpp", "std::FILE* file = std::fopen(name, how);", "opens what is read"},
                     Planted{"src/solver/a.h", "inline void prefetch_rows(const Rows& rows);", "only prefetches"},
                     Planted{"docs/a.md",
                             "cd /ho"
@@ -106,6 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"include/poise/scheduler/a.h", "#include <atomic>", ""},
                     Planted{"include/poise/scheduler/a.h", "std::atomic<int> left_{0};", ""},
                     Planted{"src/app/a.cpp", "std::cout << 1;", ""},
+                    Planted{"src/assets/files/open_file.cpp", "const int file = ::open(name, O_RDONLY);", ""},
                     Planted{"src/solver/a.h", "HWY_INLINE void prefetch_rows(const Rows& rows) {", ""},
                     Planted{"src/scene/a.cpp", "std::snprintf(text, size, \"%d\", 1);", ""},
                     Planted{"src/collision/a.cpp", "// a std::mutex would cost more; see Clock::now()", ""},

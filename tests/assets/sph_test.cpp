@@ -88,12 +88,15 @@ TEST_F(SphFile, ANodeThatEndsEarlyIsWrittenAsItsOwnOnlyChild) {
 }
 
 TEST_F(SphFile, OtherBranchingsUnusedPlacesAndWhatFollowsAreRead) {
-  const auto tree = parse("2 3\r\n0 0 0 2 1.5\n+1 0 0 1 0\n0 0 0 -1 0\n\n-1 0 0 1\nmin\n0 0 0\n");
-  ASSERT_TRUE(tree.ok()) << tree.error().message;
-  EXPECT_EQ(tree.value().node_count(), 3U);
-  EXPECT_EQ(tree.value().child_count[0], 2);
-  EXPECT_EQ(tree.value().sphere(2).center_m, Vec3(-1, 0, 0));
-  EXPECT_EQ(tree.value().x_m.size(), 3U + kTreeBranching);
+  for (const char* text : {"2 3\r\n0 0 0 2 1.5\n+1 0 0 1 0\n0 0 0 -1 0\n\n-1 0 0 1\nmin\n0 0 0\n",
+                           "2 3\r0 0 0 2 1.5\r+1 0 0 1 0\r0 0 0 -1 0\r\r-1 0 0 1\rmin\r0 0 0\r"}) {
+    const auto tree = parse(text);
+    ASSERT_TRUE(tree.ok()) << tree.error().message;
+    EXPECT_EQ(tree.value().node_count(), 3U);
+    EXPECT_EQ(tree.value().child_count[0], 2);
+    EXPECT_EQ(tree.value().sphere(2).center_m, Vec3(-1, 0, 0));
+    EXPECT_EQ(tree.value().x_m.size(), 3U + kTreeBranching);
+  }
 }
 
 TEST_F(SphFile, ARepeatedNodeThatBranchesFartherDownKeepsItsLevels) {
@@ -161,6 +164,7 @@ TEST_F(SphFile, EachBrokenFileIsRefusedWithItsLineAndRule) {
       {"1 8\n0 0 0\n", "line 2: has 3 numbers"},
       {"1 8\n0 0 0 1 1 1\n", "line 2: has 6 numbers"},
       {"1 8\n0 zero 0 1 1\n", "line 2: 'zero' must be a finite number"},
+      {"1 8\n0 z\x1b[2Jo 0 1 1\n", "line 2: 'z?[2Jo' must be a finite number"},
       {"1 8\n0 nan 0 1 1\n", "line 2: 'nan' must be a finite number"},
       {"1 8\n0 0 inf 1 1\n", "line 2: 'inf' must be a finite number"},
       {"1 8\n0 0 1e400 1 1\n", "line 2: '1e400' must be a finite number"},

@@ -257,15 +257,33 @@ TEST_F(TreeFormats, EachBrokenYamlIsRefusedWithItsPlace) {
        "collision_spheres.a[1]: radius = -1, must be from"},
       {list("  - {center: [0, 2e9, 0], radius: 1}\n"), "coordinate = 2000000000"},
   };
+  const std::string alias = "; aliases are not followed, and line 1 has one: must be written out";
+  const std::string sphere = "a: [&s {center: [0, 0, 0], radius: 1}, &c [0, 0, 0], *s]\n";
+  for (const auto& [inside, rule] : std::vector<std::pair<std::string, std::string>>{
+           {list("  - *s\n"), "collision_spheres.a[0]: must be a sphere with center and radius"},
+           {list("  - {center: *c, radius: 1}\n"), "collision_spheres.a[0]: center must be a list of three numbers"},
+           {list("  - {<<: *s, radius: 1}\n"), "collision_spheres.a[0]: must be a sphere with center and radius"},
+           {"collision_spheres: {a: *c}\n", "no link has spheres"},
+           {"collision_spheres: *s\n", "must have collision_spheres with a list of spheres for each link"}}) {
+    const std::string message = refusal("a.yaml", sphere + inside);
+    EXPECT_TRUE(message.ends_with(rule + alias)) << inside << " -> " << message;
+  }
   for (const auto& [text, rule] : cases) {
     const std::string message = refusal("a.yaml", text);
+    EXPECT_EQ(message.find("alias"), std::string::npos) << message;
     EXPECT_NE(message.find(rule), std::string::npos) << text << " -> " << message;
   }
   EXPECT_NE(refusal("a.yml", std::string(20000, '[')).find("not valid YAML"), std::string::npos) << "deep nesting";
   std::string flow = "{collision_spheres: {a: [";
   while (flow.size() < 500'000) flow += "{center: [0, 0, 0], radius: 1},";
-  EXPECT_NE(refusal("a.yml", flow + "]}}").find("a collection in brackets of more than 262144 bytes"),
-            std::string::npos);
+  // Comments count too: the parser tells of nothing while it reads them.
+  const std::string comments = "a: 1\n" + std::string(300'000, '#') + "\ncollision_spheres:\n";
+  for (const std::string& text : {flow + "]}}", comments}) {
+    const std::string message = refusal("a.yml", text);
+    EXPECT_NE(message.find("more than 262144 bytes of one text, one collection in brackets or comments in a row, must"),
+              std::string::npos)
+        << message;
+  }
 }
 
 TEST_F(TreeFormats, YamlOfOtherThingsBesideTheSpheresIsReadPast) {

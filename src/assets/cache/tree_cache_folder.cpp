@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "assets/files/atomic_file.h"
+#include "assets/files/open_file.h"
 
 namespace poise::geometry {
 namespace {
@@ -22,21 +23,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kEnding = ".poisetree";
 /// Age from which temporary files count as abandoned. A writer needs milliseconds; chosen.
 constexpr std::chrono::hours kPartsLive{1};
-
-/// Reads up to `size` bytes and returns whether the file ended exactly there.
-bool read_all(int descriptor, std::size_t size, std::string& bytes) {
-  bytes.resize(size + 1);
-  std::size_t got = 0;
-  while (got < bytes.size()) {
-    const ssize_t count = ::read(descriptor, bytes.data() + got, bytes.size() - got);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return false;
-    if (count == 0) break;
-    got += static_cast<std::size_t>(count);
-  }
-  bytes.resize(got);
-  return got == size;
-}
 
 /// Creates a folder and its parents with access for this user alone, as the XDG base directory specification requires.
 bool make_folder(const fs::path& folder) {
@@ -60,14 +46,14 @@ bool is_part(const std::string& name) {
 }  // namespace
 
 EntryRead read_entry(const fs::path& file, std::uint64_t most_bytes, std::string& bytes) {
-  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) return errno == ENOENT || errno == ENOTDIR ? EntryRead::Missing : EntryRead::Unusable;
-  struct stat status {};
-  const bool sound = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_size >= 0 &&
-                     static_cast<std::uint64_t>(status.st_size) <= most_bytes;
-  const bool read = sound && read_all(descriptor, static_cast<std::size_t>(status.st_size), bytes);
-  ::close(descriptor);
-  return read ? EntryRead::Found : EntryRead::Unusable;
+  const Result<OpenFile> open = OpenFile::open(file);
+  if (!open) {
+    std::error_code failure;
+    return fs::exists(file, failure) || failure ? EntryRead::Unusable : EntryRead::Missing;
+  }
+  if (open.value().bytes() > most_bytes) return EntryRead::Unusable;
+  bytes.resize(open.value().bytes());
+  return open.value().read(0, bytes) ? EntryRead::Found : EntryRead::Unusable;
 }
 
 void touch_entry(const fs::path& file) { static_cast<void>(::utimensat(AT_FDCWD, file.c_str(), nullptr, 0)); }

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "assets/mesh/text_cursor.h"
-
 namespace poise::geometry {
 
 std::string FaceList::too_few(std::size_t corners) {
@@ -21,15 +19,6 @@ std::string FaceList::too_many(std::size_t corners) {
 std::string FaceList::missing(std::uint32_t corner) const {
   return fmt::format("a face names vertex {} of {}, counted from {}, must exist", std::uint64_t{corner} + first_,
                      mesh_.vertices_m.size(), first_);
-}
-
-std::string shown_word(std::string_view word) {
-  constexpr std::size_t kShown = 40;
-  std::string shown(word.substr(0, kShown));
-  for (char& c : shown) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return shown;
 }
 
 }  // namespace poise::geometry

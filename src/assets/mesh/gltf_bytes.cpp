@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "assets/mesh/byte_cursor.h"
-#include "assets/mesh/text_cursor.h"
+#include "assets/files/text_cursor.h"
 
 namespace poise::geometry {
 namespace {

@@ -11,7 +11,7 @@
 #include "assets/files/text_file.h"
 #include "assets/mesh/byte_cursor.h"
 #include "assets/mesh/gltf_bytes.h"
-#include "assets/mesh/text_cursor.h"
+#include "assets/files/text_cursor.h"
 
 namespace poise::geometry {
 namespace {

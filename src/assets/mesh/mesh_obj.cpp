@@ -8,7 +8,7 @@
 
 #include "assets/mesh/face_list.h"
 #include "assets/mesh/mesh_files.h"
-#include "assets/mesh/text_cursor.h"
+#include "assets/files/text_cursor.h"
 
 namespace poise::geometry {
 namespace {

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <iterator>
-#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "assets/files/atomic_file.h"
 #include "assets/files/text_file.h"
-#include "assets/files/text_words.h"
+#include "assets/files/text_cursor.h"
 #include "assets/tree/tree_files.h"
 #include "geometry/primitives/rounding.h"
 #include "geometry/sphere_tree/tree_layout.h"
@@ -24,51 +23,28 @@ using geometry::LooseNode;
 /// Ten times the size of seven full levels; chosen.
 constexpr std::uint64_t kMostBytes = 256ULL << 20;
 
-/// Words of a text, line by line. Invariant: between calls `rest` begins at the start of a line.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-  /// The next line's words; empty at the end.
-  std::optional<std::vector<std::string_view>> next() {
-    if (rest_.empty()) return std::nullopt;
-    ++number_;
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    const std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    return geometry::words_of(line);
-  }
-  [[nodiscard]] std::size_t number() const { return number_; }
-
- private:
-  std::string_view rest_;
-  std::size_t number_ = 0;
-};
-
-template <class T>
-bool parse(std::string_view word, T& value) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc{} && end == word.data() + word.size();
-}
-
 struct Row {
   std::array<float, 4> sphere{};  ///< x, y, z, r
   bool used = false;
 };
 
-/// Parses a row; returns what is wrong, or empty.
-std::string parse_row(const std::vector<std::string_view>& words, Row& row) {
-  if (words.size() != 4 && words.size() != 5)
-    return fmt::format("has {} numbers, must be 'x y z r occupancy'", words.size());
+/// Parses the rest of a line as a row; returns what is wrong, or empty.
+std::string parse_row(geometry::TextCursor& text, Row& row) {
+  constexpr std::size_t kMost = 5;
+  std::array<std::string_view, kMost> words;
+  std::size_t count = 0;
+  for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word(), ++count) {
+    if (count < kMost) words[count] = word;
+  }
+  if (count != kMost - 1 && count != kMost)
+    return fmt::format("has {} numbers, must be 'x y z r occupancy'", count);
   for (std::size_t i = 0; i < 4; ++i) {
-    if (!parse(words[i], row.sphere[i]) || !std::isfinite(row.sphere[i])) {
-      return fmt::format("'{}' must be a finite number in single precision", words[i].substr(0, 40));
-    }
+    if (!geometry::parse_number(words[i], row.sphere[i]) || !std::isfinite(row.sphere[i]))
+      return fmt::format("'{}' must be a finite number in single precision", geometry::shown_word(words[i]));
   }
   double occupancy = 0;
-  if (words.size() == 5 && (!parse(words[4], occupancy) || !std::isfinite(occupancy))) {
-    return fmt::format("occupancy '{}' must be a finite number", words[4].substr(0, 40));
-  }
+  if (count == kMost && !geometry::parse_finite(words[4], occupancy))
+    return fmt::format("occupancy '{}' must be a finite number", geometry::shown_word(words[4]));
   row.used = row.sphere[3] >= 0;
   if (!row.used) return {};
   const auto radius_m = static_cast<double>(row.sphere[3]);
@@ -121,17 +97,15 @@ struct Rows {
 };
 
 Result<SphereTree> parse_sph(std::string_view text) {
-  Lines lines(text);
+  geometry::TextCursor lines(text, false);
   const auto refuse = [&](const std::string& rule) {
     return bad_input(fmt::format("line {}: {}", lines.number(), rule));
   };
-  const auto head = lines.next();
   int levels = 0;
   int branch = 0;
-  if (!head) return bad_input("is empty; line 1 must be 'levels branch', two whole numbers");
-  if (head->size() < 2 || !parse((*head)[0], levels) || !parse((*head)[1], branch)) {
+  if (!lines.next_line()) return bad_input("is empty; line 1 must be 'levels branch', two whole numbers");
+  if (!geometry::parse_number(lines.next_word(), levels) || !geometry::parse_number(lines.next_word(), branch))
     return refuse("must be 'levels branch', two whole numbers");
-  }
   if (levels < 1 || levels > kMaxTreeDepth + 1)
     return refuse(fmt::format("levels = {}, must be from 1 to {}", levels, kMaxTreeDepth + 1));
   if (branch < 1 || branch > static_cast<int>(kTreeBranching)) {
@@ -143,11 +117,9 @@ Result<SphereTree> parse_sph(std::string_view text) {
   Rows table{static_cast<std::size_t>(branch), {}};
   std::vector<Row>& rows = table.rows;
   while (rows.size() < points) {
-    const auto words = lines.next();
-    if (!words) return refuse(fmt::format("ends after {} of {} rows", rows.size(), points));
-    if (words->empty()) continue;
+    if (!lines.next_line_with_words()) return refuse(fmt::format("ends after {} of {} rows", rows.size(), points));
     Row row;
-    if (const std::string wrong = parse_row(*words, row); !wrong.empty()) return refuse(wrong);
+    if (const std::string wrong = parse_row(lines, row); !wrong.empty()) return refuse(wrong);
     const std::size_t index = rows.size();
     if (index == 0 && !row.used) return refuse("the root must have a radius > 0");
     if (index > 0 && row.used && !rows[(index - 1) / table.branch].used) {

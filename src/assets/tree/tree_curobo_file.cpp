@@ -47,6 +47,26 @@ std::string yaml_number(double value) {
   return text;
 }
 
+Result<std::vector<Sphere>> spheres_of(const JsonValue& root, const SphereChoice& choice) {
+  const JsonValue* links = links_of(root);
+  if (links == nullptr || !links->is_object())
+    return bad_input("must have collision_spheres with a list of spheres for each link");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < links->items().size(); ++i) {
+    if (!links->items()[i].items().empty() && links->items()[i].is_array()) names.emplace_back(links->keys()[i]);
+  }
+  const Result<std::string> chosen = chosen_link(names, choice.link);
+  if (!chosen) return chosen.error();
+  const JsonValue::Items list = links->find(chosen.value())->items();
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const std::string place = fmt::format("collision_spheres.{}[{}]", shown_text(chosen.value()), i);
+    const Status read = read_yaml_sphere(list[i], place, spheres);
+    if (!read) return read.error();
+  }
+  return spheres;
+}
+
 }  // namespace
 
 std::string curobo_text(std::span<const Sphere> spheres, const std::string& name) {
@@ -64,25 +84,12 @@ std::string curobo_text(std::span<const Sphere> spheres, const std::string& name
 }
 
 Result<std::vector<Sphere>> curobo_spheres(const std::string& text, const SphereChoice& choice) {
-  const Result<JsonValue> root = parse_yaml(text);
-  if (!root) return root.error();
-  const JsonValue* links = links_of(root.value());
-  if (links == nullptr || !links->is_object())
-    return bad_input("must have collision_spheres with a list of spheres for each link");
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < links->items().size(); ++i) {
-    if (!links->items()[i].items().empty() && links->items()[i].is_array()) names.emplace_back(links->keys()[i]);
-  }
-  const Result<std::string> chosen = chosen_link(names, choice.link);
-  if (!chosen) return chosen.error();
-  const JsonValue::Items list = links->find(chosen.value())->items();
-  std::vector<Sphere> spheres;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::string place = fmt::format("collision_spheres.{}[{}]", shown_text(chosen.value()), i);
-    const Status read = read_yaml_sphere(list[i], place, spheres);
-    if (!read) return read.error();
-  }
-  return spheres;
+  const Result<YamlDocument> document = parse_yaml(text);
+  if (!document) return document.error();
+  Result<std::vector<Sphere>> spheres = spheres_of(document.value().root, choice);
+  if (spheres || document.value().alias_line == 0) return spheres;
+  return bad_input(fmt::format("{}; aliases are not followed, and line {} has one: must be written out",
+                               spheres.error().message, document.value().alias_line));
 }
 
 }  // namespace poise::geometry

@@ -56,7 +56,10 @@ class Builder final : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override { add({}); }
-  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override { add({}); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override {
+    if (document_.alias_line == 0) document_.alias_line = mark.line + 1;
+    add({});
+  }
   void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
                 const std::string& value) override {
     add(JsonValue::of_text(value));
@@ -83,7 +86,7 @@ class Builder final : public YAML::EventHandler {
     open_.pop_back();
     add(std::move(value));
   }
-  JsonValue take() { return std::move(root_); }
+  YamlDocument take() { return std::move(document_); }
 
  private:
   struct Open {
@@ -94,7 +97,7 @@ class Builder final : public YAML::EventHandler {
   void add(JsonValue value) {
     text_.heard();
     if (open_.empty()) {
-      root_ = std::move(value);
+      document_.root = std::move(value);
       return;
     }
     Open& top = open_.back();
@@ -108,12 +111,12 @@ class Builder final : public YAML::EventHandler {
 
   BoundedText& text_;
   std::vector<Open> open_;
-  JsonValue root_;
+  YamlDocument document_;
 };
 
 }  // namespace
 
-Result<JsonValue> parse_yaml(std::string_view text) {
+Result<YamlDocument> parse_yaml(std::string_view text) {
   BoundedText bounded(text);
   std::istream stream(&bounded);
   Builder builder(bounded);
@@ -127,9 +130,10 @@ Result<JsonValue> parse_yaml(std::string_view text) {
     failed = bad_input(fmt::format("line {}: not valid YAML: {}", line, shown_text(failure.msg)));
   }
   if (bounded.stopped())
-    return bad_input(
-        fmt::format("a text or a collection in brackets of more than {} bytes, must be shorter or written in lines",
-                    kMostYamlStretch));
+    return bad_input(fmt::format(
+        "more than {} bytes of one text, one collection in brackets or comments in a row, must be fewer: a collection may "
+        "be written in lines instead of brackets",
+        kMostYamlStretch));
   if (failed) return *failed;
   return builder.take();
 }
