@@ -106,7 +106,7 @@ void parse_static(const ObjectReader& reader, GridGenerator& grid) {
 }
 
 SceneGenerator parse_grid(const JsonValue& value, const std::string& path, Problems& problems, const SceneNames& names,
-                            const Scene& scene) {
+                          const Scene& scene) {
   const ObjectReader reader(
       value, path, problems,
       {"shape",        "shapes",    "mix",        "material", "static", "count",         "spacing_m",
@@ -163,8 +163,8 @@ void parse_rate(const ObjectReader& reader, StreamGenerator& stream) {
   }
 }
 
-SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Problems& problems, const SceneNames& names,
-                            const Scene& scene) {
+SceneGenerator parse_stream(const JsonValue& value, const std::string& path, Problems& problems,
+                            const SceneNames& names, const Scene& scene) {
   const ObjectReader reader(value, path, problems,
                             {"shape", "shapes", "mix", "material", "per_second", "from_s", "to_s", "total",
                              "region_min_m", "region_max_m", "life_s", "random_orientation", "velocity_mps",

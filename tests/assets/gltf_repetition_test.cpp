@@ -58,7 +58,9 @@ void expect_counted(const std::string& text, std::uint64_t one_step) {
       << message;
 }
 
-TEST(GltfRepetition, OfPrimitivesWithoutPointsIsCounted) { expect_counted(placed(2000, repeated("{}", 2000), ""), 2001); }
+TEST(GltfRepetition, OfPrimitivesWithoutPointsIsCounted) {
+  expect_counted(placed(2000, repeated("{}", 2000), ""), 2001);
+}
 
 TEST(GltfRepetition, OfAMeshWithoutPrimitivesIsCountedWithItsMembers) {
   std::string mesh = "]";
@@ -115,8 +117,8 @@ TEST(GltfRepetition, DoesNotLookForABufferTwice) {
   ASSERT_TRUE(geometry::write_file(folder.file("one.bin"), std::string(36, '\0')).ok());
   ASSERT_TRUE(geometry::write_file(folder.file("two.bin"), std::string(36, '\x40')).ok());
   std::filesystem::create_symlink(folder.file("one.bin"), folder.file("link.bin"));
-  const std::string text = placed(1, kPlain, kTriangle, R"({"buffer":0,"byteLength":36})",
-                                  R"("byteLength":36,"uri":"link.bin")");
+  const std::string text =
+      placed(1, kPlain, kTriangle, R"({"buffer":0,"byteLength":36})", R"("byteLength":36,"uri":"link.bin")");
   Result<geometry::GltfDocument> document = geometry::GltfDocument::open(text, folder.path());
   ASSERT_TRUE(document.ok()) << document.error().message;
   const io::JsonValue& primitive =

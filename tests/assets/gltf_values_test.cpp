@@ -13,8 +13,8 @@
 #include "assets/mesh/mesh_files.h"
 #include "poise/mesh.h"
 
-// What the members of a glTF file mean, by the signed volume and the centre of what is read: a tetrahedron with an edge of
-// 1 along each axis unless the case says otherwise. Nothing is repaired here, so that a wrong orientation is seen.
+// What the members of a glTF file mean, by the signed volume and the centre of what is read: a tetrahedron with an edge
+// of 1 along each axis unless the case says otherwise. Nothing is repaired here, so that a wrong orientation is seen.
 namespace poise {
 namespace {
 
@@ -111,8 +111,7 @@ File interleaved() {
   std::vector<float> numbers;
   for (const std::array<float, 3> p : {std::array<float, 3>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
     numbers.insert(numbers.end(), {7, p[0], p[1], p[2], 9});
-  return with_points(bytes_of(numbers),
-                     R"("bufferView":0,"byteOffset":4,"componentType":5126,"count":4,"type":"VEC3")",
+  return with_points(bytes_of(numbers), R"("bufferView":0,"byteOffset":4,"componentType":5126,"count":4,"type":"VEC3")",
                      R"(,"byteStride":20)");
 }
 
@@ -139,8 +138,8 @@ std::vector<Case> cases() {
   const std::string shorts = bytes_of<std::int16_t>({-32768, 0, 0, 0, 32767, 0, 0, 0, 0, 32767, 0, 0, 0, 0, 32767, 0});
   return {
       {"as it is", File{}, 1.0 / 6, quarter},
-      {"indices of 8 bits",
-       with_indices(bytes_of<std::uint8_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}), 5121, 12, plain), 1.0 / 6, quarter},
+      {"indices of 8 bits", with_indices(bytes_of<std::uint8_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}), 5121, 12, plain),
+       1.0 / 6, quarter},
       {"indices of 32 bits",
        with_indices(bytes_of<std::uint32_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}), 5125, 12, plain), 1.0 / 6, quarter},
       {"a matrix by columns: x to 2 y, y to 3 z, z to 4 x, and then moved",
@@ -165,8 +164,9 @@ std::vector<Case> cases() {
        1.0 / 3, Vec3(0, 0.25, 0.25)},
       {"quantized as they are, scaled by the node",
        [] {
-         File file = with_points(bytes_of<std::uint8_t>({0, 0, 0, 0, 200, 0, 0, 0, 0, 200, 0, 0, 0, 0, 200, 0}),
-                                 R"("bufferView":0,"componentType":5121,"count":4,"type":"VEC3")", R"(,"byteStride":4)");
+         File file =
+             with_points(bytes_of<std::uint8_t>({0, 0, 0, 0, 200, 0, 0, 0, 0, 200, 0, 0, 0, 0, 200, 0}),
+                         R"("bufferView":0,"componentType":5121,"count":4,"type":"VEC3")", R"(,"byteStride":4)");
          file.nodes = R"([{"mesh":0,"scale":[0.005,0.005,0.005]}])";
          return file;
        }(),

@@ -15,8 +15,8 @@
 #include "poise/mesh.h"
 #include "scene/temporary_folder.h"
 
-// The forms in which texts come: comments, line ends and marks of byte order. Most are told by the volume of a tetrahedron,
-// since a line that is lost gives a mesh of another shape and no message.
+// The forms in which texts come: comments, line ends and marks of byte order. Most are told by the volume of a
+// tetrahedron, since a line that is lost gives a mesh of another shape and no message.
 namespace poise {
 namespace {
 

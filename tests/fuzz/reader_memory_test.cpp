@@ -9,10 +9,14 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "assets/files/atomic_file.h"
 #include "fuzz/readers.h"
+#include "poise/assets/mesh_file.h"
+#include "scene/temporary_folder.h"
 
 // What readers hold at most while they read, beside the bytes themselves: a small multiple of these
 // (docs/reliability.md). Memory of C libraries (zlib, Zstandard), which is constant, is not counted.
@@ -61,10 +65,11 @@ namespace {
 
 constexpr std::size_t kBytes = 2'000'000;
 
-/// `begin`, as many `part` as go into about kBytes, `end`.
-std::string repeated(const std::string& begin, const std::string& part, const std::string& end = "") {
+/// `begin`, as many `part` as go into about `bytes`, `end`.
+std::string repeated(const std::string& begin, const std::string& part, const std::string& end = "",
+                     std::size_t bytes = kBytes) {
   std::string text = begin;
-  while (text.size() < kBytes) text += part;
+  while (text.size() < bytes) text += part;
   return text + end;
 }
 
@@ -75,14 +80,20 @@ std::string members(const std::string& begin, const std::string& end) {
   return text + end;
 }
 
+/// The largest memory that `read` holds at a time.
+template <class Read>
+std::size_t peak_of(Read&& read) {
+  const std::size_t before = held.load();
+  most_held = before;
+  read();
+  return most_held.load() - before;
+}
+
 /// The largest memory for each byte that was read.
 double multiple(std::string_view name, const std::string& bytes) {
   const Reader* reader = find_reader(name);
   if (reader == nullptr) return 0;
-  const std::size_t before = held.load();
-  most_held = before;
-  reader->read(bytes);
-  const double share = static_cast<double>(most_held.load() - before) / static_cast<double>(bytes.size());
+  const double share = static_cast<double>(peak_of([&] { reader->read(bytes); })) / static_cast<double>(bytes.size());
   ::testing::Test::RecordProperty(std::string(name), fmt::format("{:.1f}", share));
   fmt::print("{}: {:.1f} bytes for each byte of {:.30}...\n", name, share, bytes);
   return share;
@@ -130,7 +141,70 @@ TEST(ReaderMemory, OfMeshesIsAtMost20TimesTheFile) {
             20);
   const std::string gltf =
       R"({"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5120,"count":480000,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":1440000}],"buffers":[{"byteLength":1440000,"uri":"data:;base64,)";
-  EXPECT_LE(multiple("gltf", repeated(gltf, "AAAA", "\"}]}")), 40);
+  EXPECT_LE(multiple("gltf", repeated(gltf, "AAAA", "\"}]}")), 20);
+}
+
+/// A glTF file whose nodes place a mesh of `points` points and `corners` corners, all 0, `times` times.
+std::string repeating_gltf(std::size_t times, int mode, std::size_t points, std::size_t corners,
+                           const std::string& padding) {
+  std::string names = "0";
+  std::string nodes = R"({"mesh":0})";
+  for (std::size_t i = 1; i < times; ++i) {
+    names += fmt::format(",{}", i);
+    nodes += R"(,{"mesh":0})";
+  }
+  return fmt::format(
+      R"({{"scenes":[{{"nodes":[{}]}}],"nodes":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1,)"
+      R"("mode":{}}}]}}],"accessors":[{{"componentType":5126,"count":{},"type":"VEC3"}},)"
+      R"({{"componentType":5121,"count":{},"type":"SCALAR"}}]{}}})",
+      names, nodes, mode, points, corners, padding);
+}
+
+// What is repeated is charged for, three of a vertex and one of a corner: 2,000,000 and the bytes of the file. JSON
+// that is read and of no use adds to both.
+TEST(ReaderMemory, OfGltfThatRepeatsIsAtMost60TimesTheFileAnd80MB) {
+  const Reader* reader = find_reader("gltf");
+  ASSERT_NE(reader, nullptr);
+  double most_share = 0;
+  // Lists grow by doubling, so that what they hold depends on where they end: a strip of 2^21 corners is the worst.
+  for (const std::size_t padded : {0U, 110'000U, 2'000'000U}) {
+    const std::string padding = ",\"x\":" + repeated("[0", ",0", "]", padded);
+    for (const std::size_t times : {1U, 3U, 7U, 20U}) {
+      for (const bool strip : {false, true}) {
+        const std::size_t charged = (1'995'000 + padded) / times;
+        const std::size_t count = std::min<std::size_t>(strip ? charged : charged / 3, 1U << 20U);
+        const std::string text = repeating_gltf(times, strip ? 5 : 4, strip ? 1 : count, strip ? count : 3, padding);
+        bool accepted = false;
+        const std::size_t peak = peak_of([&] { accepted = reader->read(text); });
+        const std::size_t bound = 80'000'000 + 60 * text.size();
+        EXPECT_TRUE(accepted) << times << ' ' << count;
+        EXPECT_LE(peak, bound) << times << ' ' << count;
+        most_share = std::max(most_share, static_cast<double>(peak) / static_cast<double>(bound));
+        fmt::print("gltf: {:.1f} MB of {} bytes, {} times {} {}\n", static_cast<double>(peak) / 1e6, text.size(), times,
+                   count, strip ? "corners of a strip" : "vertices");
+      }
+    }
+  }
+  EXPECT_GE(most_share, 0.8) << "the bound is not far from what is needed";
+}
+
+// Refused at its first lines, a file is held once, whether or not a mark stands before it.
+TEST(ReaderMemory, OfAMeshFileHoldsItsBytesOnce) {
+  const testing::TemporaryFolder folder;
+  const std::string points = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nend_header\n";
+  for (const auto& [name, begin] : {std::pair<const char*, std::string>{"a.ply", points},
+                                    {"a.stl", "solid\n?"},
+                                    {"a.gltf", "?"},
+                                    {"a.obj", "v x\n"},
+                                    {"b.obj", "\xef\xbb\xbfv x\n"},
+                                    {"b.off", "\xef\xbb\xbfOFF x\n"}}) {
+    const std::string file = folder.file(name);
+    ASSERT_TRUE(geometry::write_file(file, repeated(begin, "#")).ok());
+    bool accepted = true;
+    const std::size_t peak = peak_of([&] { accepted = read_mesh(file, {}).ok(); });
+    EXPECT_FALSE(accepted);
+    EXPECT_LE(peak, kBytes + kBytes / 2) << name;
+  }
 }
 
 // The parser holds what is between brackets until these are closed; what is longer is refused.

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "assets/mesh/byte_cursor.h"
 #include "assets/files/text_cursor.h"
+#include "assets/mesh/byte_cursor.h"
 
 namespace poise::geometry {
 namespace {

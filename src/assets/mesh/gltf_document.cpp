@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "assets/files/text_cursor.h"
 #include "assets/files/text_file.h"
 #include "assets/mesh/byte_cursor.h"
 #include "assets/mesh/gltf_bytes.h"
-#include "assets/files/text_cursor.h"
 
 namespace poise::geometry {
 namespace {
@@ -137,10 +137,10 @@ Status GltfDocument::charge(std::uint64_t numbers) {
   charged_ += numbers;
   const std::uint64_t most = kMostRepeatedNumbers + bytes_read_;
   if (charged_ <= most) return Done{};
-  return bad_input(
-      fmt::format("its nodes, meshes and accessors repeat so much that {} numbers and members would be read up to here, "
-                  "must be at most {} with the {} bytes that were read",
-                  charged_, most, bytes_read_));
+  return bad_input(fmt::format(
+      "its nodes, meshes and accessors repeat so much that {} numbers and members would be read up to here, "
+      "must be at most {} with the {} bytes that were read",
+      charged_, most, bytes_read_));
 }
 
 JsonValue::Items GltfDocument::entries(GltfList list) const {

@@ -75,7 +75,7 @@ class GltfDocument {
 
   io::JsonValue root_;
   std::array<const io::JsonValue*, 6> lists_{};  ///< members of root_, or nullptr
-  std::string_view binary_;  ///< of a container
+  std::string_view binary_;                      ///< of a container
   std::filesystem::path folder_;
   std::array<std::vector<std::uint32_t>, 6> by_name_;  ///< entries of an object, sorted
   std::map<std::size_t, std::string_view> buffers_;    ///< by entry; each is looked for once

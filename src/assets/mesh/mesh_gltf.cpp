@@ -198,7 +198,7 @@ class SceneReader {
   GltfDocument& document_;
   TriangleMesh mesh_;
   std::vector<bool> reached_;
-  std::vector<NodeList> open_;  ///< the innermost last
+  std::vector<NodeList> open_;          ///< the innermost last
   std::vector<std::uint32_t> corners_;  ///< of the primitive that is read
 };
 

@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "assets/files/text_cursor.h"
 #include "assets/mesh/byte_cursor.h"
 #include "assets/mesh/face_list.h"
 #include "assets/mesh/mesh_files.h"
 #include "assets/mesh/ply_header.h"
-#include "assets/files/text_cursor.h"
 
 namespace poise::geometry {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "assets/files/text_cursor.h"
 #include "assets/files/text_file.h"
 #include "assets/mesh/mesh_files.h"
-#include "assets/files/text_cursor.h"
 #include "geometry/primitives/rounding.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "assets/files/text_cursor.h"
 #include "assets/mesh/byte_cursor.h"
 #include "assets/mesh/mesh_files.h"
-#include "assets/files/text_cursor.h"
 
 namespace poise::geometry {
 namespace {

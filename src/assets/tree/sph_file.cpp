@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "assets/files/atomic_file.h"
-#include "assets/files/text_file.h"
 #include "assets/files/text_cursor.h"
+#include "assets/files/text_file.h"
 #include "assets/tree/tree_files.h"
 #include "geometry/primitives/rounding.h"
 #include "geometry/sphere_tree/tree_layout.h"
@@ -36,8 +36,7 @@ std::string parse_row(geometry::TextCursor& text, Row& row) {
   for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word(), ++count) {
     if (count < kMost) words[count] = word;
   }
-  if (count != kMost - 1 && count != kMost)
-    return fmt::format("has {} numbers, must be 'x y z r occupancy'", count);
+  if (count != kMost - 1 && count != kMost) return fmt::format("has {} numbers, must be 'x y z r occupancy'", count);
   for (std::size_t i = 0; i < 4; ++i) {
     if (!geometry::parse_number(words[i], row.sphere[i]) || !std::isfinite(row.sphere[i]))
       return fmt::format("'{}' must be a finite number in single precision", geometry::shown_word(words[i]));

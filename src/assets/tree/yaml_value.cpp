@@ -130,10 +130,11 @@ Result<YamlDocument> parse_yaml(std::string_view text) {
     failed = bad_input(fmt::format("line {}: not valid YAML: {}", line, shown_text(failure.msg)));
   }
   if (bounded.stopped())
-    return bad_input(fmt::format(
-        "more than {} bytes of one text, one collection in brackets or comments in a row, must be fewer: a collection may "
-        "be written in lines instead of brackets",
-        kMostYamlStretch));
+    return bad_input(
+        fmt::format("more than {} bytes of one text, one collection in brackets or comments in a row, must be fewer: a "
+                    "collection may "
+                    "be written in lines instead of brackets",
+                    kMostYamlStretch));
   if (failed) return *failed;
   return builder.take();
 }

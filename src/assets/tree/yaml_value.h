@@ -18,8 +18,8 @@ struct YamlDocument {
 };
 
 /// The first document of a text in YAML. Refused: what is not YAML and nesting deeper than the parser's limit, with the
-/// line, and a stretch of more than kMostYamlStretch. Memory in proportion to the text, and about 50 MB beside it for the
-/// longest stretch.
+/// line, and a stretch of more than kMostYamlStretch. Memory in proportion to the text, and about 50 MB beside it for
+/// the longest stretch.
 Result<YamlDocument> parse_yaml(std::string_view text);
 
 }  // namespace poise::geometry
