@@ -183,14 +183,14 @@ Status RecordWriter::begin(const RecordHeader& header) {
   return scene ? flush() : scene;
 }
 
-Status RecordWriter::flush() { return file_.flush(); }
-
-Status RecordWriter::frame(const RecordedFrame& frame) {
+Status RecordWriter::frame(const RecordedFrame& frame, SteadyClock::time_point now) {
   raw_.clear();
   write_frame(frame, raw_);
   ++frames_;
   const Status written = block(kFrame, raw_);
-  return written && frames_ == 1 ? flush() : written;
+  if (!written || (frames_ > 1 && now - flushed_ < kRecordFlushInterval)) return written;
+  flushed_ = now;
+  return flush();
 }
 
 Status RecordWriter::finish(bool stopped) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,17 +11,21 @@
 
 #include "assets/files/open_file.h"
 #include "poise/result.h"
+#include "poise/time_arithmetic.h"
 #include "record/record.h"
 #include "scene/result_file.h"
 
 namespace poise::io {
 
+/// Each time that frames are handed to the system costs some 10 us; what is not is lost where a run is killed. Chosen.
+inline constexpr std::chrono::milliseconds kRecordFlushInterval{250};
+
 /// Compresses or decompresses successive blocks as one zlib stream, each block complete to its last byte.
 class ZlibStream;
 
 /// Writes a record during its run. The file appears when it is complete. If the program is killed, a file remains in
-/// the same folder whose name ends in `.part`; it can be replayed: the header, the first frame, and all up to the last
-/// flush() or the last 256 kB. One thread at a time.
+/// the same folder whose name ends in `.part`; it can be replayed: the header, the first frame, and all frames up to
+/// the last that came kRecordFlushInterval or more after the one before that was handed over. One thread at a time.
 class RecordWriter {
  public:
   /// Refused as AtomicFile refuses.
@@ -31,10 +36,9 @@ class RecordWriter {
 
   /// Call once, before the first frame.
   Status begin(const RecordHeader& header);
-  /// Appends a frame; call in order.
-  Status frame(const RecordedFrame& frame);
-  /// Hands all frames so far to the system, so that they outlive the program.
-  Status flush();
+  /// Appends a frame that ended at `now`; call in order. The first frame, and each that ended kRecordFlushInterval or
+  /// more after the last such one, is handed to the system with all before it, so that they outlive the program.
+  Status frame(const RecordedFrame& frame, SteadyClock::time_point now);
   /// Closes the record and renames the file.
   Status finish(bool stopped);
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
@@ -42,12 +46,14 @@ class RecordWriter {
  private:
   explicit RecordWriter(AtomicFile file);
   Status block(char kind, std::string_view raw);
+  Status flush() { return file_.flush(); }
 
   AtomicFile file_;
   std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
   std::uint64_t frames_ = 0;
   std::uint64_t bytes_ = 0;
+  SteadyClock::time_point flushed_;
 };
 
 /// Reads a record up to its end or to the first damaged block. One thread at a time.

@@ -174,6 +174,29 @@ TEST(Polygon, OneOf5000CornersThatCrossesItselfTakesAtMostThreeTimesTheSquare) {
   EXPECT_LE(geometry::kMostPolygonTests - tests, std::uint64_t{3} * kCorners * kCorners);
 }
 
+// What the limit of a file's comparisons is in corners (docs/reliability.md).
+TEST(Polygon, AConvexOneTakesHalfTheSquareSoThatTheLimitIsAbout24000Corners) {
+  const auto round_polygon = [](std::uint32_t corners, std::uint64_t& tests) {
+    std::vector<Vec3> vertices;
+    std::vector<std::uint32_t> in_order;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+      const double angle = 2 * std::numbers::pi * i / corners;
+      vertices.emplace_back(std::cos(angle), std::sin(angle), 0);
+      in_order.push_back(i);
+    }
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    return geometry::triangulate_polygon(vertices, in_order, tests, triangles);
+  };
+  constexpr std::uint32_t kCorners = 2400;
+  std::uint64_t tests = geometry::kMostPolygonTests;
+  EXPECT_TRUE(round_polygon(kCorners, tests));
+  const double share = static_cast<double>(geometry::kMostPolygonTests - tests) / kCorners / kCorners;
+  EXPECT_GT(share, 0.45);
+  EXPECT_LT(share, 0.52) << "24,000^2 times this is the limit";
+  tests = geometry::kMostPolygonTests;
+  EXPECT_FALSE(round_polygon(24'500, tests));
+}
+
 TEST(Polygon, MoreComparisonsThanAllowedAreRefusedBeforeTheyAreDone) {
   const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -6,9 +6,11 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "frame/stage_list.h"
 #include "record/record_bytes.h"
@@ -114,7 +116,7 @@ std::string record_of(const TemporaryFolder& folder, std::uint64_t frames, bool 
   Result<RecordWriter> writer = RecordWriter::open(folder.file("made"));
   EXPECT_TRUE(writer.ok());
   EXPECT_TRUE(writer.value().begin(some_header()).ok());
-  for (std::uint64_t i = 0; i < frames; ++i) EXPECT_TRUE(writer.value().frame(some_frame(i)).ok());
+  for (std::uint64_t i = 0; i < frames; ++i) EXPECT_TRUE(writer.value().frame(some_frame(i), {}).ok());
   EXPECT_TRUE(writer.value().finish(stopped).ok());
   const std::string bytes = testing::contents(folder.file("made"));
   EXPECT_EQ(bytes.size(), writer.value().bytes());
@@ -257,26 +259,49 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/5");
 }
 
-TEST(Record, OfARunThatIsKilledReplaysFromItsFirstFrameOn) {
+/// What can be read of a record whose writer is killed after frames that ended at these times, invented ones.
+Read read_of_killed(const std::vector<std::chrono::milliseconds>& ends) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   if (child == 0) {
     Result<RecordWriter> writer = RecordWriter::open(folder.file("r"));
-    const bool sound =
-        writer.ok() && writer.value().begin(some_header()).ok() && writer.value().frame(some_frame(0)).ok();
+    bool sound = writer.ok() && writer.value().begin(some_header()).ok();
+    for (std::size_t i = 0; sound && i < ends.size(); ++i)
+      sound = writer.value().frame(some_frame(i), SteadyClock::time_point(ends[i])).ok();
     // As if by a signal: nothing is closed and nothing that is buffered is written.
     ::_exit(sound ? 0 : 1);
   }
   int status = -1;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  ASSERT_EQ(status, 0);
-  ASSERT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(folder.entries(), 1U);
   const std::string part = std::filesystem::directory_iterator(folder.path())->path().string();
   EXPECT_TRUE(part.ends_with(".part")) << part;
-  const Read read = read_all(part);
-  ASSERT_TRUE(read.opened) << read.refusal;
-  EXPECT_EQ(read.frames, 1U);
+  Read read = read_all(part);
+  EXPECT_TRUE(read.opened) << read.refusal;
   EXPECT_EQ(read.damage.value().what, "the file ends here, before the end of the run");
+  return read;
+}
+
+TEST(Record, OfARunThatIsKilledReplaysFromItsFirstFrameOn) {
+  using std::chrono::milliseconds;
+  EXPECT_EQ(read_of_killed({milliseconds(0)}).frames, 1U);
+  EXPECT_EQ(read_of_killed({milliseconds(7'000'000)}).frames, 1U);
+}
+
+// Frames of 10 ms: whichever is the last, those that ended 250 ms before it are there, and so are those at 0, 250, ...
+TEST(Record, OfARunThatIsKilledReplaysWhatEndedAQuarterOfASecondBefore) {
+  std::vector<std::chrono::milliseconds> ends;
+  for (std::size_t last = 0; last <= 60; ++last) {
+    ends.emplace_back(10 * last);
+    const std::uint64_t frames = read_of_killed(ends).frames;
+    EXPECT_EQ(frames, 1 + last / 25 * 25) << ends.back().count() << " ms";
+  }
+}
+
+TEST(Record, OfARunOfSlowFramesThatIsKilledHasEachOfThem) {
+  using std::chrono::milliseconds;
+  EXPECT_EQ(read_of_killed({milliseconds(0), milliseconds(250), milliseconds(600), milliseconds(5000)}).frames, 4U);
 }
 
 /// A frame of about two bytes for each of `steps` steps, that compresses to almost nothing.
@@ -293,9 +318,9 @@ TEST(Record, AFrameOutOfProportionIsStoredLargerAndReadAgain) {
   Result<RecordWriter> writer = RecordWriter::open(folder.file("r"));
   ASSERT_TRUE(writer.ok());
   ASSERT_TRUE(writer.value().begin(some_header()).ok());
-  ASSERT_TRUE(writer.value().frame(uniform_frame(kSteps)).ok());
+  ASSERT_TRUE(writer.value().frame(uniform_frame(kSteps), {}).ok());
   RecordedFrame second = some_frame(1);
-  ASSERT_TRUE(writer.value().frame(second).ok());
+  ASSERT_TRUE(writer.value().frame(second, {}).ok());
   ASSERT_TRUE(writer.value().finish(false).ok());
   EXPECT_GT(writer.value().bytes(), 2 * kSteps) << "not compressed 100 times";
   Result<RecordReader> reader = RecordReader::open(folder.file("r"));

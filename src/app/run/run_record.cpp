@@ -3,15 +3,10 @@
 
 #include <utility>
 
+#include "poise/time_arithmetic.h"
 #include "record/record_shapes.h"
 
 namespace poise::app {
-namespace {
-
-/// What a killed run loses at most. Each time costs a call of the system, some 10 us. Chosen.
-constexpr std::chrono::milliseconds kFlushEvery{250};
-
-}  // namespace
 
 Result<RunRecord> RunRecord::open(const std::string& path) {
   RunRecord record;
@@ -71,11 +66,7 @@ RecordSink RunRecord::sink(const SceneRun& run) {
       frame_.times = {report.cause,       report.release_delay,      report.host_actual,       report.times,
                       report.longest_job, report.longest_job_a.slot, report.longest_job_b.slot};
     }
-    const Status written = writer_->frame(frame_);
-    const auto now = std::chrono::steady_clock::now();
-    if (!written || now - flushed_ < kFlushEvery) return written;
-    flushed_ = now;
-    return writer_->flush();
+    return writer_->frame(frame_, SteadyClock::now());
   };
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <chrono>
 #include <optional>
 #include <string>
 
@@ -32,7 +31,6 @@ class RunRecord {
   std::optional<io::RecordWriter> writer_;
   io::RecordedFrame frame_;
   bool wall_clock_ = false;
-  std::chrono::steady_clock::time_point flushed_;
 };
 
 }  // namespace poise::app
