@@ -102,6 +102,19 @@ TEST(HostileText, AFileCutWithinItsFacesIsNoOpenMesh) {
   expect_refused(parse_ply(ply.substr(0, ply.size() - 60)), "line 46: entry 12 of 14 of 'face': ");
 }
 
+TEST(HostileText, AnObjCutBetweenItsFacesIsReadAsAnOpenMesh) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  EXPECT_EQ(check_closed(parse_obj(obj).value()).open_edges, 0U);
+  for (std::size_t size = obj.find('f'); size < obj.size() - 1; ++size) {
+    const Result<TriangleMesh> mesh = parse_obj(obj.substr(0, size));
+    const bool between = obj[size - 1] == '\n' || obj[size] == '\n';
+    EXPECT_EQ(mesh.ok(), between) << size;
+    if (mesh.ok() && !mesh.value().triangles.empty()) {
+      EXPECT_GT(check_closed(mesh.value()).open_edges, 0U) << size;
+    }
+  }
+}
+
 template <class Number>
 void put(std::string& bytes, Number value, bool big_end_first) {
   std::array<char, sizeof(Number)> raw{};
