@@ -286,7 +286,6 @@ Read read_of_killed(const std::vector<std::chrono::milliseconds>& ends) {
 TEST(Record, OfARunThatIsKilledReplaysFromItsFirstFrameOn) {
   using std::chrono::milliseconds;
   EXPECT_EQ(read_of_killed({milliseconds(7'000'000)}).frames, 1U);
-  // Of slow frames, each is there.
   EXPECT_EQ(read_of_killed({milliseconds(0), milliseconds(250), milliseconds(600), milliseconds(5000)}).frames, 4U);
 }
 
