@@ -234,7 +234,7 @@ struct FrameReport {
   std::size_t woken = 0;        ///< in the step, or by calls since the previous step
 
   // Full capacities (all 0 in a healthy frame)
-  std::size_t pairs_discarded = 0;  ///< candidate pairs beyond a body's limit of partners
+  std::size_t pairs_discarded = 0;  ///< candidate pairs beyond WorldSettings::max_partners and max_pairs
   std::size_t fronts_full = 0;      ///< refinements refused because a front was full
   std::size_t colors_full = 0;      ///< contacts beyond the last colour, which are solved one after another
   /// Results of the host's cue (Policy::cue) that were NaN (counts as 1) or out of range (counts as the nearest end). 0

@@ -86,7 +86,10 @@ struct WorldSettings {
   /// Share of frames with a deadline whose tail may take longer than its reserve, in [1e-5, 0.5]. A smaller share needs
   /// a larger reserve.
   double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
-  std::uint32_t max_partners = 256;            ///< capacity for the candidate partners of a body, 1 to 65536
+  std::uint32_t max_partners = 256;  ///< capacity for the candidate partners of a body, 1 to 65536
+  /// Capacity for the candidate pairs of all bodies, 1024 to 2^28; where there are more, each body has its equal share
+  /// (its nearest partners). A pair takes about 2.4 kB.
+  std::uint32_t max_pairs = 1U << 24;
   std::uint32_t max_front_entries = 1U << 22;  ///< capacity for fronts, entries per worker thread, 64 to 2^26
 };
 

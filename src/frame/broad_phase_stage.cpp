@@ -31,7 +31,7 @@ void find_candidates(const BroadPhaseInput& input, BroadPhaseState& state, Candi
     state.resting.clear();
   }
   candidates = state.cache.find(state.of_moving, motion.bounds, motion.planes, motion.swept.bounds, state.resting,
-                                input.max_partners, executor);
+                                input.limits, executor);
 }
 
 }  // namespace poise::simulation

@@ -14,7 +14,7 @@ namespace poise::simulation {
 struct BroadPhaseInput {
   SceneView scene;
   const PredictedMotion& motion;
-  std::uint32_t max_partners = 0;  ///< candidates of one body at most
+  collision::PartnerLimits limits;
 };
 
 /// What the stage keeps from step to step.

@@ -169,8 +169,8 @@ class Step {
     const SceneView scene = world_.scene();
     predict({scene, terms_}, frame_.motion, executor_);
     report_.times.predict += laps_.lap();
-    find_candidates({scene, frame_.motion, world_.settings.max_partners}, world_.broad_phase, frame_.candidates,
-                    executor_);
+    find_candidates({scene, frame_.motion, {world_.settings.max_partners, world_.settings.max_pairs}},
+                    world_.broad_phase, frame_.candidates, executor_);
     report_.times.broad_phase += laps_.lap();
     find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter},
                       frame_.table, world_.pools, executor_);

@@ -65,6 +65,7 @@ Json world_json(const WorldSettings& world) {
   json["sleeping"] = world.sleeping;
   json["substeps"] = world.substeps;
   json["max_partners"] = world.max_partners;
+  json["max_pairs"] = world.max_pairs;
   json["max_front_entries"] = world.max_front_entries;
   return json;
 }
@@ -144,7 +145,7 @@ void read_policy(const ObjectReader& world, scheduler::Policy& policy) {
 void read_world(const JsonValue& value, Problems& problems, WorldSettings& world) {
   const ObjectReader reader(value, "world", problems,
                             {"contact", "policy", "weights", "parameters", "executor", "threads", "sleeping",
-                             "substeps", "max_partners", "max_front_entries"});
+                             "substeps", "max_partners", "max_pairs", "max_front_entries"});
   if (const auto* named =
           named_in(reader, "contact", std::span<const simulation::NamedContactModel>(simulation::kContactModels)))
     world.contact = named->model;
@@ -155,14 +156,17 @@ void read_world(const JsonValue& value, Problems& problems, WorldSettings& world
   read_policy(reader, world.policy);
   reader.require("sleeping");
   reader.flag("sleeping", world.sleeping);
-  std::uint64_t threads = 1, substeps = 1, partners = 1, entries = 64;
+  std::uint64_t threads = 1, substeps = 1, partners = 1, pairs = world.max_pairs, entries = 64;
   reader.require_whole("threads", 1, 256, threads);
   reader.require_whole("substeps", 1, 16, substeps);
   reader.require_whole("max_partners", 1, 65536, partners);
+  // Records from before it was there have none, and none of theirs was full.
+  reader.whole("max_pairs", 1024, 1U << 28U, pairs);
   reader.require_whole("max_front_entries", 64, 1U << 26U, entries);
   world.threads = static_cast<int>(threads);
   world.substeps = static_cast<int>(substeps);
   world.max_partners = static_cast<std::uint32_t>(partners);
+  world.max_pairs = static_cast<std::uint32_t>(pairs);
   world.max_front_entries = static_cast<std::uint32_t>(entries);
 }
 

@@ -146,10 +146,14 @@ double tray_side_m(const Scene& scene, std::uint64_t generated, std::span<const 
   return side_m;
 }
 
-Result<std::vector<GeneratedBody>> expand_generators(const Scene& scene, const ExpandOptions& options) {
+std::vector<std::uint64_t> generated_counts(const Scene& scene, std::optional<std::uint64_t> bodies) {
   std::vector<std::uint64_t> counts;
   for (const SceneGenerator& generator : scene.generators) counts.push_back(own_count(generator));
-  if (options.bodies) counts = share_bodies(counts, *options.bodies);
+  return bodies ? share_bodies(counts, *bodies) : counts;
+}
+
+Result<std::vector<GeneratedBody>> expand_generators(const Scene& scene, const ExpandOptions& options) {
+  const std::vector<std::uint64_t> counts = generated_counts(scene, options.bodies);
   std::vector<GeneratedBody> start;
   std::vector<GeneratedBody> streamed;
   for (std::size_t i = 0; i < scene.generators.size(); ++i) {

@@ -41,6 +41,9 @@ GeneratedBody draw_body(const GeneratedKind& kind, std::uint64_t index, geometry
 /// ones.
 std::vector<std::uint64_t> share_bodies(std::span<const std::uint64_t> own, std::uint64_t total);
 
+/// How many bodies each generator makes: its own count, or its share of `bodies`.
+std::vector<std::uint64_t> generated_counts(const Scene& scene, std::optional<std::uint64_t> bodies);
+
 /// Side of the tray for `generated` bodies, metres; 0 without a tray. A side that depends on the number of bodies is at
 /// least the size needed for one body. `radius_m` as in ExpandOptions.
 double tray_side_m(const Scene& scene, std::uint64_t generated, std::span<const double> radius_m);

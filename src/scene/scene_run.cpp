@@ -11,6 +11,7 @@
 #include "poise/scene/scene.h"
 #include "scene/generators.h"
 #include "scene/pouring.h"
+#include "scene/scene_memory.h"
 #include "scene/scene_shapes.h"
 
 namespace poise {
@@ -186,6 +187,12 @@ Result<std::unique_ptr<SceneRun::Impl>> SceneRun::Impl::begin(const Scene& scene
   settings.seed = options.seed.value_or(scene.seed);
   settings.sleeping = settings.sleeping || scene.sleeping;
   settings.islands_wait = std::min(settings.islands_wait, scene.islands_wait);
+  if (options.max_memory_bytes) {
+    const Result<std::uint32_t> pairs =
+        io::pairs_that_fit(scene, options.bodies, settings.threads, *options.max_memory_bytes, settings.max_pairs);
+    if (!pairs) return pairs.error();
+    settings.max_pairs = pairs.value();
+  }
   Result<World> world = World::create(settings);
   if (!world) return world.error();
   auto impl = std::make_unique<Impl>(Impl{.scene = scene, .world = std::move(world).value(), .view = View{}});

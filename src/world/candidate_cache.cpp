@@ -51,15 +51,13 @@ CandidateCache::Look CandidateCache::look(std::span<const collision::MotionBound
   return {outside.take(0) == 0, restless.take(0) <= most};
 }
 
-collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_phase,
-                                                   std::span<const collision::MotionBound> bounds,
-                                                   std::span<const collision::PlaneBound> planes,
-                                                   std::span<const collision::SweptBound> swept,
-                                                   const collision::RestingGrid& resting, std::uint32_t max_partners,
-                                                   parallel::Executor& executor) {
+collision::BroadPhase::Result CandidateCache::find(
+    collision::BroadPhase& broad_phase, std::span<const collision::MotionBound> bounds,
+    std::span<const collision::PlaneBound> planes, std::span<const collision::SweptBound> swept,
+    const collision::RestingGrid& resting, const collision::PartnerLimits& limits, parallel::Executor& executor) {
   if (!swept.empty()) {
     bounds_.clear();
-    return broad_phase.find(bounds, planes, max_partners, executor, swept, &resting);
+    return broad_phase.find(bounds, planes, limits, executor, swept, &resting);
   }
   const Look seen = look(bounds, planes, executor);
   const bool same_resting = std::exchange(resting_version_, resting.version()) == resting.version();
@@ -75,11 +73,11 @@ collision::BroadPhase::Result CandidateCache::find(collision::BroadPhase& broad_
       if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
     }
   });
-  found_ = broad_phase.find(bounds_, planes_, max_partners, executor, {}, &resting);
+  found_ = broad_phase.find(bounds_, planes_, limits, executor, {}, &resting);
   if (wide_ && found_.discarded > 0) {
     // Which pairs are discarded is decided from the bounds of the frame.
     wide_ = false;
-    found_ = broad_phase.find(bounds, planes, max_partners, executor, {}, &resting);
+    found_ = broad_phase.find(bounds, planes, limits, executor, {}, &resting);
   }
   return found_;
 }

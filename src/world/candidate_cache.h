@@ -21,7 +21,7 @@ class CandidateCache {
   collision::BroadPhase::Result find(collision::BroadPhase& broad_phase, std::span<const collision::MotionBound> bounds,
                                      std::span<const collision::PlaneBound> planes,
                                      std::span<const collision::SweptBound> swept,
-                                     const collision::RestingGrid& resting, std::uint32_t max_partners,
+                                     const collision::RestingGrid& resting, const collision::PartnerLimits& limits,
                                      parallel::Executor& executor);
 
  private:

@@ -33,6 +33,7 @@ std::optional<Error> check_settings(const WorldSettings& settings) {
   if (auto bad = check_range("substeps", settings.substeps, 1, 16)) return bad;
   if (auto bad = check_range("alpha", settings.alpha, kLeastAlpha, kMostAlpha)) return bad;
   if (auto bad = check_range("max_partners", settings.max_partners, 1, 65536)) return bad;
+  if (auto bad = check_range("max_pairs", settings.max_pairs, 1024, 1U << 28U)) return bad;
   return check_range("max_front_entries", settings.max_front_entries, 64, 1U << 26U);
 }
 

@@ -53,7 +53,7 @@ std::vector<MotionBound> random_bounds(std::mt19937_64& random, std::size_t n, d
 
 std::vector<CandidatePair> found(BroadPhase& broad, std::span<const MotionBound> bounds,
                                  std::span<const PlaneBound> planes, parallel::Executor& executor) {
-  const auto result = broad.find(bounds, planes, kMany, executor);
+  const auto result = broad.find(bounds, planes, {kMany}, executor);
   return {result.pairs.begin(), result.pairs.end()};
 }
 
@@ -115,7 +115,7 @@ TEST(BroadPhase, PartnersBeyondTheLimitAreCountedNotLostInSilence) {
   for (std::uint32_t i = 0; i < 40; ++i) bounds[i] = {Vec3::Zero(), 1, i, 1, 0xffffffffU, true};
   const auto executor = parallel::make_executor(ExecutorKind::Threads, 3);
   BroadPhase broad;
-  const auto result = broad.find(bounds, {}, 10, *executor);
+  const auto result = broad.find(bounds, {}, {10}, *executor);
   EXPECT_EQ(result.pairs.size() + result.discarded, 40U * 39U / 2U);
   EXPECT_GT(result.discarded, 0U);
   std::vector<int> partners(40, 0);
@@ -126,13 +126,27 @@ TEST(BroadPhase, PartnersBeyondTheLimitAreCountedNotLostInSilence) {
   for (const int count : partners) EXPECT_GE(count, 10);
 }
 
+TEST(BroadPhase, PairsBeyondTheLimitOfAllAreSharedEqually) {
+  std::vector<MotionBound> bounds(40);
+  for (std::uint32_t i = 0; i < 40; ++i) bounds[i] = {Vec3::Zero(), 1, i, 1, 0xffffffffU, true};
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, 3);
+  BroadPhase broad;
+  const std::size_t all = 40U * 39U / 2U;
+  EXPECT_EQ(broad.find(bounds, {}, {256, all}, *executor).pairs.size(), all);
+  const auto result = broad.find(bounds, {}, {256, all - 1}, *executor);
+  EXPECT_EQ(result.pairs.size() + result.discarded, all);
+  EXPECT_LE(result.pairs.size(), all - 1);
+  EXPECT_GE(result.pairs.size(), all / 2);
+  EXPECT_LE(broad.find(bounds, {}, {256, 1}, *executor).pairs.size(), 40U) << "one each, however few there may be";
+}
+
 TEST(BroadPhase, OfTooManyPartnersTheNearestAreKept) {
   // Balls in a row, of which only the first moves: each of the others is a little farther away than the one before.
   std::vector<MotionBound> bounds(40);
   for (std::uint32_t i = 0; i < 40; ++i) bounds[i] = {Vec3(0.02 * i, 0, 0), 1, i, 1, 0xffffffffU, i == 0};
   const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
   BroadPhase broad;
-  const auto result = broad.find(bounds, {}, 10, *executor);
+  const auto result = broad.find(bounds, {}, {10}, *executor);
   std::vector<CandidatePair> nearest;
   for (std::uint32_t i = 1; i <= 10; ++i) nearest.push_back({0, i});
   EXPECT_EQ((std::vector<CandidatePair>{result.pairs.begin(), result.pairs.end()}), nearest);
@@ -149,7 +163,7 @@ TEST(BroadPhase, InACrowdEachLooksAtBoundedlyManyAndKeepsNeighbours) {
     bounds[i] = {Vec3(10.5, 10.5, 10.5) + random_vector(random, 0.2), 1, i, 1, 0xffffffffU, true};
   const auto executor = parallel::make_executor(ExecutorKind::Threads, 2);
   BroadPhase broad;
-  const auto result = broad.find(bounds, {}, kMost, *executor);
+  const auto result = broad.find(bounds, {}, {kMost}, *executor);
   EXPECT_LE(result.pairs.size(), std::size_t{kCrowd} * kMost);
   EXPECT_GT(result.pairs.size(), std::size_t{kCrowd - 100} * kMost);
   EXPECT_EQ(result.pairs.size() + result.discarded, std::size_t{kCrowd} * (kCrowd - 1) / 2);
@@ -161,19 +175,19 @@ TEST(BroadPhase, InACrowdEachLooksAtBoundedlyManyAndKeepsNeighbours) {
   EXPECT_LT(mean_m, 0.05);
   // Bodies in the very same place are no harder.
   for (MotionBound& bound : bounds) bound.center_m = Vec3::Zero();
-  EXPECT_LE(broad.find(bounds, {}, kMost, *executor).pairs.size(), std::size_t{kCrowd} * kMost);
+  EXPECT_LE(broad.find(bounds, {}, {kMost}, *executor).pairs.size(), std::size_t{kCrowd} * kMost);
 }
 
 TEST(BroadPhase, OneBodyFarAwayPutsNoOthersTogether) {
   std::mt19937_64 random(5);
   auto bounds = random_bounds(random, 2000, 15, 0);
   const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
-  const std::size_t near = BroadPhase{}.find(bounds, {}, kMany, *executor).looked_at;
+  const std::size_t near = BroadPhase{}.find(bounds, {}, {kMany}, *executor).looked_at;
   for (const double far : {1e2, 1e4, 65536.0 * 2, 1e8}) {
     bounds.back().center_m = Vec3(far, -far, 2 * far);
     BroadPhase broad;
     EXPECT_EQ(found(broad, bounds, {}, *executor), brute_force(bounds, {}));
-    EXPECT_LT(broad.find(bounds, {}, kMany, *executor).looked_at, near + near / 10) << far;
+    EXPECT_LT(broad.find(bounds, {}, {kMany}, *executor).looked_at, near + near / 10) << far;
   }
 }
 

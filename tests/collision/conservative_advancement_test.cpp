@@ -179,7 +179,7 @@ TEST(SweptBounds, FindWhatAComparisonOfAllFinds) {
     }
     BroadPhase phase;
     const auto executor = parallel::make_executor(ExecutorKind::Threads, 2);
-    const BroadPhase::Result found = phase.find(bounds, planes, 1, *executor, swept);
+    const BroadPhase::Result found = phase.find(bounds, planes, {1}, *executor, swept);
     std::vector<CandidatePair> with_one;
     std::size_t between = 0;
     for (const CandidatePair& pair : found.pairs) {

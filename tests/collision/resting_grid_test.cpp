@@ -116,8 +116,8 @@ RC_GTEST_PROP(RestingGrid, WhatRestsAndWhatMovesIsFoundAsInOneGrid, ()) {
   grid.change({}, resting, *executor);
   BroadPhase one;
   BroadPhase two;
-  const auto together = one.find(all, {}, kAll / 32, *executor);
-  const auto apart = two.find(moving, {}, kAll / 32, *executor, {}, &grid);
+  const auto together = one.find(all, {}, {kAll / 32}, *executor);
+  const auto apart = two.find(moving, {}, {kAll / 32}, *executor, {}, &grid);
   RC_ASSERT(std::equal(together.pairs.begin(), together.pairs.end(), apart.pairs.begin(), apart.pairs.end()));
 }
 

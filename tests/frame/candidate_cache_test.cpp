@@ -43,7 +43,7 @@ TEST(CandidateCache, HoldEveryPairOfLaterFramesWhileBoundsMoveLittleAndAfterThey
     const double step = frame == 30 ? 0.5 : 2e-4;
     for (MotionBound& bound : bounds)
       bound.center_m += step * Vec3(random.symmetric(), random.symmetric(), random.symmetric());
-    const auto found = cached.find(broad_phase, bounds, {}, {}, {}, 256, *executor);
+    const auto found = cached.find(broad_phase, bounds, {}, {}, {}, {256}, *executor);
     const std::vector<CandidatePair> pairs(found.pairs.begin(), found.pairs.end());
     EXPECT_EQ(found.discarded, 0U);
     for (std::uint32_t i = 0; i < bounds.size(); ++i) {
@@ -63,7 +63,7 @@ TEST(CandidateCache, AreFoundAnewWhenABodyComesOrChangesItsGroup) {
   collision::BroadPhase broad_phase;
   CandidateCache cached;
   std::vector<MotionBound> bounds = cloud(300);
-  const auto count = [&] { return cached.find(broad_phase, bounds, {}, {}, {}, 256, *executor).pairs.size(); };
+  const auto count = [&] { return cached.find(broad_phase, bounds, {}, {}, {}, {256}, *executor).pairs.size(); };
   for (int frame = 0; frame < 3; ++frame) count();
   const std::size_t all = count();
   for (MotionBound& bound : bounds) bound.collides_with = 0;

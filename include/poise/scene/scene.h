@@ -240,6 +240,10 @@ struct SceneRunOptions {
   /// Number of bodies that all generators make together, in proportion to their own counts; empty: those of the scene.
   std::optional<std::uint64_t> bodies;
   std::optional<std::uint64_t> seed;  ///< replaces the scene's seed; also moves generated bodies
+  /// Memory that the run may take, in bytes, as far as it can be told before: bodies that need more by the estimates of
+  /// docs/scene-format.md ("What a scene needs") are refused before one of them is made, and what they leave bounds
+  /// WorldSettings::max_pairs. Meshes and trees are not counted. Empty: no limit.
+  std::optional<std::uint64_t> max_memory_bytes = {};
   /// Where built trees are cached; empty: no file but the scene's is read or written.
   std::optional<TreeCacheSettings> tree_cache;
   /// Called from time to time while trees are built, on the calling thread, with the completed share of all shapes, in

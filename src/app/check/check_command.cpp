@@ -12,6 +12,7 @@
 #include "app/exit_codes.h"
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "app/process_memory.h"
 #include "app/refusal.h"
 #include "app/scene_input.h"
 #include "app/tree_cache_options.h"
@@ -22,7 +23,7 @@ namespace {
 
 struct CheckOptions {
   std::string scene, json;
-  std::optional<std::uint64_t> bodies, seed, threads;
+  std::optional<std::uint64_t> bodies, seed, threads, max_memory_mib;
   TreeCacheOptions tree_cache;
   bool strict = false;
   bool quiet = false;
@@ -86,6 +87,7 @@ int check_command(const CheckOptions& options) {
   io::SceneCheckOptions asked;
   asked.bodies = options.bodies;
   asked.seed = options.seed;
+  asked.max_memory_bytes = max_memory_bytes(options.max_memory_mib);
   asked.threads = static_cast<int>(options.threads.value_or(0));
   asked.tree_cache = cache.value();
   return tell(options, scene.value().name, io::check_scene(scene.value(), asked));
@@ -102,6 +104,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
   add_whole(*command, "--threads", options->threads, 0, 256, "As for poise run");
   add_path(*command, "--json", options->json, "Write the result as JSON (poise.check/1), - for the standard output");
   add_tree_cache_options(*command, options->tree_cache);
+  add_max_memory(*command, options->max_memory_mib);
   command->add_flag("--strict", options->strict, "Exit with 1 where there are warnings");
   command->add_flag("--quiet", options->quiet, "Only the errors");
   command->footer(

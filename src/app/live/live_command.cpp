@@ -21,6 +21,7 @@
 #include "app/live/request_check.h"
 #include "app/option_values.h"
 #include "app/progress.h"
+#include "app/process_memory.h"
 #include "app/refusal.h"
 #include "app/run/run_options.h"
 #include "app/scene_input.h"
@@ -123,6 +124,7 @@ int live(const LiveOptions& options) {
   start.world = world_settings(options.run, scene.value());
   start.bodies = options.run.bodies;
   start.seed = options.run.seed;
+  start.max_memory_bytes = max_memory_bytes(options.run.max_memory_mib);
   start.tree_progress = [&](double share) { progress.share(loading, share); };
   if (!options.run.quiet) warn_of_threads("live", start.world.threads);
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.run.tree_cache);
@@ -162,6 +164,7 @@ void add_live_command(CLI::App& app, int& exit_code) {
           "Address to serve at (default 127.0.0.1). With another one other machines can see and change the run")
       ->type_name("A");
   add_tree_cache_options(*command, run.tree_cache);
+  add_max_memory(*command, run.max_memory_mib);
   command->add_flag("--quiet", run.quiet, "No progress");
   command->footer(
       "Example:\n"

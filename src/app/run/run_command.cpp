@@ -17,6 +17,7 @@
 #include "app/picture/frame_picture.h"
 #include "app/picture/picture.h"
 #include "app/progress.h"
+#include "app/process_memory.h"
 #include "app/refusal.h"
 #include "app/report/report_files.h"
 #include "app/run/run_loop.h"
@@ -366,6 +367,7 @@ int run_scene(const RunOptions& options) {
   start.world = world_settings(options, scene.value());
   start.bodies = options.bodies;
   start.seed = options.seed;
+  start.max_memory_bytes = max_memory_bytes(options.max_memory_mib);
   start.tree_progress = [&progress](double share) {
     progress.share("loading shapes and building sphere trees", share);
   };

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "app/option_values.h"
+#include "app/process_memory.h"
 #include "app/output_files.h"
 #include "app/report/report_files.h"
 #include "app/run/body_table.h"
@@ -146,6 +147,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
             "every=K: compare each K-th measured frame with the same frame done at full depth and to convergence");
   add_time_options(command, options.time);
   add_tree_cache_options(command, options.tree_cache);
+  add_max_memory(command, options.max_memory_mib);
   command.add_flag("--quiet", options.quiet, "No progress and no table");
 }
 

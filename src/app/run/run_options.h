@@ -41,6 +41,7 @@ struct RunOptions {
   PictureOptions picture;
   CaptureOptions capture;
   TreeCacheOptions tree_cache;
+  std::optional<std::uint64_t> max_memory_mib;
   TimeOptions time;
 };
 

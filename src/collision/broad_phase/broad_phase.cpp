@@ -323,13 +323,19 @@ void BroadPhase::sort_pairs(std::size_t count, parallel::Executor& executor) {
 }
 
 BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                                    std::uint32_t max_partners, parallel::Executor& executor,
+                                    const PartnerLimits& limits, parallel::Executor& executor,
                                     std::span<const SweptBound> swept, const RestingGrid* resting) {
   Result result;
+  std::uint32_t max_partners = limits.of_body;
   if (bounds.empty() && swept.empty()) return result;
   sort_into_cells(bounds, executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
   std::size_t count = collect(bounds, planes, swept, max_partners, resting, executor, result);
+  if (count > limits.of_all && !bounds.empty()) {
+    max_partners =
+        std::min(max_partners, static_cast<std::uint32_t>(std::max<std::size_t>(1, limits.of_all / bounds.size())));
+    count = collect(bounds, planes, swept, max_partners, resting, executor, result);
+  }
   if (count > found_.size()) {
     found_.resize(count + count / 2);
     count = collect(bounds, planes, swept, max_partners, resting, executor, result);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -47,6 +48,12 @@ struct CandidatePair {
 
 class RestingGrid;
 
+/// How many candidate pairs there may be.
+struct PartnerLimits {
+  std::uint32_t of_body = 256;                                   ///< partners that the search of one body finds
+  std::size_t of_all = std::numeric_limits<std::size_t>::max();  ///< pairs of all bodies, without those of swept ones
+};
+
 /// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table that holds
 /// blocks of neighbouring cells side by side. Invariant: buffers only grow, so that a scene that was seen once needs no
 /// allocation.
@@ -54,18 +61,19 @@ class BroadPhase {
  public:
   struct Result {
     std::span<const CandidatePair> pairs;  ///< sorted by (low, high), each once; valid until the next call
-    std::size_t discarded = 0;             ///< candidate partners discarded beyond max_partners
+    std::size_t discarded = 0;             ///< candidate partners discarded beyond the limits
     std::size_t looked_at = 0;             ///< bounds that the searches looked at: what the grid cost
   };
   /// At least one of a pair is dynamic, and each is in a group that the other collides with. Each bound has at most
-  /// `max_partners` partners found by its own search, the nearest of those that it looked at. The same result on any
-  /// number of threads. Linear in bounds and pairs, also where many lie in one place: there a search looks at no more
-  /// than most_tests(max_partners) others and counts the rest as discarded. `swept` bodies are not in the grid: each
+  /// limits.of_body partners found by its own search, the nearest of those that it looked at; where all together have
+  /// more than limits.of_all, it has at most its equal share of them. The same result on any number of threads. Linear
+  /// in bounds and pairs, also where many lie in one place: there a search looks at no more than
+  /// most_tests(max_partners) others and counts the rest as discarded. `swept` bodies are not in the grid: each
   /// searches the cells along its path, or all entries if these are fewer, and keeps every partner on it; swept bodies
   /// whose paths are near along the axis on which they are spread most are compared with each other. Without swept
   /// bodies this costs nothing. Bounds in `resting` are found by those that move and search for nothing themselves;
   /// swept bodies do not look there.
-  Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, std::uint32_t max_partners,
+  Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, const PartnerLimits& limits,
               parallel::Executor& executor, std::span<const SweptBound> swept = {},
               const RestingGrid* resting = nullptr);
   /// Bounds that the search of one looks at, at most. Far more than cells hold where bounds do not overlap.

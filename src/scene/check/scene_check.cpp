@@ -10,6 +10,7 @@
 #include "assets/json/json_document.h"
 #include "parallel/executor.h"
 #include "scene/check/placed_bodies.h"
+#include "scene/scene_memory.h"
 #include "scene/scene_parse.h"
 #include "scene/scene_shapes.h"
 
@@ -21,9 +22,6 @@ constexpr std::size_t kMostLookedAt = 200'000;
 constexpr std::size_t kMostPairs = 1000;
 
 // For the origin of the estimates see docs/scene-format.md, "What a scene needs".
-constexpr double kBaseBytes = 22e6;     ///< the program without a scene
-constexpr double kBytesOfBody = 7.0e3;  ///< state, contacts, candidates and fronts of a body in a pile
-constexpr double kBytesOfThread = 0.3e6;
 constexpr double kBytesOfNode = 60;
 constexpr double kBytesOfTriangle = 300;
 constexpr double kBodyNs = 3500;  ///< mandatory work of a frame for a body in a pile, processor time
@@ -184,6 +182,14 @@ void Checker::bodies() {
   std::vector<double> radius_m;
   for (const CheckedShape& shape : shapes_) radius_m.push_back(shape.shape->bounding_radius_m);
   tray_side_m_ = tray_side_m(scene_, options_.bodies.value_or(generated_body_count(scene_)), radius_m);
+  if (options_.max_memory_bytes) {
+    const Result<std::uint32_t> pairs = pairs_that_fit(scene_, options_.bodies, options_.threads,
+                                                       *options_.max_memory_bytes, WorldSettings{}.max_pairs);
+    if (!pairs) {
+      check_.errors.push_back(pairs.error().message);
+      return;
+    }
+  }
   ExpandOptions expand;
   expand.bodies = options_.bodies;
   expand.seed = options_.seed.value_or(scene_.seed);

@@ -15,7 +15,8 @@ struct SceneCheckOptions {
   std::optional<std::uint64_t> seed;            ///< likewise
   std::optional<TreeCacheSettings> tree_cache;  ///< the cache in which trees are searched; empty: every tree counts as
                                                 ///< not built
-  int threads = 0;                              ///< number of the run, 0 = as many as the machine has
+  std::optional<std::uint64_t> max_memory_bytes;  ///< likewise; the meshes and trees are not counted here
+  int threads = 0;                                ///< number of the run, 0 = as many as the machine has
 };
 
 /// Requirements and probable mistakes of a scene, found without building a tree or making a step. The estimates are
