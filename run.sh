@@ -31,7 +31,7 @@ report=()
 if [[ -f "$page" ]]; then report=(--report "$results"); fi
 status=0
 "$poise" run pile --deadline 16 --paced --json "$results/report.json" --frames-csv "$results/frames.csv" "${report[@]}" || status=$?
-if ((status == 0 || status == 130)); then
+if ((status == 0 || status == 130 || status == 143)); then
   echo
   if [[ -f "$page" ]]; then
     echo "The report, for a browser: $results/report.html"

@@ -13,7 +13,7 @@ void Context::add(std::string figure, std::string unit, double value, std::optio
 }
 
 Status Context::at(double share) const {
-  if (stop.stop_requested()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  if (stop.stop_requested()) return Error{ErrorKind::Cancelled, "stopped; nothing was written"};
   if (progress) progress(share);
   return Done{};
 }

@@ -7,6 +7,7 @@
 
 #include "app/compare/compare_loop.h"
 #include "app/compare/state_trials.h"
+#include "app/refusal.h"
 #include "parallel/interrupt.h"
 #include "scene/run/milliseconds.h"
 #include "scene/run/policy_name.h"
@@ -46,7 +47,7 @@ class Trials {
   Status measure(std::uint64_t frame, std::vector<MethodRun>& methods) {
     shared_.save(run_.world());
     for (MethodRun& method : methods) {
-      if (interrupt_.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+      if (interrupt_.asked()) return stopped_error();
       shared_.rewind(run_.world());
       const Result<io::ComparedStep> measured =
           method.method.kind == SettingKind::Iterations ? by_engine(frame, method) : by_poise(frame, method.method);

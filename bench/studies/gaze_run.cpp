@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "app/refusal.h"
 #include "frame/cues/pair_place.h"
 #include "verify/shared_reference.h"
 #include "verify/world_access.h"
@@ -105,8 +106,7 @@ class GazeTrial {
   }
 
   Result<StepInput> begin_frame() {
-    if (interrupt_ != nullptr && interrupt_->asked())
-      return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+    if (interrupt_ != nullptr && interrupt_->asked()) return stopped_error();
     Result<StepInput> input = driven_.begin_frame();
     if (input) input.value().view = gazing_at(camera_, kCentre);
     return input;

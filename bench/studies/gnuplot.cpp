@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "app/refusal.h"
 #include "scene/result_file.h"
 #include "studies/child_command.h"
 
@@ -68,8 +69,12 @@ std::string svg_script(std::string script) {
 
 Status draw_by_gnuplot(const std::string& script, const std::string& png, const std::string& svg,
                        const parallel::Interrupt& interrupt) {
-  const Status drawn = draw_into(png, script, interrupt);
-  return drawn ? draw_into(svg, svg_script(script), interrupt) : drawn;
+  Status drawn = draw_into(png, script, interrupt);
+  const Status other = draw_into(svg, svg_script(script), interrupt);
+  // Without gnuplot neither can be drawn, which is told once.
+  const bool same = !drawn && !other && drawn.error().message == other.error().message;
+  if (!same) add_failure(other, drawn);
+  return drawn;
 }
 
 }  // namespace poise::app

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/refusal.h"
 #include "geometry/mesh/procedural.h"
 #include "poise/assets/mesh_file.h"
 
@@ -269,7 +270,7 @@ Status try_pair(const TrialShape& a, const TrialShape& b, const TrialSettings& s
       results[i] = result_of(trial, number, workers.value()[static_cast<std::size_t>(worker)]);
     }
   });
-  if (stop.stop_requested()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  if (stop.stop_requested()) return stopped_error();
   for (const TouchResult& result : results) {
     if (result.samples.empty())
       return bad_input(fmt::format("{} and {}: thrown at each other they do not touch", a.name, b.name));

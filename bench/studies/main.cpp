@@ -47,6 +47,8 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // A reader that closes the pipe must lead to exit code 4, not to a signal.
   std::signal(SIGPIPE, SIG_IGN);
+  // So must a file that reaches the limit of `ulimit -f`.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return run(argc, argv);
   } catch (const std::exception& failure) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/refusal.h"
 #include "scene/run/milliseconds.h"
 
 namespace poise::app {
@@ -80,8 +81,7 @@ class Drive {
     return driven_->set_population(static_cast<std::uint64_t>(std::llround(bodies)));
   }
   Status step(const FrameLimit& limit, bool reference, std::vector<simulation::RunFrame>& frames) {
-    if (interrupt_ != nullptr && interrupt_->asked())
-      return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+    if (interrupt_ != nullptr && interrupt_->asked()) return stopped_error();
     Result<simulation::RunFrame> frame = driven_->step(limit, reference);
     if (!frame) return frame.error();
     frames.push_back(std::move(frame).value());

@@ -90,20 +90,24 @@ io::AccuracyDocument document_of(const accuracy::Context& context, double cpu_s)
 Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& document,
                  const parallel::Interrupt& interrupt) {
   Status written = write_to(o.json, io::accuracy_json(document));
-  if (written) written = write_to(o.markdown, io::accuracy_markdown(document));
-  if (written && o.json != "-" && o.markdown != "-" && !o.quiet)
-    written = io::write_stdout(io::accuracy_table(document));
+  add_failure(write_to(o.markdown, io::accuracy_markdown(document)), written);
+  if (o.json != "-" && o.markdown != "-" && !o.quiet)
+    add_failure(io::write_stdout(io::accuracy_table(document)), written);
   if (o.page_charts != nullptr) {
     *o.page_charts = io::accuracy_charts(document);
     o.page_charts->push_back(io::bounds_chart(document));
     leave_out_empty(*o.page_charts);
   }
-  if (!written || (o.picture.empty() && o.svg.empty())) return written;
-  if (document.series.empty())
-    return bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do");
+  if (o.picture.empty() && o.svg.empty()) return written;
+  if (document.series.empty()) {
+    add_failure(bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do"),
+                written);
+    return written;
+  }
   std::vector<LineChart> charts = io::accuracy_charts(document);
   leave_out_empty(charts);
-  return draw_by_gnuplot(charts_plot(charts, 1), o.picture, o.svg, interrupt);
+  add_failure(draw_by_gnuplot(charts_plot(charts, 1), o.picture, o.svg, interrupt), written);
+  return written;
 }
 
 int study(const StudyAccuracyOptions& options, const std::vector<accuracy::Case>& cases) {
@@ -121,7 +125,7 @@ int study(const StudyAccuracyOptions& options, const std::vector<accuracy::Case>
     const Status done = cases[i].run(context);
     if (done) continue;
     progress.end();
-    return refuse("study accuracy", done.error());
+    return refuse("study accuracy", interrupt.asked() ? stopped_error() : done.error());
   }
   progress.end();
   const io::AccuracyDocument document =

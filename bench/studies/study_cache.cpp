@@ -8,6 +8,7 @@
 #include "app/exit_codes.h"
 #include "app/output_files.h"
 #include "app/progress.h"
+#include "app/refusal.h"
 #include "frame/stage_list.h"
 #include "parallel/interrupt.h"
 #include "scene/run/percentiles.h"
@@ -63,7 +64,7 @@ int study_cache(const StudyTimingOptions& o) {
   TimedCache anew;
   Progress progress(!o.quiet);
   for (std::uint64_t frame = 0; frame < total; ++frame) {
-    if (interrupt.asked()) return refuse_cache({ErrorKind::Cancelled, "stopped by Ctrl-C"});
+    if (interrupt.asked()) return refuse_cache(stopped_error());
     progress.share(fmt::format("{} bodies", document.bodies), static_cast<double>(frame) / static_cast<double>(total));
     Status ready = run.value().before_frame(frame);
     const bool forgets = frame >= settle && frame % kEvery == 0;

@@ -77,8 +77,6 @@ Result<FrameReport> next_frame(SceneRun& run, const StudyTimingOptions& o, std::
   return report;
 }
 
-Error stopped() { return {ErrorKind::Cancelled, "stopped by Ctrl-C"}; }
-
 }  // namespace
 
 int study_cost(const StudyTimingOptions& o) {
@@ -101,7 +99,7 @@ int study_cost(const StudyTimingOptions& o) {
       if (!run) return refuse("cost", exit_code_of(run.error()), run.error().message);
       threads = run.value().world().threads();
       for (std::uint64_t frame = 0; frame < settle + frames; ++frame) {
-        if (interrupt.asked()) return refuse("cost", kExitStopped, stopped().message);
+        if (interrupt.asked()) return refuse("cost", stopped_error());
         progress.share(fmt::format("round {}, {} bodies", round + 1, populations[p]),
                        static_cast<double>(frame) / static_cast<double>(settle + frames));
         const Result<FrameReport> report = next_frame(run.value(), o, frame);
@@ -148,7 +146,7 @@ int study_scaling(const StudyTimingOptions& o) {
   std::vector<double> work;
   for (std::uint64_t frame = 0; frame < total; ++frame) {
     for (std::size_t r = 0; r < runs.size(); ++r) {
-      if (interrupt.asked()) return refuse("scaling", kExitStopped, stopped().message);
+      if (interrupt.asked()) return refuse("scaling", stopped_error());
       Status ready = runs[r].before_frame(frame);
       if (ready && frame >= settle) ready = forget_pairs(runs[r]);
       if (!ready) return refuse("scaling", exit_code_of(ready.error()), ready.error().message);

@@ -94,7 +94,7 @@ Result<Counted> count(const Words& options, const Scratch& scratch, const parall
   words.insert(words.end(), options.begin(), options.end());
   const Result<ChildResult> done = run_program(std::move(words), interrupt);
   if (!done) return done.error();
-  if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C"};
+  if (interrupt.asked()) return stopped_error();
   if (done.value().exit_code != 0)
     return bad_input(
         fmt::format("poise run {} ended with {} under valgrind", fmt::join(options, " "), done.value().exit_code));
@@ -160,7 +160,7 @@ Result<io::FreeRow> row_of(const Feature& feature, std::uint64_t bodies, std::ui
       }(),
       interrupt);
   if (!warm) return warm.error();
-  if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C"};
+  if (interrupt.asked()) return stopped_error();
   const Result<Counted> off = count(options(feature.off), scratch, interrupt);
   if (!off) return off.error();
   const Result<Counted> on = count(options(feature.on), scratch, interrupt);

@@ -38,8 +38,7 @@ Result<Shapes> make_shapes(const StudyLevelsOptions& options, const LevelsPlan& 
       TreeCacheOutcome outcome{};
       Result<TrialShape> shape =
           make_trial_shape(name, static_cast<int>(options.fineness.value_or(8)), build, cache.value(), outcome);
-      if (!shape && shape.error().kind == ErrorKind::Cancelled)
-        return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+      if (!shape && shape.error().kind == ErrorKind::Cancelled) return stopped_error();
       if (!shape) return shape.error();
       kept = kept && outcome != TreeCacheOutcome::NotWritable;
       shapes.emplace(name, std::move(shape).value());
@@ -72,14 +71,15 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
 Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document,
                  const parallel::Interrupt& interrupt) {
   Status written = write_to(o.json, io::levels_json(document));
-  if (written) written = write_to(o.csv, io::levels_csv(document));
-  if (written) written = write_to(o.markdown, io::levels_markdown(document));
+  add_failure(write_to(o.csv, io::levels_csv(document)), written);
+  add_failure(write_to(o.markdown, io::levels_markdown(document)), written);
   const bool taken = o.json == "-" || o.markdown == "-" || o.csv == "-";
-  if (written && !taken && !o.quiet) written = io::write_stdout(io::levels_table(document));
+  if (!taken && !o.quiet) add_failure(io::write_stdout(io::levels_table(document)), written);
   std::vector<LineChart> charts = io::levels_charts(document);
   leave_out_empty(charts);
   if (o.page_charts != nullptr) *o.page_charts = charts;
-  return written ? draw_by_gnuplot(charts_plot(charts, 2), o.picture, o.svg, interrupt) : written;
+  add_failure(draw_by_gnuplot(charts_plot(charts, 2), o.picture, o.svg, interrupt), written);
+  return written;
 }
 
 int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& progress,

@@ -258,7 +258,7 @@ Result<std::vector<OrderFrame>> order_frames(const Scene& scene, SceneRun& run, 
       const Result<FrameReport> frame = state.go(how, nullptr);
       if (!frame) return frame.error();
     }
-    if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+    if (interrupt.asked()) return stopped_error();
     told(static_cast<double>(k + 1) / static_cast<double>(total));
   }
   return frames;

@@ -102,7 +102,7 @@ Result<std::vector<io::StudyCell>> row_of_child(const StudyPopulationOptions& o,
   }
   const Result<ChildResult> child = run_child(words, interrupt);
   if (!child) return child.error();
-  if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  if (interrupt.asked()) return stopped_error();
   if (child.value().exit_code != kExitDone)
     return bad_input(fmt::format("the process with {} bodies ended with {}", bodies, child.value().exit_code));
   return io::first_row_of(child.value().out, population_columns());

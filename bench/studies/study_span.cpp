@@ -94,7 +94,7 @@ int study_span(const StudyTimingOptions& o) {
   std::array<CountedState, 2> states;
   Progress progress(!o.quiet);
   for (std::uint64_t frame = 0; frame < settle + frames; ++frame) {
-    if (interrupt.asked()) return refuse("scaling", kExitStopped, "stopped by Ctrl-C");
+    if (interrupt.asked()) return refuse("scaling", stopped_error());
     progress.share("counted frames", static_cast<double>(frame) / static_cast<double>(settle + frames));
     const Status ready = run.value().before_frame(frame);
     if (!ready) return refuse_span(ready.error());

@@ -248,11 +248,11 @@ int study_strips(const StudyStripsOptions& o) {
   without_plot.picture.clear();
   without_plot.svg.clear();
   Status written = write_study(without_plot, strips_table(strips.value(), o), {}, std::string());
-  if (written && !o.common.picture.empty()) {
+  if (!o.common.picture.empty()) {
     const Result<std::string> png = io::png_bytes(strips_picture(strips.value()));
-    written = png ? io::write_file(o.common.picture, png.value()) : Status(png.error());
+    add_failure(png ? io::write_file(o.common.picture, png.value()) : Status(png.error()), written);
   }
-  if (written && !o.common.svg.empty()) written = io::write_file(o.common.svg, strips_svg(strips.value()));
+  if (!o.common.svg.empty()) add_failure(io::write_file(o.common.svg, strips_svg(strips.value())), written);
   return written ? kExitDone : refuse("study strips", written.error());
 }
 

@@ -8,6 +8,7 @@
 #include "app/option_values.h"
 #include "app/output_files.h"
 #include "app/process_memory.h"
+#include "app/refusal.h"
 #include "app/run/run_options.h"
 #include "app/scene_files.h"
 #include "parallel/executor.h"
@@ -118,11 +119,13 @@ Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, c
   if (!run.islands_wait) start.world.islands_wait = IslandsWait::Never;
   start.world.sleeping = start.world.sleeping || run.sleeping;
   start.bodies = run.bodies;
+  const parallel::Interrupt interrupt;
+  start.stop = interrupt.token();
   forget_peak_memory();
   const std::uint64_t before_bytes = peak_memory_bytes();
   const SteadyClock::time_point begin = SteadyClock::now();
   Result<SceneRun> made = SceneRun::create(scene_, start);
-  if (!made) return made.error();
+  if (!made) return interrupt.asked() ? stopped_error() : made.error();
   const double load_ms = ms(SteadyClock::now() - begin);
   LoopSettings loop;
   loop.frames = run.frames;
@@ -141,9 +144,9 @@ Result<std::vector<simulation::RunFrame>> StudyScene::run(const StudyRun& run, c
     ++done;
     progress.share(doing, static_cast<double>(done) / static_cast<double>(run.frames + run.warm_up));
   };
-  Result<LoopResult> result = run_loop(made.value(), loop, {}, told);
+  Result<LoopResult> result = run_loop(made.value(), loop, interrupt, {}, told);
   if (!result) return result.error();
-  if (result.value().stopped) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  if (result.value().stopped) return stopped_error();
   if (cost != nullptr) {
     // The reports of the frames belong to the study.
     const std::uint64_t own_bytes = before_bytes + result.value().frames.size() * sizeof(simulation::RunFrame);
@@ -171,14 +174,16 @@ Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, std:
 Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, std::vector<LineChart> charts,
                    const std::string& plot) {
   Status written = write_to(o.json, io::study_json(table));
-  if (written) written = write_to(o.markdown, io::study_markdown(table));
-  if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(io::study_text(table));
+  add_failure(write_to(o.markdown, io::study_markdown(table)), written);
+  if (o.json != "-" && o.markdown != "-" && !o.quiet) add_failure(io::write_stdout(io::study_text(table)), written);
   leave_out_empty(charts);
   if (o.page_charts != nullptr) *o.page_charts = std::move(charts);
-  if (!written || (o.picture.empty() && o.svg.empty())) return written;
-  if (plot.empty()) return bad_input("--picture: the study has no figures to draw");
+  if (o.picture.empty() && o.svg.empty()) return written;
   const parallel::Interrupt interrupt;
-  return draw_by_gnuplot(plot, o.picture, o.svg, interrupt);
+  add_failure(plot.empty() ? Status(bad_input("--picture: the study has no figures to draw"))
+                           : draw_by_gnuplot(plot, o.picture, o.svg, interrupt),
+              written);
+  return written;
 }
 
 }  // namespace poise::app

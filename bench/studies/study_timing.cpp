@@ -8,6 +8,7 @@
 #include "app/exit_codes.h"
 #include "app/option_values.h"
 #include "app/output_files.h"
+#include "app/refusal.h"
 #include "app/run/run_options.h"
 #include "app/scene_files.h"
 #include "scene/result_file.h"
@@ -177,8 +178,8 @@ int write_timing(const StudyTimingOptions& o, const char* study, const std::stri
                  std::vector<LineChart> charts) {
   if (o.page_charts != nullptr) *o.page_charts = std::move(charts);
   Status written = write_to(o.json, json);
-  if (written) written = write_to(o.markdown, markdown);
-  if (written && o.json != "-" && o.markdown != "-" && !o.quiet) written = io::write_stdout(markdown);
+  add_failure(write_to(o.markdown, markdown), written);
+  if (o.json != "-" && o.markdown != "-" && !o.quiet) add_failure(io::write_stdout(markdown), written);
   if (written) return kExitDone;
   fmt::print(stderr, "poise study {}: {}\n", study, written.error().message);
   return exit_code_of(written.error());

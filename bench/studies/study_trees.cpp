@@ -50,7 +50,7 @@ Result<io::TreesRow> make_row(const StudyTreesOptions& options, const StudyMesh&
                               const parallel::Interrupt& interrupt) {
   const Result<ChildResult> child = run_child(arguments_of(options, mesh, preset), interrupt);
   if (!child) return child.error();
-  if (interrupt.asked()) return Error{ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"};
+  if (interrupt.asked()) return stopped_error();
   io::TreesRow row;
   if (child.value().exit_code == kExitDone) {
     Result<io::TreesRow> read = io::row_of_tree_json(child.value().out);
@@ -67,10 +67,10 @@ Result<io::TreesRow> make_row(const StudyTreesOptions& options, const StudyMesh&
 Status write_all(const StudyTreesOptions& o, const io::TreesDocument& document) {
   if (o.page_charts != nullptr) *o.page_charts = io::trees_charts(document);
   Status written = write_to(o.json, io::trees_json(document));
-  if (written) written = write_to(o.markdown, io::trees_markdown(document));
-  if (written) written = write_to(o.csv, io::trees_csv(document));
+  add_failure(write_to(o.markdown, io::trees_markdown(document)), written);
+  add_failure(write_to(o.csv, io::trees_csv(document)), written);
   const bool taken = o.json == "-" || o.markdown == "-" || o.csv == "-";
-  if (written && !taken && !o.quiet) written = io::write_stdout(io::trees_table(document));
+  if (!taken && !o.quiet) add_failure(io::write_stdout(io::trees_table(document)), written);
   return written;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "parallel/interrupt.h"
 #include "poise/result.h"
 
 namespace poise::app {
@@ -10,11 +11,13 @@ inline constexpr int kExitRequirementFailed = 1;
 inline constexpr int kExitBadUsage = 2;
 inline constexpr int kExitBadInput = 3;
 inline constexpr int kExitOutputFailed = 4;
-inline constexpr int kExitStopped = 130;
+
+/// After a signal that stopped the command: 128 and its number, as shells have it. 130 for Ctrl-C, 143 for SIGTERM.
+inline int exit_stopped() { return 128 + parallel::stop_signal(); }
 
 /// The exit code for a refusal by the library.
 inline int exit_code_of(const Error& error) {
-  if (error.kind == ErrorKind::Cancelled) return kExitStopped;
+  if (error.kind == ErrorKind::Cancelled) return exit_stopped();
   return error.kind == ErrorKind::OutputFailed ? kExitOutputFailed : kExitBadInput;
 }
 

@@ -70,6 +70,8 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "tune") return poise::app::start_tune(argc, argv);
   // A reader that goes away must end in exit code 4, not in a signal.
   std::signal(SIGPIPE, SIG_IGN);
+  // So must a file that reaches the limit of `ulimit -f`, so that the other files are written.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return run(argc, argv);
   } catch (const std::exception& failure) {

@@ -16,4 +16,13 @@ int refuse(std::string_view command, int code, const std::string& message) {
 
 int refuse(std::string_view command, const Error& error) { return refuse(command, exit_code_of(error), error.message); }
 
+Error stopped_error(std::string_view left) {
+  return {ErrorKind::Cancelled, fmt::format("stopped by {}; {}", parallel::stop_name(), left)};
+}
+
+void add_failure(const Status& status, Status& all) {
+  if (status) return;
+  all = all ? status : Status(Error{all.error().kind, all.error().message + "; " + status.error().message});
+}
+
 }  // namespace poise::app

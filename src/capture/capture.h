@@ -154,7 +154,7 @@ struct CaptureHeader {
 /// What the end of a capture says.
 struct CaptureEnd {
   std::uint64_t frames = 0, left_out = 0;
-  bool stopped = false;  ///< by Ctrl-C
+  bool stopped = false;  ///< by Ctrl-C or SIGTERM
 };
 
 }  // namespace poise::capture

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "capture/capture_writer.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "assets/files/atomic_file.h"
@@ -16,34 +10,20 @@
 namespace poise::capture {
 
 struct CaptureWriter::Impl {
-  Impl(std::filesystem::path file_path, int file, bool is_new, std::size_t frames_waiting)
-      : path(std::move(file_path)),
-        descriptor(file),
-        empty_and_new(is_new),
-        queue(frames_waiting, [this](SeenFrame& frame) { work(frame); }) {}
-  ~Impl() {
-    queue.close();
-    close();
-    std::error_code ignored;
-    if (empty_and_new) std::filesystem::remove(path, ignored);
-  }
+  Impl(geometry::AtomicFile opened, std::size_t frames_waiting)
+      : file(std::move(opened)), queue(frames_waiting, [this](SeenFrame& frame) { work(frame); }) {}
+  ~Impl() { queue.close(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void close() {
-    if (descriptor >= 0 && ::close(std::exchange(descriptor, -1)) != 0 && sound) sound = failed(errno);
-  }
-  [[nodiscard]] Error failed(int reason) const {
-    return {ErrorKind::OutputFailed,
-            fmt::format("{}: cannot be written: {}", path.string(), std::generic_category().message(reason))};
-  }
   void write(const Status& made) {
     if (sound && !made)
-      sound = Error{made.error().kind, path.string() + ": cannot be written: " + made.error().message};
+      sound = Error{made.error().kind, file.path().string() + ": cannot be written: " + made.error().message};
     if (!sound || out.empty()) return;
-    const int reason = geometry::write_all(descriptor, out);
-    if (reason != 0) sound = failed(reason);
-    written += out.size();
+    // Each block reaches the system at once, so that it outlives the program.
+    sound = file.write(out);
+    if (sound) sound = file.flush();
+    if (sound) written += out.size();
     out.clear();
   }
   // On the queue's thread.
@@ -56,13 +36,11 @@ struct CaptureWriter::Impl {
     frame.pairs.clear();
   }
 
-  const std::filesystem::path path;
-  int descriptor = -1;
-  bool empty_and_new = false;  // made by open(), and nothing was written yet
-  std::uint64_t frames = 0;    // that were handed over
+  std::uint64_t frames = 0;  // that were handed over
   std::uint64_t left_out = 0;
   std::uint32_t left_out_now = 0;  // since the last frame that was handed over
   // Of the queue's thread between begin() and finish().
+  geometry::AtomicFile file;
   BlockWriter blocks;
   std::string out;
   std::uint64_t written = 0;
@@ -76,22 +54,15 @@ CaptureWriter& CaptureWriter::operator=(CaptureWriter&&) noexcept = default;
 CaptureWriter::~CaptureWriter() = default;
 
 Result<CaptureWriter> CaptureWriter::open(const std::filesystem::path& path, std::size_t frames_waiting) {
-  constexpr mode_t kUsualRights = 0666;
-  int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kUsualRights);
-  const bool is_new = descriptor >= 0;
-  if (!is_new) descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kUsualRights);
-  if (descriptor < 0) {
-    return Error{ErrorKind::OutputFailed,
-                 fmt::format("{}: cannot be written: {}", path.string(), std::generic_category().message(errno))};
-  }
-  return CaptureWriter(std::make_unique<Impl>(path, descriptor, is_new, frames_waiting));
+  Result<geometry::AtomicFile> file = geometry::AtomicFile::open(path);
+  if (!file) return file.error();
+  return CaptureWriter(std::make_unique<Impl>(std::move(file).value(), frames_waiting));
 }
 
 Status CaptureWriter::begin(const CaptureHeader& header) {
-  // A pipe has no length to cut.
-  if (::ftruncate(impl_->descriptor, 0) != 0 && errno != EINVAL) return impl_->failed(errno);
   impl_->write(impl_->blocks.begin(header, impl_->out));
-  if (impl_->written > 0) impl_->empty_and_new = false;
+  // Only now, so that a file that was there goes when what takes its place can be opened.
+  if (impl_->sound) impl_->sound = impl_->file.publish();
   return impl_->sound;
 }
 
@@ -117,7 +88,9 @@ std::uint64_t CaptureWriter::frames() const { return impl_->frames; }
 Status CaptureWriter::finish(bool stopped) {
   impl_->queue.close();
   if (impl_->sound) impl_->write(impl_->blocks.finish(impl_->left_out, stopped, impl_->out));
-  impl_->close();
+  // What is there up to a failure is a capture that ends early.
+  const Status closed = impl_->file.commit_what_is_whole();
+  if (!closed) impl_->sound = closed;
   return impl_->sound;
 }
 

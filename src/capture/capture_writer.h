@@ -46,9 +46,9 @@ struct SeenFrame {
   std::vector<SeenPair> pairs;        ///< where the header asks for them
 };
 
-/// Writes a capture on a thread of its own while the run goes on. The file is written block by block under its own
-/// name, so that what a run has written stays when it is killed. Invariant: at most a stated number of frames waits to
-/// be written.
+/// Writes a capture on a thread of its own while the run goes on. The file has its name from its header on and is
+/// written block by block, so that what a run has written stays when it is killed. Invariant: at most a stated number
+/// of frames waits to be written.
 ///
 /// One thread uses it, the one that made it.
 class CaptureWriter {
@@ -56,9 +56,8 @@ class CaptureWriter {
   /// Frames that may wait. Chosen: a second, for a disk that is busy.
   static constexpr std::size_t kFramesWaiting = 60;
 
-  /// The thread is made here, so that it runs where its maker may run now. A file that is there keeps its content until
-  /// begin(); one that was not there goes again where begin() never comes, because the run was refused. Refused as
-  /// OutputFailed: a path that cannot be written.
+  /// The thread is made here, so that it runs where its maker may run now. A file that is there stays until
+  /// begin() has written what takes its place. Refused as OutputFailed: a path that cannot be written.
   static Result<CaptureWriter> open(const std::filesystem::path& path, std::size_t frames_waiting = kFramesWaiting);
   CaptureWriter(CaptureWriter&&) noexcept;
   CaptureWriter& operator=(CaptureWriter&&) noexcept;
@@ -77,7 +76,8 @@ class CaptureWriter {
   [[nodiscard]] std::uint64_t left_out() const;
   /// Frames that were handed over.
   [[nodiscard]] std::uint64_t frames() const;
-  /// Writes what waits, the index and the trailer. Refused: what could not be written, now or before.
+  /// Writes what waits, the index and the trailer. Refused: what could not be written, now or before; the file then
+  /// ends with the last whole block.
   Status finish(bool stopped);
   /// Size of the file, after finish().
   [[nodiscard]] std::uint64_t bytes() const;

@@ -7,9 +7,10 @@
 
 namespace poise::parallel {
 
-/// Turns Ctrl-C (SIGINT) into a stop token during its lifetime, and then restores the previous handler. A second Ctrl-C
-/// ends the process at once. At most one may live at a time; it must be made and destroyed on the same thread. If the
-/// system provides no pipe, Ctrl-C keeps its meaning and the token is never stopped.
+/// Turns Ctrl-C (SIGINT) and SIGTERM into a stop token during its lifetime, and then restores the previous handlers. A
+/// second signal, either of them, ends the process at once. At most one may live at a time; it must be made and
+/// destroyed on the same thread. If the system provides no pipe, the signals keep their meaning and the token is never
+/// stopped.
 class Interrupt {
  public:
   Interrupt();
@@ -17,18 +18,25 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  /// Stopped shortly after Ctrl-C. Any thread.
+  /// Stopped shortly after the signal. Any thread.
   [[nodiscard]] std::stop_token token() const { return stop_.get_token(); }
-  [[nodiscard]] bool asked() const { return stop_.stop_requested(); }
+  /// True from the signal on, also where it is seen by the call of the system that it ended. Any thread.
+  [[nodiscard]] bool asked() const;
 
  private:
   // A signal handler must not use a stop source, so it writes a byte to a pipe; a thread reads the pipe and requests
   // the stop.
   std::stop_source stop_;
   int ends_[2] = {-1, -1};
-  struct sigaction before_ {};
+  struct sigaction before_int_ {};
+  struct sigaction before_term_ {};
   std::jthread watcher_;
 };
+
+/// The signal that the last Interrupt was asked by; SIGINT where there was none. Any thread.
+int stop_signal();
+/// The same in words: `Ctrl-C` or `SIGTERM`.
+const char* stop_name();
 
 /// A token that is already stopped: work ends at its first check of the token. Any thread.
 std::stop_token stopped_token();

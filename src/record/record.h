@@ -82,7 +82,7 @@ struct RecordedFrame {
 /// The end of a record.
 struct RecordEnd {
   std::uint64_t frames = 0;  ///< number of frames in the record
-  bool stopped = false;      ///< by Ctrl-C
+  bool stopped = false;      ///< by Ctrl-C or SIGTERM
 };
 
 }  // namespace poise::io

@@ -150,7 +150,7 @@ RecordWriter& RecordWriter::operator=(RecordWriter&&) noexcept = default;
 RecordWriter::~RecordWriter() = default;
 
 Result<RecordWriter> RecordWriter::open(const std::filesystem::path& path) {
-  Result<AtomicFile> file = AtomicFile::open(path);
+  Result<AtomicFile> file = AtomicFile::open(path, AtomicFile::Before::Part);
   if (!file) return file.error();
   RecordWriter writer(std::move(file).value());
   if (!writer.zlib_) return Error{ErrorKind::OutputFailed, path.string() + ": cannot be written: no memory"};
@@ -196,8 +196,10 @@ Status RecordWriter::frame(const RecordedFrame& frame, SteadyClock::time_point n
 Status RecordWriter::finish(bool stopped) {
   raw_.clear();
   write_end({frames_, stopped}, raw_);
+  // What block() refuses the file knows too, but for a lack of memory.
   const Status written = block(kEnd, raw_);
-  return written ? file_.commit() : written;
+  const Status closed = file_.commit_what_is_whole();
+  return closed ? written : closed;
 }
 
 RecordReader::RecordReader() : zlib_(ZlibStream::unpacker()) {}

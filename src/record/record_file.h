@@ -23,9 +23,10 @@ inline constexpr std::chrono::milliseconds kRecordFlushInterval{250};
 /// Compresses or decompresses successive blocks as one zlib stream, each block complete to its last byte.
 class ZlibStream;
 
-/// Writes a record during its run. The file appears when it is complete. If the program is killed, a file remains in
-/// the same folder whose name ends in `.part`; it can be replayed: the header, the first frame, and all frames up to
-/// the last that came kRecordFlushInterval or more after the one before that was handed over. One thread at a time.
+/// Writes a record during its run. The file appears when it is complete. If the program is killed, `.NAME.N.part`
+/// remains in the same folder; it can be replayed: the header, the first frame, and all frames up to the last that came
+/// kRecordFlushInterval or more after the one before that was handed over. It goes when the same record is written
+/// again to its end. One thread at a time.
 class RecordWriter {
  public:
   /// Refused as AtomicFile refuses.
@@ -39,7 +40,8 @@ class RecordWriter {
   /// Appends a frame that ended at `now`; call in order. The first frame, and each that ended kRecordFlushInterval or
   /// more after the last such one, is handed to the system with all before it, so that they outlive the program.
   Status frame(const RecordedFrame& frame, SteadyClock::time_point now);
-  /// Closes the record and renames the file.
+  /// Closes the record and renames the file. Refused: what could not be written, now or before; the frames that were
+  /// written whole are then a record that is cut short.
   Status finish(bool stopped);
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 

@@ -207,7 +207,7 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
   Result<std::unique_ptr<Impl>> begun = Impl::begin(scene, options);
   if (!begun) return begun.error();
   std::unique_ptr<Impl> impl = std::move(begun).value();
-  Status done = impl->load_shapes({options.world.threads, options.tree_cache, options.tree_progress});
+  Status done = impl->load_shapes({options.world.threads, options.tree_cache, options.tree_progress, options.stop});
   if (done) done = impl->add_shapes_and_materials();
   if (done) done = impl->add_start(options);
   if (!done) return done.error();

@@ -196,7 +196,9 @@ Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& setting
       progress = [&](double share) {
         settings.progress((static_cast<double>(done.get()) + share) / static_cast<double>(made.size()));
       };
-    made[i] = std::visit(Loader{scene, threads, settings.tree_cache, uses[i], progress}, scene.shapes[i].source);
+    const Loader loader{scene, threads, settings.tree_cache, uses[i], progress, settings.stop};
+    made[i] = settings.stop.stop_requested() ? Error{ErrorKind::Cancelled, "the loading of the shapes was stopped"}
+                                             : std::visit(loader, scene.shapes[i].source);
     done.add(1);
   });
   LoadedShapes loaded;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct LoadSettings {
   std::optional<TreeCacheSettings> tree_cache;      ///< empty: every tree is built
   std::function<void(double share)> progress = {};  ///< called on the calling thread, with the completed share of the
                                                     ///< shapes, 0 to 1
+  std::stop_token stop = {};                        ///< ends the loading
 };
 
 struct LoadedShapes {
@@ -23,7 +25,7 @@ struct LoadedShapes {
   TreeCacheUse tree_cache_use;
 };
 
-/// Loads or makes the shapes of a scene. Refused with scene file and field.
+/// Loads or makes the shapes of a scene. Refused with scene file and field, and as Cancelled when it is stopped.
 Result<LoadedShapes> load_shapes(const Scene& scene, const LoadSettings& settings);
 
 /// One shape as load_shapes makes it, except that a mesh's tree that is not in a cache is not built:

@@ -80,7 +80,7 @@ CommandResult poise_command_into(const std::string& out_file, const std::vector<
 }
 
 CommandResult interrupted_command(const std::vector<std::string>& arguments, const std::string& fifo,
-                                  std::string& received) {
+                                  std::string& received, int signal) {
   CommandResult result;
   if (::mkfifo(fifo.c_str(), 0600) != 0) return result;
   const int reader = ::open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
@@ -95,7 +95,7 @@ CommandResult interrupted_command(const std::vector<std::string>& arguments, con
     const ssize_t got = ::read(reader, block.data(), block.size());
     if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) break;
     if (got < 0) continue;
-    if (received.empty()) ::kill(child, SIGINT);
+    if (received.empty()) ::kill(child, signal);
     received.append(block.data(), static_cast<std::size_t>(got));
   }
   ::close(reader);
@@ -104,7 +104,7 @@ CommandResult interrupted_command(const std::vector<std::string>& arguments, con
   return result;
 }
 
-CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments) {
+CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments, int signal) {
   CommandResult result;
   const int screen = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (screen < 0 || ::grantpt(screen) != 0 || ::unlockpt(screen) != 0) return result;
@@ -123,7 +123,7 @@ CommandResult interrupted_on_terminal(const std::vector<std::string>& arguments)
     const ssize_t got = ::read(screen, block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
-    if (result.error.empty()) ::kill(child, SIGINT);
+    if (result.error.empty()) ::kill(child, signal);
     result.error.append(block.data(), static_cast<std::size_t>(got));
   }
   ::close(screen);

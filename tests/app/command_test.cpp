@@ -282,20 +282,22 @@ TEST(Command, WarnsOfAnOpenMeshOnceAndInTheReport) {
   EXPECT_EQ("poise run: warning: " + report.at("warnings").at(0).get<std::string>(), told[0]);
 }
 
-TEST(Command, EndsAtCtrlCWithItsReportsWritten) {
-  const TemporaryFolder folder;
-  std::string states;
-  const CommandResult result =
-      interrupted_command({"run", "gas", "--frames", "1000000", "--json", folder.file("r.json"), "--states",
-                           folder.file("states"), "--quiet"},
-                          folder.file("states"), states);
-  EXPECT_EQ(result.exit_code, 130) << result.error;
-  const json report = json::parse(contents(folder.file("r.json")), nullptr, false);
-  ASSERT_TRUE(report.is_object());
-  EXPECT_EQ(report.at("stopped"), true);
-  EXPECT_EQ(report.at("settings").at("frames_asked"), 1000000);
-  const auto frames = report.at("frames").get<std::size_t>();
-  EXPECT_EQ(lines(states).size(), 1 + (frames + 1) * 1006);
+TEST(Command, EndsAtCtrlCAndAtSigtermWithItsReportsWritten) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    std::string states;
+    const CommandResult result =
+        interrupted_command({"run", "gas", "--frames", "1000000", "--json", folder.file("r.json"), "--states",
+                             folder.file("states"), "--quiet"},
+                            folder.file("states"), states, signal);
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.error;
+    const json report = json::parse(contents(folder.file("r.json")), nullptr, false);
+    ASSERT_TRUE(report.is_object());
+    EXPECT_EQ(report.at("stopped"), true);
+    EXPECT_EQ(report.at("settings").at("frames_asked"), 1000000);
+    const auto frames = report.at("frames").get<std::size_t>();
+    EXPECT_EQ(lines(states).size(), 1 + (frames + 1) * 1006);
+  }
 }
 
 TEST(Command, ListsTheScenesThatShip) {

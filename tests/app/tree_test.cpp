@@ -183,16 +183,21 @@ TEST(TreeCommand, DrawsItsTrees) {
   EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 1800);
 }
 
-TEST(TreeCommand, ShowsProgressOnATerminalAndEndsAtCtrlCWithNothingWritten) {
-  const TemporaryFolder folder;
-  const CommandResult result =
-      interrupted_on_terminal({"tree", kTorus, "--depth", "3", "-o", folder.file("t.sph"), "--json",
-                               folder.file("t.json"), "--picture", folder.file("t.png")});
-  EXPECT_EQ(result.exit_code, 130) << result.error;
-  EXPECT_EQ(result.out, "");
-  EXPECT_NE(result.error.find("reading the mesh"), std::string::npos) << result.error;
-  EXPECT_NE(result.error.find("poise tree: stopped by Ctrl-C; nothing was written"), std::string::npos) << result.error;
-  EXPECT_EQ(folder.entries(), 0U);
+TEST(TreeCommand, ShowsProgressOnATerminalAndEndsAtASignalWithNothingWritten) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    const CommandResult result =
+        interrupted_on_terminal({"tree", kTorus, "--depth", "3", "-o", folder.file("t.sph"), "--json",
+                                 folder.file("t.json"), "--picture", folder.file("t.png")},
+                                signal);
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.error;
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(result.error.find("reading the mesh"), std::string::npos) << result.error;
+    const std::string name = signal == SIGINT ? "Ctrl-C" : "SIGTERM";
+    EXPECT_NE(result.error.find("poise tree: stopped by " + name + "; nothing was written"), std::string::npos)
+        << result.error;
+    EXPECT_EQ(folder.entries(), 0U);
+  }
 }
 
 TEST(TreeCommand, TakesOpenMeshesAndSheetsAndSaysSo) {

@@ -126,14 +126,16 @@ TEST(Tune, TellsATrialThatFailsAndGoesOn) {
   EXPECT_EQ(json::parse(contents(out)).at("evidence").at("trials"), json({{"done", 3}, {"failed", 1}}));
 }
 
-TEST(Tune, StoppedByCtrlCKeepsItsJournal) {
+TEST(Tune, StoppedByASignalKeepsItsJournal) {
   POISE_SKIP_WITHOUT_OPTUNA();
   const TemporaryFolder folder;
   const std::vector<std::string> command = small_search({"--trials", "2", "--out", folder.file("mine.json")});
-  const CommandResult stopped = interrupted_on_terminal(command);
-  EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
-  EXPECT_NE(stopped.error.find("the same command goes on"), std::string::npos) << stopped.error;
-  EXPECT_FALSE(std::filesystem::exists(folder.file("mine.json")));
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const CommandResult stopped = interrupted_on_terminal(command, signal);
+    EXPECT_EQ(stopped.exit_code, 128 + signal) << stopped.error;
+    EXPECT_NE(stopped.error.find("the same command goes on"), std::string::npos) << stopped.error;
+    EXPECT_FALSE(std::filesystem::exists(folder.file("mine.json")));
+  }
   EXPECT_EQ(poise_command(command).exit_code, 0);
 }
 

@@ -276,7 +276,7 @@ Read read_of_killed(const std::vector<std::chrono::milliseconds>& ends) {
   EXPECT_EQ(status, 0);
   EXPECT_EQ(folder.entries(), 1U);
   const std::string part = std::filesystem::directory_iterator(folder.path())->path().string();
-  EXPECT_TRUE(part.ends_with(".part")) << part;
+  EXPECT_TRUE(part.ends_with("/.r.0.part")) << part;
   Read read = read_all(part);
   EXPECT_TRUE(read.opened) << read.refusal;
   EXPECT_EQ(read.damage.value().what, "the file ends here, before the end of the run");

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "scene/result_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <csignal>
+#include <fstream>
 #include <string>
 #include <utility>
 
@@ -35,7 +40,6 @@ TEST(AtomicFile, LeavesTheOldFileAndNothingElseWithoutACommit) {
     Result<AtomicFile> file = AtomicFile::open(folder.file("a.txt"));
     ASSERT_TRUE(file);
     EXPECT_TRUE(file.value().write("new"));
-    EXPECT_EQ(folder.entries(), 2U);
   }
   EXPECT_EQ(contents(folder.file("a.txt")), "old");
   EXPECT_EQ(folder.entries(), 1U);
@@ -52,6 +56,117 @@ TEST(AtomicFile, KeepsLinksAndTheModeOfWhatItReplaces) {
   struct stat status {};
   ASSERT_EQ(::stat(folder.file("real").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0640U);
+}
+
+std::string part(const TemporaryFolder& folder, const std::string& name, int number) {
+  return folder.file("." + name + "." + std::to_string(number) + ".part");
+}
+
+TEST(AtomicFile, HasNoNameBeforeItsCommitWhereTheSystemPermitsThat) {
+  const TemporaryFolder folder;
+  const int nameless = ::open(folder.path().c_str(), O_WRONLY | O_TMPFILE, 0600);
+  if (nameless < 0) GTEST_SKIP() << "no files without a name here";
+  ::close(nameless);
+  ASSERT_TRUE(write_file(folder.file("a.txt"), "old"));
+  Result<AtomicFile> file = AtomicFile::open(folder.file("a.txt"));
+  ASSERT_TRUE(file);
+  EXPECT_TRUE(file.value().write("new"));
+  EXPECT_TRUE(file.value().flush());
+  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_TRUE(file.value().commit());
+  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(contents(folder.file("a.txt")), "new");
+}
+
+TEST(AtomicFile, KeepsClearOfPartsThatWereLeftAndRemovesThemAtItsCommit) {
+  const TemporaryFolder folder;
+  std::ofstream(part(folder, "a", 0)) << "of a program that was killed";
+  std::ofstream(part(folder, "b", 0)) << "of another file";
+  Result<AtomicFile> first = AtomicFile::open(folder.file("a"), AtomicFile::Before::Part);
+  Result<AtomicFile> second = AtomicFile::open(folder.file("a"), AtomicFile::Before::Part);
+  ASSERT_TRUE(first && second);
+  EXPECT_TRUE(first.value().write("first"));
+  EXPECT_TRUE(first.value().flush());
+  EXPECT_EQ(contents(part(folder, "a", 0)), "of a program that was killed");
+  EXPECT_EQ(contents(part(folder, "a", 1)), "first");
+  EXPECT_TRUE(first.value().commit());
+  EXPECT_EQ(contents(folder.file("a")), "first");
+  EXPECT_FALSE(std::filesystem::exists(part(folder, "a", 0)));
+  EXPECT_TRUE(std::filesystem::exists(part(folder, "a", 2))) << "the second is being written";
+  EXPECT_TRUE(second.value().write("second"));
+  EXPECT_TRUE(second.value().commit());
+  EXPECT_EQ(contents(folder.file("a")), "second");
+  EXPECT_EQ(folder.entries(), 2U) << "the part of another file stays";
+}
+
+TEST(AtomicFile, TakesAPlaceOfOneThatWasLeftWhereAllAreTaken) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 100; ++i) std::ofstream(part(folder, "a", i)) << "left";
+  Result<AtomicFile> file = AtomicFile::open(folder.file("a"), AtomicFile::Before::Part);
+  ASSERT_TRUE(file);
+  EXPECT_TRUE(file.value().write("new"));
+  EXPECT_TRUE(file.value().commit());
+  EXPECT_EQ(contents(folder.file("a")), "new");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(AtomicFile, HasItsNameFromPublishOnAndGrows) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder.file("a"), "old"));
+  {
+    Result<AtomicFile> file = AtomicFile::open(folder.file("a"));
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(file.value().write("head"));
+    EXPECT_EQ(contents(folder.file("a")), "old");
+    EXPECT_TRUE(file.value().publish());
+    EXPECT_EQ(contents(folder.file("a")), "head");
+    EXPECT_TRUE(file.value().write(" and more"));
+    EXPECT_TRUE(file.value().flush());
+  }
+  EXPECT_EQ(contents(folder.file("a")), "head and more");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+/// No file may be larger than so many bytes, during its lifetime.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(AtomicFile, OnAFullDiskEndsWithTheLastWholeWriteWhereThatIsAskedFor) {
+  const TemporaryFolder folder;
+  for (const bool keeps : {true, false}) {
+    const FileLimit limit(10'000);
+    const std::string name = folder.file(keeps ? "keeps" : "does not");
+    Result<AtomicFile> file = AtomicFile::open(name, AtomicFile::Before::Part);
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(file.value().write(std::string(6'000, 'a')) && file.value().flush());
+    EXPECT_TRUE(file.value().write(std::string(6'000, 'b')));
+    EXPECT_FALSE(file.value().flush());
+    EXPECT_TRUE(file.value().failing());
+    EXPECT_FALSE(file.value().write("c")) << "the failure stays";
+    const Status closed = keeps ? file.value().commit_what_is_whole() : file.value().commit();
+    ASSERT_FALSE(closed);
+    EXPECT_EQ(closed.error().message,
+              name + ": cannot be written: File too large" + (keeps ? "; what was written before is there" : ""));
+    EXPECT_EQ(std::filesystem::exists(name), keeps);
+    EXPECT_EQ(contents(name), keeps ? std::string(6'000, 'a') : "");
+  }
+  EXPECT_EQ(folder.entries(), 1U);
 }
 
 TEST(AtomicFile, MovesWithItsTemporaryFile) {

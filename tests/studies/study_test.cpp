@@ -75,13 +75,15 @@ TEST(StudyTrees, WithoutMeshesTakesThoseOfTheDocs) {
   for (const json& row : found.at("rows")) EXPECT_FALSE(row.contains("refused")) << row.dump();
 }
 
-TEST(StudyTrees, EndsAtCtrlCWithNothingWritten) {
-  const TemporaryFolder folder;
-  const CommandResult result =
-      interrupted_on_terminal({"study", "trees", kMeshes + "torus.obj", "--json", folder.file("s.json")});
-  EXPECT_EQ(result.exit_code, 130) << result.error;
-  EXPECT_NE(result.error.find("tree 1 of 1"), std::string::npos) << result.error;
-  EXPECT_EQ(folder.entries(), 0U);
+TEST(StudyTrees, EndsAtASignalWithNothingWritten) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    const CommandResult result =
+        interrupted_on_terminal({"study", "trees", kMeshes + "torus.obj", "--json", folder.file("s.json")}, signal);
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.error;
+    EXPECT_NE(result.error.find("tree 1 of 1"), std::string::npos) << result.error;
+    EXPECT_EQ(folder.entries(), 0U);
+  }
 }
 
 TEST(StudyTrees, TellsAPathThatCannotBeWrittenBeforeItBuildsAnything) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -249,6 +250,9 @@ struct SceneRunOptions {
   /// Called from time to time while trees are built, on the calling thread, with the completed share of all shapes, in
   /// [0, 1]. May be empty.
   std::function<void(double share)> tree_progress = {};
+  /// Ends the loading of shapes when it is stopped: create() is then refused as Cancelled. Trees that were finished
+  /// before are in the cache.
+  std::stop_token stop = {};
 };
 
 /// Number of trees by the way they were obtained (TreeCacheOutcome).

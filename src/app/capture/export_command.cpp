@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,11 +25,14 @@
 #include "capture/export/figures_csv.h"
 #include "capture/export/gltf.h"
 #include "capture/export/paraview.h"
+#include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
 
 namespace poise::app {
 namespace {
+
+constexpr std::string_view kStoppedExport = "files that were not complete were not written";
 
 struct ExportOptions {
   std::string capture, gltf, pvd, csv, frames;
@@ -73,16 +77,19 @@ Status write_gltf(capture::CaptureReader& reader, const capture::FrameChoice& ch
   return glb ? io::write_file(path, glb.value()) : Status(glb.error());
 }
 
-Status write_csv(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path) {
+Status write_csv(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path,
+                 const parallel::Interrupt& interrupt) {
   std::string text = capture::figures_header();
   const Status read = capture::read_chosen(reader, choice, [&](const capture::PackedFrame& frame) {
     text += capture::figures_row(frame);
-    return true;
+    return !interrupt.asked();
   });
+  if (interrupt.asked()) return stopped_error(kStoppedExport);
   return read ? write_to(path, text) : read;
 }
 
-Status write_pvd(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path) {
+Status write_pvd(capture::CaptureReader& reader, const capture::FrameChoice& choice, const std::string& path,
+                 const parallel::Interrupt& interrupt) {
   const std::filesystem::path folder(path);
   const Status there = make_folder("--pvd", path);
   if (!there) return there.error();
@@ -97,8 +104,9 @@ Status write_pvd(capture::CaptureReader& reader, const capture::FrameChoice& cho
       if (reader.bodies()[frame.rows[i]].motion != MotionType::Static)
         reach_m = std::max(reach_m, reader.pose(frame.poses[i]).position_m.norm());
     }
-    return written.ok();
+    return written.ok() && !interrupt.asked();
   });
+  if (interrupt.asked()) return stopped_error(kStoppedExport);
   if (!read || !written) return read ? written : read;
   const std::vector<capture::CapturedShape>& shapes = reader.header().shapes;
   for (std::size_t i = 0; i < shapes.size() && written; ++i)
@@ -108,7 +116,7 @@ Status write_pvd(capture::CaptureReader& reader, const capture::FrameChoice& cho
 
 /// Every chosen frame into the folder, and the last of them into the file.
 Status write_pictures(capture::CaptureReader& reader, const capture::FrameChoice& choice,
-                      const PictureOptions& options) {
+                      const PictureOptions& options, const parallel::Interrupt& interrupt) {
   Result<FilmFrames> film = FilmFrames::open(options);
   if (!film) return film.error();
   const io::FramePictures pictures(reader.header().shapes, picture_settings(options));
@@ -117,8 +125,9 @@ Status write_pictures(capture::CaptureReader& reader, const capture::FrameChoice
   const Status read = capture::read_chosen(reader, choice, [&](const capture::PackedFrame& frame) {
     last = io::drawn_frame(reader, frame);
     if (film.value().on()) written = film.value().write(frame.facts.frame, pictures.draw(*last));
-    return written.ok();
+    return written.ok() && !interrupt.asked();
   });
+  if (interrupt.asked()) return stopped_error(kStoppedExport);
   if (!read || !written || options.file.empty()) return read ? written : read;
   const Result<std::string> png = io::png_bytes(pictures.draw(last.value()));
   return png ? io::write_file(options.file, png.value()) : Status(png.error());
@@ -132,7 +141,7 @@ std::string summary(const capture::CaptureReader& reader) {
   if (!reader.end()) return text;
   if (reader.end()->left_out > 0)
     text += fmt::format("{} frames were left out when it was written\n", reader.end()->left_out);
-  if (reader.end()->stopped) text += "its run was stopped by Ctrl-C\n";
+  if (reader.end()->stopped) text += "its run was stopped by Ctrl-C or SIGTERM\n";
   return text;
 }
 
@@ -142,6 +151,7 @@ int export_capture(const ExportOptions& options) {
   const capture::FrameChoice choice = choice_of(options).value();
   Result<capture::CaptureReader> reader = capture::CaptureReader::open(options.capture);
   if (!reader) return refuse("export", reader.error());
+  const parallel::Interrupt interrupt;
   const Status writable = can_write({options.gltf, options.csv, options.picture.file});
   if (!writable) return refuse("export", writable.error());
   if (const auto& damage = reader.value().damage()) {
@@ -149,10 +159,18 @@ int export_capture(const ExportOptions& options) {
                damage->byte, damage->what, reader.value().frames());
   }
   Status written = Done{};
-  if (!options.gltf.empty()) written = write_gltf(reader.value(), choice, options.gltf);
-  if (written && !options.pvd.empty()) written = write_pvd(reader.value(), choice, options.pvd);
-  if (written && !options.csv.empty()) written = write_csv(reader.value(), choice, options.csv);
-  if (written && options.picture.any()) written = write_pictures(reader.value(), choice, options.picture);
+  bool left_out = false;
+  const auto write = [&](bool wanted, const auto& output) {
+    if (!wanted) return;
+    left_out = left_out || interrupt.asked();
+    if (!left_out) add_failure(output(), written);
+  };
+  capture::CaptureReader& frames = reader.value();
+  write(!options.csv.empty(), [&] { return write_csv(frames, choice, options.csv, interrupt); });
+  write(!options.gltf.empty(), [&] { return write_gltf(frames, choice, options.gltf); });
+  write(!options.pvd.empty(), [&] { return write_pvd(frames, choice, options.pvd, interrupt); });
+  write(options.picture.any(), [&] { return write_pictures(frames, choice, options.picture, interrupt); });
+  if (written && left_out) written = stopped_error(kStoppedExport);
   if (written && !options.quiet && options.csv != "-") written = write_to("-", summary(reader.value()));
   return written ? kExitDone : refuse("export", written.error());
 }
@@ -184,7 +202,7 @@ void add_export_command(CLI::App& app, int& exit_code) {
       "  poise export jacks.capture --picture heap.png --frame 300 --camera 9,-9,6:0,0,1\n"
       "  poise export jacks.capture --frames-dir film --every 2\n\n"
       "A capture that ends early, because its run was killed, is read up to there (docs/capture.md).\n"
-      "Exit codes: 0 done, 2 bad usage, 3 bad input, 4 output failed.");
+      "Exit codes: 0 done, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by Ctrl-C, 143 by SIGTERM.");
   command->callback([options, &exit_code] { exit_code = export_capture(*options); });
 }
 

@@ -28,16 +28,19 @@ namespace {
 
 Status write_results(const CompareOptions& options, const io::ComparisonDocument& document,
                      std::optional<FiguresFiles>& report) {
-  Status written = write_to(options.csv, options.csv.empty() ? "" : io::comparison_csv(document));
-  if (written) written = write_to(options.svg, options.svg.empty() ? "" : io::comparison_svg(document));
-  if (written) written = write_to(options.json, options.json.empty() ? "" : io::comparison_json(document));
-  if (written && report) written = report->write(comparison_figures(document, command_line()));
-  if (!written || options.quiet) return written;
+  Status written = write_to(options.json, options.json.empty() ? "" : io::comparison_json(document));
+  add_failure(write_to(options.csv, options.csv.empty() ? "" : io::comparison_csv(document)), written);
+  add_failure(write_to(options.svg, options.svg.empty() ? "" : io::comparison_svg(document)), written);
+  if (report) add_failure(report->write(comparison_figures(document, command_line())), written);
+  if (options.quiet) return written;
   std::string table = io::comparison_table(document);
   if (report) table += fmt::format("\nreport: {}\n", figures_page_of(options.report));
-  if (options.json != "-") return io::write_stdout(table);
-  fmt::print(stderr, "{}", table);
-  return Done{};
+  if (options.json != "-") {
+    add_failure(io::write_stdout(table), written);
+  } else {
+    fmt::print(stderr, "{}", table);
+  }
+  return written;
 }
 
 SceneRunOptions run_options(const CompareOptions& options, const Scene& scene, const TreeCacheSettings& cache) {
@@ -75,6 +78,9 @@ int compare(const CompareOptions& options) {
   const Status files = read_policy_files(settings.value(), errors);
   for (const std::string& error : errors) refuse("compare", kExitBadInput, error);
   if (!files) return exit_code_of(files.error());
+  // While policies are read from the standard input, a signal ends the command as it ends any reader.
+  std::optional<parallel::Interrupt> interrupt;
+  if (!options.serve) interrupt.emplace();
   const Status writable = can_write({options.json, options.csv, options.svg});
   if (!writable) return refuse("compare", writable.error());
   std::optional<FiguresFiles> report;
@@ -85,6 +91,7 @@ int compare(const CompareOptions& options) {
   }
   Progress progress(!options.quiet);
   SceneRunOptions start = run_options(options, scene.value(), cache.value());
+  if (interrupt) start.stop = interrupt->token();
   start.tree_progress = [&progress](double share) {
     progress.share("loading shapes and building sphere trees", share);
   };
@@ -92,7 +99,7 @@ int compare(const CompareOptions& options) {
   Result<SceneRun> run = SceneRun::create(scene.value(), start);
   if (!run) {
     progress.end();
-    return refuse("compare", run.error());
+    return refuse("compare", interrupt && interrupt->asked() ? stopped_error(kStoppedLoading) : run.error());
   }
   io::ComparisonDocument document;
   document.scene = scene.value().name;
@@ -112,17 +119,18 @@ int compare(const CompareOptions& options) {
     progress.end();
     return served ? kExitDone : refuse("compare", served.error());
   }
-  const parallel::Interrupt interrupt;
   const Result<io::ComparedSteps> steps = compare_loop(scene.value(), run.value(), settings.value(), [&](double share) {
     progress.share("stepping and comparing", share);
-    return !interrupt.asked();
+    return !interrupt->asked();
   });
   progress.end();
   if (!steps) return refuse("compare", steps.error());
+  // What is asked for from here on comes too late to stop anything.
+  const bool stopped = interrupt->asked();
   document.result = io::compare_steps(steps.value(), document.seed);
   const Status written = write_results(options, document, report);
   if (!written) return refuse("compare", written.error());
-  return interrupt.asked() ? kExitStopped : kExitDone;
+  return stopped ? exit_stopped() : kExitDone;
 }
 
 }  // namespace
@@ -138,8 +146,8 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       "  poise compare jacks --bodies 300 --policies perceptual,size,oracle --report out\n"
       "  poise compare jacks --bodies 1000 --clock wall --budgets 2,4,8 --history 20\n"
       "  echo mine.json | poise compare jacks --bodies 300 --from 25% --serve --quiet\n\n"
-      "Exit codes: 0 done, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by Ctrl-C after the report of what "
-      "was done.");
+      "Exit codes: 0 done, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by Ctrl-C (143 by SIGTERM) after "
+      "the report of what was done.");
   command->callback([options, &exit_code] { exit_code = compare(*options); });
 }
 

@@ -64,7 +64,7 @@ capture::CaptureHeader header_of(const LiveOptions& options, const Scene& scene,
 
 /// From a scene that stands to its end.
 int serve(const LiveOptions& options, const Scene& scene, const SceneRunOptions& start, SceneRun run,
-          const std::string& page) {
+          const std::string& page, const parallel::Interrupt& interrupt) {
   Result<std::string> token = random_token();
   if (!token) return refuse("live", token.error());
   LiveLink link;
@@ -84,12 +84,11 @@ int serve(const LiveOptions& options, const Scene& scene, const SceneRunOptions&
                "from other machines, and what is sent is not encrypted\n",
                options.address);
   }
-  const parallel::Interrupt ctrl_c;
   const Status told = io::write_stdout(page_url(options.address, network.value().port(), token.value()) + "\n");
   if (!told) return refuse("live", told.error());
   LiveLoopSettings loop;
   loop.frames = options.run.frames;
-  loop.stops = [&ctrl_c] { return ctrl_c.asked(); };
+  loop.stops = [&interrupt] { return interrupt.asked(); };
   loop.told = [&network] { network.value().wake(); };
   const Result<std::uint64_t> ended = live_loop(live, link, loop);
   return ended ? kExitDone : refuse("live", ended.error());
@@ -117,6 +116,7 @@ int live(const LiveOptions& options) {
   if (!policy) return exit_code_of(policy.error());
   if (options.run.bodies && scene.value().generators.empty())
     return refuse_live(kExitBadUsage, "--bodies: the scene " + scene.value().name + " has no generators");
+  const parallel::Interrupt interrupt;
   Progress progress(!options.run.quiet);
   const char* const loading = "loading shapes and building sphere trees";
   progress.say(loading);
@@ -125,6 +125,7 @@ int live(const LiveOptions& options) {
   start.bodies = options.run.bodies;
   start.seed = options.run.seed;
   start.max_memory_bytes = max_memory_bytes(options.run.max_memory_mib);
+  start.stop = interrupt.token();
   start.tree_progress = [&](double share) { progress.share(loading, share); };
   if (!options.run.quiet) warn_of_threads("live", start.world.threads);
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.run.tree_cache);
@@ -132,10 +133,10 @@ int live(const LiveOptions& options) {
   start.tree_cache = cache.value();
   Result<SceneRun> run = SceneRun::create(scene.value(), start);
   progress.end();
-  if (!run) return refuse("live", run.error());
+  if (!run) return refuse("live", interrupt.asked() ? stopped_error(kStoppedLoading) : run.error());
   start.tree_progress = {};
   for (const std::string& warning : run.value().warnings()) fmt::print(stderr, "poise live: warning: {}\n", warning);
-  return serve(options, scene.value(), start, std::move(run).value(), page.value());
+  return serve(options, scene.value(), start, std::move(run).value(), page.value(), interrupt);
 }
 
 }  // namespace
@@ -169,9 +170,9 @@ void add_live_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Example:\n"
       "  poise live jacks --bodies 500 --deadline 8\n\n"
-      "It prints the address of the page; who knows it can change the run (docs/live.md). Ctrl-C ends it. Exit codes: "
-      "0 "
-      "done, 2 bad usage, 3 bad input or a page that is not built, 4 the address cannot be served.");
+      "It prints the address of the page; who knows it can change the run (docs/live.md). Ctrl-C or SIGTERM ends it. "
+      "Exit "
+      "codes: 0 done, 2 bad usage, 3 bad input or a page that is not built, 4 the address cannot be served.");
   command->callback([options, &exit_code] { exit_code = live(*options); });
 }
 

@@ -20,6 +20,7 @@
 #include "app/run/run_options.h"
 #include "app/run/states_writer.h"
 #include "app/tree_cache_options.h"
+#include "app/until_it_fails.h"
 #include "parallel/interrupt.h"
 #include "record/record_shapes.h"
 #include "scene/result_file.h"
@@ -45,7 +46,7 @@ Result<Scene> scene_of(const ReplayOptions& options, const io::RecordHeader& hea
 }
 
 Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& header, const Scene& scene,
-                        Progress& progress) {
+                        const parallel::Interrupt& interrupt, Progress& progress) {
   RunOptions threads;
   threads.executor = options.executor;
   SceneRunOptions start;
@@ -53,6 +54,7 @@ Result<SceneRun> run_of(const ReplayOptions& options, const io::RecordHeader& he
   start.bodies = header.bodies;
   start.seed = header.seed;
   start.tree_cache = tree_cache_settings(options.tree_cache).value();
+  start.stop = interrupt.token();
   start.tree_progress = [&progress](double share) {
     progress.share("loading shapes and building sphere trees", share);
   };
@@ -88,7 +90,7 @@ std::string report(const ReplayResult& r) {
     text += fmt::format("DAMAGED after {} frames, at byte {} of the record: {}\n", r.frames, r.damage->byte,
                         r.damage->what);
   } else if (r.at_end) {
-    text += r.run_stopped ? "the record is whole; its run was stopped by Ctrl-C\n" : "the record is whole\n";
+    text += r.run_stopped ? "the record is whole; its run was stopped by Ctrl-C or SIGTERM\n" : "the record is whole\n";
   }
   return text;
 }
@@ -137,7 +139,7 @@ std::string json_of(const ReplayOptions& options, const io::RecordHeader& h, con
 
 int exit_code(const ReplayOptions& options, const ReplayResult& r) {
   if (r.differs) return kExitRequirementFailed;
-  if (r.stopped) return kExitStopped;
+  if (r.stopped) return exit_stopped();
   if (r.damage)
     return refuse("replay", kExitBadInput,
                   fmt::format("{}: damaged at byte {}, after {} frames: {}", options.record, r.damage->byte, r.frames,
@@ -163,6 +165,7 @@ int replay(const ReplayOptions& options) {
   const io::RecordHeader& header = record.value().header();
   const Result<Scene> scene = scene_of(options, header);
   if (!scene) return refuse("replay", scene.error());
+  const parallel::Interrupt interrupt;
   std::optional<io::AtomicFile> json;
   if (!options.json.empty() && options.json != "-") {
     Result<io::AtomicFile> opened = io::AtomicFile::open(options.json);
@@ -174,13 +177,12 @@ int replay(const ReplayOptions& options) {
   Result<ReplayFiles> outputs = ReplayFiles::open(options);
   if (!outputs) return refuse("replay", outputs.error());
   if (!options.quiet) warn_of_threads("replay", static_cast<int>(options.threads.value_or(0)));
-  const parallel::Interrupt interrupt;
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
-  Result<SceneRun> run = run_of(options, header, scene.value(), progress);
+  Result<SceneRun> run = run_of(options, header, scene.value(), interrupt, progress);
   if (!run) {
     progress.end();
-    return refuse("replay", run.error());
+    return refuse("replay", interrupt.asked() ? stopped_error(kStoppedLoading) : run.error());
   }
   const Status begun = outputs.value().begin(header, scene.value(), run.value());
   if (!begun) return refuse("replay", begun.error());
@@ -195,20 +197,21 @@ int replay(const ReplayOptions& options) {
                                 interrupt.token()};
   const Result<ReplayResult> result =
       replay_loop(record.value(), scene.value(), run.value(), settings,
-                  {states.value().on() ? ReplayStates(tell) : ReplayStates(), outputs.value().capture_sink(),
-                   outputs.value().picture_sink(), told});
+                  {until_it_fails("replay", states.value().on() ? ReplayStates(tell) : ReplayStates(), progress),
+                   until_it_fails("replay", outputs.value().capture_sink(), progress),
+                   until_it_fails("replay", outputs.value().picture_sink(), progress), told});
   progress.end();
   if (!result) return refuse("replay", result.error());
   const World& world = run.value().world();
-  Status written = states.value().finish();
-  if (written) written = outputs.value().finish(result.value());
-  if (!written) return refuse("replay", written.error());
+  Status written = Done{};
   const std::string document = options.json.empty() ? std::string() : json_of(options, header, result.value(), world);
   if (json) written = write_text(json, document);
-  if (!written) return refuse("replay", written.error());
   if (options.json == "-") written = io::write_stdout(document);
-  if (written && !options.quiet && options.json != "-")
-    written = io::write_stdout(table(options, header, result.value(), world) + outputs.value().told());
+  add_failure(states.value().finish(), written);
+  const Status derived = outputs.value().finish(result.value());
+  add_failure(derived, written);
+  if (!options.quiet && options.json != "-" && (derived || derived.error().kind == ErrorKind::OutputFailed))
+    add_failure(io::write_stdout(table(options, header, result.value(), world) + outputs.value().told()), written);
   if (!written) return refuse("replay", written.error());
   if (options.quiet && result.value().differs) fmt::print(stderr, "poise replay: {}", report(result.value()));
   return exit_code(options, result.value());
@@ -230,7 +233,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       "  poise replay pile.poise --frames-dir film --frames-every 2\n\n"
       "Exit codes: 0 the state is that of the record after each frame, 1 it differs, 2 bad usage, 3 bad input or a "
       "record that is cut short or "
-      "damaged (what could be read was replayed), 4 output failed, 130 stopped by Ctrl-C.");
+      "damaged (what could be read was replayed), 4 output failed, 130 stopped by Ctrl-C, 143 by SIGTERM.");
   command->callback([options, &exit_code] { exit_code = replay(*options); });
 }
 

@@ -7,6 +7,7 @@
 
 #include "app/picture/drawn_frame.h"
 #include "app/picture/picture.h"
+#include "app/refusal.h"
 #include "capture/observe.h"
 #include "frame/stage_list.h"
 #include "scene/run/policy_name.h"
@@ -119,7 +120,9 @@ Status ReplayFiles::drawn(std::uint64_t frame) {
   if (frame < frames_.from || (frame - frames_.from) % options_.frames_every.value_or(1) != 0) return Done{};
   const Result<io::DrawnFrame> seen =
       io::drawn_frame(*scene_, *run_, frame, static_cast<double>(frame) * record_->dt_s);
-  return seen ? film_.write(frame, pictures_->draw(seen.value())) : Status(seen.error());
+  if (!seen) return seen.error();
+  film_written_ = film_.write(frame, pictures_->draw(seen.value()));
+  return film_written_;
 }
 
 Status ReplayFiles::finish(const ReplayResult& result) {
@@ -128,21 +131,25 @@ Status ReplayFiles::finish(const ReplayResult& result) {
     return bad_input(fmt::format("--frames {}: the record ends with frame {}", options_.frames, result.frames));
   if (options_.frame && !result.stopped && !result.differs && result.frames < *options_.frame)
     return bad_input(fmt::format("--frame {}: the record ends with frame {}", *options_.frame, result.frames));
-  Status written = capture_.begun() ? capture_.finish(result.stopped || result.run_stopped) : Status(Done{});
-  if (written && capture_.begun()) {
+  Status written = film_written_;
+  const Status captured = capture_.begun() ? capture_.finish(result.stopped || result.run_stopped) : Status(Done{});
+  add_failure(captured, written);
+  if (captured && capture_.begun()) {
     const std::optional<double> deadline_ms =
         record_->clock == "wall" ? std::optional(record_->deadline_ms) : std::nullopt;
-    written = report_.write("replay", {command_line(), {}, {}, {}}, options_.capture.file,
-                            {scene_->name, deadline_ms, charted_});
+    add_failure(report_.write("replay", {command_line(), {}, {}, {}}, options_.capture.file,
+                              {scene_->name, deadline_ms, charted_}),
+                written);
   }
-  if (!written || !picture_) return written;
+  if (!picture_) return written;
   const Result<io::DrawnFrame> seen =
       io::drawn_frame(*scene_, *run_, result.frames, static_cast<double>(result.frames) * record_->dt_s);
   if (!seen) return seen.error();
   const Result<std::string> png = io::png_bytes(pictures_->draw(seen.value()));
   if (!png) return png.error();
-  written = picture_->write(png.value());
-  return written ? picture_->commit() : written;
+  const Status drawn = picture_->write(png.value());
+  add_failure(drawn ? picture_->commit() : drawn, written);
+  return written;
 }
 
 std::string ReplayFiles::told() const {

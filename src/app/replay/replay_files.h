@@ -39,6 +39,7 @@ class ReplayFiles {
   RunCapture capture_;
   ReportFiles report_;
   FilmFrames film_;
+  Status film_written_ = Done{};  ///< the last picture of the film
   std::optional<io::AtomicFile> picture_;
   std::optional<io::FramePictures> pictures_;  // none: nothing is drawn
   const io::RecordHeader* record_ = nullptr;

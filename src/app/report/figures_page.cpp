@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/output_files.h"
+#include "app/refusal.h"
 #include "app/report/chart_axes.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
@@ -119,10 +120,9 @@ Status FiguresFiles::write(const FiguresDocument& document) {
   if (written) written = html_.commit();
   for (const LineChart& chart : document.charts) {
     const std::string name = (folder_ / chart.id).string();
-    if (written) written = io::write_file(name + ".svg", line_chart_svg(chart));
-    if (!written) return written;
+    add_failure(io::write_file(name + ".svg", line_chart_svg(chart)), written);
     const Result<std::string> png = io::png_bytes(line_chart_image(chart));
-    written = png ? io::write_file(name + ".png", png.value()) : Status(png.error());
+    add_failure(png ? io::write_file(name + ".png", png.value()) : Status(png.error()), written);
   }
   return written;
 }

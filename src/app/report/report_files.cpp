@@ -10,6 +10,7 @@
 
 #include "app/capture/run_capture.h"
 #include "app/output_files.h"
+#include "app/refusal.h"
 #include "app/report/frame_chart.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
@@ -74,10 +75,10 @@ Status ReportFiles::write_chart(const std::optional<BoxChart>& chart, ChartFiles
     for (const char* ending : {".svg", ".png"}) std::filesystem::remove(files.name + ending, ignored);
     return Done{};
   }
-  const Status written = finish(files.svg, chart_svg(*chart));
-  if (!written) return written;
+  Status written = finish(files.svg, chart_svg(*chart));
   const Result<std::string> png = io::png_bytes(chart_image(*chart));
-  return png ? finish(files.png, png.value()) : Status(png.error());
+  add_failure(png ? finish(files.png, png.value()) : Status(png.error()), written);
+  return written;
 }
 
 Status ReportFiles::write(const io::RunDocument& document, std::span<const simulation::RunFrame> frames,
@@ -97,9 +98,10 @@ Status ReportFiles::write(const char* command, ReportParts parts, const std::str
   }
   Status written = write_report_page(files_->page, parts, files_->html);
   if (written) written = files_->html.commit();
-  if (written) written = write_chart(frame_chart(run.scene, run.deadline_ms, run.frames), files_->times);
-  if (written) written = write_chart(percentile_chart(run.scene, run.deadline_ms, run.frames), files_->percentiles);
-  return written ? write_chart(level_chart(run.scene, run.frames), files_->levels) : written;
+  add_failure(write_chart(frame_chart(run.scene, run.deadline_ms, run.frames), files_->times), written);
+  add_failure(write_chart(percentile_chart(run.scene, run.deadline_ms, run.frames), files_->percentiles), written);
+  add_failure(write_chart(level_chart(run.scene, run.frames), files_->levels), written);
+  return written;
 }
 
 }  // namespace poise::app

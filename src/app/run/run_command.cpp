@@ -13,65 +13,26 @@
 
 #include "app/capture/run_capture.h"
 #include "app/exit_codes.h"
-#include "app/picture/drawn_frame.h"
-#include "app/picture/frame_picture.h"
-#include "app/picture/picture.h"
 #include "app/progress.h"
 #include "app/process_memory.h"
 #include "app/refusal.h"
 #include "app/report/report_files.h"
 #include "app/run/run_loop.h"
 #include "app/run/run_options.h"
-#include "app/run/run_record.h"
-#include "app/run/run_table.h"
+#include "app/run/run_outputs.h"
 #include "app/run/run_trace.h"
-#include "app/run/states_writer.h"
 #include "app/scene_input.h"
 #include "capture/observe.h"
 #include "parallel/executor.h"
+#include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
-#include "scene/result_file.h"
 #include "scene/run/policy_name.h"
 #include "scene/run/requirement.h"
 #include "scene/run/run_document.h"
-#include "scene/run/run_tables.h"
 #include "scene/scene_gaze.h"
 
 namespace poise::app {
 namespace {
-
-/// The result files of a run, opened before it starts so that a bad path is told at once. None of them is left behind
-/// unless it is written to its end.
-struct Outputs {
-  std::optional<io::AtomicFile> json, frames_csv, picture, trace;
-  StatesWriter states;
-
-  static Result<Outputs> open(const RunOptions& options) {
-    Outputs outputs;
-    const std::pair<const std::string*, std::optional<io::AtomicFile>*> wanted[] = {
-        {&options.json, &outputs.json},
-        {&options.frames_csv, &outputs.frames_csv},
-        {&options.picture.file, &outputs.picture},
-        {&options.trace, &outputs.trace}};
-    for (const auto& [path, file] : wanted) {
-      if (path->empty() || *path == "-") continue;
-      Result<io::AtomicFile> opened = io::AtomicFile::open(*path);
-      if (!opened) return opened.error();
-      *file = std::move(opened).value();
-    }
-    Result<StatesWriter> states = StatesWriter::open(options.states);
-    if (!states) return states.error();
-    outputs.states = std::move(states).value();
-    return outputs;
-  }
-};
-
-StatesSink states_sink(const Scene& scene, const SceneRun& run, const LoopSettings& loop, StatesWriter& states) {
-  if (!states.on()) return {};
-  return [&](std::uint64_t frame, std::span<const io::NumberedState> now) {
-    return states.add(scene, run, frame, static_cast<double>(frame) * loop.dt_s, now, loop.paced);
-  };
-}
 
 LoopSettings loop_settings(const RunOptions& options, const Scene& scene) {
   LoopSettings loop;
@@ -161,47 +122,6 @@ void add_results(const SceneRun& run, const LoopSettings& loop, const LoopResult
   d.state_hash = run.world().state_hash();
 }
 
-std::string frames_text(const LoopResult& result, double dt_s) {
-  std::string text = io::frames_header();
-  for (std::size_t i = 0; i < result.frames.size(); ++i) {
-    io::append_frame(result.frames[i], static_cast<double>(i + 1) * dt_s, text);
-  }
-  return text;
-}
-
-Status write_frames(const LoopResult& result, double dt_s, io::AtomicFile& file) {
-  const Status written = file.write(frames_text(result, dt_s));
-  return written ? file.commit() : written;
-}
-
-Status write_json(const RunOptions& options, const io::RunDocument& document, Outputs& outputs) {
-  if (options.json.empty()) return Done{};
-  const std::string text = io::run_json(document);
-  if (options.json == "-") return io::write_stdout(text);
-  const Status written = outputs.json->write(text);
-  return written ? outputs.json->commit() : written;
-}
-
-Status print_table(const RunOptions& options, const io::RunDocument& document) {
-  if (options.quiet) return Done{};
-  std::string table = run_table(document);
-  if (!options.report.empty()) table += fmt::format("report         {}\n", report_page_of(options.report));
-  if (options.json != "-") return io::write_stdout(table);
-  fmt::print(stderr, "{}", table);
-  return Done{};
-}
-
-Status write_picture(const RunOptions& options, const Scene& scene, SceneRun& run, std::uint64_t frame,
-                     io::AtomicFile& file) {
-  const Result<io::DrawnFrame> drawn = io::drawn_frame(scene, run, frame, static_cast<double>(frame) * scene.dt_s);
-  if (!drawn) return drawn.error();
-  const io::FramePictures pictures(capture::captured_shapes(scene, run), picture_settings(options.picture));
-  const Result<std::string> png = io::png_bytes(pictures.draw(drawn.value()));
-  if (!png) return png.error();
-  const Status written = file.write(png.value());
-  return written ? file.commit() : written;
-}
-
 /// What the system does not permit, with the option that asked for it.
 std::string placing_refused(const RunOptions& options, const Error& error) {
   const bool both = !options.affinity.empty() && options.realtime;
@@ -211,24 +131,6 @@ std::string placing_refused(const RunOptions& options, const Error& error) {
                                         : "--affinity",
                      error.message);
 }
-
-/// What is written of each frame while the run goes on.
-struct FrameFiles {
-  RunRecord record;
-  RunCapture capture;
-  ReportFiles report;  ///< of all frames, after the run
-
-  static Result<FrameFiles> open(const RunOptions& options) {
-    // First, since it makes the folder in which the capture may lie.
-    Result<ReportFiles> report = ReportFiles::open(options.report);
-    if (!report) return report.error();
-    Result<RunRecord> record = RunRecord::open(options.record);
-    if (!record) return record.error();
-    Result<RunCapture> capture = RunCapture::open(options.capture);
-    if (!capture) return capture.error();
-    return FrameFiles{std::move(record).value(), std::move(capture).value(), std::move(report).value()};
-  }
-};
 
 Status begin_capture(const io::RunDocument& document, const LoopSettings& loop, const Scene& scene, SceneRun& run,
                      RunCapture& capture) {
@@ -244,22 +146,10 @@ Status begin_capture(const io::RunDocument& document, const LoopSettings& loop, 
                        document.paced ? RunCapture::WhenFull::LeaveOut : RunCapture::WhenFull::Wait);
 }
 
-CaptureSink capture_sink(const SceneRun& run, double dt_s, RunCapture& capture) {
-  if (!capture.on()) return {};
-  return [&run, dt_s, &capture](const simulation::RunFrame& frame) {
-    capture::FrameFacts facts = capture::facts_of(frame.report, run.view(), dt_s);
-    facts.warm_up = frame.warm_up;
-    facts.kinetic_j = frame.report.kinetic_j;
-    facts.potential_j = frame.report.potential_j;
-    facts.momentum_ns = capture::captured_momentum(frame.report.momentum_ns);
-    return capture.frame(facts);
-  };
-}
-
 /// From a scene that stands to the exit code.
 int run_prepared(const RunOptions& options, const io::Requirement& requirement, const Scene& scene,
-                 const std::string& scene_text, SceneRun& run, Outputs& outputs, FrameFiles& files,
-                 Progress& progress) {
+                 const std::string& scene_text, SceneRun& run, RunOutputs& outputs,
+                 const parallel::Interrupt& interrupt, Progress& progress) {
   LoopSettings loop = loop_settings(options, scene);
   std::optional<Trace> trace;
   if (outputs.trace) loop.trace = &trace.emplace(kTraceRoom);
@@ -278,8 +168,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     run.world().set_time_priors(*priors);
     document.time_priors_frames = priors->frames;
   }
-  Status begun = files.record.begin(options, scene, scene_text, run, loop);
-  if (begun) begun = begin_capture(document, loop, scene, run, files.capture);
+  Status begun = outputs.record.begin(options, scene, scene_text, run, loop);
+  if (begun) begun = begin_capture(document, loop, scene, run, outputs.capture);
   if (!begun) return refuse("run", begun.error());
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
@@ -287,8 +177,8 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     missed += frame.releases_skipped + (frame.report.lateness.count() > 0 ? 1 : 0);
     progress.frame(++done, loop.warm_up + loop.frames, missed, run.bodies().size());
   };
-  const Result<LoopResult> result = run_loop(run, loop, states_sink(scene, run, loop, outputs.states), told,
-                                             files.record.sink(run), capture_sink(run, loop.dt_s, files.capture));
+  const RunSinks sinks = sinks_of(scene, run, loop, outputs, progress);
+  const Result<LoopResult> result = run_loop(run, loop, interrupt, sinks.states, told, sinks.record, sinks.capture);
   progress.end();
   if (!result) return refuse("run", result.error());
 
@@ -296,34 +186,12 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   if (learned.frames >= kFramesToKeep) io::write_time_priors(priors_folder, priors_key, learned);
   add_results(run, loop, result.value(), document);
   document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
-  Status written = files.record.finish(result.value().stopped);
-  if (written) written = files.capture.finish(result.value().stopped);
-  if (!written) return refuse("run", written.error());
-  document.capture = files.capture.facts();
-  written = outputs.states.finish();
-  if (!written) return refuse("run", written.error());
-  if (outputs.frames_csv) written = write_frames(result.value(), loop.dt_s, *outputs.frames_csv);
-  if (!written) return refuse("run", written.error());
-  if (trace) {
-    written = write_trace(*outputs.trace, scene.name, run.world().threads(), *trace, result.value().frames);
-    if (!written) return refuse("run", written.error());
-    if (trace->discarded() > 0)
-      fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n",
-                 trace->discarded(), kTraceRoom);
-  }
-  if (outputs.picture) written = write_picture(options, scene, run, result.value().frames.size(), *outputs.picture);
-  if (!written) return refuse("run", written.error());
-  written = write_json(options, document, outputs);
-  if (written && !options.report.empty()) {
-    written = files.report.write(document, result.value().frames, frames_text(result.value(), loop.dt_s),
-                                 options.capture.file);
-  }
-  if (!written) return refuse("run", written.error());
-  written = print_table(options, document);
-  if (!written) return refuse("run", written.error());
+  const Status written =
+      write_results({options, scene, run, loop, result.value(), trace ? &*trace : nullptr}, document, outputs);
   for (const std::string& failed : document.requirements_failed)
     fmt::print(stderr, "poise run: --require: {}\n", failed);
-  if (document.stopped) return kExitStopped;
+  if (!written) return refuse("run", written.error());
+  if (document.stopped) return exit_stopped();
   return document.requirements_failed.empty() ? kExitDone : kExitRequirementFailed;
 }
 
@@ -357,10 +225,11 @@ int run_scene(const RunOptions& options) {
   }
   const Status gaze_read = read_gaze(scene.value());
   if (!gaze_read) return refuse("run", gaze_read.error());
-  Result<Outputs> outputs = Outputs::open(options);
-  if (!outputs) return refuse("run", outputs.error());
-  Result<FrameFiles> files = FrameFiles::open(options);
-  if (!files) return refuse("run", files.error());
+  // Before the first file is made, so that no signal leaves one.
+  const parallel::Interrupt interrupt;
+  Result<RunOutputs> outputs = RunOutputs::open(options);
+  // A pipe that nobody reads is waited for, until a signal.
+  if (!outputs) return refuse("run", interrupt.asked() ? stopped_error() : outputs.error());
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
   SceneRunOptions start;
@@ -368,6 +237,7 @@ int run_scene(const RunOptions& options) {
   start.bodies = options.bodies;
   start.seed = options.seed;
   start.max_memory_bytes = max_memory_bytes(options.max_memory_mib);
+  start.stop = interrupt.token();
   start.tree_progress = [&progress](double share) {
     progress.share("loading shapes and building sphere trees", share);
   };
@@ -390,14 +260,14 @@ int run_scene(const RunOptions& options) {
   }
   if (!run) {
     progress.end();
-    return refuse("run", run.error());
+    return interrupt.asked() ? refuse("run", stopped_error(kStoppedLoading)) : refuse("run", run.error());
   }
   if (run.value().tree_cache_use().not_writable > 0) {
     progress.end();
     fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
-  return run_prepared(options, requirement, scene.value(), text.value().text, run.value(), outputs.value(),
-                      files.value(), progress);
+  return run_prepared(options, requirement, scene.value(), text.value().text, run.value(), outputs.value(), interrupt,
+                      progress);
 }
 
 }  // namespace
@@ -415,7 +285,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  poise run pile --deadline 4 --record pile.poise   and then   poise replay pile.poise --explain 200\n"
       "  poise run pile --deadline 4 --reference every=60 --require 'reference.e_rel_p50 < 0.2'\n\n"
       "Exit codes: 0 done, 1 --require does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped by "
-      "Ctrl-C.");
+      "Ctrl-C, 143 by SIGTERM.");
   command->callback([options, &exit_code] { exit_code = run_scene(with_report(*options)); });
 }
 

@@ -4,7 +4,6 @@
 #include <time.h>
 
 #include <algorithm>
-#include <csignal>
 #include <string>
 
 #include "frame/budget/frame_time.h"
@@ -16,34 +15,13 @@ namespace {
 /// One frame in so many tells how deep bodies got: listing contacts takes time between frames. Chosen.
 constexpr std::uint64_t kLookAtLevels = 16;
 
-/// Set by Ctrl-C. A signal handler has no argument to carry this in.
-volatile std::sig_atomic_t stop_asked = 0;
-
-/// Catches Ctrl-C while it lives, so that the frame is finished and the reports are written. A second one ends at once.
-class CtrlC {
- public:
-  CtrlC() {
-    stop_asked = 0;
-    struct sigaction action {};
-    action.sa_handler = [](int) { stop_asked = 1; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    ::sigaction(SIGINT, &action, &before_);
-  }
-  ~CtrlC() { ::sigaction(SIGINT, &before_, nullptr); }
-  CtrlC(const CtrlC&) = delete;
-  CtrlC& operator=(const CtrlC&) = delete;
-  [[nodiscard]] static bool asked() { return stop_asked != 0; }
-
- private:
-  struct sigaction before_ {};
-};
-
-/// steady_clock is CLOCK_MONOTONIC here, so its time points can be slept until without drift. Ends early at Ctrl-C.
-void sleep_until(SteadyClock::time_point when) {
+/// steady_clock is CLOCK_MONOTONIC here, so its time points can be slept until without drift. Ends early when
+/// the run is stopped.
+void sleep_until(SteadyClock::time_point when, const parallel::Interrupt& interrupt) {
   const auto since = std::chrono::duration_cast<Nanoseconds>(when.time_since_epoch()).count();
   constexpr std::int64_t kSecond = 1'000'000'000;
   const timespec target{static_cast<time_t>(since / kSecond), static_cast<long>(since % kSecond)};
-  while (!CtrlC::asked() && ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) == EINTR) {
+  while (!interrupt.asked() && ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) == EINTR) {
   }
 }
 
@@ -76,9 +54,9 @@ StepInput step_input(const LoopSettings& settings) {
 
 }  // namespace
 
-Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& told, const RecordSink& record, const CaptureSink& capture) {
-  const CtrlC ctrl_c;
+Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const parallel::Interrupt& interrupt,
+                            const StatesSink& states, const FrameSink& told, const RecordSink& record,
+                            const CaptureSink& capture) {
   LoopResult result;
   std::vector<io::NumberedState> buffer;
   result.start = run.world().conserved();
@@ -91,15 +69,15 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
   simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
-  for (std::uint64_t i = 0; i < total && !CtrlC::asked(); ++i) {
+  for (std::uint64_t i = 0; i < total && !interrupt.asked(); ++i) {
     status = run.before_frame(i);
     if (!status) return status.error();
     input.view = run.view();
     bool waited = false;
     if (settings.paced) {
       waited = SteadyClock::now() < grid.release();
-      sleep_until(grid.release());
-      if (CtrlC::asked()) break;
+      sleep_until(grid.release(), interrupt);
+      if (interrupt.asked()) break;
     }
     const SteadyClock::time_point begin = SteadyClock::now();
     if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);
@@ -150,7 +128,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const S
     if (told) told(frame);
   }
   result.end = run.world().conserved();
-  result.stopped = CtrlC::asked();
+  result.stopped = interrupt.asked();
   return result;
 }
 

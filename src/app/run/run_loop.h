@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
 #include "scene/run/numbered_states.h"
 #include "scene/run/render_load.h"
@@ -39,7 +40,7 @@ struct LoopResult {
   std::vector<simulation::RunFrame> frames;  ///< warm-up included
   Conserved start, end;
   double energy_max_j = 0;
-  bool stopped = false;  ///< by Ctrl-C
+  bool stopped = false;  ///< by a signal
 };
 
 /// Told the states after frames (and of the start, as frame 0), outside of the frame's time.
@@ -53,9 +54,10 @@ using CaptureSink = std::function<Status(const simulation::RunFrame&)>;
 /// Told after each frame.
 using FrameSink = std::function<void(const simulation::RunFrame&)>;
 
-/// Runs a scene to its end or to Ctrl-C. `states`, `record` and `capture` may be empty. Refused: what the World or a
-/// sink refuses.
-Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const StatesSink& states,
-                            const FrameSink& frame, const RecordSink& record = {}, const CaptureSink& capture = {});
+/// Runs a scene to its end, or until a signal, after which it ends its frame. `states`, `record` and `capture` may be
+/// empty. Refused: what the World or a sink refuses.
+Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const parallel::Interrupt& interrupt,
+                            const StatesSink& states, const FrameSink& frame, const RecordSink& record = {},
+                            const CaptureSink& capture = {});
 
 }  // namespace poise::app

@@ -5,6 +5,7 @@
 
 #include <iterator>
 
+#include "parallel/interrupt.h"
 #include "scene/run/milliseconds.h"
 
 namespace poise::app {
@@ -16,7 +17,8 @@ void head(const io::RunDocument& d, Out out) {
   const std::string most =
       d.dynamic_bodies_max > d.dynamic_bodies ? fmt::format(" ({} at most)", d.dynamic_bodies_max) : std::string();
   fmt::format_to(out, "{}: {} bodies, {} of them moving{}; {} frames of {:.4g} ms{}\n", d.scene, d.bodies,
-                 d.dynamic_bodies, most, d.figures.frames, 1000 * d.dt_s, d.stopped ? ", stopped by Ctrl-C" : "");
+                 d.dynamic_bodies, most, d.figures.frames, 1000 * d.dt_s,
+                 d.stopped ? fmt::format(", stopped by {}", parallel::stop_name()) : "");
   if (!d.affinity.empty()) fmt::format_to(out, "bound to the processors {}\n", fmt::join(d.affinity, ", "));
   if (d.realtime_priority > 0) fmt::format_to(out, "real-time priority {}\n", d.realtime_priority);
   fmt::format_to(out, "{} threads ({}), policy {}, contact model {}, ", d.threads, d.executor, d.policy, d.contact);

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "app/run/states_writer.h"
 
+#include "app/refusal.h"
 #include "scene/run/run_tables.h"
 
 namespace poise::app {
+namespace {
+
+/// What a killed run loses at most of its states. Chosen.
+constexpr std::chrono::milliseconds kFlushStatesEvery{250};
+
+}  // namespace
 
 Result<StatesWriter> StatesWriter::open(const std::string& path) {
   StatesWriter writer;
   if (path.empty()) return writer;
-  Result<io::AtomicFile> file = io::AtomicFile::open(path);
+  Result<io::AtomicFile> file = io::AtomicFile::open(path, io::AtomicFile::Before::Part);
   if (!file) return file.error();
   Result<BodyTable> bodies = BodyTable::open(path);
   if (!bodies) return bodies.error();
@@ -30,17 +37,22 @@ Status StatesWriter::write(std::uint64_t frame, double time_s, std::span<const i
   text_.clear();
   if (frame == 0) text_ = io::states_header();
   io::append_states(frame, time_s, states, text_);
-  return file_->write(text_);
+  const Status written = file_->write(text_);
+  const auto now = std::chrono::steady_clock::now();
+  if (!written || now - flushed_ < kFlushStatesEvery) return written;
+  flushed_ = now;
+  return file_->flush();
 }
 
 Status StatesWriter::finish() {
   if (!file_) return Done{};
   for (const Waiting& waiting : waiting_) {
-    const Status written = write(waiting.frame, waiting.time_s, waiting.states);
-    if (!written) return written;
+    // The file keeps its first failure, and tells it below.
+    if (!write(waiting.frame, waiting.time_s, waiting.states)) break;
   }
-  const Status written = bodies_.finish();
-  return written ? file_->commit() : written;
+  Status written = bodies_.finish();
+  add_failure(file_->commit_what_is_whole(), written);
+  return written;
 }
 
 }  // namespace poise::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -17,7 +18,8 @@
 namespace poise::app {
 
 /// What `--states FILE` writes: the table of states, and that of bodies beside it. Without the option it does nothing.
-/// Invariant: neither file is there before finish().
+/// Invariant: neither file is there before finish(). The states of a program that is killed are in `.NAME.N.part`, up
+/// to a quarter of a second before.
 class StatesWriter {
  public:
   /// Refused: files that cannot be written.
@@ -27,6 +29,8 @@ class StatesWriter {
   /// `wait` they are written by finish(), since writing would eat the time between paced frames.
   Status add(const Scene& scene, const SceneRun& run, std::uint64_t frame, double time_s,
              std::span<const io::NumberedState> states, bool wait = false);
+  /// Both files. Refused: what could not be written, now or before; the states then end with the last frame that was
+  /// written whole.
   Status finish();
 
  private:
@@ -40,6 +44,7 @@ class StatesWriter {
   std::optional<io::AtomicFile> file_;
   BodyTable bodies_;
   std::string text_;
+  std::chrono::steady_clock::time_point flushed_;
   std::vector<Waiting> waiting_;
 };
 

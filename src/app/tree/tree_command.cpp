@@ -55,21 +55,18 @@ Status save_picture(const TreeOptions& options, const TreeWork& work) {
 Status save_all(const TreeOptions& options, const TreeWork& work) {
   Status written = Done{};
   if (!options.output.empty()) written = save_tree(options, work.trees.front());
-  if (written && !options.picture.empty()) written = save_picture(options, work);
-  if (written && !options.json.empty()) {
-    const std::string text = io::tree_json(work.document);
-    written = options.json == "-" ? io::write_stdout(text) : io::write_file(options.json, text);
-  }
+  if (!options.json.empty()) add_failure(write_to(options.json, io::tree_json(work.document)), written);
+  if (!options.picture.empty()) add_failure(save_picture(options, work), written);
   // The standard output is one document: the JSON where it was asked for, else the table.
-  if (written && !options.quiet && options.json != "-") written = io::write_stdout(tree_table(work.document));
+  if (!options.quiet && options.json != "-") add_failure(io::write_stdout(tree_table(work.document)), written);
   return written;
 }
 
 int measure(const TreeOptions& options) {
+  const parallel::Interrupt interrupt;
   const Status writable = can_write({options.output, options.json, options.picture});
   if (!writable) return refuse("tree", writable.error());
   Progress progress(!options.quiet);
-  const parallel::Interrupt interrupt;
   const Result<TreeWork> work = do_tree_work(options, progress, interrupt);
   if (work && !options.picture.empty()) progress.say("drawing");
   const Status written = work ? save_all(options, work.value()) : Status(Done{});

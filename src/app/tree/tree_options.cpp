@@ -136,7 +136,7 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
       "A tree is always built anew here, never taken from the cache, since its cost is part of the answer.\n"
       "Exit codes: 0 done, 1 --require-coverage does not hold, 2 bad usage, 3 bad input, 4 output failed, 130 stopped "
       "by\n"
-      "Ctrl-C, with nothing written.");
+      "Ctrl-C, 143 by SIGTERM, with nothing written.");
 }
 
 TreeTask task_of(const TreeOptions& options) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/process_memory.h"
+#include "app/refusal.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
 #include "poise/assets/tree_formats.h"
@@ -21,8 +22,6 @@ double process_cpu_ms() {
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
-
-Error cancelled() { return {ErrorKind::Cancelled, "stopped by Ctrl-C; nothing was written"}; }
 
 Error in_file(const std::string& file, const Error& error) {
   return {error.kind, fmt::format("{}: {}", file, error.message)};
@@ -70,7 +69,7 @@ Status add_tree(SphereTree tree, io::MeasuredTree measured, const std::stop_toke
   io::TreeDocument& d = work.document;
   Result<std::vector<TreeLevelFigures>> levels =
       measure_tree_quality(tree, work.mesh, {d.samples, d.seed, d.solidity, d.threads, stop});
-  if (!levels && levels.error().kind == ErrorKind::Cancelled) return cancelled();
+  if (!levels && levels.error().kind == ErrorKind::Cancelled) return stopped_error();
   if (!levels) return in_file(measured.file.empty() ? d.mesh : measured.file, levels.error());
   measured.levels = std::move(levels).value();
   measured.nodes = tree.node_count();
@@ -135,7 +134,7 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
     measured.preset = build.preset;
     measured.cost.emplace();
     Result<SphereTree> tree = build_measured(work.mesh, build, *measured.cost);
-    if (interrupt.asked()) return cancelled();
+    if (interrupt.asked()) return stopped_error();
     if (!tree) return in_file(work.document.mesh, tree.error());
     progress.say("measuring the tree");
     const Status added = add_tree(std::move(tree).value(), std::move(measured), interrupt.token(), work);
@@ -146,12 +145,12 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
                                                                                {options.compare, {}}};
   for (const auto& [file, level] : files) {
     if (file.empty()) continue;
-    if (interrupt.asked()) return cancelled();
+    if (interrupt.asked()) return stopped_error();
     progress.say(fmt::format("measuring {}", file));
     const Status added = add_file(file, level, interrupt.token(), work);
     if (!added) return added.error();
   }
-  if (interrupt.asked()) return cancelled();
+  if (interrupt.asked()) return stopped_error();
   return begun;
 }
 

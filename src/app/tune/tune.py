@@ -4,6 +4,7 @@ import datetime
 import json
 import os
 import shlex
+import signal
 import sys
 import tempfile
 
@@ -17,6 +18,16 @@ from options import BAD_INPUT, BAD_USAGE, Refused
 
 OUTPUT_FAILED = 4
 STOPPED = 130
+TERMINATED = 143
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, which ends what Ctrl-C ends."""
+
+
+def terminate(signal_number, frame):
+    signal.signal(signal_number, signal.SIG_DFL)
+    raise Terminated
 
 
 def check_output(path):
@@ -145,6 +156,7 @@ def tune(work, journal):
 
 
 def main(words):
+    signal.signal(signal.SIGTERM, terminate)
     try:
         options = command_line.parser().parse_args(words)
         journal = command_line.check(options)
@@ -168,9 +180,9 @@ def main(words):
     except (served.RunFailed, served.PolicyRefused) as failed:
         print(f"poise tune: {failed}", file=sys.stderr)
         return failed.code if getattr(failed, "code", 0) in (BAD_USAGE, BAD_INPUT) else BAD_INPUT
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
         print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
-        return STOPPED
+        return TERMINATED if isinstance(stopped, Terminated) else STOPPED
     return 0
 
 

@@ -38,7 +38,7 @@ struct Entry {
   std::uintmax_t bytes = 0;
 };
 
-/// Whether a name is a temporary file of AtomicFile: `.NAME.poisetree.PID-N.part`.
+/// Whether a name is a temporary file of AtomicFile: `.NAME.poisetree.N.part`.
 bool is_part(const std::string& name) {
   return name.starts_with('.') && name.ends_with(".part") && name.find(kEnding) != std::string::npos;
 }

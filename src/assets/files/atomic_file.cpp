@@ -14,7 +14,7 @@ namespace poise::geometry {
 namespace {
 
 constexpr std::size_t kBlockBytes = 1U << 18U;
-constexpr int kAttempts = 100;
+constexpr mode_t kUsualRights = 0666;
 
 }  // namespace
 
@@ -35,9 +35,10 @@ Error AtomicFile::failed(int reason) const {
           fmt::format("{}: cannot be written: {}", shown_.string(), std::generic_category().message(reason))};
 }
 
-Result<AtomicFile> AtomicFile::open(const std::filesystem::path& path) {
+Result<AtomicFile> AtomicFile::open(const std::filesystem::path& path, Before before) {
   AtomicFile file;
   file.shown_ = path;
+  file.before_ = before;
   std::error_code failure;
   file.target_ = path;
   if (std::filesystem::is_symlink(path, failure)) {
@@ -54,78 +55,105 @@ Result<AtomicFile> AtomicFile::open(const std::filesystem::path& path) {
   }
   if (file.target_.filename().empty()) return file.failed(path.empty() ? ENOENT : EISDIR);
   if (exists && ::access(file.target_.c_str(), W_OK) != 0) return file.failed(errno);
-  // Two programs may write the same file at once, so each needs its own temporary name.
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const std::string name = fmt::format(".{}.{}-{}.part", file.target_.filename().string(), ::getpid(), attempt);
-    std::filesystem::path temporary = file.target_.parent_path() / name;
-    file.descriptor_ = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file.descriptor_ >= 0) {
-      file.temporary_ = std::move(temporary);
-      // The mode of a replaced file is preserved if the system permits it.
-      if (exists) static_cast<void>(::fchmod(file.descriptor_, status.st_mode & 07777U));
-      return file;
-    }
-    if (errno != EEXIST) break;
-  }
-  return file.failed(errno);
+  const int opened = file.part_.open(file.target_, before == Before::Hidden, kUsualRights, file.descriptor_);
+  if (opened != 0) return file.failed(opened);
+  file.regular_ = true;
+  // The mode of a replaced file is preserved if the system permits it.
+  if (exists) static_cast<void>(::fchmod(file.descriptor_, status.st_mode & 07777U));
+  return file;
 }
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : shown_(std::move(other.shown_)),
       target_(std::move(other.target_)),
-      temporary_(std::exchange(other.temporary_, {})),
+      part_(std::exchange(other.part_, {})),
       buffer_(std::move(other.buffer_)),
+      whole_bytes_(other.whole_bytes_),
       descriptor_(std::exchange(other.descriptor_, -1)),
-      failure_(other.failure_) {}
+      failure_(other.failure_),
+      regular_(other.regular_),
+      published_(other.published_),
+      before_(other.before_) {}
 
 AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
   if (this == &other) return *this;
   discard();
   shown_ = std::move(other.shown_);
   target_ = std::move(other.target_);
-  temporary_ = std::exchange(other.temporary_, {});
+  part_ = std::exchange(other.part_, {});
   buffer_ = std::move(other.buffer_);
+  whole_bytes_ = other.whole_bytes_;
   descriptor_ = std::exchange(other.descriptor_, -1);
   failure_ = other.failure_;
+  regular_ = other.regular_;
+  published_ = other.published_;
+  before_ = other.before_;
   return *this;
 }
 
 AtomicFile::~AtomicFile() { discard(); }
 
 void AtomicFile::discard() {
+  part_.remove();
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
-  temporary_.clear();
 }
 
 Status AtomicFile::flush() {
   if (failure_ == 0 && descriptor_ < 0) failure_ = EBADF;
-  if (failure_ == 0) failure_ = write_all(descriptor_, buffer_);
+  if (failure_ == 0) {
+    failure_ = write_all(descriptor_, buffer_);
+    if (failure_ == 0) whole_bytes_ += buffer_.size();
+    // What reached the system in part is of no use, and takes room that others may need.
+    if (failure_ != 0 && regular_) static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(whole_bytes_)));
+  }
   buffer_.clear();
   if (failure_ != 0) return failed(failure_);
   return Done{};
 }
 
 Status AtomicFile::write(std::string_view text) {
-  buffer_.append(text);
+  if (failure_ == 0) buffer_.append(text);
   return buffer_.size() < kBlockBytes && failure_ == 0 ? Status(Done{}) : flush();
 }
 
-Status AtomicFile::commit() {
+int AtomicFile::name_it() {
+  if (!regular_ || published_) return 0;
+  // Some file systems tell only at a close what they could not write. The lock stays with the other descriptor.
+  const int second = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
+  if (second >= 0 && ::close(second) != 0) return errno;
+  const int named = part_.rename_to(target_, descriptor_);
+  if (named != 0) return named;
+  published_ = true;
+  if (before_ == Before::Part) PartFile::remove_stale(target_);
+  return 0;
+}
+
+Status AtomicFile::publish() {
   const Status flushed = flush();
-  if (!flushed) {
-    discard();
-    return flushed;
-  }
-  const int closed = ::close(std::exchange(descriptor_, -1));
-  if (closed != 0 || (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0)) {
-    const Error error = failed(errno);
-    discard();
-    return error;
-  }
-  temporary_.clear();
+  if (!flushed) return flushed;
+  failure_ = name_it();
+  if (failure_ != 0) return failed(failure_);
   return Done{};
+}
+
+Status AtomicFile::commit() {
+  const Status published = publish();
+  if (!published) {
+    discard();
+    return published;
+  }
+  if (::close(std::exchange(descriptor_, -1)) != 0) return failed(errno);
+  return Done{};
+}
+
+Status AtomicFile::commit_what_is_whole() {
+  const Status flushed = flush();
+  if (flushed) return commit();
+  const bool kept = regular_ && descriptor_ >= 0 && whole_bytes_ > 0 && name_it() == 0;
+  discard();
+  if (!kept) return flushed;
+  return Error{flushed.error().kind, flushed.error().message + "; what was written before is there"};
 }
 
 Status write_file(const std::filesystem::path& path, std::string_view text) {

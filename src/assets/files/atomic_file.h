@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
+#include "assets/files/part_file.h"
 #include "poise/result.h"
 
 namespace poise::geometry {
 
-/// A file that appears complete or not at all: written to a temporary file in the same folder and renamed by commit().
-/// Devices and pipes are written to directly. Invariant: while open, the descriptor is valid and, for a regular file,
-/// the temporary file exists. Without a commit the destructor removes it.
+/// A file that appears complete or not at all: it gets its name by commit(). Devices and pipes are written to directly.
+/// Invariant: while open, the descriptor is valid. Without a commit the destructor leaves nothing.
 class AtomicFile {
  public:
+  /// What can be seen of a file before its commit.
+  enum class Before : std::uint8_t {
+    Hidden,  ///< nothing, where the file system has files without a name (O_TMPFILE), not even of a killed program
+    Part,    ///< `.NAME.N.part` in the same folder, which stays when the program is killed
+  };
+
   /// Refused as OutputFailed with the path and the system's reason: a missing folder, no permission, or a path that is
   /// a folder.
-  static Result<AtomicFile> open(const std::filesystem::path& path);
+  static Result<AtomicFile> open(const std::filesystem::path& path, Before before = Before::Hidden);
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&& other) noexcept;
   ~AtomicFile();
@@ -25,21 +32,35 @@ class AtomicFile {
   Status write(std::string_view text);
   /// Hands what is buffered to the system, so that it outlives the program.
   Status flush();
-  /// Writes the rest, closes and renames. The file is closed afterwards, whatever the result.
+  /// Writes the rest and gives the file its name already; what is written later follows in the named file, and the
+  /// destructor leaves it.
+  Status publish();
+  /// Writes the rest, gives the file its name and closes it. Refused: what could not be written, now or before; then
+  /// nothing is left, but for what publish() had named. The file is closed afterwards, whatever the result.
   Status commit();
+  /// As commit(), but after a failure the file gets its name all the same and ends with the last write() of which all
+  /// reached the system; without any, nothing is left. Refused with the failure.
+  Status commit_what_is_whole();
+  /// A write or flush was refused.
+  [[nodiscard]] bool failing() const { return failure_ != 0; }
   [[nodiscard]] const std::filesystem::path& path() const { return shown_; }
 
  private:
   AtomicFile() = default;
   void discard();
   Error failed(int reason) const;
+  int name_it();
 
-  std::filesystem::path shown_;      ///< the caller's path
-  std::filesystem::path target_;     ///< the path with links resolved
-  std::filesystem::path temporary_;  ///< empty: the target is written directly
+  std::filesystem::path shown_;   ///< the caller's path
+  std::filesystem::path target_;  ///< the path with links resolved
+  PartFile part_;                 ///< of a regular file without its name
   std::string buffer_;
+  std::uint64_t whole_bytes_ = 0;  ///< that reached the system before the first failure
   int descriptor_ = -1;
   int failure_ = 0;
+  bool regular_ = false;    ///< no device and no pipe
+  bool published_ = false;  ///< it has its name
+  Before before_ = Before::Hidden;
 };
 
 /// Writes `text` to a file that appears complete or not at all.

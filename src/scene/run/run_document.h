@@ -21,7 +21,7 @@ struct RunDocument {
   std::size_t dynamic_bodies = 0;
   std::size_t dynamic_bodies_max = 0;  ///< in any frame; more than at the end where bodies leave
   std::uint64_t frames_asked = 0;      ///< requested number, without warm-up
-  bool stopped = false;                ///< by Ctrl-C
+  bool stopped = false;                ///< by Ctrl-C or SIGTERM
   double dt_s = 0;
   std::uint64_t seed = 0;
   int threads = 0;

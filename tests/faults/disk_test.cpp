@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "faults/left_files.h"
+#include "faults/program.h"
+#include "scene/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// No file of the program may be larger, whatever the file system is.
+void limit_files_to_64_kib() {
+  constexpr rlim_t kBytes = 65536;
+  const rlimit limit{kBytes, kBytes};
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+}
+
+bool says(const std::string& error, const std::string& file, const char* reason) {
+  return error.find(file + ": cannot be written: " + reason) != std::string::npos;
+}
+
+// States, record and capture outgrow the limit, the others do not.
+TEST(Disk, AnOutputThatCannotBeWrittenTakesNothingFromTheOthers) {
+  const TemporaryFolder folder;
+  std::vector<std::string> words{"run", "gas", "--bodies", "200", "--frames", "60", "--clock", "work", "--quiet"};
+  const std::vector<std::string> outputs = all_outputs(folder.path());
+  words.insert(words.end(), outputs.begin(), outputs.end());
+  Program program(folder.path(), words, limit_files_to_64_kib);
+  EXPECT_EQ(program.wait(), 4) << program.error();
+  const std::string error = program.error();
+  EXPECT_TRUE(says(error, "states.csv", "File too large")) << error;
+  EXPECT_NE(error.find("poise run: warning: " + folder.file("states.csv")), std::string::npos) << error;
+  EXPECT_NE(error.find("the run goes on without it"), std::string::npos) << error;
+  EXPECT_NE(error.find("File too large; what was written before is there"), std::string::npos) << error;
+  const LeftFiles left = read_left_files(folder.path());
+  EXPECT_TRUE(left.problems.empty()) << left.problems.front();
+  EXPECT_TRUE(left.parts.empty()) << left.parts.front();
+  EXPECT_EQ(left.json_frames, 60U);
+  EXPECT_EQ(left.frames_csv, 60U);
+  EXPECT_LT(left.states.value_or(0), 61U) << "a table of whole rows, of the first frames";
+  for (const char* name : {"states.csv", "run.poise", "run.capture"})
+    EXPECT_LE(fs::file_size(folder.file(name)), 65536U);
+}
+
+TEST(Disk, ADeviceThatIsFullTakesNothingFromTheOthers) {
+  const TemporaryFolder folder;
+  Program program(folder.path(), {"run", "two-body", "--frames", "20", "--quiet", "--json", folder.file("run.json"),
+                                  "--frames-csv", "/dev/full", "--trace", "/dev/full", "--picture", "/dev/full",
+                                  "--record", folder.file("run.poise")});
+  EXPECT_EQ(program.wait(), 4);
+  const std::string error = program.error();
+  // Each is named, in one refusal.
+  std::size_t named = 0;
+  for (std::size_t at = 0; (at = error.find("/dev/full: cannot be written: No space left", at)) != std::string::npos;
+       ++at)
+    ++named;
+  EXPECT_EQ(named, 3U) << error;
+  const LeftFiles left = read_left_files(folder.path());
+  EXPECT_EQ(left.json_frames, 20U);
+  EXPECT_TRUE(left.record_whole);
+}
+
+TEST(Disk, EveryPathThatCannotBeWrittenIsNamedBeforeTheFirstFrame) {
+  const TemporaryFolder folder;
+  Program program(folder.path(), {"run", "two-body", "--quiet", "--json", folder.file("no/run.json"), "--record",
+                                  folder.file("none/run.poise"), "--states", folder.file("states.csv")});
+  EXPECT_EQ(program.wait(), 4);
+  EXPECT_TRUE(says(program.error(), "no/run.json", "No such file")) << program.error();
+  EXPECT_TRUE(says(program.error(), "none/run.poise", "No such file")) << program.error();
+  EXPECT_EQ(folder.entries(), 2U) << "what it said, and no part";
+}
+
+/// The command fails with one /dev/full, and all other files are written.
+void expect_others(const std::vector<std::string>& words, const std::vector<std::string>& others) {
+  const TemporaryFolder said;
+  Program program(said.path(), words);
+  EXPECT_EQ(program.wait(), 4) << program.error();
+  EXPECT_NE(program.error().find("/dev/full: cannot be written: No space left"), std::string::npos) << program.error();
+  for (const std::string& file : others) EXPECT_TRUE(fs::exists(file) && fs::file_size(file) > 0) << file;
+}
+
+TEST(Disk, OfEveryOtherCommandOneFullOutputTakesNothingFromTheOthers) {
+  const TemporaryFolder folder;
+  const std::string record = folder.file("r"), capture = folder.file("c"), json = folder.file("j.json");
+  {
+    const TemporaryFolder said;
+    Program program(said.path(),
+                    {"run", "two-body", "--frames", "70", "--quiet", "--record", record, "--capture", capture});
+    ASSERT_EQ(program.wait(), 0) << program.error();
+  }
+  expect_others(
+      {"replay", record, "--quiet", "--states", "/dev/full", "--json", json, "--picture", folder.file("r.png")},
+      {json, folder.file("r.png")});
+  fs::remove(json);
+  expect_others(
+      {"export", capture, "--csv", "/dev/full", "--picture", folder.file("e.png"), "--gltf", folder.file("e.glb")},
+      {folder.file("e.png"), folder.file("e.glb")});
+  expect_others({"tree", std::string(POISE_SOURCE_DIR) + "/scenes/meshes/torus.obj", "--depth", "1", "--picture",
+                 "/dev/full", "--json", json, "-o", folder.file("t.sph"), "--quiet"},
+                {json, folder.file("t.sph")});
+  fs::remove(json);
+  expect_others({"compare", "gas", "--bodies", "20", "--policies", "perceptual,fifo", "--budgets", "50%", "--frames",
+                 "2", "--csv", "/dev/full", "--svg", folder.file("c.svg"), "--json", json, "--quiet"},
+                {json, folder.file("c.svg")});
+}
+
+/// In a name space of its own: a small disk at `folder`. Ends the new process with 77 where that is not permitted.
+void mount_small_disk(const std::string& folder, const char* options) {
+  const bool own = ::unshare(CLONE_NEWNS) == 0 && ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
+  if (!own || ::mount("tmpfs", folder.c_str(), "tmpfs", 0, options) != 0) ::_exit(77);
+}
+
+// All outputs on one disk, which the states fill. The disk goes with the program, so a child of the shell looks at it.
+TEST(Disk, AFullDiskLeavesFilesThatOpenUpToWhereTheyEndAndTheJson) {
+  const TemporaryFolder folder;
+  const std::string disk = folder.file("disk"), copy = folder.file("copy");
+  fs::create_directory(disk);
+  fs::create_directory(copy);
+  std::string words = "'" + std::string(POISE_COMMAND) + "' run gas --bodies 500 --frames 100 --clock work --quiet";
+  for (const std::string& word : all_outputs(disk)) words += " '" + word + "'";
+  const std::string script = words + "; code=$?; cp -a '" + disk + "/.' '" + copy + "'; exit $code";
+  Program shell(folder.path(), {}, [&] {
+    mount_small_disk(disk, "size=2m");
+    ::execl("/bin/sh", "sh", "-c", script.c_str(), nullptr);
+  });
+  const int exit_code = shell.wait();
+  if (exit_code == 77) GTEST_SKIP() << "a disk can be mounted by root alone";
+  EXPECT_EQ(exit_code, 4) << shell.error();
+  EXPECT_TRUE(says(shell.error(), "states.csv", "No space left on device")) << shell.error();
+  const LeftFiles left = read_left_files(copy);
+  EXPECT_TRUE(left.problems.empty()) << left.problems.front();
+  EXPECT_TRUE(left.parts.empty()) << left.parts.front();
+  EXPECT_EQ(left.json_frames, 100U) << shell.error();
+  EXPECT_GT(left.states.value_or(0), 0U);
+  EXPECT_LT(left.states.value_or(101), 101U);
+}
+
+}  // namespace
+}  // namespace poise::testing
