@@ -34,7 +34,7 @@ std::vector<std::string> small_run(const std::string& folder) {
                                  "--bodies",
                                  "250",
                                  "--frames",
-                                 "500",
+                                 "400",
                                  "--clock",
                                  "work",
                                  "--quiet",
@@ -181,8 +181,8 @@ TEST(Kill, LeavesRecordAndStatesUpToAQuarterOfASecondBeforeUntilTheNextRun) {
   EXPECT_EQ(left.states, 4U);
 }
 
-/// In a name space of its own: no /proc, without which a file that has no name cannot get one. Ends the new process with
-/// 77 where that is not permitted.
+/// In a name space of its own: no /proc, without which a file that has no name cannot get one. Ends the new process
+/// with 77 where that is not permitted.
 void hide_proc() {
   const bool own = ::unshare(CLONE_NEWNS) == 0 && ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
   if (!own || ::mount("tmpfs", "/proc", "tmpfs", 0, "size=64k") != 0) ::_exit(77);
@@ -218,6 +218,29 @@ TEST(Kill, WhereAllFilesHaveATemporaryNameASignalLeavesNoneOfThem) {
     Program again(folder.path(), run("3"), hide_proc);
     EXPECT_EQ(again.wait(), 0) << again.error();
     expect_ended(read_left_files(folder.path()), 0, signal);
+  }
+}
+
+TEST(Kill, AnExportThatIsStoppedLeavesWholePicturesAlone) {
+  const TemporaryFolder folder;
+  const std::string capture = folder.file("c"), film = folder.file("film");
+  {
+    Program program(folder.path(), {"run", "two-body", "--frames", "300", "--quiet", "--capture", capture});
+    ASSERT_EQ(program.wait(), 0) << program.error();
+  }
+  for (const int signal : {SIGTERM, SIGINT}) {
+    Program program(folder.path(), {"export", capture, "--frames-dir", film, "--picture", folder.file("last.png")});
+    ASSERT_TRUE(wait_until(program, [&] { return std::filesystem::exists(film + "/frame-000001.png"); }))
+        << program.error();
+    program.signal(signal);
+    EXPECT_EQ(program.wait(), 128 + signal) << program.error();
+    EXPECT_NE(program.error().find("files that were not complete were not written"), std::string::npos)
+        << program.error();
+    for (const auto& entry : std::filesystem::directory_iterator(film)) {
+      EXPECT_TRUE(contents(entry.path()).ends_with("IEND\xae\x42\x60\x82")) << entry.path();
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder.file("last.png")));
+    std::filesystem::remove_all(film);
   }
 }
 

@@ -115,8 +115,8 @@ Status write_pvd(capture::CaptureReader& reader, const capture::FrameChoice& cho
 }
 
 /// Every chosen frame into the folder, and the last of them into the file.
-Status write_pictures(capture::CaptureReader& reader, const capture::FrameChoice& choice,
-                      const PictureOptions& options, const parallel::Interrupt& interrupt) {
+Status write_pictures(capture::CaptureReader& reader, const capture::FrameChoice& choice, const PictureOptions& options,
+                      const parallel::Interrupt& interrupt) {
   Result<FilmFrames> film = FilmFrames::open(options);
   if (!film) return film.error();
   const io::FramePictures pictures(reader.header().shapes, picture_settings(options));
