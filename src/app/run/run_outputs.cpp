@@ -117,9 +117,11 @@ Result<RunOutputs> RunOutputs::open(const RunOptions& options) {
 
 RunSinks sinks_of(const Scene& scene, const SceneRun& run, const LoopSettings& loop, RunOutputs& outputs,
                   Progress& progress) {
-  return {until_it_fails("run", states_sink(scene, run, loop, outputs.states), progress),
-          until_it_fails("run", outputs.record.sink(run), progress),
-          until_it_fails("run", capture_sink(run, loop.dt_s, outputs.capture), progress)};
+  RunSinks sinks;
+  sinks.states = until_it_fails("run", states_sink(scene, run, loop, outputs.states), progress);
+  sinks.record = until_it_fails("run", outputs.record.sink(run), progress);
+  sinks.capture = until_it_fails("run", capture_sink(run, loop.dt_s, outputs.capture), progress);
+  return sinks;
 }
 
 Status write_results(const EndedRun& ended, io::RunDocument& document, RunOutputs& outputs) {
