@@ -46,12 +46,12 @@ void find_pairs(benchmark::State& state) {
   const auto octaves = static_cast<double>(state.range(1));
   BroadPhase broad;
   const auto small = pile(2000, octaves);
-  if (!matches_brute_force(small, broad.find(small, {}, 65536, *executor).pairs)) state.SkipWithError("a wrong answer");
+  if (!matches_brute_force(small, broad.find(small, {}, {65536}, *executor).pairs)) state.SkipWithError("a wrong answer");
   const auto bounds = pile(count, octaves);
   std::size_t pairs = 0;
   bench::Latencies latencies;
   for (auto _ : state) {
-    latencies.time(state, [&] { pairs = broad.find(bounds, {}, 65536, *executor).pairs.size(); });
+    latencies.time(state, [&] { pairs = broad.find(bounds, {}, {65536}, *executor).pairs.size(); });
   }
   latencies.report(state);
   state.counters["pairs_per_body"] = static_cast<double>(pairs) / static_cast<double>(count);
@@ -71,7 +71,7 @@ void find_pairs_of_a_crowd(benchmark::State& state) {
   for (MotionBound& bound : bounds) bound.center_m = Vec3::Zero();
   BroadPhase broad;
   std::size_t pairs = 0;
-  for (auto _ : state) pairs = broad.find(bounds, {}, kMostPartners, *executor).pairs.size();
+  for (auto _ : state) pairs = broad.find(bounds, {}, {kMostPartners}, *executor).pairs.size();
   state.counters["pairs_per_body"] = static_cast<double>(pairs) / static_cast<double>(count);
   state.counters["time_per_body"] = benchmark::Counter(
       static_cast<double>(count), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

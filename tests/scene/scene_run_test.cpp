@@ -224,6 +224,42 @@ TEST(SceneRun, RefusesANumberOfBodiesWithoutGenerators) {
             "s.json: has no generators, so the number of bodies cannot be chosen");
 }
 
+TEST(SceneRun, RefusesBodiesThatTakeMoreMemoryThanItMayBeforeOneIsMade) {
+  const Scene scene = parse(scene_text(R"("generators": [{"grid": {"shape": "ball", "material": "hard",
+                                           "count": [1000, 100, 1], "spacing_m": 2}}], )",
+                                       "[]"))
+                          .value();
+  SceneRunOptions options;
+  options.max_memory_bytes = 100U << 20U;
+  EXPECT_EQ(SceneRun::create(scene, options).error().message,
+            "s.json: 100000 bodies at once take about 713 MiB, must be at most the 100 MiB that a run may take "
+            "(--max-memory)");
+  options.bodies = 1000;
+  ASSERT_TRUE(SceneRun::create(scene, options).ok());
+  options.bodies = 9'999'999;
+  options.max_memory_bytes = std::uint64_t{60} << 30U;
+  EXPECT_EQ(SceneRun::create(scene, options).error().kind, ErrorKind::BadInput);
+}
+
+TEST(SceneRun, WhatItsBodiesLeaveOfItsMemoryBoundsThePairsOfACrowd) {
+  const Scene scene = parse(scene_text(R"("generators": [{"grid": {"shape": "ball", "material": "hard",
+                                           "count": [2000, 1, 1], "spacing_m": 1e-6}}], )",
+                                       "[]"))
+                          .value();
+  SceneRunOptions options;
+  options.max_memory_bytes = 60U << 20U;
+  SceneRun run = SceneRun::create(scene, options).value();
+  const std::uint32_t pairs = run.world().settings().max_pairs;
+  EXPECT_GT(pairs, 5'000U);
+  EXPECT_LT(pairs, 20'000U) << "60 MiB without 36 MB, in pairs of 2.4 kB";
+  const FrameReport report = run.world().step({});
+  EXPECT_LE(report.candidate_pairs, pairs);
+  EXPECT_GT(report.candidate_pairs, pairs / 2);
+  EXPECT_GT(report.pairs_discarded, 1'000'000U);
+  options.max_memory_bytes.reset();
+  EXPECT_EQ(SceneRun::create(scene, options).value().world().settings().max_pairs, WorldSettings{}.max_pairs);
+}
+
 TEST(ScaledTree, HoldsTheScaledLeavesTooWhereTheyOnlyCover) {
   std::vector<Sphere> spheres;
   for (int i = 0; i < 20; ++i)

@@ -13,8 +13,8 @@
 
 #include "app/capture/run_capture.h"
 #include "app/exit_codes.h"
-#include "app/progress.h"
 #include "app/process_memory.h"
+#include "app/progress.h"
 #include "app/refusal.h"
 #include "app/report/report_files.h"
 #include "app/run/run_loop.h"

@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "app/option_values.h"
-#include "app/process_memory.h"
 #include "app/output_files.h"
+#include "app/process_memory.h"
 #include "app/report/report_files.h"
 #include "app/run/body_table.h"
 #include "app/suggestions.h"
