@@ -19,7 +19,8 @@ if(ASSERTIONS)
   string(APPEND flags " assertions")
 endif()
 # What decides the bits of a built tree, for the cache of trees.
-file(GLOB_RECURSE sources ${SOURCE_DIR}/src/geometry/*.h ${SOURCE_DIR}/src/geometry/*.cpp)
+file(GLOB_RECURSE sources ${SOURCE_DIR}/src/geometry/*.h ${SOURCE_DIR}/src/geometry/*.cpp
+  ${SOURCE_DIR}/src/math/*.h ${SOURCE_DIR}/src/math/*.cpp)
 list(APPEND sources ${SOURCE_DIR}/include/poise/mesh.h ${SOURCE_DIR}/include/poise/sphere_tree.h ${SOURCE_DIR}/include/poise/types.h)
 list(SORT sources)
 set(hashes "")

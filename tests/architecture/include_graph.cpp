@@ -39,7 +39,7 @@ const std::vector<Library>& libraries() {
        "#4f86c0",
        {"api", "verify", "frame", "world", "query", "solver", "collision", "dynamics", "interface", "geometry",
         "parallel", "values"}},
-      {"poise::scheduler", "#f1e8f8", "#8d64b0", {"scheduler"}},
+      {"poise::scheduler", "#f1e8f8", "#8d64b0", {"scheduler", "math"}},
   };
   return all;
 }
