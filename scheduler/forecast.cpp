@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/functions.h"
+
 namespace poise::scheduler {
 namespace {
 
@@ -63,11 +65,11 @@ double TrackedQuantile::eta_for(double spread) {
   return std::clamp(0.5 * spread, 0.01, 0.2);
 }
 
-double TrackedQuantile::factor() const { return std::exp(q_); }
+double TrackedQuantile::factor() const { return math::exp(q_); }
 
 void TrackedQuantile::observe(Nanoseconds actual, Nanoseconds forecast) {
   if (actual.count() <= 0 || forecast.count() <= 0) return;
-  const double raw = std::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
+  const double raw = math::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
   const double z = std::clamp(raw, kLow, kHigh);
   if (z != raw) ++beyond_clip_;
   constexpr double kMemory = 0.005;
@@ -83,7 +85,7 @@ void TrackedQuantile::observe(Nanoseconds actual, Nanoseconds forecast) {
 
 bool beyond_clip(Nanoseconds actual, Nanoseconds forecast) {
   if (actual.count() <= 0 || forecast.count() <= 0) return true;
-  const double z = std::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
+  const double z = math::log(static_cast<double>(actual.count()) / static_cast<double>(forecast.count()));
   return z < TrackedQuantile::kLow || z > TrackedQuantile::kHigh;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "math/functions.h"
 #include "poise/scheduler/cues.h"
 #include "poise/scheduler/rival_policies.h"
 
@@ -100,7 +101,7 @@ std::uint32_t waited_bands(const Policy& policy, std::uint32_t frames) {
   PairCues cues;
   cues.frames_waited = frames;
   constexpr double kBandsOfAnOctave = 4;
-  const double octaves = policy.waiting * std::log2(cues::kWaiting.factor(policy, cues));
+  const double octaves = policy.waiting * math::log2(cues::kWaiting.factor(policy, cues));
   return static_cast<std::uint32_t>(std::clamp(std::round(kBandsOfAnOctave * octaves), 0.0, kBands - 1.0));
 }
 

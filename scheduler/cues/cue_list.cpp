@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "math/functions.h"
 #include "poise/scheduler/cues.h"
 
 namespace poise::scheduler {
@@ -23,7 +24,7 @@ std::span<const Cue* const> cue_list() { return kCues; }
 double raised(double base, double exponent) {
   if (exponent == 0.0) return 1.0;
   // pow costs as much as the rest of the score.
-  const double power = exponent == 1.0 ? base : exponent == 2.0 ? base * base : std::pow(base, exponent);
+  const double power = exponent == 1.0 ? base : exponent == 2.0 ? base * base : math::pow(base, exponent);
   return std::min(power, kMostFactor);
 }
 

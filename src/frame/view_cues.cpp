@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/functions.h"
+
 namespace poise::simulation {
 namespace {
 
@@ -17,10 +19,10 @@ ViewQuery::ViewQuery(const View& from) : view(from) {
   if (!from.present) return;
   right = from.forward.cross(from.up).normalized();
   up = right.cross(from.forward);
-  tangent_up = std::tan(0.5 * from.vertical_fov_rad);
+  tangent_up = math::tan(0.5 * from.vertical_fov_rad);
   tangent_right = tangent_up * from.aspect;
-  per_up = 1.0 / std::hypot(1.0, tangent_up);
-  per_right = 1.0 / std::hypot(1.0, tangent_right);
+  per_up = 1.0 / std::sqrt(1.0 + tangent_up * tangent_up);
+  per_right = 1.0 / std::sqrt(1.0 + tangent_right * tangent_right);
 }
 
 bool in_frustum(const ViewQuery& view_query, const Vec3& center_m, double radius_m) {
@@ -58,7 +60,7 @@ scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, c
   cues.gap_rad = static_cast<float>(pair.gap_m * cues.angle_radpm);
   // The arc cosine takes as long as the rest.
   if (policy.eccentricity != 0 || policy.seen_threshold_rad > 0)
-    cues.eccentricity_rad = std::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));
+    cues.eccentricity_rad = math::acos(std::clamp(direction.dot(view.gaze), -1.0, 1.0));
   return cues;
 }
 

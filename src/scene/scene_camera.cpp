@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/functions.h"
 #include "scene/scene_gaze.h"
 #include "scene/scene_parse.h"
 
@@ -195,7 +196,7 @@ View scene_view(const Scene& scene, double time_s) {
   view.gaze = view.forward;
   if (const auto gaze_px = io::gaze_at(scene, time_s)) {
     // The image plane at distance 1: its upper edge is at tan(fov / 2).
-    const double half = std::tan(0.5 * view.vertical_fov_rad);
+    const double half = math::tan(0.5 * view.vertical_fov_rad);
     const double across = (2 * (*gaze_px)[0] / width_px - 1) * half * view.aspect;
     const double upward = (1 - 2 * (*gaze_px)[1] / height_px) * half;
     view.gaze = (view.forward + across * right + upward * view.up).normalized();

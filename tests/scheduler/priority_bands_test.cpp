@@ -4,11 +4,34 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <thread>
 #include <vector>
 
 namespace poise::scheduler {
 namespace {
+
+TEST(OctaveBand, BeginsExactlyAtEachQuarterOfAnOctave) {
+  const std::vector<double> quarters{1, 1.1892071150027210667, 1.4142135623730950488, 1.6817928305074290861};
+  for (std::uint32_t band = 1; band < kBands; ++band) {
+    for (const double lowest : {-32.0, -56.0, 3.0, 0.75}) {
+      const auto at = static_cast<int>(band) + static_cast<int>(4 * lowest) + 400;
+      const double begin = std::ldexp(quarters[static_cast<std::size_t>(at % 4)], at / 4 - 100);
+      EXPECT_EQ(octave_band(begin, lowest), band) << lowest;
+      EXPECT_EQ(octave_band(std::nextafter(begin, 0), lowest), band - 1) << lowest;
+    }
+  }
+}
+
+TEST(OctaveBand, MayBeginAnywhereAndTakesEveryScore) {
+  EXPECT_EQ(octave_band(std::exp2(10.3 + 5.01), 10.3), 20U);
+  EXPECT_EQ(octave_band(std::exp2(10.3 + 4.99), 10.3), 19U);
+  EXPECT_EQ(octave_band(std::numeric_limits<double>::infinity()), kBands - 1);
+  EXPECT_EQ(octave_band(std::numeric_limits<double>::denorm_min()), 0U);
+  EXPECT_EQ(octave_band(std::numeric_limits<double>::denorm_min(), -1080), 24U);
+  EXPECT_EQ(octave_band(std::numeric_limits<double>::quiet_NaN()), 0U);
+}
 
 TEST(PriorityBands, AreEmptyAfterAReset) {
   PriorityBands bands;

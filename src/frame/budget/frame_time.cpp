@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "frame/budget/degrade.h"
 #include "frame/budget/hold.h"
+#include "math/functions.h"
 #include "solver/solver.h"
 
 namespace poise::simulation {
@@ -18,7 +20,9 @@ constexpr double kUnknownUnitCostNs = 60;
 constexpr double kNewShare = 0.25;
 
 // Where the margin begins when nothing is known: half as much again at 1 %, twice as much at 0.1 %. Chosen.
-double first_log_quantile(double alpha) { return 0.4 + 0.3 * std::clamp(std::log10(0.01 / alpha), -1.0, 3.0); }
+double first_log_quantile(double alpha) {
+  return 0.4 + 0.3 * std::clamp(math::log(0.01 / alpha) / std::numbers::ln10, -1.0, 3.0);
+}
 
 Nanoseconds host_reserve(const Forecasts& forecasts, const StepInput& step) {
   return step.host_work.learn ? forecasts.host_work.reserve() : step.host_work.expected;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "geometry/bvh/triangle_bvh.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -41,7 +42,7 @@ class SolidAngles {
     imaginary_ = imaginary * scale;
   }
   /// The sum as a share of the full sphere.
-  [[nodiscard]] double winding() const { return std::atan2(imaginary_, real_) / (2 * std::numbers::pi) + turns_; }
+  [[nodiscard]] double winding() const { return math::atan2(imaginary_, real_) / (2 * std::numbers::pi) + turns_; }
 
  private:
   double real_ = 1;

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "math/functions.h"
+
 namespace poise::geometry {
 namespace {
 
@@ -17,7 +19,7 @@ using Index = std::uint32_t;
 /// Distance of the surface from the middle in a direction, from 0.25 to 0.5 m; the three waves add up at the horns.
 double reach_m(const Vec3& direction) {
   const double waves =
-      std::sin(5 * direction.x() + 0.4) + std::sin(4 * direction.y() + 1.1) + std::sin(6 * direction.z() + 2.3);
+      math::sin(5 * direction.x() + 0.4) + math::sin(4 * direction.y() + 1.1) + math::sin(6 * direction.z() + 2.3);
   return 0.375 + 0.125 / 3 * waves;
 }
 

@@ -191,7 +191,7 @@ void measure_piece(const TriangleMesh& mesh, Piece& piece) {
     area_m2 += 0.5 * (b - a).cross(c - a).norm();
   }
   const double diagonal_m = (piece.box.high - piece.box.low).norm();
-  const double least_m3 = piece.closed ? kFlatShare * std::pow(diagonal_m, 3) : kSheetShare * area_m2 * diagonal_m;
+  const double least_m3 = diagonal_m * (piece.closed ? kFlatShare * (diagonal_m * diagonal_m) : kSheetShare * area_m2);
   piece.inside_out = piece.volume_m3 < -least_m3;
   if (std::abs(piece.volume_m3) <= least_m3) piece.closed = false;  // encloses no volume, so nothing lies in it
 }

@@ -80,7 +80,8 @@ Result<MassProperties> mesh_mass_properties(const TriangleMesh& mesh) {
   const MassProperties mass = geometry::mesh_volume(mesh);
   // Below this share of the cube of the diagonal the volume is rounding error. A plate 1 m wide may still be a few
   // picometres thick.
-  const double smallest_m3 = 1e-12 * std::pow(mesh.diagonal_m(), 3);
+  const double diagonal_m = mesh.diagonal_m();
+  const double smallest_m3 = 1e-12 * (diagonal_m * diagonal_m * diagonal_m);
   if (!(mass.volume_m3 > smallest_m3) || !mass.inertia_m5.allFinite()) {
     return bad_input(fmt::format("mesh encloses {} m^3, must be > 0 (> {})", mass.volume_m3, smallest_m3));
   }
@@ -116,7 +117,8 @@ Result<MassProperties> shell_mass_properties(const TriangleMesh& mesh, double th
                thickness_m * thickness_m * normal * normal.transpose());
   }
   // Below this share of the squared diagonal the area is rounding error.
-  if (!(area_m2 > 1e-12 * std::pow(mesh.diagonal_m(), 2)))
+  const double diagonal_m = mesh.diagonal_m();
+  if (!(area_m2 > 1e-12 * (diagonal_m * diagonal_m)))
     return bad_input(fmt::format("mesh has an area of {} m^2, must be > 0", area_m2));
   MassProperties mass;
   mass.volume_m3 = area_m2 * thickness_m;

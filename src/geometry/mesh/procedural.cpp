@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "math/functions.h"
+
 namespace poise::geometry {
 namespace {
 
@@ -48,7 +50,7 @@ TriangleMesh lathe(const std::vector<Point2>& profile, int segments) {
     for (int s = 0; s < segments; ++s) {
       const double angle = 2 * pi * s / segments;
       ring.push_back(
-          add_vertex(mesh, {profile[p].x() * std::cos(angle), profile[p].x() * std::sin(angle), profile[p].y()}));
+          add_vertex(mesh, {profile[p].x() * math::cos(angle), profile[p].x() * math::sin(angle), profile[p].y()}));
     }
     if (below.empty()) {
       for (std::size_t i = 0; i < ring.size(); ++i)
@@ -74,8 +76,8 @@ void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double lengt
     std::vector<Index> ring;
     for (int i = 0; i < around; ++i) {
       const double angle = 2 * pi * i / around;
-      const double x = radius_m * std::cos(angle);
-      const double y = radius_m * std::sin(angle);
+      const double x = radius_m * math::cos(angle);
+      const double y = radius_m * math::sin(angle);
       const double start_m = std::max(std::abs(x), std::abs(y));
       ring.push_back(add_vertex(mesh, turn * Vec3(x, y, start_m + share * (straight_m - start_m))));
     }
@@ -87,8 +89,8 @@ void add_arm(TriangleMesh& mesh, const Mat3& turn, double radius_m, double lengt
     std::vector<Index> ring;
     for (int i = 0; i < around; ++i) {
       const double angle = 2 * pi * i / around;
-      const double out_m = radius_m * std::cos(rise);
-      const Vec3 v(out_m * std::cos(angle), out_m * std::sin(angle), straight_m + radius_m * std::sin(rise));
+      const double out_m = radius_m * math::cos(rise);
+      const Vec3 v(out_m * math::cos(angle), out_m * math::sin(angle), straight_m + radius_m * math::sin(rise));
       ring.push_back(add_vertex(mesh, turn * v));
     }
     add_band(mesh, below, ring);
@@ -119,8 +121,8 @@ TriangleMesh make_torus(int fineness) {
     const double ring = 2 * pi * a / around;
     for (int t = 0; t < tubes; ++t) {
       const double tube = 2 * pi * t / tubes;
-      const double out_m = 0.35 + 0.15 * std::cos(tube);
-      add_vertex(mesh, {out_m * std::cos(ring), out_m * std::sin(ring), 0.15 * std::sin(tube)});
+      const double out_m = 0.35 + 0.15 * math::cos(tube);
+      add_vertex(mesh, {out_m * math::cos(ring), out_m * math::sin(ring), 0.15 * math::sin(tube)});
     }
   }
   const auto at = [&](int a, int t) { return static_cast<Index>(a % around * tubes + t % tubes); };
@@ -163,11 +165,11 @@ TriangleMesh make_bowl(int fineness) {
   std::vector<Point2> profile;
   for (int i = 0; i <= rise; ++i) {
     const double angle = 0.5 * pi * i / rise;
-    profile.emplace_back(0.5 * std::sin(angle), -0.5 * std::cos(angle));
+    profile.emplace_back(0.5 * math::sin(angle), -0.5 * math::cos(angle));
   }
   for (int i = rise; i >= 0; --i) {
     const double angle = 0.5 * pi * i / rise;
-    profile.emplace_back(0.42 * std::sin(angle), -0.42 * std::cos(angle));
+    profile.emplace_back(0.42 * math::sin(angle), -0.42 * math::cos(angle));
   }
   return lathe(profile, 32 * fineness);
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/mesh/procedural.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -63,8 +64,8 @@ Result<TriangleMesh> make_wedge(const WedgeSize& size) {
   for (std::size_t i = 0; i < 8; ++i) {
     const double radius_m = (i & 4U) != 0 ? size.outer_m : size.inner_m;
     const double angle_rad = (i & 1U) != 0 ? half_rad : -half_rad;
-    corners[i] = Vec3(radius_m * std::sin(angle_rad), (i & 2U) != 0 ? 0.5 * size.depth_m : -0.5 * size.depth_m,
-                      radius_m * std::cos(angle_rad));
+    corners[i] = Vec3(radius_m * math::sin(angle_rad), (i & 2U) != 0 ? 0.5 * size.depth_m : -0.5 * size.depth_m,
+                      radius_m * math::cos(angle_rad));
   }
   return block_of(corners);
 }

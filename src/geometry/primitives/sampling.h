@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "math/functions.h"
 #include "poise/types.h"
 
 namespace poise::geometry {
@@ -17,7 +18,7 @@ inline std::vector<Vec3> even_directions(int count) {
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * i + 1) / count;
     const double r = std::sqrt(1 - z * z);
-    directions.emplace_back(r * std::cos(golden_angle * i), r * std::sin(golden_angle * i), z);
+    directions.emplace_back(r * math::cos(golden_angle * i), r * math::sin(golden_angle * i), z);
   }
   return directions;
 }

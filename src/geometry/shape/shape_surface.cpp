@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/mesh/mesh_edges.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -64,7 +65,7 @@ void set_vertex_normals(ShapeSurface& surface) {
       const Vec3& at = surface.vertices_m[t.vertex[k]];
       const Vec3 u = surface.vertices_m[t.vertex[(k + 1) % 3]] - at;
       const Vec3 v = surface.vertices_m[t.vertex[(k + 2) % 3]] - at;
-      surface.vertex_normal[t.vertex[k]] += std::atan2(u.cross(v).norm(), u.dot(v)) * t.normal;
+      surface.vertex_normal[t.vertex[k]] += math::atan2(u.cross(v).norm(), u.dot(v)) * t.normal;
     }
   }
   for (Vec3& normal : surface.vertex_normal) {

@@ -12,6 +12,7 @@
 #include "geometry/primitives/rounding.h"
 #include "geometry/sphere_tree/nearest_leaf.h"
 #include "geometry/sphere_tree/shell_samples.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -178,7 +179,7 @@ std::vector<SurfaceSample> sample_leaves(const SphereTree& tree, double room_m, 
     const Sphere leaf = tree.sphere(leaves[chosen]);
     const Vec3 normal = random.direction();
     const double low = cube(leaf.radius_m);
-    const double out = std::cbrt(low + random.unit() * (cube(leaf.radius_m + room_m) - low));
+    const double out = math::cbrt(low + random.unit() * (cube(leaf.radius_m + room_m) - low));
     if (nearest_leaf(tree, leaf.center_m + out * normal).node != leaves[chosen]) continue;
     samples.push_back({leaf.center_m + leaf.radius_m * normal, normal});
   }

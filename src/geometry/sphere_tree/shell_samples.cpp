@@ -7,6 +7,7 @@
 
 #include "geometry/mesh/mesh_volume.h"
 #include "geometry/primitives/random.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -98,7 +99,7 @@ ShellSamples sample_shell(const TriangleMesh& mesh, const TriangleBvh& bvh, cons
   // The volume of a shell about a closed convex body of unit size is about this (Steiner's formula); creases reduce it.
   const double d = static_cast<double>(thickness);
   const double volume = area * d + 3 * d * d + 4 * d * d * d;
-  const auto size = static_cast<float>(std::cbrt(volume / static_cast<double>(target)));
+  const auto size = static_cast<float>(math::cbrt(volume / static_cast<double>(target)));
 
   ShellSamples samples;
   samples.thickness = thickness;

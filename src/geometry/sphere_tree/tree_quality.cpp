@@ -11,6 +11,7 @@
 #include "geometry/primitives/random.h"
 #include "geometry/primitives/rounding.h"
 #include "geometry/sphere_tree/tree_protrusion.h"
+#include "math/functions.h"
 #include "poise/sphere_tree.h"
 
 namespace poise {
@@ -167,8 +168,8 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
   }
   const auto overlapping = overlapping_nodes(tree, nodes);
   const std::uint64_t figure = static_cast<std::uint64_t>(Figure::Levels) + 2ULL * figures.level;
-  const WeightedDraw by_area(nodes.size(),
-                             [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 2); });
+  const auto radius_m = [&](std::size_t i) { return static_cast<double>(tree.radius_m[nodes[i]]); };
+  const WeightedDraw by_area(nodes.size(), [&](std::size_t i) { return radius_m(i) * radius_m(i); });
   const auto protrusion = sampling.sum<Protrusion>(figure, [&](Random& random, std::size_t count) {
     Protrusion part;
     for (std::size_t k = 0; k < count; ++k) {
@@ -189,15 +190,14 @@ void measure_level(const SphereTree& tree, const TriangleBvh& bvh, double volume
 
   // The union's volume: points are drawn by the volume of the balls, and each counts one over the number of balls that
   // contain it.
-  const WeightedDraw by_volume(
-      nodes.size(), [&](std::size_t i) { return std::pow(static_cast<double>(tree.radius_m[nodes[i]]), 3); });
+  const WeightedDraw by_volume(nodes.size(), [&](std::size_t i) { return radius_m(i) * radius_m(i) * radius_m(i); });
   const auto shares = sampling.sum<double>(figure + 1, [&](Random& random, std::size_t count) {
     double part = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t drawn = by_volume(random);
       const Sphere sphere = tree.sphere(nodes[drawn]);
-      const double radius_m = sphere.radius_m * std::cbrt(random.unit());
-      const Vec3 point = sphere.center_m + radius_m * random.direction();
+      const double out_m = sphere.radius_m * math::cbrt(random.unit());
+      const Vec3 point = sphere.center_m + out_m * random.direction();
       std::size_t holders = 1;
       for (const NodeIndex other : overlapping[drawn]) {
         const Sphere theirs = tree.sphere(other);

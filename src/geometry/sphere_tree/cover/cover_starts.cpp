@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/primitives/random.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -30,9 +31,9 @@ double value_of(const CoverScene& scene, const CoverCells& cells, const std::vec
     largest = std::max(largest, static_cast<double>(below.stand_off));
     sum += static_cast<double>(below.stand_off) * static_cast<double>(ball.own.size());
   }
-  const auto log = [](double x) { return std::log(std::max(x, 1e-12)); };
-  return log(score.largest) + log(score.volume) + kNextLargest * log(largest) +
-         log(sum / static_cast<double>(cells.size()));
+  const auto log_of = [](double x) { return math::log(std::max(x, 1e-12)); };
+  return log_of(score.largest) + log_of(score.volume) + kNextLargest * log_of(largest) +
+         log_of(sum / static_cast<double>(cells.size()));
 }
 
 }  // namespace

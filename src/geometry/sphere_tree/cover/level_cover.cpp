@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "math/functions.h"
 #include "poise/sphere_tree.h"
 
 namespace poise::geometry {
@@ -170,7 +171,8 @@ void LevelCover::bid(int round, const LevelSettings& settings) {
   drop_empty();
   split_for_free_points();
   const float step = std::max(
-      kSmallestStep, kFirstStep * std::pow(kLastShare, static_cast<float>(round) / static_cast<float>(settings.bids)));
+      kSmallestStep, kFirstStep * static_cast<float>(math::pow(
+                                      kLastShare, static_cast<float>(round) / static_cast<float>(settings.bids))));
   for (CoverBall& ball : balls_) {
     count(ball, -1);
     fit(ball, ball.own, step);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "geometry/sphere_tree/cover/level_cover.h"
+#include "math/functions.h"
 
 namespace poise::geometry {
 namespace {
@@ -39,7 +40,7 @@ void LevelCover::weigh(double power) {
   const double scale = std::max(1e-6, kScaleOfLargest * score().largest);
   total_ = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const double far = std::pow(static_cast<double>(samples_.distance[i]) / scale, power);
+    const double far = math::pow(static_cast<double>(samples_.distance[i]) / scale, power);
     weight_[i] = static_cast<std::int32_t>(std::min(kMostWeight, kUnit * (1 + kFarWeight * far)));
     if (count_[i] != 0) total_ += weight_[i];
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "math/functions.h"
+
 namespace poise::geometry {
 namespace {
 
@@ -50,7 +52,7 @@ double most_along(const SurfacePatch& patch, const Vec3& way) {
 
 /// Area of a spherical triangle (Van Oosterom and Strackee 1983).
 double solid_angle(const std::array<Vec3, 3>& v) {
-  return 2 * std::atan2(v[0].dot(v[1].cross(v[2])), 1 + v[0].dot(v[1]) + v[1].dot(v[2]) + v[2].dot(v[0]));
+  return 2 * math::atan2(v[0].dot(v[1].cross(v[2])), 1 + v[0].dot(v[1]) + v[1].dot(v[2]) + v[2].dot(v[0]));
 }
 
 /// Integral of the direction over a spherical triangle: half the sum over its arcs of angle times unit normal of the
@@ -62,7 +64,7 @@ Vec3 direction_integral(const std::array<Vec3, 3>& v) {
     const double s2 = across.squaredNorm();
     // angle / sine of the angle; the series is accurate to 1e-9 below 0.1.
     const double ratio = s2 < 0.01 ? 1 + s2 * (1.0 / 6 + s2 * (3.0 / 40 + s2 * (15.0 / 336)))
-                                   : std::atan2(std::sqrt(s2), v[i].dot(v[(i + 1) % 3])) / std::sqrt(s2);
+                                   : math::atan2(std::sqrt(s2), v[i].dot(v[(i + 1) % 3])) / std::sqrt(s2);
     sum += 0.5 * ratio * across;
   }
   return sum;
@@ -257,7 +259,7 @@ class SpherePatches {
   /// Selects the patches to cut next: 1 for selected ones.
   [[nodiscard]] std::vector<std::uint8_t> choose() const {
     std::vector<std::uint8_t> chosen(patches_.size(), 0);
-    const double smallest_cosine = std::cos(kSmallestReach_rad);
+    const double smallest_cosine = math::cos(kSmallestReach_rad);
     const double enough_m = std::max(seen_m_ * (1 + kMaxWithin), seen_m_ + tolerance_m_);
     // Patches with the largest bounds come first: they may show a distance that decides the others.
     const double from_m = enough_m + 0.3 * std::max(0.0, largest_bound() - enough_m);
