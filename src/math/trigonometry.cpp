@@ -92,6 +92,28 @@ DoubleDouble sine_of(const ReducedAngle& angle, std::uint32_t turned) {
 
 double value(DoubleDouble x) { return x.high + x.low; }
 
+/// Up to here the first term of a series is so much larger than the others that plain sums do; bodies turn by less in a
+/// step, so this is the path that has to be fast.
+constexpr double kSmallRad = 0.125;
+
+double small_sine(double x) {
+  const double square = x * x;
+  const double series =
+      -1.0 / 6 +
+      square *
+          (1.0 / 120 +
+           square * (-1.0 / 5040 + square * (1.0 / 362880 + square * (-1.0 / 39916800 + square * (1.0 / 6227020800)))));
+  return x + x * (square * series);
+}
+
+double small_cosine(double x) {
+  const double square = x * x;
+  const double series =
+      1.0 / 24 +
+      square * (-1.0 / 720 + square * (1.0 / 40320 + square * (-1.0 / 3628800 + square * (1.0 / 479001600))));
+  return 1 - (0.5 * square - square * square * series);
+}
+
 /// The arc tangent of y / x, both above 0, neither above 2^500 or below 2^-500.
 DoubleDouble angle_of(double y, double x) {
   const bool steep = y > x;
@@ -131,20 +153,24 @@ double arc_sine_beyond(double s, double square) {
 }  // namespace
 
 SinCos sin_cos(double angle_rad) {
+  const double size = std::abs(angle_rad);
+  if (size < kTiny) return {angle_rad, 1};
+  if (size < kSmallRad) return {small_sine(angle_rad), small_cosine(angle_rad)};
   if (!std::isfinite(angle_rad)) return {angle_rad - angle_rad, angle_rad - angle_rad};
-  if (std::abs(angle_rad) < kTiny) return {angle_rad, 1};
   const ReducedAngle angle = reduced(angle_rad);
   return {value(sine_of(angle, 0)), value(sine_of(angle, 1))};
 }
 
 double sin(double angle_rad) {
-  if (!std::isfinite(angle_rad)) return angle_rad - angle_rad;
-  return std::abs(angle_rad) < kTiny ? angle_rad : value(sine_of(reduced(angle_rad), 0));
+  const double size = std::abs(angle_rad);
+  if (size < kTiny) return angle_rad;
+  if (size < kSmallRad) return small_sine(angle_rad);
+  return std::isfinite(angle_rad) ? value(sine_of(reduced(angle_rad), 0)) : angle_rad - angle_rad;
 }
 
 double cos(double angle_rad) {
-  if (!std::isfinite(angle_rad)) return angle_rad - angle_rad;
-  return std::abs(angle_rad) < kTiny ? 1 : value(sine_of(reduced(angle_rad), 1));
+  if (std::abs(angle_rad) < kSmallRad) return small_cosine(angle_rad);
+  return std::isfinite(angle_rad) ? value(sine_of(reduced(angle_rad), 1)) : angle_rad - angle_rad;
 }
 
 double tan(double angle_rad) {

@@ -63,6 +63,7 @@ Argument one(double x) { return {x, 0}; }
 
 std::vector<Case> cases() {
   const auto angle = [](Draw& draw) { return one(draw.from_to(-7, 7)); };
+  const auto small = [](Draw& draw) { return one(draw.from_to(-0.126, 0.126)); };
   const auto far = [](Draw& draw) { return one(draw.of_size(-30, 1000)); };
   const auto positive = [](Draw& draw) { return one(std::abs(draw.of_size(-1060, 1020))); };
   const auto near_1 = [](Draw& draw) { return one(draw.from_to(0.9, 1.1)); };
@@ -80,12 +81,14 @@ std::vector<Case> cases() {
   const auto power = [](Argument a) { return math::pow(a.x, a.y); };
   const auto exact_power = [](Argument a) { return powl(L{a.x}, L{a.y}); };
   return {
-      {"sin", sine, exact_sine, angle, 0.501, 0x73288acc909ac20fULL},
-      {"sin_far", sine, exact_sine, far, 0.501, 0xbfb9800225b11034ULL},
-      {"cos", cosine, exact_cosine, angle, 0.501, 0xe440cbb41b8446f3ULL},
-      {"cos_far", cosine, exact_cosine, far, 0.501, 0xf5d70a2c14462957ULL},
-      {"sin_cos_sin", [](Argument a) { return sin_cos(a.x).sin; }, exact_sine, angle, 0.501, 0x73288acc909ac20fULL},
-      {"sin_cos_cos", [](Argument a) { return sin_cos(a.x).cos; }, exact_cosine, angle, 0.501, 0xe440cbb41b8446f3ULL},
+      {"sin", sine, exact_sine, angle, 0.51, 0x73288acc909ac20fULL},
+      {"sin_small", sine, exact_sine, small, 0.51, 0xdf2c49ccd5f03960ULL},
+      {"cos_small", cosine, exact_cosine, small, 0.51, 0x9ff49c0116962071ULL},
+      {"sin_far", sine, exact_sine, far, 0.51, 0xbfb9800225b11034ULL},
+      {"cos", cosine, exact_cosine, angle, 0.51, 0xe440cbb41b8446f3ULL},
+      {"cos_far", cosine, exact_cosine, far, 0.51, 0xf5d70a2c14462957ULL},
+      {"sin_cos_sin", [](Argument a) { return sin_cos(a.x).sin; }, exact_sine, angle, 0.51, 0x73288acc909ac20fULL},
+      {"sin_cos_cos", [](Argument a) { return sin_cos(a.x).cos; }, exact_cosine, angle, 0.51, 0xe440cbb41b8446f3ULL},
       {"tan", tangent, exact_tangent, angle, 0.501, 0x3c9d9dcbec70594eULL},
       {"tan_far", tangent, exact_tangent, far, 0.501, 0x881bcba1b026c26aULL},
       {"acos", [](Argument a) { return math::acos(a.x); }, [](Argument a) { return acosl(L{a.x}); },

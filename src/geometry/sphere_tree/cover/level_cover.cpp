@@ -170,9 +170,9 @@ void LevelCover::bid(int round, const LevelSettings& settings) {
   }
   drop_empty();
   split_for_free_points();
-  const float step = std::max(
-      kSmallestStep, kFirstStep * static_cast<float>(math::pow(
-                                      kLastShare, static_cast<float>(round) / static_cast<float>(settings.bids))));
+  const float share = static_cast<float>(round) / static_cast<float>(settings.bids);
+  const double shrunk = math::pow(static_cast<double>(kLastShare), static_cast<double>(share));
+  const float step = std::max(kSmallestStep, kFirstStep * static_cast<float>(shrunk));
   for (CoverBall& ball : balls_) {
     count(ball, -1);
     fit(ball, ball.own, step);
