@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/functions.h"
+
 namespace poise::dynamics {
 namespace {
 
@@ -41,8 +43,9 @@ Vec3 midpoint_momentum(const Vec3& before, const Vec3& inverse_moments, double h
 Quat rotation_by(const Vec3& angle_rad) {
   const double angle = angle_rad.norm();
   if (angle < 1e-8) return Quat(1, 0.5 * angle_rad.x(), 0.5 * angle_rad.y(), 0.5 * angle_rad.z()).normalized();
-  const Vec3 part = angle_rad * (std::sin(0.5 * angle) / angle);
-  return {std::cos(0.5 * angle), part.x(), part.y(), part.z()};
+  const math::SinCos half = math::sin_cos(0.5 * angle);
+  const Vec3 part = angle_rad * (half.sin / angle);
+  return {half.cos, part.x(), part.y(), part.z()};
 }
 
 Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn) {

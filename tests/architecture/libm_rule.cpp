@@ -12,7 +12,6 @@ namespace {
 constexpr std::array<std::string_view, 4> kRoomsThatLook{"capture", "app", "bench", "examples"};
 
 constexpr std::array kOutsideTheState{
-    OutsideTheState{"src/dynamics/rotation.cpp", "still to be replaced"},
     OutsideTheState{"src/scene/check/placed_bodies.cpp", "estimates of `poise check`"},
     OutsideTheState{"src/scene/check/scene_check.cpp", "estimates of `poise check`"},
     OutsideTheState{"src/scene/compare/comparison_plot.cpp", "the steps of an axis"},
