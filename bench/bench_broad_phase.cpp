@@ -46,7 +46,8 @@ void find_pairs(benchmark::State& state) {
   const auto octaves = static_cast<double>(state.range(1));
   BroadPhase broad;
   const auto small = pile(2000, octaves);
-  if (!matches_brute_force(small, broad.find(small, {}, {65536}, *executor).pairs)) state.SkipWithError("a wrong answer");
+  if (!matches_brute_force(small, broad.find(small, {}, {65536}, *executor).pairs))
+    state.SkipWithError("a wrong answer");
   const auto bounds = pile(count, octaves);
   std::size_t pairs = 0;
   bench::Latencies latencies;
