@@ -17,18 +17,20 @@ Number off(Number value) {
 }
 
 double of(long double value) { return off<double, std::uint64_t>(static_cast<double>(value)); }
+long double wide(double x) { return static_cast<long double>(x); }
+long double wide(float x) { return static_cast<long double>(x); }
 float of_float(long double value) { return off<float, std::uint32_t>(static_cast<float>(value)); }
 
 }  // namespace
 
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming,cert-dcl58-cpp)
 extern "C" {
-#define POISE_OTHER(name)                                   \
-  double name(double x) noexcept { return of(name##l(x)); } \
-  float name##f(float x) noexcept { return of_float(name##l(x)); }
-#define POISE_OTHER_2(name)                                              \
-  double name(double x, double y) noexcept { return of(name##l(x, y)); } \
-  float name##f(float x, float y) noexcept { return of_float(name##l(x, y)); }
+#define POISE_OTHER(name)                                         \
+  double name(double x) noexcept { return of(name##l(wide(x))); } \
+  float name##f(float x) noexcept { return of_float(name##l(wide(x))); }
+#define POISE_OTHER_2(name)                                                          \
+  double name(double x, double y) noexcept { return of(name##l(wide(x), wide(y))); } \
+  float name##f(float x, float y) noexcept { return of_float(name##l(wide(x), wide(y))); }
 POISE_OTHER(sin)
 POISE_OTHER(cos)
 POISE_OTHER(tan)
@@ -53,12 +55,12 @@ POISE_OTHER_2(hypot)
 #undef POISE_OTHER_2
 // What compilers call in place of a sine and a cosine.
 void sincos(double x, double* sine, double* cosine) noexcept {
-  *sine = of(sinl(x));
-  *cosine = of(cosl(x));
+  *sine = of(sinl(wide(x)));
+  *cosine = of(cosl(wide(x)));
 }
 void sincosf(float x, float* sine, float* cosine) noexcept {
-  *sine = of_float(sinl(x));
-  *cosine = of_float(cosl(x));
+  *sine = of_float(sinl(wide(x)));
+  *cosine = of_float(cosl(wide(x)));
 }
 }
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming,cert-dcl58-cpp)
@@ -68,11 +70,11 @@ namespace {
 
 TEST(OtherLibm, IsTheOneThatThisProgramCalls) {
   volatile double x = 0.5;  // not known to the compiler, which would compute the rest itself
-  EXPECT_NE(std::sin(x), static_cast<double>(sinl(x)));
-  EXPECT_NE(std::cos(x), static_cast<double>(cosl(x)));
-  EXPECT_NE(std::atan2(x, 2.0), static_cast<double>(atan2l(x, 2.0L)));
-  EXPECT_NE(std::pow(x, 0.3), static_cast<double>(powl(x, 0.3)));
-  EXPECT_NE(std::log(x), static_cast<double>(logl(x)));
+  EXPECT_NE(std::sin(x), static_cast<double>(sinl(wide(x))));
+  EXPECT_NE(std::cos(x), static_cast<double>(cosl(wide(x))));
+  EXPECT_NE(std::atan2(x, 2.0), static_cast<double>(atan2l(wide(x), 2.0L)));
+  EXPECT_NE(std::pow(x, 0.3), static_cast<double>(powl(wide(x), wide(0.3))));
+  EXPECT_NE(std::log(x), static_cast<double>(logl(wide(x))));
 }
 
 }  // namespace

@@ -59,6 +59,8 @@ void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
 
 using L = long double;
 
+L wide(double x) { return static_cast<L>(x); }
+
 Argument one(double x) { return {x, 0}; }
 
 std::vector<Case> cases() {
@@ -71,15 +73,15 @@ std::vector<Case> cases() {
   const auto sine = [](Argument a) { return math::sin(a.x); };
   const auto cosine = [](Argument a) { return math::cos(a.x); };
   const auto tangent = [](Argument a) { return math::tan(a.x); };
-  const auto exact_sine = [](Argument a) { return sinl(L{a.x}); };
-  const auto exact_cosine = [](Argument a) { return cosl(L{a.x}); };
-  const auto exact_tangent = [](Argument a) { return tanl(L{a.x}); };
+  const auto exact_sine = [](Argument a) { return sinl(wide(a.x)); };
+  const auto exact_cosine = [](Argument a) { return cosl(wide(a.x)); };
+  const auto exact_tangent = [](Argument a) { return tanl(wide(a.x)); };
   const auto logarithm = [](Argument a) { return math::log(a.x); };
   const auto logarithm_2 = [](Argument a) { return math::log2(a.x); };
-  const auto exact_log = [](Argument a) { return logl(L{a.x}); };
-  const auto exact_log2 = [](Argument a) { return log2l(L{a.x}); };
+  const auto exact_log = [](Argument a) { return logl(wide(a.x)); };
+  const auto exact_log2 = [](Argument a) { return log2l(wide(a.x)); };
   const auto power = [](Argument a) { return math::pow(a.x, a.y); };
-  const auto exact_power = [](Argument a) { return powl(L{a.x}, L{a.y}); };
+  const auto exact_power = [](Argument a) { return powl(wide(a.x), wide(a.y)); };
   return {
       {"sin", sine, exact_sine, angle, 0.51, 0x73288acc909ac20fULL},
       {"sin_small", sine, exact_sine, small, 0.51, 0xdf2c49ccd5f03960ULL},
@@ -91,27 +93,29 @@ std::vector<Case> cases() {
       {"sin_cos_cos", [](Argument a) { return sin_cos(a.x).cos; }, exact_cosine, angle, 0.51, 0xe440cbb41b8446f3ULL},
       {"tan", tangent, exact_tangent, angle, 0.501, 0x3c9d9dcbec70594eULL},
       {"tan_far", tangent, exact_tangent, far, 0.501, 0x881bcba1b026c26aULL},
-      {"acos", [](Argument a) { return math::acos(a.x); }, [](Argument a) { return acosl(L{a.x}); },
+      {"acos", [](Argument a) { return math::acos(a.x); }, [](Argument a) { return acosl(wide(a.x)); },
        [](Draw& draw) { return one(draw.from_to(-1, 1)); }, 0.65, 0x9574b82afd9d91bbULL},
-      {"acos_near_1", [](Argument a) { return math::acos(a.x); }, [](Argument a) { return acosl(L{a.x}); },
+      {"acos_near_1", [](Argument a) { return math::acos(a.x); }, [](Argument a) { return acosl(wide(a.x)); },
        [](Draw& draw) {
          const double off = draw.of_size(-50, -3);
          return one(off > 0 ? 1 - off : -1 - off);
        },
        0.65, 0xfc51c15a918463d0ULL},
-      {"atan2", [](Argument a) { return math::atan2(a.y, a.x); }, [](Argument a) { return atan2l(L{a.y}, L{a.x}); },
+      {"atan2", [](Argument a) { return math::atan2(a.y, a.x); },
+       [](Argument a) { return atan2l(wide(a.y), wide(a.x)); },
        [](Draw& draw) {
          return Argument{draw.from_to(-1, 1), draw.from_to(-1, 1)};
        },
        0.501, 0xa7bad2fba9af7336ULL},
-      {"atan2_far", [](Argument a) { return math::atan2(a.y, a.x); }, [](Argument a) { return atan2l(L{a.y}, L{a.x}); },
+      {"atan2_far", [](Argument a) { return math::atan2(a.y, a.x); },
+       [](Argument a) { return atan2l(wide(a.y), wide(a.x)); },
        [](Draw& draw) {
          return Argument{draw.of_size(-500, 500), draw.of_size(-500, 500)};
        },
        0.501, 0x4e9e3b0d327ca9acULL},
-      {"exp", [](Argument a) { return math::exp(a.x); }, [](Argument a) { return expl(L{a.x}); },
+      {"exp", [](Argument a) { return math::exp(a.x); }, [](Argument a) { return expl(wide(a.x)); },
        [](Draw& draw) { return one(draw.from_to(-708, 709)); }, 0.501, 0x8140c8455e049d8dULL},
-      {"exp_small", [](Argument a) { return math::exp(a.x); }, [](Argument a) { return expl(L{a.x}); },
+      {"exp_small", [](Argument a) { return math::exp(a.x); }, [](Argument a) { return expl(wide(a.x)); },
        [](Draw& draw) { return one(draw.of_size(-60, 1)); }, 0.501, 0x70df83a007a07912ULL},
       {"log", logarithm, exact_log, positive, 0.501, 0x69b749c0e19badd4ULL},
       {"log_near_1", logarithm, exact_log, near_1, 0.501, 0x19dc50e26eadc12cULL},
@@ -127,7 +131,7 @@ std::vector<Case> cases() {
          return Argument{std::abs(draw.of_size(-40, 40)), draw.from_to(-20, 20)};
        },
        0.51, 0xe41cdc8fb95a97abULL},
-      {"cbrt", [](Argument a) { return math::cbrt(a.x); }, [](Argument a) { return cbrtl(L{a.x}); }, any, 0.501,
+      {"cbrt", [](Argument a) { return math::cbrt(a.x); }, [](Argument a) { return cbrtl(wide(a.x)); }, any, 0.501,
        0x43ea2bdfaa532bbfULL},
   };
 }
@@ -139,7 +143,7 @@ double ulps(double value, long double exact) {
   int exponent = 0;
   std::frexp(static_cast<double>(exact), &exponent);
   const L ulp = std::ldexp(L{1}, std::max(exponent - 53, -1074));
-  return static_cast<double>(std::abs(L{value} - exact) / ulp);
+  return static_cast<double>(std::abs(wide(value) - exact) / ulp);
 }
 
 TEST_P(Function, IsNearlyTheExactValue) {
@@ -175,12 +179,12 @@ INSTANTIATE_TEST_SUITE_P(Of, Function, testing::ValuesIn(cases()),
 TEST(SinCosTan, OfNumbersNextToMultiplesOfAQuarterTurnKeepTheirDigits) {
   // The double that is nearest to a multiple of pi/2 for its size (Muller, Elementary Functions, 1997).
   constexpr double kNearest = 0x1.6ac5b262ca1ffp+849;
-  EXPECT_LE(ulps(math::cos(kNearest), cosl(L{kNearest})), 0.501);
+  EXPECT_LE(ulps(math::cos(kNearest), cosl(wide(kNearest))), 0.501);
   EXPECT_EQ(math::sin(kNearest), 1);
   for (int i = 1; i < 4000; ++i) {
     const double x = i * 1.57079632679489661923;
-    EXPECT_LE(ulps(math::sin(x), sinl(L{x})), 0.502) << x;
-    EXPECT_LE(ulps(math::cos(x), cosl(L{x})), 0.502) << x;
+    EXPECT_LE(ulps(math::sin(x), sinl(wide(x))), 0.502) << x;
+    EXPECT_LE(ulps(math::cos(x), cosl(wide(x))), 0.502) << x;
   }
 }
 
@@ -208,7 +212,7 @@ TEST(ArcTangent, OfZerosAndInfinitiesIsThatOfTheStandard) {
   for (const double y : {0.0, -0.0, 1.0, -1.0, kInfinity, -kInfinity, kSmallest, 1e308}) {
     for (const double x : {0.0, -0.0, 1.0, -1.0, kInfinity, -kInfinity, kSmallest, 1e308}) {
       const double own = math::atan2(y, x);
-      EXPECT_EQ(own, static_cast<double>(atan2l(L{y}, L{x}))) << y << ' ' << x;
+      EXPECT_EQ(own, static_cast<double>(atan2l(wide(y), wide(x)))) << y << ' ' << x;
       EXPECT_EQ(std::signbit(own), std::signbit(y)) << y << ' ' << x;
     }
   }
