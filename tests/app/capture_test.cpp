@@ -137,7 +137,7 @@ TEST(Capture, OfADeadlineHasTheTimesAndCausesOfTheRunAndSoHasThatOfItsReplay) {
 
 TEST(Capture, TakesAtMost10KilobytesFor10000BodiesAndFramesOfASettledHeapAnd150OfAFallingOne) {
   const TemporaryFolder folder;
-  EXPECT_EQ(poise_command({"run", "jacks", "--bodies", "300", "--frames", "600", "--clock", "work", "--capture",
+  EXPECT_EQ(poise_command({"run", "jacks", "--bodies", "300", "--frames", "720", "--clock", "work", "--capture",
                            folder.file("a"), "--quiet"})
                 .exit_code,
             0);
