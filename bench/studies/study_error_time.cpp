@@ -112,13 +112,14 @@ LineChart chart_of(const io::StudyTable& table, const char* id, const std::array
     if (!chart.lines.empty() && chart.lines.back().label == group) continue;
     std::vector<LinePoint> points = of(0, group);
     const std::vector<LinePoint> low = of(1, group), high = of(2, group);
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    // Levels take about the same time, so there is neither a line through them nor a band.
+    const bool is_curve = group != kLevelsGroup;
+    for (std::size_t i = 0; is_curve && i < points.size(); ++i) {
       points[i].low = low[i].y;
       points[i].high = high[i].y;
     }
     std::ranges::sort(points, {}, &LinePoint::x);
-    // Levels take about the same time, so there is no line through them.
-    chart.lines.push_back({group, std::move(points), group == kLevelsGroup ? LineMarks::Dots : LineMarks::LineAndDots});
+    chart.lines.push_back({group, std::move(points), is_curve ? LineMarks::LineAndDots : LineMarks::Dots});
   }
   return chart;
 }
