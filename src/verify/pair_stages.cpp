@@ -17,8 +17,8 @@ void PairStages::find(ProbeLevel level, double dt_s) {
   frame_.motion.everything = true;
   frame_.velocities.everything = true;
   predict({world_.scene(), terms_}, frame_.motion, executor);
-  find_candidates({world_.scene(), frame_.motion, world_.settings.max_partners}, broad_phase_, frame_.candidates,
-                  executor);
+  find_candidates({world_.scene(), frame_.motion, {world_.settings.max_partners, world_.settings.max_pairs}},
+                  broad_phase_, frame_.candidates, executor);
   find_active_pairs({world_.scene(), terms_, frame_.motion, frame_.candidates, {}, world_.pair_filter}, frame_.table,
                     pools_, executor);
   begin_levels(frame_.table, frame_.levels, executor);

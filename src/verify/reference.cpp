@@ -215,8 +215,8 @@ void run_full(const WorldState& world, const StepInput& input, std::span<collisi
   if (waits) {
     reference.motion.everything = true;
     predict({scene, terms}, reference.motion, executor);
-    find_candidates({scene, reference.motion, world.settings.max_partners}, reference.broad_phase, reference.candidates,
-                    executor);
+    find_candidates({scene, reference.motion, {world.settings.max_partners, world.settings.max_pairs}},
+                    reference.broad_phase, reference.candidates, executor);
   }
   const PredictedMotion& motion = waits ? reference.motion : world.outputs.motion;
   const CandidatePairs& candidates = waits ? reference.candidates : world.outputs.candidates;
