@@ -225,8 +225,8 @@ TEST(Degrade, TheLeastSeenAreReusedFirst) {
     simulation::Frame& frame = world.outputs;
     const simulation::StepTerms terms = simulation::terms_of(world.settings, input);
     simulation::predict({world.scene(), terms}, frame.motion, *world.executor);
-    simulation::find_candidates({world.scene(), frame.motion, world.settings.max_partners}, world.broad_phase,
-                                frame.candidates, *world.executor);
+    simulation::find_candidates({world.scene(), frame.motion, {world.settings.max_partners, world.settings.max_pairs}},
+                                world.broad_phase, frame.candidates, *world.executor);
     simulation::find_active_pairs(
         {world.scene(), terms, frame.motion, frame.candidates, world.cache.pairs, world.pair_filter}, frame.table,
         world.pools, *world.executor);
