@@ -183,12 +183,12 @@ Result<ErrorTimeRun> error_time_run(const Scene& scene, const SceneRunOptions& s
   ErrorTimeRun made;
   std::vector<bench::Engine> engines;
   Result<std::vector<bench::Engine>> others = other_engines(scene, settings.bodies);
-  if (others) {
-    engines = std::move(others).value();
-  } else {
+  if (!others) {
     made.why_none = others.error().message;
+  } else {
+    engines = std::move(others).value();
+    if (engines.empty()) made.why_none = "none are built in";
   }
-  if (others && engines.empty()) made.why_none = "none are built in";
   for (const bench::Engine& engine : engines) made.engines.push_back(engine.name + " " + engine.version);
   made.methods = methods_of(settings, deepest_of(run.value()), engines);
   Trials trials(scene, run.value(), settings, std::move(engines));

@@ -100,7 +100,9 @@ DoubleDouble log_of(double x) {
   const auto shifted = static_cast<std::int64_t>(bits - kSqrtHalf) >> 52;
   exponent += static_cast<int>(shifted);
   const double m = std::bit_cast<double>(bits - (static_cast<std::uint64_t>(shifted) << 52));
-  const Center& center = kCentersOfLog[static_cast<std::size_t>(m * 256 + 0.5) - kFirstCenter];
+  // The multiple of 1/256 that is nearest to m.
+  const std::size_t nearest = static_cast<std::size_t>(m * 512 + 1) / 2;
+  const Center& center = kCentersOfLog[nearest - kFirstCenter];
   const DoubleDouble product = exact_product(m, center.factor);
   const DoubleDouble rest = ordered_sum(product.high - 1, product.low);
   // log(1 + r) - r + r^2 / 2, with r below 0.0028
