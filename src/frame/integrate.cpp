@@ -2,10 +2,10 @@
 #include "frame/integrate.h"
 
 #include <algorithm>
-#include <mutex>
 
 #include "dynamics/rotation.h"
 #include "frame/kinematic.h"
+#include "parallel/shared_counters.h"
 #include "world/validation.h"
 
 namespace poise::simulation {
@@ -76,7 +76,7 @@ void integrate(const IntegrateInput& input, dynamics::BodyStore& bodies, StepMot
   const std::vector<std::uint32_t>& visited = input.motion.visited;
   motions.of_slot.resize(bodies.slot_count());
   motions.out_of_range.clear();
-  std::mutex listing;
+  parallel::Tickets out_of_range;
   parallel::parallel_for(executor, visited.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = visited[k];
@@ -98,10 +98,14 @@ void integrate(const IntegrateInput& input, dynamics::BodyStore& bodies, StepMot
         motions.of_slot[i] = moved.motion;
         continue;
       }
-      const std::lock_guard lock(listing);
-      motions.out_of_range.push_back(i);
+      bodies.changed[i] = 1;
+      out_of_range.take(1);
     }
   });
+  if (out_of_range.take(0) == 0) return;
+  for (const std::uint32_t i : visited) {
+    if (bodies.changed[i] != 0) motions.out_of_range.push_back(i);
+  }
   std::ranges::sort(motions.out_of_range);
 }
 

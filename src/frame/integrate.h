@@ -33,7 +33,7 @@ struct IntegrateInput {
 };
 
 /// Moves the bodies, and clears the forces that were applied for the step, and what was noted of changed bodies. A body
-/// whose new state is not finite or beyond the limits of BodyState comes to rest where it was.
+/// whose new state is not finite or beyond the limits of BodyState comes to rest where it was, and counts as changed.
 void integrate(const IntegrateInput& input, dynamics::BodyStore& bodies, StepMotions& motions,
                parallel::Executor& executor);
 

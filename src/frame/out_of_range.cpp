@@ -6,8 +6,7 @@
 namespace poise::simulation {
 
 void forget_contacts_of(std::span<const std::uint32_t> slots, const PairTable& table, const Manifolds& manifolds,
-                        PointCache& points, Velocities& velocities, dynamics::BodyStore& bodies) {
-  for (const std::uint32_t slot : slots) bodies.changed[slot] = 1;
+                        PointCache& points, Velocities& velocities) {
   const auto one_of = [&](std::uint32_t slot) { return std::ranges::binary_search(slots, slot); };
   for (std::size_t m = 0; m < manifolds.manifolds.size(); ++m) {
     const solver::Manifold& manifold = manifolds.manifolds[m];

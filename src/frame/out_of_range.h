@@ -7,9 +7,8 @@
 namespace poise::simulation {
 
 /// Between *integrate* and *publish*: what contacts gave to these bodies (slots in ascending order) counts as nothing,
-/// in what is published and in what the next step begins with, since it may be no number. Also marks the bodies as
-/// changed.
+/// in what is published and in what the next step begins with, since it may be no number.
 void forget_contacts_of(std::span<const std::uint32_t> slots, const PairTable& table, const Manifolds& manifolds,
-                        PointCache& points, Velocities& velocities, dynamics::BodyStore& bodies);
+                        PointCache& points, Velocities& velocities);
 
 }  // namespace poise::simulation

@@ -230,7 +230,7 @@ class Step {
     if (slots.empty()) return;
     report_.out_of_range = slots.size();
     report_.out_of_range_body = world_.bodies.id_of(slots.front());
-    forget_contacts_of(slots, frame_.table, frame_.manifolds, world_.cache.points, frame_.velocities, world_.bodies);
+    forget_contacts_of(slots, frame_.table, frame_.manifolds, world_.cache.points, frame_.velocities);
   }
 
   // How many point iterations a substep may make: as many as the solver makes by itself, or before a deadline as many

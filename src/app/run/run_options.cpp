@@ -51,6 +51,12 @@ void add_max_level(CLI::App& command, RunOptions& options) {
       ->type_name("N|polygons");
 }
 
+void add_contact_model(CLI::App& command, RunOptions& options) {
+  command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default fitted)")
+      ->check(one_of({"paper", "wrench", "fitted"}))
+      ->type_name("MODEL");
+}
+
 CLI::Validator policy_or_file() {
   const CLI::Validator name = one_of({io::kPolicyNames.begin(), io::kPolicyNames.end()});
   return {[name](std::string& text) { return io::names_policy_file(text) ? std::string() : name(text); }, ""};
@@ -84,9 +90,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
              "Work of the host in ms that is kept free before each deadline");
   add_whole(command, "--threads", options.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_policy_options(command, options);
-  command.add_option("--contact", options.contact, "Contact model: paper, wrench or fitted (default fitted)")
-      ->check(one_of({"paper", "wrench", "fitted"}))
-      ->type_name("MODEL");
+  add_contact_model(command, options);
   command
       .add_option("--clock", options.clock,
                   "wall: keep deadlines; work: count work, the same bits on any number of threads (default wall)")
