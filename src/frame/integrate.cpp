@@ -96,6 +96,7 @@ void integrate(const IntegrateInput& input, dynamics::BodyStore& bodies, StepMot
       if (bodies.pushed[i] != 0) clear_forces(bodies, i);
       if (set_in_range(moved.state, bodies, i)) {
         motions.of_slot[i] = moved.motion;
+        bodies.changed[i] = 0;
         continue;
       }
       bodies.changed[i] = 1;
