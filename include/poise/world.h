@@ -88,7 +88,8 @@ struct WorldSettings {
   double alpha = scheduler::TrackedQuantile::kDefaultAlpha;
   std::uint32_t max_partners = 256;  ///< capacity for the candidate partners of a body, 1 to 65536
   /// Capacity for the candidate pairs of all bodies, 1024 to 2^28; where there are more, each body has its equal share
-  /// (its nearest partners). A pair takes about 2.4 kB.
+  /// (its nearest partners). Pairs with planes and of fast bodies with backtracking are never left out. A pair takes
+  /// about 2.4 kB.
   std::uint32_t max_pairs = 1U << 24;
   std::uint32_t max_front_entries = 1U << 22;  ///< capacity for fronts, entries per worker thread, 64 to 2^26
 };

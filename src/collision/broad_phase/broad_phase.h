@@ -50,8 +50,9 @@ class RestingGrid;
 
 /// How many candidate pairs there may be.
 struct PartnerLimits {
-  std::uint32_t of_body = 256;                                   ///< partners that the search of one body finds
-  std::size_t of_all = std::numeric_limits<std::size_t>::max();  ///< pairs of all bodies, without those of swept ones
+  std::uint32_t of_body = 256;  ///< partners that the search of one body finds
+  /// Pairs of all bodies. Those with planes and of swept bodies count, but none of them is left out.
+  std::size_t of_all = std::numeric_limits<std::size_t>::max();
 };
 
 /// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table that holds
@@ -68,7 +69,7 @@ class BroadPhase {
   /// limits.of_body partners found by its own search, the nearest of those that it looked at; where all together have
   /// more than limits.of_all, it has at most its equal share of them. The same result on any number of threads. Linear
   /// in bounds and pairs, also where many lie in one place: there a search looks at no more than
-  /// most_tests(max_partners) others and counts the rest as discarded. `swept` bodies are not in the grid: each
+  /// most_tests(limits.of_body) others and counts the rest as discarded. `swept` bodies are not in the grid: each
   /// searches the cells along its path, or all entries if these are fewer, and keeps every partner on it; swept bodies
   /// whose paths are near along the axis on which they are spread most are compared with each other. Without swept
   /// bodies this costs nothing. Bounds in `resting` are found by those that move and search for nothing themselves;
