@@ -18,7 +18,7 @@ while (($# > 0)); do
   esac
 done
 
-POISE_TESTS=ON cmake --preset "$preset" >/dev/null
+cmake --preset "$preset" -DPOISE_TESTS=ON >/dev/null
 cmake --build --preset "$preset" --target fault_tests -- --quiet
 export POISE_FAULT_MOMENTS="$moments" POISE_FAULT_SEED="$seed" POISE_TREE_CACHE="$root/build/$preset/test_trees"
 exec "build/$preset/tests/faults/fault_tests" --gtest_brief=1

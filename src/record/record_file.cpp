@@ -158,19 +158,21 @@ Result<RecordWriter> RecordWriter::open(const std::filesystem::path& path) {
 }
 
 Status RecordWriter::block(char kind, std::string_view raw) {
+  if (!sound_) return sound_;
+  const auto refused = [&](const char* reason) -> Status {
+    return sound_ = Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: " + reason};
+  };
   stored_.assign(1, kind);
-  if (raw.size() > kMostBlockBytes)
-    return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: a frame has more than 256 MiB"};
+  if (raw.size() > kMostBlockBytes) return refused("a frame has more than 256 MiB");
   put32(static_cast<std::uint32_t>(raw.size()), stored_);
   put32(0, stored_);
-  if (!zlib_->pack(raw, stored_))
-    return Error{ErrorKind::OutputFailed, file_.path().string() + ": cannot be written: it cannot be compressed"};
+  if (!zlib_->pack(raw, stored_)) return refused("it cannot be compressed");
   std::string size;
   put32(static_cast<std::uint32_t>(stored_.size() - kHeadBytes), size);
   std::copy(size.begin(), size.end(), stored_.begin() + 5);
   put32(crc_of(stored_), stored_);
   bytes_ += stored_.size();
-  return file_.write(stored_);
+  return sound_ = file_.write(stored_);
 }
 
 Status RecordWriter::begin(const RecordHeader& header) {
@@ -186,9 +188,10 @@ Status RecordWriter::begin(const RecordHeader& header) {
 Status RecordWriter::frame(const RecordedFrame& frame, SteadyClock::time_point now) {
   raw_.clear();
   write_frame(frame, raw_);
-  ++frames_;
   const Status written = block(kFrame, raw_);
-  if (!written || (frames_ > 1 && now - flushed_ < kRecordFlushInterval)) return written;
+  if (!written) return written;
+  ++frames_;
+  if ((frames_ > 1 && now - flushed_ < kRecordFlushInterval)) return written;
   flushed_ = now;
   return flush();
 }
@@ -196,7 +199,6 @@ Status RecordWriter::frame(const RecordedFrame& frame, SteadyClock::time_point n
 Status RecordWriter::finish(bool stopped) {
   raw_.clear();
   write_end({frames_, stopped}, raw_);
-  // What block() refuses the file knows too, but for a lack of memory.
   const Status written = block(kEnd, raw_);
   const Status closed = file_.commit_what_is_whole();
   return closed ? written : closed;

@@ -54,6 +54,7 @@ class RecordWriter {
   std::unique_ptr<ZlibStream> zlib_;
   std::string raw_, stored_;
   std::uint64_t frames_ = 0;
+  Status sound_ = Done{};  ///< the first failure
   std::uint64_t bytes_ = 0;
   SteadyClock::time_point flushed_;
 };

@@ -63,6 +63,7 @@ void expect_ended(const LeftFiles& left, int exit_code, int signal) {
     return;
   }
   EXPECT_TRUE(exit_code == 0 || exit_code == 128 + signal) << exit_code;
+  EXPECT_GT(left.json_frames.value(), 0U) << "the files of no frame are worth less than those that were there";
   EXPECT_EQ(left.frames_csv, left.json_frames);
   EXPECT_EQ(left.record, left.json_frames);
   EXPECT_EQ(left.states, left.json_frames.value() + 1) << "the start counts";
@@ -109,6 +110,8 @@ TEST(Kill, AtAnyMomentLeavesWholeFilesOrSuchThatOpenUpToWhereTheyEnd) {
     const LeftFiles left = read_left_files(folder.path());
     for (const std::string& problem : left.problems) ADD_FAILURE() << problem;
     if (signal != SIGKILL) expect_ended(left, exit_code, signal);
+    // After SIGKILL the others may have their files from an earlier run.
+    if (signal == SIGKILL && &folder == &used) continue;
     tally.with_json += left.json ? 1 : 0;
     tally.with_record += left.record || left.record_part ? 1 : 0;
     tally.with_capture += left.capture ? 1 : 0;

@@ -65,6 +65,7 @@ TEST(Surroundings, ASignalWhileTreesAreBuiltLeavesNothing) {
     // The record is the last file that is opened before trees are built, which takes minutes at this depth.
     while (!program.ended() && !fs::exists(outputs.file(".run.poise.0.part")))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
     program.signal(signal);
     EXPECT_EQ(program.wait(), 128 + signal) << program.error();
     EXPECT_NE(program.error().find("poise run: stopped by " + std::string(signal == SIGINT ? "Ctrl-C" : "SIGTERM") +

@@ -169,13 +169,13 @@ int replay(const ReplayOptions& options) {
   std::optional<io::AtomicFile> json;
   if (!options.json.empty() && options.json != "-") {
     Result<io::AtomicFile> opened = io::AtomicFile::open(options.json);
-    if (!opened) return refuse("replay", opened.error());
+    if (!opened) return refuse("replay", interrupt.asked() ? stopped_error() : opened.error());
     json = std::move(opened).value();
   }
   Result<StatesWriter> states = StatesWriter::open(options.states);
-  if (!states) return refuse("replay", states.error());
+  if (!states) return refuse("replay", interrupt.asked() ? stopped_error() : states.error());
   Result<ReplayFiles> outputs = ReplayFiles::open(options);
-  if (!outputs) return refuse("replay", outputs.error());
+  if (!outputs) return refuse("replay", interrupt.asked() ? stopped_error() : outputs.error());
   if (!options.quiet) warn_of_threads("replay", static_cast<int>(options.threads.value_or(0)));
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");
@@ -184,8 +184,9 @@ int replay(const ReplayOptions& options) {
     progress.end();
     return refuse("replay", interrupt.asked() ? stopped_error(kStoppedLoading) : run.error());
   }
+  if (interrupt.asked()) return refuse("replay", stopped_error(kStoppedLoading));
   const Status begun = outputs.value().begin(header, scene.value(), run.value());
-  if (!begun) return refuse("replay", begun.error());
+  if (!begun && begun.error().kind != ErrorKind::OutputFailed) return refuse("replay", begun.error());
   const auto tell = [&](std::uint64_t frame, std::span<const io::NumberedState> now) {
     return states.value().add(scene.value(), run.value(), frame, static_cast<double>(frame) * header.dt_s, now);
   };

@@ -144,9 +144,12 @@ Status ReplayFiles::finish(const ReplayResult& result) {
   if (!picture_) return written;
   const Result<io::DrawnFrame> seen =
       io::drawn_frame(*scene_, *run_, result.frames, static_cast<double>(result.frames) * record_->dt_s);
-  if (!seen) return seen.error();
-  const Result<std::string> png = io::png_bytes(pictures_->draw(seen.value()));
-  if (!png) return png.error();
+  const Result<std::string> png =
+      seen ? io::png_bytes(pictures_->draw(seen.value())) : Result<std::string>(seen.error());
+  if (!png) {
+    add_failure(png.error(), written);
+    return written;
+  }
   const Status drawn = picture_->write(png.value());
   add_failure(drawn ? picture_->commit() : drawn, written);
   return written;

@@ -168,9 +168,13 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
     run.world().set_time_priors(*priors);
     document.time_priors_frames = priors->frames;
   }
-  Status begun = outputs.record.begin(options, scene, scene_text, run, loop);
-  if (begun) begun = begin_capture(document, loop, scene, run, outputs.capture);
-  if (!begun) return refuse("run", begun.error());
+  // From here on there is a first frame, and all files of it.
+  if (interrupt.asked()) return refuse("run", stopped_error(kStoppedLoading));
+  for (const Status& begun : {outputs.record.begin(options, scene, scene_text, run, loop),
+                              begin_capture(document, loop, scene, run, outputs.capture)}) {
+    // What cannot be written is told by its sink and at the end, and takes nothing from the others.
+    if (!begun && begun.error().kind != ErrorKind::OutputFailed) return refuse("run", begun.error());
+  }
   std::uint64_t missed = 0;
   std::uint64_t done = 0;
   const auto told = [&](const simulation::RunFrame& frame) {

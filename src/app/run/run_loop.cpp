@@ -69,7 +69,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
   simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);
-  for (std::uint64_t i = 0; i < total && !interrupt.asked(); ++i) {
+  for (std::uint64_t i = 0; i < total && (i == 0 || !interrupt.asked()); ++i) {
     status = run.before_frame(i);
     if (!status) return status.error();
     input.view = run.view();
@@ -77,7 +77,7 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
     if (settings.paced) {
       waited = SteadyClock::now() < grid.release();
       sleep_until(grid.release(), interrupt);
-      if (interrupt.asked()) break;
+      if (i > 0 && interrupt.asked()) break;
     }
     const SteadyClock::time_point begin = SteadyClock::now();
     if (settings.wall_clock) input.budget = Budget::until(settings.paced ? grid.deadline() : begin + settings.deadline);

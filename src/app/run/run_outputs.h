@@ -27,11 +27,12 @@ struct RunOutputs {
   RunRecord record;
   RunCapture capture;
 
-  /// Refused: all that cannot be written, in one message; then nothing is left behind.
+  /// Refused: all that cannot be written, in one message; then no file is left behind.
   static Result<RunOutputs> open(const RunOptions& options);
 };
 
-/// The sinks of a run, of which one that cannot be written any more gets a warning and is left out from then on.
+/// The sinks of a run, of which one that cannot be written any more gets a warning and is left out from then on. That a
+/// capture cannot is told at the end, since another thread writes it.
 struct RunSinks {
   StatesSink states;
   RecordSink record;

@@ -13,6 +13,7 @@
 #include "app/exit_codes.h"
 #include "app/output_files.h"
 #include "app/progress.h"
+#include "app/refusal.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 #include "scene/result_file.h"
@@ -94,11 +95,8 @@ int print_mesh_reports(const TreeOptions& options) {
     const std::string text = as_json(reports);
     written = options.json == "-" ? io::write_stdout(text) : io::write_file(options.json, text);
   }
-  if (written && !options.quiet && options.json != "-") written = io::write_stdout(as_table(reports));
-  if (!written) {
-    fmt::print(stderr, "poise tree: {}\n", written.error().message);
-    return exit_code_of(written.error());
-  }
+  if (!options.quiet && options.json != "-") add_failure(io::write_stdout(as_table(reports)), written);
+  if (!written) return refuse("tree", written.error());
   const bool any = std::ranges::any_of(reports, [](const MeshFinding& v) { return v.kind != "refused"; });
   return any ? kExitDone : kExitBadInput;
 }

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -18,16 +19,19 @@ constexpr mode_t kUsualRights = 0666;
 
 }  // namespace
 
-int write_all(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return errno;
+int write_all(int descriptor, std::string_view text, std::size_t* reached) {
+  std::size_t done = 0;
+  int failure = 0;
+  while (done < text.size() && failure == 0) {
+    const ssize_t written = ::write(descriptor, text.data() + done, text.size() - done);
+    if (written >= 0) {
+      done += static_cast<std::size_t>(written);
+    } else if (errno != EINTR) {
+      failure = errno;
     }
-    text.remove_prefix(static_cast<std::size_t>(written));
   }
-  return 0;
+  if (reached != nullptr) *reached = done;
+  return failure;
 }
 
 Error AtomicFile::failed(int reason) const {
@@ -38,7 +42,6 @@ Error AtomicFile::failed(int reason) const {
 Result<AtomicFile> AtomicFile::open(const std::filesystem::path& path, Before before) {
   AtomicFile file;
   file.shown_ = path;
-  file.before_ = before;
   std::error_code failure;
   file.target_ = path;
   if (std::filesystem::is_symlink(path, failure)) {
@@ -68,12 +71,12 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
       target_(std::move(other.target_)),
       part_(std::exchange(other.part_, {})),
       buffer_(std::move(other.buffer_)),
+      ends_(std::move(other.ends_)),
       whole_bytes_(other.whole_bytes_),
       descriptor_(std::exchange(other.descriptor_, -1)),
       failure_(other.failure_),
       regular_(other.regular_),
-      published_(other.published_),
-      before_(other.before_) {}
+      published_(other.published_) {}
 
 AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
   if (this == &other) return *this;
@@ -82,12 +85,12 @@ AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
   target_ = std::move(other.target_);
   part_ = std::exchange(other.part_, {});
   buffer_ = std::move(other.buffer_);
+  ends_ = std::move(other.ends_);
   whole_bytes_ = other.whole_bytes_;
   descriptor_ = std::exchange(other.descriptor_, -1);
   failure_ = other.failure_;
   regular_ = other.regular_;
   published_ = other.published_;
-  before_ = other.before_;
   return *this;
 }
 
@@ -102,18 +105,24 @@ void AtomicFile::discard() {
 Status AtomicFile::flush() {
   if (failure_ == 0 && descriptor_ < 0) failure_ = EBADF;
   if (failure_ == 0) {
-    failure_ = write_all(descriptor_, buffer_);
-    if (failure_ == 0) whole_bytes_ += buffer_.size();
+    std::size_t reached = 0;
+    failure_ = write_all(descriptor_, buffer_, &reached);
+    const auto past = std::ranges::upper_bound(ends_, reached);
+    if (past != ends_.begin()) whole_bytes_ += *(past - 1);
     // What reached the system in part is of no use, and takes room that others may need.
     if (failure_ != 0 && regular_) static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(whole_bytes_)));
   }
   buffer_.clear();
+  ends_.clear();
   if (failure_ != 0) return failed(failure_);
   return Done{};
 }
 
 Status AtomicFile::write(std::string_view text) {
-  if (failure_ == 0) buffer_.append(text);
+  if (failure_ == 0) {
+    buffer_.append(text);
+    ends_.push_back(buffer_.size());
+  }
   return buffer_.size() < kBlockBytes && failure_ == 0 ? Status(Done{}) : flush();
 }
 
@@ -125,7 +134,7 @@ int AtomicFile::name_it() {
   const int named = part_.rename_to(target_, descriptor_);
   if (named != 0) return named;
   published_ = true;
-  if (before_ == Before::Part) PartFile::remove_stale(target_);
+  PartFile::remove_stale(target_);
   return 0;
 }
 

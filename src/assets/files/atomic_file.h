@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "assets/files/part_file.h"
 #include "poise/result.h"
@@ -55,18 +56,19 @@ class AtomicFile {
   std::filesystem::path target_;  ///< the path with links resolved
   PartFile part_;                 ///< of a regular file without its name
   std::string buffer_;
-  std::uint64_t whole_bytes_ = 0;  ///< that reached the system before the first failure
+  std::vector<std::size_t> ends_;  ///< of each write() in the buffer
+  std::uint64_t whole_bytes_ = 0;  ///< of the write() calls of which all reached the system
   int descriptor_ = -1;
   int failure_ = 0;
   bool regular_ = false;    ///< no device and no pipe
   bool published_ = false;  ///< it has its name
-  Before before_ = Before::Hidden;
 };
 
 /// Writes `text` to a file that appears complete or not at all.
 Status write_file(const std::filesystem::path& path, std::string_view text);
 
-/// Writes all of `text` to an open descriptor. Returns 0 or the error number.
-int write_all(int descriptor, std::string_view text);
+/// Writes all of `text` to an open descriptor. Returns 0 or the error number; `reached` gets how many bytes the system
+/// took.
+int write_all(int descriptor, std::string_view text, std::size_t* reached = nullptr);
 
 }  // namespace poise::geometry

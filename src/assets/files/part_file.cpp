@@ -18,7 +18,9 @@ namespace fs = std::filesystem;
 constexpr int kNames = 100;
 
 fs::path part_name(const fs::path& target, int number) {
-  return target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), number);
+  // No longer than what a folder takes, where the name itself is as long as that.
+  constexpr std::size_t kMostOfName = 240;
+  return target.parent_path() / fmt::format(".{}.{}.part", target.filename().string().substr(0, kMostOfName), number);
 }
 
 /// The path by which the system finds a file without a name.
