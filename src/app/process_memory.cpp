@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "app/option_values.h"
 
@@ -14,6 +16,28 @@ namespace poise::app {
 namespace {
 
 constexpr std::uint64_t kMostMegabytes = 1U << 30U;  // a pebibyte
+
+/// The files with the memory limits of the control groups that this process is in, of both versions (cgroups(7)): a
+/// group also keeps the limits of those above it. Inside a container the path may be that outside, and the limit is at
+/// the root.
+std::vector<std::filesystem::path> limits_of_groups() {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const std::filesystem::path& root, std::filesystem::path group, const char* file) {
+    for (; group.has_relative_path(); group = group.parent_path()) files.push_back(root / group.relative_path() / file);
+    files.push_back(root / file);
+  };
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = first == std::string::npos ? first : line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::filesystem::path group = line.substr(second + 1);
+    if (controllers == ",,") add("/sys/fs/cgroup", group, "memory.max");
+    if (controllers.find(",memory,") != std::string::npos) add("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes");
+  }
+  return files;
+}
 
 }  // namespace
 
@@ -35,10 +59,11 @@ std::uint64_t machine_memory_bytes() {
   const long page_bytes = ::sysconf(_SC_PAGESIZE);
   std::uint64_t bytes =
       pages > 0 && page_bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) : 0;
-  // `max` there is no number: no limit.
-  std::uint64_t of_group = 0;
-  if (std::ifstream("/sys/fs/cgroup/memory.max") >> of_group && of_group > 0)
-    bytes = bytes == 0 ? of_group : std::min(bytes, of_group);
+  for (const std::filesystem::path& file : limits_of_groups()) {
+    // `max` in it is no number: no limit.
+    std::uint64_t of_group = 0;
+    if (std::ifstream(file) >> of_group && of_group > 0) bytes = bytes == 0 ? of_group : std::min(bytes, of_group);
+  }
   return bytes;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
+#include "scene/scene_memory.h"
 #include "scene/scene_shapes.h"
 #include "scene/scene_text.h"
 #include "scene/temporary_folder.h"
@@ -229,16 +231,42 @@ TEST(SceneRun, RefusesBodiesThatTakeMoreMemoryThanItMayBeforeOneIsMade) {
                                            "count": [1000, 100, 1], "spacing_m": 2}}], )",
                                        "[]"))
                           .value();
-  SceneRunOptions options;
+  SceneRunOptions options = serial();
   options.max_memory_bytes = 100U << 20U;
   EXPECT_EQ(SceneRun::create(scene, options).error().message,
-            "s.json: 100000 bodies at once take about 713 MiB, must be at most the 100 MiB that a run may take "
-            "(--max-memory)");
+            "s.json: 100000 bodies at once, of 100000 that are generated, take about 720 MiB, must be at most the 100 "
+            "MiB that a run may take (--max-memory)");
   options.bodies = 1000;
   ASSERT_TRUE(SceneRun::create(scene, options).ok());
   options.bodies = 9'999'999;
   options.max_memory_bytes = std::uint64_t{60} << 30U;
   EXPECT_EQ(SceneRun::create(scene, options).error().kind, ErrorKind::BadInput);
+}
+
+TEST(SceneRun, OfAStreamWhoseBodiesLeaveThoseThatAreThereAtOnceTakeTheMemory) {
+  // 1,000 come a frame.
+  const auto stream = [](const char* life_s) {
+    return parse(scene_text(fmt::format(R"("generators": [{{"stream": {{"shape": "ball", "material": "hard",
+                              "per_second": 100000, "from_s": 0, "to_s": 1, "life_s": {},
+                              "region_min_m": [0, 0, 0], "region_max_m": [9e4, 9e4, 9e4]}}}}], )",
+                                        life_s),
+                            "[]"))
+        .value();
+  };
+  SceneRunOptions options = serial();
+  options.max_memory_bytes = 100U << 20U;
+  for (const char* life_s : {"1e-4", "0.005", "0.01"}) {
+    EXPECT_TRUE(SceneRun::create(stream(life_s), options).ok()) << life_s << " s: some thousands are there";
+    SceneRun run = SceneRun::create(stream(life_s), serial()).value();
+    std::size_t most = 0;
+    for (std::uint64_t frame = 0; frame < 20; ++frame) {
+      ASSERT_TRUE(run.before_frame(frame).ok());
+      most = std::max(most, run.bodies().size());
+    }
+    EXPECT_LE(static_cast<double>(most), io::body_numbers(stream(life_s), std::nullopt).at_once) << life_s;
+    EXPECT_GE(most, 999U);
+  }
+  EXPECT_FALSE(SceneRun::create(stream("0.5"), options).ok()) << "50,000 are there";
 }
 
 TEST(SceneRun, WhatItsBodiesLeaveOfItsMemoryBoundsThePairsOfACrowd) {

@@ -240,8 +240,9 @@ void Checker::needs() {
   check_.threads = options_.threads > 0 ? options_.threads : processors;
   const int useful = std::min(check_.threads, processors);
   check_.tree_wall_s = check_.tree_cpu_s / useful;
-  check_.memory_bytes =
-      kBaseBytes + trees_bytes + kBytesOfThread * check_.threads + kBytesOfBody * static_cast<double>(check_.bodies);
+  BodyNumbers numbers = body_numbers(scene_, options_.bodies);
+  numbers.at_once = static_cast<double>(check_.bodies);
+  check_.memory_bytes = bodies_bytes(numbers, check_.threads) + trees_bytes;
   check_.heap_frame_ms = 1e-6 * kBodyNs * static_cast<double>(check_.dynamic_bodies) / useful;
   check_.pair_ms = 1e-6 * leaves_cost_ns;
   check_.deadline_ms = scene_.deadline_ms.value_or(1000 * scene_.dt_s);
