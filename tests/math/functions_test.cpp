@@ -263,6 +263,11 @@ TEST(Power, OfSimpleExponentsIsExact) {
   EXPECT_EQ(math::pow(0, -2), kInfinity);
   EXPECT_EQ(math::pow(2, kInfinity), kInfinity);
   EXPECT_EQ(math::pow(0.5, kInfinity), 0);
+  EXPECT_EQ(math::pow(0, 0.01), 0);
+  EXPECT_EQ(math::pow(0, -0.01), kInfinity);
+  // Beyond what can be split in two.
+  EXPECT_EQ(math::pow(2, 1.7e308), kInfinity);
+  EXPECT_EQ(math::pow(0.5, 1.7e308), 0);
   EXPECT_EQ(math::pow(2, 1e300), kInfinity);
   EXPECT_EQ(math::pow(2, -1e300), 0);
   EXPECT_EQ(math::pow(kInfinity, -1), 0);
