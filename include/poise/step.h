@@ -150,7 +150,13 @@ struct Degraded {
   /// The contact solver stopped after this number of point iterations in a substep, before it converged; 0: it did not
   /// stop early.
   std::uint32_t point_iterations = 0;
-  [[nodiscard]] bool any() const { return substeps > 0 || pairs_reused > 0 || bodies_held > 0 || point_iterations > 0; }
+  /// Bodies in crowds, where more lie in one place than solid ones can, kept this number of partners, or a quarter of
+  /// the most that they could have outside of a crowd; FrameReport::pairs_discarded counts the others. 0: all kept
+  /// theirs.
+  std::uint32_t crowded_partners = 0;
+  [[nodiscard]] bool any() const {
+    return substeps > 0 || pairs_reused > 0 || bodies_held > 0 || point_iterations > 0 || crowded_partners > 0;
+  }
 };
 
 /// Report of one step. Plain values; nothing in it refers to the World.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "frame/budget/cpu_clock.h"
+#include "frame/budget/crowds.h"
 #include "frame/budget/frame_time.h"
 #include "frame/budget/pause.h"
 #include "frame/ccd/swept.h"
@@ -130,6 +131,7 @@ class Step {
         laps_(report.started) {}
 
   void run() {
+    crowded_partners_ = crowded_partners();
     resumed_ = begin_paused(input_, world_.settings, world_.frame, world_.forecasts, world_.sleep_access());
     if (in_use(world_.sleep_access())) wake_near_changes(world_.sleep_access(), executor_);
     forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
@@ -169,7 +171,11 @@ class Step {
     const SceneView scene = world_.scene();
     predict({scene, terms_}, frame_.motion, executor_);
     report_.times.predict += laps_.lap();
-    find_candidates({scene, frame_.motion, {world_.settings.max_partners, world_.settings.max_pairs}},
+    const CrowdedByVolume crowds(world_.bodies);
+    find_candidates({scene,
+                     frame_.motion,
+                     {world_.settings.max_partners, world_.settings.max_pairs,
+                      crowded_partners_ > 0 ? &crowds : nullptr, crowded_partners_}},
                     world_.broad_phase, frame_.candidates, executor_);
     report_.times.broad_phase += laps_.lap();
     find_active_pairs({scene, terms_, frame_.motion, frame_.candidates, world_.cache.pairs, world_.pair_filter},
@@ -180,6 +186,13 @@ class Step {
     report_.coarse_pairs = frame_.table.size();
     report_.swept_pairs = frame_.table.swept.size();
     report_.times.coarse += laps_.lap();
+  }
+
+  // As many as there is time for, or as another run decided.
+  [[nodiscard]] std::uint32_t crowded_partners() const {
+    if (input_.replay != nullptr) return input_.replay->crowded_partners;
+    return crowded_partners_in_time(input_, world_.bodies.dynamic_count(), world_.settings.max_partners,
+                                    report_.started, world_.forecasts);
   }
 
   void refine_pairs() {
@@ -196,6 +209,8 @@ class Step {
     report_.degraded.bodies_paused = world_.bodies.paused_count();
     report_.degraded.bodies_held += report_.degraded.bodies_paused;
     if (resumed_ && log != nullptr) log->resumed();
+    if (log != nullptr) log->crowded_partners(crowded_partners_);
+    if (frame_.candidates.discarded > 0) report_.degraded.crowded_partners = crowded_partners_;
     report_.times.refine = laps_.lap();
     make_points_left(input, world_.pools, frame_.levels, executor_);
   }
@@ -253,7 +268,8 @@ class Step {
   parallel::Executor& executor_;
   Frame& frame_;
   Laps laps_;
-  bool resumed_ = false;  // all that was paused takes part again
+  std::uint32_t crowded_partners_ = 0;  // that each body in a crowd may have; 0: as in the settings
+  bool resumed_ = false;                // all that was paused takes part again
 };
 
 }  // namespace

@@ -204,6 +204,8 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   if (f.decisions.point_iterations > 0)
     text +=
         fmt::format("resting contact had time for {} point iterations in a substep\n", f.decisions.point_iterations);
+  if (f.decisions.crowded_partners > 0)
+    text += fmt::format("no time for all pairs of crowds: {} for each body in one\n", f.decisions.crowded_partners);
   if (f.decisions.substeps > 0)
     text += fmt::format("infeasible: resting contact had {} substeps only\n", f.decisions.substeps);
   if (!f.decisions.held.empty())
@@ -380,6 +382,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"paused", paused_json(f.decisions)},
           {"resumed", f.decisions.resumed},
           {"point_iterations", f.decisions.point_iterations},
+          {"crowded_partners", f.decisions.crowded_partners},
           {"pairs", counts_json(fates)},
           {"refined", std::move(refined)},
           {"left_coarse", std::move(left)}};

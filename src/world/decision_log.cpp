@@ -11,7 +11,7 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   active_pairs_ = active_pairs;
   known_ = true;
   learns_ = false;
-  substeps_ = point_iterations_ = 0;
+  substeps_ = point_iterations_ = crowded_partners_ = 0;
   reused_.clear();
   reused_.reserve(most_steps);
   held_.clear();
@@ -31,13 +31,14 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.held.clear();
   decisions.paused.clear();
   decisions.resumed = false;
-  decisions.substeps = decisions.point_iterations = 0;
+  decisions.substeps = decisions.point_iterations = decisions.crowded_partners = 0;
   decisions.frame = known_ ? frame_ : 0;
   decisions.learns = known_ && learns_;
   decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
   if (!known_) return;
   decisions.substeps = substeps_;
   decisions.point_iterations = point_iterations_;
+  decisions.crowded_partners = crowded_partners_;
   decisions.reused = reused_;
   decisions.held = held_;
   decisions.paused = paused_;

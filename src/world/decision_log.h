@@ -37,6 +37,8 @@ class DecisionLog {
   void substeps(std::uint32_t count) { substeps_ = count; }
   /// Likewise the point iterations that a substep may make (0: as many as the solver does by itself).
   void point_iterations(std::uint32_t most) { point_iterations_ = most; }
+  /// FrameDecisions::crowded_partners.
+  void crowded_partners(std::uint32_t count) { crowded_partners_ = count; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
   /// That all paused islands took part again, and those that wait for several steps from now on.
   void resumed() { resumed_ = true; }
@@ -60,7 +62,7 @@ class DecisionLog {
   std::vector<Lane> lanes_;
   std::uint64_t frame_ = 0;
   std::size_t active_pairs_ = 0;
-  std::uint32_t substeps_ = 0, point_iterations_ = 0;
+  std::uint32_t substeps_ = 0, point_iterations_ = 0, crowded_partners_ = 0;
   std::vector<std::uint32_t> reused_, held_;
   std::vector<PausedIsland> paused_;
   bool resumed_ = false;

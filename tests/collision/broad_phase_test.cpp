@@ -178,6 +178,42 @@ TEST(BroadPhase, InACrowdEachLooksAtBoundedlyManyAndKeepsNeighbours) {
   EXPECT_LE(broad.find(bounds, {}, {kMost}, *executor).pairs.size(), std::size_t{kCrowd} * kMost);
 }
 
+// Those from a slot on may have more partners than others.
+class CrowdsBeforeSlot final : public CrowdedBodies {
+ public:
+  explicit CrowdsBeforeSlot(std::uint32_t end) : end_(end) {}
+  [[nodiscard]] std::uint32_t most_partners(std::uint32_t slot) const override { return slot < end_ ? kLeast : 1000; }
+
+ private:
+  std::uint32_t end_;
+};
+
+TEST(BroadPhase, OnlyBodiesInACrowdKeepFewerPartners) {
+  // Three places, in each all bounds overlap: 600 solid bodies, 30, and 300 of which more may be in one place.
+  std::mt19937_64 random(3);
+  std::vector<MotionBound> bounds(930);
+  for (std::uint32_t i = 0; i < 930; ++i) {
+    const double x_m = i < 600 ? 0 : i < 630 ? 10 : 20;
+    bounds[i] = {Vec3(x_m + 0.5, 0.5, 0.5) + random_vector(random, 0.2), 1, i, 1, 0xffffffffU, true};
+  }
+  const CrowdsBeforeSlot crowds(630);
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, 2);
+  BroadPhase broad;
+  for (const std::uint32_t of_crowded : {1U, 20U}) {
+    const auto result =
+        broad.find(bounds, {}, {.of_body = 1000, .crowds = &crowds, .of_crowded = of_crowded}, *executor);
+    std::size_t of_place[3] = {};
+    for (const CandidatePair& pair : result.pairs) ++of_place[pair.low < 600 ? 0 : pair.low < 630 ? 1 : 2];
+    const std::size_t kept = std::max(of_crowded, CrowdedBodies::kLeast / 4);
+    EXPECT_LE(of_place[0], 600 * kept + 32 * 32 / 2);
+    EXPECT_GE(of_place[0], 560 * kept);
+    EXPECT_EQ(of_place[1], 30U * 29 / 2) << "no crowd";
+    EXPECT_EQ(of_place[2], 300U * 299 / 2) << "no crowd either for these bodies";
+    EXPECT_EQ(result.pairs.size() + result.discarded, 600U * 599 / 2 + of_place[1] + of_place[2]);
+    EXPECT_LE(result.looked_at, 600U * 256 + 30 * 30 + 300 * (256 + 300));
+  }
+}
+
 TEST(BroadPhase, OneBodyFarAwayPutsNoOthersTogether) {
   std::mt19937_64 random(5);
   auto bounds = random_bounds(random, 2000, 15, 0);

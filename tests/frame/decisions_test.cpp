@@ -186,6 +186,57 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
       << "what is reused is part of what is decided";
 }
 
+// Balls in one place, and a few that lie side by side.
+void fill_crowd(Stage& stage, int count) {
+  const ShapeId ball = stage.ball(0.3);
+  for (int i = 0; i < count; ++i)
+    stage.add(ball, Vec3(1e-3 * (i % 10), 1e-3 * (i / 10 % 10), 2 + 1e-3 * (i / 100)), Vec3::Zero());
+  for (int i = 0; i < 20; ++i) stage.add(ball, Vec3(3 + 0.5 * (i % 5), 0.5 * (i / 5), 2), Vec3::Zero());
+}
+
+TEST(Decisions, WhereThereIsNoTimeForAllPairsOfACrowdTheNearestAreSolvedAndTheSameAgain) {
+  constexpr int kCrowd = 300;
+  const Case c{.name = "crowd"};
+  WorldSettings settings = settings_of(c, ExecutorKind::Threads, 3);
+  settings.islands_wait = IslandsWait::Never;
+  Stage stage(settings, 0.2);
+  fill_crowd(stage, kCrowd);
+  StepInput input = input_of(c);
+  input.record = true;
+  Recorded recorded;
+  for (int i = 0; i < 6; ++i) {
+    const bool hopeless = i % 2 == 1;
+    input.budget = hopeless ? Budget::until(SteadyClock::time_point{}) : Budget::within(std::chrono::hours(1));
+    const FrameReport report = stage.world.step(input);
+    EXPECT_EQ(report.degraded.crowded_partners, hopeless ? 1U : 0U);
+    if (hopeless) {
+      EXPECT_TRUE(report.degraded.any());
+      EXPECT_GT(report.pairs_discarded, 0U);
+      EXPECT_LE(report.candidate_pairs, 8U * kCrowd + 32 * 32 + 200) << "eight each, and what is no crowd";
+    } else {
+      EXPECT_GT(report.candidate_pairs, std::size_t{40} * kCrowd) << "all of them";
+    }
+    recorded.decisions.emplace_back();
+    stage.world.decisions(recorded.decisions.back());
+    recorded.hashes.push_back(stage.world.state_hash());
+  }
+  const auto alike = [&](ExecutorKind executor, int threads) {
+    Stage again(settings_of(c, executor, threads), 0.2);
+    fill_crowd(again, kCrowd);
+    StepInput replay = input_of(c);
+    for (std::size_t i = 0; i < recorded.hashes.size(); ++i) {
+      replay.replay = &recorded.decisions[i];
+      again.world.step(replay);
+      if (again.world.state_hash() != recorded.hashes[i]) return i;
+    }
+    return recorded.hashes.size();
+  };
+  EXPECT_EQ(alike(ExecutorKind::Serial, 1), recorded.hashes.size());
+  EXPECT_EQ(alike(ExecutorKind::Tbb, 2), recorded.hashes.size());
+  recorded.decisions[3].crowded_partners = 0;
+  EXPECT_EQ(alike(ExecutorKind::Serial, 1), 3U) << "it is part of what is decided";
+}
+
 TEST(Decisions, TheOrderAndTheWorkersOfLevelsChangeNoBit) {
   const Case c{.name = "fitted"};
   Recorded recorded = record(c, 2);

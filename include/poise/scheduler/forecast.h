@@ -31,6 +31,7 @@ class TailForecast {
  public:
   static constexpr std::size_t kFeatures = 9;         ///< a constant and the counts of TailWork, in its order
   static constexpr std::size_t kContacts = 2;         ///< index of TailWork::contacts
+  static constexpr std::size_t kCandidatePairs = 3;   ///< index of TailWork::candidate_pairs
   static constexpr std::size_t kPointIterations = 5;  ///< index of TailWork::point_iterations
   static constexpr std::size_t kCoarseContacts = 6;   ///< index of TailWork::coarse_contacts
   using Features = std::array<double, kFeatures>;

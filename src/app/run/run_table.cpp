@@ -174,6 +174,8 @@ void degraded(const simulation::RunFigures& f, Out out) {
                  "{} pairs reused what they had found\n",
                  f.degraded.infeasible_forecast, f.degraded.fewer_iterations, f.degraded.fewer_substeps,
                  f.degraded.pairs_reused);
+  if (f.degraded.fewer_partners > 0)
+    fmt::format_to(out, "               in {} frames bodies in crowds kept fewer pairs\n", f.degraded.fewer_partners);
   if (f.degraded.frames_held == 0) return;
   const auto frames = static_cast<double>(f.degraded.frames_held);
   fmt::format_to(

@@ -18,6 +18,9 @@ namespace {
 
 constexpr std::size_t kBoundGrain = 256;
 constexpr double kLeastCellM = 1e-6;
+// A search that tells crowds looks at so many others for each partner that a body may have outside of one. Chosen: a
+// body has about one partner in five of those in the cells around it.
+constexpr std::uint32_t kTestsOfPartner = 8;
 
 }  // namespace
 
@@ -104,7 +107,8 @@ void BroadPhase::fill_buckets(std::span<const MotionBound> bounds, std::size_t s
   *begins = start;
 }
 
-void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor) {
+void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, std::uint32_t crowd,
+                                 parallel::Executor& executor) {
   const std::size_t n = bounds.size();
   cell_of_.resize(n);
   entries_.resize(n);
@@ -124,7 +128,6 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, parallel::
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t segment = begin; segment < end; ++segment) fill_buckets(bounds, segment);
                          });
-  const std::uint32_t crowd = most_tests(0);
   if (n <= crowd) return;
   parallel::for_ranges(executor, {buckets, 8 * kBoundGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
@@ -150,12 +153,14 @@ void BroadPhase::sort_crowd(std::size_t bucket) {
     }
     return code;
   };
-  std::vector<std::pair<std::uint32_t, Entry>> placed;
-  for (auto entry = begin; entry != end; ++entry) placed.emplace_back(place(*entry), *entry);
-  std::sort(placed.begin(), placed.end(), [](const auto& x, const auto& y) {
-    return std::pair(x.first, x.second.bound) < std::pair(y.first, y.second.bound);
-  });
-  std::transform(placed.begin(), placed.end(), begin, [](const auto& entry) { return entry.second; });
+  // Entries are in the order of their bounds.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> places;
+  places.reserve(static_cast<std::size_t>(end - begin));
+  for (auto entry = begin; entry != end; ++entry)
+    places.emplace_back(place(*entry), static_cast<std::uint32_t>(entry - begin));
+  std::sort(places.begin(), places.end());
+  const std::vector<Entry> unsorted(begin, end);
+  std::transform(places.begin(), places.end(), begin, [&](const auto& at) { return unsorted[at.second]; });
 }
 
 // The cells that each grid uses.
@@ -174,12 +179,12 @@ void BroadPhase::find_ranges() {
   }
 }
 
-void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                        std::uint32_t max_partners, const RestingGrid* resting, Collector& found) const {
+std::size_t BroadPhase::find_partners(std::size_t entry, std::span<const MotionBound> bounds, std::uint32_t& room,
+                                      const RestingGrid* resting, std::vector<Partner>& partners) const {
   const Entry& self = entries_[entry];
   const MotionBound& bound = bounds[self.bound];
-  found.partners.clear();
-  std::uint32_t room = most_tests(max_partners);
+  partners.clear();
+  std::size_t left = 0;
   const auto test = [&](std::uint32_t e) {
     const Entry& other = entries_[e];
     const double reach = self.radius_m + other.radius_m;
@@ -188,7 +193,7 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
     const MotionBound& partner = bounds[other.bound];
     if (!bound.dynamic && !partner.dynamic) return;
     if (!meet(bound.group, bound.collides_with, partner.group, partner.collides_with)) return;
-    found.partners.push_back({beyond_m2, partner.slot});
+    partners.push_back({beyond_m2, partner.slot});
   };
   // Own grid: half of the neighbourhood, and of the own cell the entries behind this one, so that a pair is found once.
   // The next cell of the row mostly follows in the same block.
@@ -206,10 +211,8 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
     if (cell.y == own.y && cell.z == own.z && cell.grid == own.grid && (next == 0 || next == 1)) test(e);
   }
   room -= looked_at;
-  found.discarded += own_end - behind - looked_at;
-  const auto visit = [&](const Cell& first, std::int32_t count) {
-    found.discarded += visit_row(first, count, room, test);
-  };
+  left += own_end - behind - looked_at;
+  const auto visit = [&](const Cell& first, std::int32_t count) { left += visit_row(first, count, room, test); };
   if (!next_follows) visit(shifted(own, 1, 0, 0), 1);
   visit(shifted(own, -1, 1, 0), 3);
   for (int dy = -1; dy <= 1; ++dy) visit(shifted(own, -1, dy, 1), 3);
@@ -231,16 +234,38 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
     }
   }
   if (resting != nullptr && bound.dynamic) {
-    found.discarded += resting->visit_near(
+    left += resting->visit_near(
         self.center_m, self.radius_m, room, [&](std::uint32_t slot, const RestingGrid::Entry& other) {
           const double reach = self.radius_m + other.radius_m;
           const double beyond_m2 = (other.center_m - self.center_m).squaredNorm() - reach * reach;
           if (beyond_m2 < 0 && meet(bound.group, bound.collides_with, other.group, other.collides_with))
-            found.partners.push_back({beyond_m2, slot});
+            partners.push_back({beyond_m2, slot});
         });
   }
-  found.looked_at += most_tests(max_partners) - room;
-  found.keep_nearest(bound.slot, max_partners);
+  return left;
+}
+
+void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
+                        const PartnerLimits& limits, const RestingGrid* resting, Collector& found) const {
+  const Entry& self = entries_[entry];
+  const MotionBound& bound = bounds[self.bound];
+  std::uint32_t most = most_tests(limits.of_body);
+  std::uint32_t partners = limits.of_body;
+  if (limits.crowds != nullptr) most = std::min(most, kTestsOfPartner * CrowdedBodies::kLeast);
+  std::uint32_t room = most;
+  std::size_t left = find_partners(entry, bounds, room, resting, found.partners);
+  if (limits.crowds != nullptr && (left > 0 || found.partners.size() > CrowdedBodies::kLeast)) {
+    const std::uint32_t outside = limits.crowds->most_partners(bound.slot);
+    if (left > 0 && outside > CrowdedBodies::kLeast) {
+      found.looked_at += most - room;
+      most = room = std::min(most_tests(limits.of_body), kTestsOfPartner * outside);
+      left = find_partners(entry, bounds, room, resting, found.partners);
+    }
+    if (found.partners.size() > outside) partners = std::min(partners, std::max(limits.of_crowded, outside / 4));
+  }
+  found.discarded += left;
+  found.looked_at += most - room;
+  found.keep_nearest(bound.slot, partners);
   if (!bound.dynamic) return;
   for (const PlaneBound& plane : planes) {
     if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
@@ -249,7 +274,7 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
 }
 
 std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                                std::span<const SweptBound> swept, std::uint32_t max_partners,
+                                std::span<const SweptBound> swept, const PartnerLimits& limits,
                                 const RestingGrid* resting, parallel::Executor& executor, Result& result) {
   parallel::Tickets points;
   parallel::Tickets lost;
@@ -260,7 +285,7 @@ std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<c
   };
   parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int worker) {
     Collector found = collector(worker);
-    for (std::size_t entry = begin; entry < end; ++entry) search(entry, bounds, planes, max_partners, resting, found);
+    for (std::size_t entry = begin; entry < end; ++entry) search(entry, bounds, planes, limits, resting, found);
     found.flush();
     if (found.discarded > 0) lost.take(found.discarded);
     looked_at.take(found.looked_at);
@@ -326,19 +351,19 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
                                     const PartnerLimits& limits, parallel::Executor& executor,
                                     std::span<const SweptBound> swept, const RestingGrid* resting) {
   Result result;
-  std::uint32_t max_partners = limits.of_body;
+  PartnerLimits used = limits;
   if (bounds.empty() && swept.empty()) return result;
-  sort_into_cells(bounds, executor);
+  sort_into_cells(bounds, limits.crowds != nullptr ? kTestsOfPartner * CrowdedBodies::kLeast : most_tests(0), executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
-  std::size_t count = collect(bounds, planes, swept, max_partners, resting, executor, result);
+  std::size_t count = collect(bounds, planes, swept, used, resting, executor, result);
   if (count > limits.of_all && !bounds.empty()) {
-    max_partners =
-        std::min(max_partners, static_cast<std::uint32_t>(std::max<std::size_t>(1, limits.of_all / bounds.size())));
-    count = collect(bounds, planes, swept, max_partners, resting, executor, result);
+    used.of_body =
+        std::min(used.of_body, static_cast<std::uint32_t>(std::max<std::size_t>(1, limits.of_all / bounds.size())));
+    count = collect(bounds, planes, swept, used, resting, executor, result);
   }
   if (count > found_.size()) {
     found_.resize(count + count / 2);
-    count = collect(bounds, planes, swept, max_partners, resting, executor, result);
+    count = collect(bounds, planes, swept, used, resting, executor, result);
   }
   sort_pairs(count, executor);
   result.pairs = std::span<const CandidatePair>(sorted_).first(count);

@@ -48,11 +48,24 @@ struct CandidatePair {
 
 class RestingGrid;
 
+/// Tells a body in a crowd, with more partners than solid bodies have that do not lie within each other.
+class CrowdedBodies {
+ public:
+  virtual ~CrowdedBodies() = default;
+  static constexpr std::uint32_t kLeast = 32;
+  /// The most partners that the search of a body may find without being in a crowd; at least kLeast. Any thread.
+  [[nodiscard]] virtual std::uint32_t most_partners(std::uint32_t slot) const = 0;
+};
+
 /// How many candidate pairs there may be.
 struct PartnerLimits {
   std::uint32_t of_body = 256;  ///< partners that the search of one body finds
   /// Pairs of all bodies. Those with planes and of swept bodies count, but none of them is left out.
   std::size_t of_all = std::numeric_limits<std::size_t>::max();
+  /// Where it is set, a body in a crowd keeps of_crowded partners, but at least a quarter of the most that it could
+  /// have outside of one.
+  const CrowdedBodies* crowds = nullptr;
+  std::uint32_t of_crowded = 0;
 };
 
 /// Finds all pairs of overlapping motion bounds: a grid for each power of two of size, all in one hash table that holds
@@ -69,7 +82,8 @@ class BroadPhase {
   /// limits.of_body partners found by its own search, the nearest of those that it looked at; where all together have
   /// more than limits.of_all, it has at most its equal share of them. The same result on any number of threads. Linear
   /// in bounds and pairs, also where many lie in one place: there a search looks at no more than
-  /// most_tests(limits.of_body) others and counts the rest as discarded. `swept` bodies are not in the grid: each
+  /// most_tests(limits.of_body) others, or 8 times the most partners outside of a crowd, and counts the rest as
+  /// discarded. `swept` bodies are not in the grid: each
   /// searches the cells along its path, or all entries if these are fewer, and keeps every partner on it; swept bodies
   /// whose paths are near along the axis on which they are spread most are compared with each other. Without swept
   /// bodies this costs nothing. Bounds in `resting` are found by those that move and search for nothing themselves;
@@ -116,13 +130,17 @@ class BroadPhase {
 
   void find_grids(std::span<const MotionBound> bounds, parallel::Executor& executor);
   void find_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
-  void sort_into_cells(std::span<const MotionBound> bounds, parallel::Executor& executor);
+  // Where more lie in one place than `crowd`, they are in order of place.
+  void sort_into_cells(std::span<const MotionBound> bounds, std::uint32_t crowd, parallel::Executor& executor);
   void fill_buckets(std::span<const MotionBound> bounds, std::size_t segment);
   void sort_crowd(std::size_t bucket);
   void find_ranges();
   void sort_swept(std::span<const SweptBound> swept);
   void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-              std::uint32_t max_partners, const RestingGrid* resting, Collector& found) const;
+              const PartnerLimits& limits, const RestingGrid* resting, Collector& found) const;
+  // Partners of an entry among those that `room` allows to look at; how many it did not look at.
+  std::size_t find_partners(std::size_t entry, std::span<const MotionBound> bounds, std::uint32_t& room,
+                            const RestingGrid* resting, std::vector<Partner>& partners) const;
   void search_along(std::size_t place, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
                     std::span<const SweptBound> swept, Collector& found) const;
   template <class Visit>
@@ -133,7 +151,7 @@ class BroadPhase {
   std::size_t visit_row(const Cell& first, std::int32_t count, std::uint32_t& room, Visit&& visit) const;
   [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
   std::size_t collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                      std::span<const SweptBound> swept, std::uint32_t max_partners, const RestingGrid* resting,
+                      std::span<const SweptBound> swept, const PartnerLimits& limits, const RestingGrid* resting,
                       parallel::Executor& executor, Result& result);
   void sort_pairs(std::size_t count, parallel::Executor& executor);
   void sort_segment(std::size_t segment, std::uint32_t slots);

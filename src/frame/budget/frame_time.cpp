@@ -199,6 +199,26 @@ void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int sub
   report.infeasible_forecast = report.mandatory_forecast > step.budget.deadline - start;
 }
 
+std::uint32_t crowded_partners_in_time(const StepInput& step, std::size_t dynamic_bodies, std::uint32_t most,
+                                       SteadyClock::time_point now, const Forecasts& forecasts) {
+  if (step.budget.kind != Budget::Kind::Deadline || dynamic_bodies == 0) return 0;
+  // What a pair costs is not known well: in the frames that it is learned from, bodies and pairs grow together.
+  constexpr double kLeastNs = 200, kMostNs = 5000;
+  const scheduler::TailForecast::Features head = forecasts.head.coefficients_us();
+  const scheduler::TailForecast::Features tail = forecasts.tail.coefficients_us();
+  using Tail = scheduler::TailForecast;
+  // Microseconds a thousand are nanoseconds each.
+  const double pair_ns = std::clamp(head[Tail::kCandidatePairs] + head[Tail::kContacts] + tail[Tail::kCandidatePairs] +
+                                        forecasts.solved_share * (tail[Tail::kContacts] + tail[Tail::kCoarseContacts]),
+                                    kLeastNs, kMostNs);
+  scheduler::TailWork bodies;
+  bodies.bodies = dynamic_bodies;
+  const Nanoseconds of_bodies = forecasts.head.forecast(bodies) + forecasts.tail.forecast(bodies);
+  const double left_ns = std::max(0.0, ns_of(step.budget.deadline - host_reserve(forecasts, step) - now - of_bodies));
+  const double partners = left_ns / (pair_ns * static_cast<double>(dynamic_bodies));
+  return partners < most ? std::max(1U, static_cast<std::uint32_t>(partners)) : 0;
+}
+
 FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Forecasts& forecasts,
                      CompletedLevels& levels, FrameReport& report, parallel::Executor& executor) {
   const StepInput& step = input.step;

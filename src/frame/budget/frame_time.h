@@ -29,6 +29,11 @@ struct CallerTime {
 void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int substeps, SteadyClock::time_point start,
                       Forecasts& forecasts, FrameReport& report);
 
+/// Before the broad phase, at `now`: how many partners each body in a crowd may have if all pairs of the frame are to
+/// end before the deadline. 0: as many as the settings allow (`most`), as without a deadline.
+std::uint32_t crowded_partners_in_time(const StepInput& step, std::size_t dynamic_bodies, std::uint32_t most,
+                                       SteadyClock::time_point now, const Forecasts& forecasts);
+
 /// What refinement goes by.
 struct FramePlan {
   scheduler::FrameBudget budget;

@@ -199,6 +199,7 @@ void add_figures(const RunDocument& d, Json& json) {
   json["tail"] = tail_json(f.tail);
   json["degraded"] = {{"frames", f.degraded.frames},
                       {"fewer_iterations", f.degraded.fewer_iterations},
+                      {"fewer_partners", f.degraded.fewer_partners},
                       {"fewer_substeps", f.degraded.fewer_substeps},
                       {"pairs_reused", f.degraded.pairs_reused},
                       {"frames_held", f.degraded.frames_held},

@@ -154,6 +154,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     if (report.degraded.any()) ++figures.degraded.frames;
     if (report.degraded.point_iterations > 0) ++figures.degraded.fewer_iterations;
     if (report.degraded.substeps > 0) ++figures.degraded.fewer_substeps;
+    if (report.degraded.crowded_partners > 0) ++figures.degraded.fewer_partners;
     figures.degraded.pairs_reused += report.degraded.pairs_reused;
     if (report.degraded.bodies_held > 0) ++figures.degraded.frames_held;
     figures.degraded.bodies_held += report.degraded.bodies_held;

@@ -81,6 +81,7 @@ struct TailFigures {
 struct DegradedFigures {
   std::uint64_t frames = 0;               ///< that left out work
   std::uint64_t fewer_iterations = 0;     ///< of these, frames whose contact solver stopped before it converged
+  std::uint64_t fewer_partners = 0;       ///< and frames in which bodies in crowds did not keep all their pairs
   std::uint64_t fewer_substeps = 0;       ///< of these, frames with fewer substeps
   std::uint64_t pairs_reused = 0;         ///< sum over the frames
   std::uint64_t frames_held = 0;          ///< frames in which islands waited

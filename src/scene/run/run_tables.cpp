@@ -92,6 +92,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("infeasible_forecast", r.infeasible_forecast ? 1 : 0);
   row.column("degraded_substeps", r.degraded.substeps);
   row.column("degraded_point_iterations", r.degraded.point_iterations);
+  row.column("degraded_crowded_partners", r.degraded.crowded_partners);
   row.column("pairs_reused", r.degraded.pairs_reused);
   row.column("bodies_held", r.degraded.bodies_held);
   row.column("bodies_paused", r.degraded.bodies_paused);
