@@ -62,7 +62,8 @@ Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& 
 
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s) {
   const double speed = start.spin_radps.norm();
-  if (speed == 0) return start;
+  // Without spin, or with one that is no number.
+  if (!(speed > 0)) return start;
   if (moments_kgm2.x() == moments_kgm2.y() && moments_kgm2.y() == moments_kgm2.z()) {
     return {(rotation_by(start.spin_radps * time_s) * start.orientation).normalized(), start.spin_radps};
   }

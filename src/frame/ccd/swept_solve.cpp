@@ -91,8 +91,18 @@ MovingBody moving_body_at(const Trajectory& trajectory, double time_s) {
   return time_s > 0 ? collision::moved_on(trajectory.start, time_s) : trajectory.start;
 }
 
+// All searches of a step share so many pairs of nodes, but each has the least of them. Chosen: where hundreds of bodies
+// spin at 1e8 rad/s each search goes to its limit, and a step took seconds.
+constexpr std::size_t kNodePairsOfStep = std::size_t{1} << 22U, kLeastNodePairs = std::size_t{1} << 12U;
+
+std::uint32_t node_pairs_of_search(std::size_t searches) {
+  const std::size_t share = std::max(kLeastNodePairs, kNodePairsOfStep / std::max<std::size_t>(1, searches));
+  return static_cast<std::uint32_t>(std::min<std::size_t>(share, collision::ImpactTerms{}.max_node_pairs));
+}
+
 // The first time of impact of two trajectories from a moment on, piece by piece between their stops.
-TimeOfImpact impact_of(const Trajectory& a, const Trajectory& b, double from_s, double until_s, double tolerance_m) {
+TimeOfImpact impact_of(const Trajectory& a, const Trajectory& b, double from_s, double until_s,
+                       collision::ImpactTerms terms) {
   TimeOfImpact impact;
   double time_s = from_s;
   while (time_s < until_s) {
@@ -104,9 +114,7 @@ TimeOfImpact impact_of(const Trajectory& a, const Trajectory& b, double from_s, 
       next_s = std::min(next_s, stop_s);
     }
     if (!moves) break;
-    collision::ImpactTerms terms;
     terms.duration_s = next_s - time_s;
-    terms.tolerance_m = tolerance_m;
     impact = collision::first_time_of_impact(moving_body_at(a, time_s), moving_body_at(b, time_s), terms);
     if (impact.kind != TimeOfImpact::Kind::None) {
       impact.time_s += time_s;
@@ -179,7 +187,10 @@ class Events {
   }
 
   [[nodiscard]] TimeOfImpact look(std::uint32_t k, double from_s) const {
-    return impact_of(trajectory(pair_of(k).a), trajectory(pair_of(k).b), from_s, h_s_, pairs_[k].tolerance_m);
+    collision::ImpactTerms terms;
+    terms.tolerance_m = pairs_[k].tolerance_m;
+    terms.max_node_pairs = node_pairs_of_search(pairs_.size());
+    return impact_of(trajectory(pair_of(k).a), trajectory(pair_of(k).b), from_s, h_s_, terms);
   }
 
   void wait_for(std::uint32_t k) {
