@@ -70,11 +70,10 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.learns = number % 2 == 0;
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
   for (std::uint32_t slot = 1; slot < 3 * number; slot += 5) frame.decisions.held.push_back(slot);
-  for (std::uint64_t i = 0; i < 20 * (number % 4); ++i) {
+  for (std::uint64_t i = 0; i < 20 * (number % 4); ++i)
     frame.decisions.steps.push_back({static_cast<std::uint32_t>(random() % 5000),
                                      static_cast<std::uint8_t>(number % 2 == 0 ? 0 : random() % 256),
                                      static_cast<Kind>(random() % 3)});
-  }
   frame.state_hash = random();
   frame.budget = Nanoseconds(16'666'667);
   frame.refine_available = Nanoseconds(static_cast<std::int64_t>(random() % 10'000'000));
