@@ -214,6 +214,19 @@ TEST(BroadPhase, OnlyBodiesInACrowdKeepFewerPartners) {
   }
 }
 
+TEST(BroadPhase, WhereManyLieInOnePlaceAndMeetNobodyThereIsNoCrowd) {
+  std::vector<MotionBound> bounds(900);
+  for (std::uint32_t i = 0; i < 900; ++i) bounds[i] = {Vec3(0.5, 0.5, 0.5), 1, i, 2, 0, true};
+  bounds.front().group = bounds.back().group = bounds.front().collides_with = bounds.back().collides_with = 1;
+  const CrowdsBeforeSlot crowds(900);
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  BroadPhase broad;
+  const auto result = broad.find(bounds, {}, {.crowds = &crowds, .of_crowded = 1}, *executor);
+  ASSERT_EQ(result.pairs.size(), 1U);
+  EXPECT_EQ(result.pairs[0], (CandidatePair{0, 899}));
+  EXPECT_EQ(result.discarded, 0U);
+}
+
 TEST(BroadPhase, OneBodyFarAwayPutsNoOthersTogether) {
   std::mt19937_64 random(5);
   auto bounds = random_bounds(random, 2000, 15, 0);

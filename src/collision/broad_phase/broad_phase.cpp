@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kBoundGrain = 256;
 constexpr double kLeastCellM = 1e-6;
-// A search that tells crowds looks at so many others for each partner that a body may have outside of one. Chosen: a
-// body has about one partner in five of those in the cells around it.
+// A search that tells crowds first looks at so many others for each of the least number of partners that tells one.
+// Chosen: a body that is in one has most of those in the cells around it as partners.
 constexpr std::uint32_t kTestsOfPartner = 8;
 
 }  // namespace
@@ -256,9 +256,10 @@ void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, 
   std::size_t left = find_partners(entry, bounds, room, resting, found.partners);
   if (limits.crowds != nullptr && (left > 0 || found.partners.size() > CrowdedBodies::kLeast)) {
     const std::uint32_t outside = limits.crowds->most_partners(bound.slot);
-    if (left > 0 && outside > CrowdedBodies::kLeast) {
+    if (left > 0 && found.partners.size() <= outside) {
+      // What it looked at tells of no crowd.
       found.looked_at += most - room;
-      most = room = std::min(most_tests(limits.of_body), kTestsOfPartner * outside);
+      most = room = most_tests(limits.of_body);
       left = find_partners(entry, bounds, room, resting, found.partners);
     }
     if (found.partners.size() > outside) partners = std::min(partners, std::max(limits.of_crowded, outside / 4));

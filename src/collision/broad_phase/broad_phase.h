@@ -82,12 +82,11 @@ class BroadPhase {
   /// limits.of_body partners found by its own search, the nearest of those that it looked at; where all together have
   /// more than limits.of_all, it has at most its equal share of them. The same result on any number of threads. Linear
   /// in bounds and pairs, also where many lie in one place: there a search looks at no more than
-  /// most_tests(limits.of_body) others, or 8 times the most partners outside of a crowd, and counts the rest as
-  /// discarded. `swept` bodies are not in the grid: each
-  /// searches the cells along its path, or all entries if these are fewer, and keeps every partner on it; swept bodies
-  /// whose paths are near along the axis on which they are spread most are compared with each other. Without swept
-  /// bodies this costs nothing. Bounds in `resting` are found by those that move and search for nothing themselves;
-  /// swept bodies do not look there.
+  /// most_tests(limits.of_body) others, or fewer once these tell a crowd, and counts the rest as discarded. `swept`
+  /// bodies are not in the grid: each searches the cells along its path, or all entries if these are fewer, and keeps
+  /// every partner on it; swept bodies whose paths are near along the axis on which they are spread most are compared
+  /// with each other. Without swept bodies this costs nothing. Bounds in `resting` are found by those that move and
+  /// search for nothing themselves; swept bodies do not look there.
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, const PartnerLimits& limits,
               parallel::Executor& executor, std::span<const SweptBound> swept = {},
               const RestingGrid* resting = nullptr);
