@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
-#include "scene/result_file.h"
+#include "app/refusal.h"
 
 namespace poise::app {
 namespace {
@@ -67,12 +68,21 @@ Status check_picture(const std::string& path) {
 }
 
 Status can_write(std::initializer_list<std::string> paths) {
+  Status all = Done{};
   for (const std::string& path : paths) {
     if (!is_file(path) || is_special(path)) continue;
     const Result<io::AtomicFile> tried = io::AtomicFile::open(path);
-    if (!tried) return tried.error();
+    if (!tried) add_failure(tried.error(), all);
   }
-  return Done{};
+  return all;
+}
+
+std::optional<io::AtomicFile> open_file(const std::string& path, Status& all) {
+  if (!is_file(path)) return {};
+  Result<io::AtomicFile> opened = io::AtomicFile::open(path);
+  if (opened) return std::move(opened).value();
+  add_failure(opened.error(), all);
+  return {};
 }
 
 Status make_folder(const char* option, const std::string& path) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <initializer_list>
+#include <optional>
 #include <string>
 
 #include "poise/result.h"
+#include "scene/result_file.h"
 
 namespace poise::app {
 
@@ -24,9 +26,12 @@ std::string lower_case_ending(const std::string& path);
 /// Refuses a picture whose name says that it is no PNG. A name without an ending is taken.
 Status check_picture(const std::string& path);
 
-/// Tells a path that cannot be written before long work, without leaving anything there. A pipe or a device is not
-/// tried: opening it is felt.
+/// Tells all paths that cannot be written before long work, in one message, without leaving anything there. A pipe or a
+/// device is not tried: opening it is felt.
 Status can_write(std::initializer_list<std::string> paths);
+
+/// Opens a file, unless none is asked for or it is the standard output; adds to `all` why it cannot be written.
+std::optional<io::AtomicFile> open_file(const std::string& path, Status& all);
 
 /// Makes a folder, and those that it is in. Refused with the option, and why.
 Status make_folder(const char* option, const std::string& path);

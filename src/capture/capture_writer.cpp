@@ -11,7 +11,7 @@ namespace poise::capture {
 
 struct CaptureWriter::Impl {
   Impl(geometry::AtomicFile opened, std::size_t frames_waiting)
-      : file(std::move(opened)), queue(frames_waiting, [this](SeenFrame& frame) { work(frame); }) {}
+      : file(std::move(opened)), queue(frames_waiting, [this](SeenFrame& frame) { return work(frame); }) {}
   ~Impl() { queue.close(); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -27,13 +27,14 @@ struct CaptureWriter::Impl {
     out.clear();
   }
   // On the queue's thread.
-  void work(SeenFrame& frame) {
+  Status work(SeenFrame& frame) {
     if (sound) write(blocks.add(frame, out));
     frame.facts = {};
     frame.new_bodies.clear();
     frame.bodies.clear();
     frame.contacts.clear();
     frame.pairs.clear();
+    return sound;
   }
 
   std::uint64_t frames = 0;  // that were handed over
@@ -65,6 +66,8 @@ Status CaptureWriter::begin(const CaptureHeader& header) {
   if (impl_->sound) impl_->sound = impl_->file.publish();
   return impl_->sound;
 }
+
+Status CaptureWriter::failure() const { return impl_->queue.failure(); }
 
 bool CaptureWriter::has_room() const { return impl_->queue.has_room(); }
 

@@ -65,6 +65,8 @@ class CaptureWriter {
 
   /// Before the first frame. Refused: what cannot be written.
   Status begin(const CaptureHeader& header);
+  /// What could not be written of the frames that were handed over, if that is known by now.
+  [[nodiscard]] Status failure() const;
   /// Whether a frame can be handed over without waiting.
   [[nodiscard]] bool has_room() const;
   /// A frame to be filled, empty but for its memory.

@@ -3,8 +3,8 @@
 
 /// The functions of <cmath> that the state of a world may depend on, with the same bits on every machine and from every
 /// compiler. Those of C libraries differ from one to another, and glibc's differ with the processor. These are made of
-/// +, -, * and / of doubles, and of comparisons. What IEEE 754 defines to the bit (std::sqrt, abs, floor, fmod, ...)
-/// stays that of the standard library. The rule is checked by tests/architecture.
+/// +, -, *, / and square roots of doubles, and of comparisons. What IEEE 754 defines to the bit (std::sqrt, abs, floor,
+/// fmod, ...) stays that of the standard library. The rule is checked by tests/architecture.
 ///
 /// Every result differs from the exact value by less than 0.501 units in the last place (sin and cos below 1/8 rad, and
 /// pow: 0.51; acos: 0.65; where a result is below 2^-1022: 1), so it is nearly always the double nearest to it. Any

@@ -17,7 +17,7 @@ struct ReducedAngle {
 };
 
 /// angle_rad, finite, less whole turns. The rest has a relative error below 2^-70 unless angle_rad is within 2^-40 of a
-/// multiple of a step; its absolute error is below 2^-130.
+/// multiple of a step; its absolute error is below 2^-113.
 ReducedAngle reduced(double angle_rad);
 
 }  // namespace poise::math

@@ -114,7 +114,7 @@ double small_cosine(double x) {
   return 1 - (0.5 * square - square * square * series);
 }
 
-/// The arc tangent of y / x, both above 0, neither above 2^500 or below 2^-500.
+/// The arc tangent of y / x, neither below 0. The larger is between 2^-52 and 4, y at least 2^-40 x.
 DoubleDouble angle_of(double y, double x) {
   const bool steep = y > x;
   if (steep) std::swap(x, y);
@@ -209,20 +209,16 @@ double atan2(double y, double x) {
   double up = std::abs(y);
   double along = std::abs(x);
   if (along == 0) return std::copysign(kHalfPi.high, y);
-  // One of the two becomes a number from 1 to 2, without error.
-  const auto exponent_of = [](double of) { return static_cast<int>(std::bit_cast<std::uint64_t>(of) >> 52); };
-  for (int round = 0; round < 2; ++round) {  // twice, since one factor may not reach
-    const int exponent = std::clamp(exponent_of(std::max(up, along)), 1, 2045);
-    const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(2046 - exponent) << 52);
-    up *= scale;
-    along *= scale;
-  }
+  // The larger becomes a number from 2^-52 to 4, and the other one too large for it to lose digits that count.
+  const std::uint64_t exponent =
+      std::clamp<std::uint64_t>(std::bit_cast<std::uint64_t>(std::max(up, along)) >> 52, 1, 2045);
+  const auto scale = std::bit_cast<double>((2046 - exponent) << 52);
+  up *= scale;
+  along *= scale;
   DoubleDouble angle;
   if (up < 0x1p-40 * along) {
     if (!back) return y / x;  // 2^-80 more than the angle
     angle = {up / along, 0};
-  } else if (along < 0x1p-40 * up) {
-    angle = kHalfPi - DoubleDouble{along / up, 0};
   } else {
     angle = angle_of(up, along);
   }

@@ -14,17 +14,20 @@
 #include <utility>
 #include <vector>
 
+#include "poise/result.h"
+
 namespace poise::parallel {
 
 /// Hands values to a function that runs on one thread of its own, in order. The thread gives way to all others: it is
-/// not real-time whatever its maker is, and has a low priority. Invariant: at most `capacity` values wait.
+/// not real-time whatever its maker is, and has a low priority. What the function refuses ends its work: it gets no
+/// value after that. Invariant: at most `capacity` values wait.
 ///
 /// One thread hands values in; it makes and destroys this.
 template <class T>
 class BackgroundQueue {
  public:
   /// `capacity` >= 1. `work` must not throw.
-  BackgroundQueue(std::size_t capacity, std::function<void(T&)> work)
+  BackgroundQueue(std::size_t capacity, std::function<Status(T&)> work)
       : capacity_(std::max<std::size_t>(capacity, 1)), work_(std::move(work)), thread_([this] { run(); }) {}
   /// As close().
   ~BackgroundQueue() { close(); }
@@ -35,6 +38,11 @@ class BackgroundQueue {
   [[nodiscard]] bool has_room() const {
     const std::lock_guard lock(mutex_);
     return waiting_.size() < capacity_;
+  }
+  /// What the function refused, if it did so by now.
+  [[nodiscard]] Status failure() const {
+    const std::lock_guard lock(mutex_);
+    return failure_;
   }
   /// A value whose memory can be used again, as the function left it; T{} where there is none.
   [[nodiscard]] T fresh() {
@@ -77,20 +85,23 @@ class BackgroundQueue {
       if (waiting_.empty()) return;
       T value = std::move(waiting_.front());
       waiting_.pop_front();
+      const bool working = static_cast<bool>(failure_);
       lock.unlock();
       changed_.notify_all();
-      work_(value);
+      Status done = working ? work_(value) : Status(Done{});
       lock.lock();
+      if (!done) failure_ = std::move(done);
       if (used_.size() < capacity_) used_.push_back(std::move(value));
     }
   }
 
   const std::size_t capacity_;
-  const std::function<void(T&)> work_;
+  const std::function<Status(T&)> work_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<T> waiting_;
   std::vector<T> used_;
+  Status failure_ = Done{};
   bool closed_ = false;
   std::thread thread_;  // the last member: it uses the others from its start
 };

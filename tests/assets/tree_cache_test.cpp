@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "poise/assets/tree_cache.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -304,12 +306,15 @@ TEST_F(TreeCacheLimit, ATreeThatIsLargerThanTheLimitIsNotKept) {
   EXPECT_TRUE(fs::exists(other));
 }
 
-TEST_F(TreeCacheLimit, WhatADeadWriterLeftGoesAfterAnHour) {
-  const fs::path dead = old_entry(".a.poisetree.123-0.part", 90);
-  const fs::path alive = old_entry(".b.poisetree.124-0.part", 5);
+TEST_F(TreeCacheLimit, WhatADeadWriterLeftGoesAndWhatALivingOneHoldsStays) {
+  const fs::path dead = old_entry(".a.poisetree.0.part", 5);
+  const fs::path alive = old_entry(".b.poisetree.0.part", 90);
+  const int holder = ::open(alive.c_str(), O_RDONLY);
+  ASSERT_EQ(::flock(holder, LOCK_EX), 0);
   ASSERT_TRUE(ask());
   EXPECT_FALSE(fs::exists(dead));
   EXPECT_TRUE(fs::exists(alive));
+  ::close(holder);
   EXPECT_EQ(evicted_, 0U);
 }
 

@@ -11,7 +11,10 @@ namespace {
 
 TEST(BackgroundQueue, HandsAllValuesToTheFunctionInOrder) {
   std::vector<int> got;
-  BackgroundQueue<int> queue(3, [&](int& value) { got.push_back(value); });
+  BackgroundQueue<int> queue(3, [&](int& value) {
+    got.push_back(value);
+    return Done{};
+  });
   std::vector<int> sent;
   for (int i = 0; i < 1000; ++i) {
     sent.push_back(i);
@@ -30,6 +33,7 @@ TEST(BackgroundQueue, HasNoRoomOnceItsCapacityWaits) {
       go.get_future().wait();
     }
     ++done;
+    return Done{};
   });
   EXPECT_TRUE(queue.has_room());
   queue.push(0);
@@ -44,7 +48,10 @@ TEST(BackgroundQueue, HasNoRoomOnceItsCapacityWaits) {
 }
 
 TEST(BackgroundQueue, GivesMemoryBackToBeUsedAgain) {
-  BackgroundQueue<std::vector<int>> queue(2, [](std::vector<int>& value) { value.clear(); });
+  BackgroundQueue<std::vector<int>> queue(2, [](std::vector<int>& value) {
+    value.clear();
+    return Done{};
+  });
   queue.push(std::vector<int>(1000, 7));
   queue.close();
   const std::vector<int> again = queue.fresh();
@@ -55,12 +62,30 @@ TEST(BackgroundQueue, GivesMemoryBackToBeUsedAgain) {
 
 TEST(BackgroundQueue, IgnoresWhatComesAfterItsEnd) {
   int sum = 0;
-  BackgroundQueue<int> queue(1, [&](int& value) { sum += value; });
+  BackgroundQueue<int> queue(1, [&](int& value) {
+    sum += value;
+    return Done{};
+  });
   queue.push(1);
   queue.close();
   queue.push(2);
   queue.close();
   EXPECT_EQ(sum, 1);
+}
+
+TEST(BackgroundQueue, TellsWhatTheFunctionRefusedAndGivesItNothingAfterThat) {
+  int calls = 0;
+  BackgroundQueue<int> queue(1, [&](int& value) -> Status {
+    ++calls;
+    if (value < 2) return Done{};
+    return Error{ErrorKind::OutputFailed, "full"};
+  });
+  EXPECT_TRUE(queue.failure());
+  for (int i = 0; i < 10; ++i) queue.push(i);
+  queue.close();
+  ASSERT_FALSE(queue.failure());
+  EXPECT_EQ(queue.failure().error().message, "full");
+  EXPECT_EQ(calls, 3);
 }
 
 }  // namespace

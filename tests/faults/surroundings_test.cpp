@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "app/program.h"
 #include "faults/left_files.h"
-#include "faults/program.h"
 #include "scene/temporary_folder.h"
 
 namespace poise::testing {

@@ -47,7 +47,15 @@ POISE_OTHER(log)
 POISE_OTHER(log2)
 POISE_OTHER(log10)
 POISE_OTHER(log1p)
+POISE_OTHER(exp10)
 POISE_OTHER(cbrt)
+POISE_OTHER(asinh)
+POISE_OTHER(acosh)
+POISE_OTHER(atanh)
+POISE_OTHER(erf)
+POISE_OTHER(erfc)
+POISE_OTHER(lgamma)
+POISE_OTHER(tgamma)
 POISE_OTHER_2(atan2)
 POISE_OTHER_2(pow)
 POISE_OTHER_2(hypot)
@@ -75,6 +83,8 @@ TEST(OtherLibm, IsTheOneThatThisProgramCalls) {
   EXPECT_NE(std::atan2(x, 2.0), static_cast<double>(atan2l(wide(x), 2.0L)));
   EXPECT_NE(std::pow(x, 0.3), static_cast<double>(powl(wide(x), wide(0.3))));
   EXPECT_NE(std::log(x), static_cast<double>(logl(wide(x))));
+  EXPECT_NE(std::asinh(x), static_cast<double>(asinhl(wide(x))));
+  EXPECT_NE(std::tgamma(x), static_cast<double>(tgammal(wide(x))));
 }
 
 }  // namespace

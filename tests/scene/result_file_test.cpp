@@ -33,18 +33,6 @@ TEST(AtomicFile, AppearsWholeAtTheCommitAndNotBefore) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(AtomicFile, LeavesTheOldFileAndNothingElseWithoutACommit) {
-  const TemporaryFolder folder;
-  ASSERT_TRUE(write_file(folder.file("a.txt"), "old"));
-  {
-    Result<AtomicFile> file = AtomicFile::open(folder.file("a.txt"));
-    ASSERT_TRUE(file);
-    EXPECT_TRUE(file.value().write("new"));
-  }
-  EXPECT_EQ(contents(folder.file("a.txt")), "old");
-  EXPECT_EQ(folder.entries(), 1U);
-}
-
 TEST(AtomicFile, KeepsLinksAndTheModeOfWhatItReplaces) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_file(folder.file("real"), "old"));
@@ -110,21 +98,25 @@ TEST(AtomicFile, TakesAPlaceOfOneThatWasLeftWhereAllAreTaken) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(AtomicFile, HasItsNameFromPublishOnAndGrows) {
-  const TemporaryFolder folder;
-  ASSERT_TRUE(write_file(folder.file("a"), "old"));
-  {
-    Result<AtomicFile> file = AtomicFile::open(folder.file("a"));
-    ASSERT_TRUE(file);
-    EXPECT_TRUE(file.value().write("head"));
-    EXPECT_EQ(contents(folder.file("a")), "old");
-    EXPECT_TRUE(file.value().publish());
-    EXPECT_EQ(contents(folder.file("a")), "head");
-    EXPECT_TRUE(file.value().write(" and more"));
-    EXPECT_TRUE(file.value().flush());
+TEST(AtomicFile, WithoutACommitLeavesTheOldFileOrWhatWasPublishedAndNothingElse) {
+  for (const bool publish : {false, true}) {
+    const TemporaryFolder folder;
+    ASSERT_TRUE(write_file(folder.file("a"), "old"));
+    {
+      Result<AtomicFile> file = AtomicFile::open(folder.file("a"));
+      ASSERT_TRUE(file);
+      EXPECT_TRUE(file.value().write("head"));
+      EXPECT_EQ(contents(folder.file("a")), "old");
+      if (publish) {
+        EXPECT_TRUE(file.value().publish());
+        EXPECT_EQ(contents(folder.file("a")), "head");
+      }
+      EXPECT_TRUE(file.value().write(" and more"));
+      EXPECT_TRUE(file.value().flush());
+    }
+    EXPECT_EQ(contents(folder.file("a")), publish ? "head and more" : "old");
+    EXPECT_EQ(folder.entries(), 1U);
   }
-  EXPECT_EQ(contents(folder.file("a")), "head and more");
-  EXPECT_EQ(folder.entries(), 1U);
 }
 
 /// No file may be larger than so many bytes, during its lifetime.
@@ -167,6 +159,20 @@ TEST(AtomicFile, OnAFullDiskEndsWithTheLastWholeWriteWhereThatIsAskedFor) {
     EXPECT_EQ(contents(name), keeps ? std::string(6'000, 'a') : "");
   }
   EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(AtomicFile, GivesBackTheRoomThatItReservedAndDidNotNeed) {
+  const TemporaryFolder folder;
+  Result<AtomicFile> opened = AtomicFile::open(folder.file("a"));
+  ASSERT_TRUE(opened);
+  opened.value().reserve(1U << 20U);
+  AtomicFile file = std::move(opened).value();
+  EXPECT_TRUE(file.write("text"));
+  EXPECT_TRUE(file.commit());
+  EXPECT_EQ(contents(folder.file("a")), "text");
+  struct stat status {};
+  ASSERT_EQ(::stat(folder.file("a").c_str(), &status), 0);
+  EXPECT_LT(status.st_blocks * 512, 1 << 18);
 }
 
 TEST(AtomicFile, MovesWithItsTemporaryFile) {

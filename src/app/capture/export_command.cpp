@@ -152,7 +152,9 @@ int export_capture(const ExportOptions& options) {
   Result<capture::CaptureReader> reader = capture::CaptureReader::open(options.capture);
   if (!reader) return refuse("export", reader.error());
   const parallel::Interrupt interrupt;
-  const Status writable = can_write({options.gltf, options.csv, options.picture.file});
+  Status writable = can_write({options.gltf, options.csv, options.picture.file});
+  if (!options.pvd.empty()) add_failure(make_folder("--pvd", options.pvd), writable);
+  if (const Result<FilmFrames> film = FilmFrames::open(options.picture); !film) add_failure(film.error(), writable);
   if (!writable) return refuse("export", writable.error());
   if (const auto& damage = reader.value().damage()) {
     fmt::print(stderr, "poise export: warning: {}: byte {}: {}; the {} frames before it are read\n", options.capture,

@@ -61,6 +61,8 @@ Status RunCapture::begin(const Scene& scene, SceneRun& run, capture::CaptureHead
 
 Status RunCapture::frame(capture::FrameFacts facts) {
   if (!writer_) return Done{};
+  Status failed = writer_->failure();
+  if (!failed) return failed;
   if (when_full_ == WhenFull::LeaveOut && !writer_->has_room()) {
     writer_->leave_out();
     return Done{};

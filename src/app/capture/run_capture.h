@@ -39,7 +39,7 @@ class RunCapture {
   /// and what the options say. Writes the frame at hand: the start, frame 0, unless `first` says of which step it is.
   Status begin(const Scene& scene, SceneRun& run, capture::CaptureHeader header, WhenFull when_full,
                const std::optional<capture::FrameFacts>& first = {});
-  /// After a step, with what is said of it beside its bodies.
+  /// After a step, with what is said of it beside its bodies. Refused: a frame before that could not be written.
   Status frame(capture::FrameFacts facts);
   /// Writes what is left. Refused: what could not be written since begin().
   Status finish(bool stopped);

@@ -166,16 +166,14 @@ int replay(const ReplayOptions& options) {
   const Result<Scene> scene = scene_of(options, header);
   if (!scene) return refuse("replay", scene.error());
   const parallel::Interrupt interrupt;
-  std::optional<io::AtomicFile> json;
-  if (!options.json.empty() && options.json != "-") {
-    Result<io::AtomicFile> opened = io::AtomicFile::open(options.json);
-    if (!opened) return refuse("replay", interrupt.asked() ? stopped_error() : opened.error());
-    json = std::move(opened).value();
-  }
+  Status all = Done{};
+  std::optional<io::AtomicFile> json = open_file(options.json, all);
   Result<StatesWriter> states = StatesWriter::open(options.states);
-  if (!states) return refuse("replay", interrupt.asked() ? stopped_error() : states.error());
+  if (!states) add_failure(states.error(), all);
   Result<ReplayFiles> outputs = ReplayFiles::open(options);
-  if (!outputs) return refuse("replay", interrupt.asked() ? stopped_error() : outputs.error());
+  if (!outputs) add_failure(outputs.error(), all);
+  // A pipe that nobody reads is waited for, until a signal.
+  if (!all) return refuse("replay", interrupt.asked() ? stopped_error() : all.error());
   if (!options.quiet) warn_of_threads("replay", static_cast<int>(options.threads.value_or(0)));
   Progress progress(!options.quiet);
   progress.say("loading shapes and building sphere trees");

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "app/output_files.h"
 #include "app/picture/drawn_frame.h"
 #include "app/picture/picture.h"
 #include "app/refusal.h"
@@ -63,18 +64,16 @@ Result<ReplayFiles> ReplayFiles::open(const ReplayOptions& given) {
   if (!options.report.empty() && options.capture.file.empty()) options.capture.file = report_capture_of(options.report);
   // First, since it makes the folder in which the capture may lie.
   Result<ReportFiles> report = ReportFiles::open(options.report);
-  if (!report) return report.error();
+  Status all = report ? Status(Done{}) : Status(report.error());
   Result<RunCapture> capture = RunCapture::open(options.capture);
-  if (!capture) return capture.error();
-  ReplayFiles made(options, std::move(capture).value(), std::move(report).value());
+  if (!capture) add_failure(capture.error(), all);
   Result<FilmFrames> film = FilmFrames::open(options.picture);
-  if (!film) return film.error();
+  if (!film) add_failure(film.error(), all);
+  std::optional<io::AtomicFile> picture = open_file(options.picture.file, all);
+  if (!all) return all.error();
+  ReplayFiles made(options, std::move(capture).value(), std::move(report).value());
   made.film_ = std::move(film).value();
-  if (!options.picture.file.empty()) {
-    Result<io::AtomicFile> picture = io::AtomicFile::open(options.picture.file);
-    if (!picture) return picture.error();
-    made.picture_ = std::move(picture).value();
-  }
+  made.picture_ = std::move(picture);
   return made;
 }
 

@@ -108,10 +108,9 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
     const SteadyClock::time_point recorded_from = SteadyClock::now();
     status = record ? record(frame.report) : Status(Done{});
     if (status && capture) status = capture(frame);
+    if (status && (i + 1) % settings.states_every == 0) status = tell_states(run, i + 1, buffer, states);
     if (!status) return status.error();
-    const Nanoseconds recorded = record || capture ? SteadyClock::now() - recorded_from : Nanoseconds(0);
-    if ((i + 1) % settings.states_every == 0) status = tell_states(run, i + 1, buffer, states);
-    if (!status) return status.error();
+    const Nanoseconds recorded = record || capture || states ? SteadyClock::now() - recorded_from : Nanoseconds(0);
     if (settings.paced) {
       if (input.measure_levels) {
         grid.postpone(SteadyClock::now() - (frame.report.started + frame.report.times.total));

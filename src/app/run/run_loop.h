@@ -43,7 +43,8 @@ struct LoopResult {
   bool stopped = false;  ///< by a signal
 };
 
-/// Told the states after frames (and of the start, as frame 0), outside of the frame's time.
+/// Told the states after frames (and of the start, as frame 0). As with a record, the time that this takes belongs to no
+/// frame.
 using StatesSink = std::function<Status(std::uint64_t frame, std::span<const io::NumberedState> states)>;
 /// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame:
 /// releases are put off by it.

@@ -23,7 +23,7 @@ namespace {
 StatesSink states_sink(const Scene& scene, const SceneRun& run, const LoopSettings& loop, StatesWriter& states) {
   if (!states.on()) return {};
   return [&](std::uint64_t frame, std::span<const io::NumberedState> now) {
-    return states.add(scene, run, frame, static_cast<double>(frame) * loop.dt_s, now, loop.paced);
+    return states.add(scene, run, frame, static_cast<double>(frame) * loop.dt_s, now);
   };
 }
 
@@ -84,15 +84,6 @@ Status write_spans(const EndedRun& ended, io::AtomicFile& file) {
   return write_trace(file, ended.scene.name, ended.run.world().threads(), *ended.trace, ended.result.frames);
 }
 
-/// Opens a file unless none is asked for or it is the standard output; adds why it cannot be written.
-std::optional<io::AtomicFile> open_file(const std::string& path, Status& all) {
-  if (path.empty() || path == "-") return {};
-  Result<io::AtomicFile> opened = io::AtomicFile::open(path);
-  if (opened) return std::move(opened).value();
-  add_failure(opened.error(), all);
-  return {};
-}
-
 }  // namespace
 
 Result<RunOutputs> RunOutputs::open(const RunOptions& options) {
@@ -100,10 +91,14 @@ Result<RunOutputs> RunOutputs::open(const RunOptions& options) {
   Result<ReportFiles> report = ReportFiles::open(options.report);
   Status all = report ? Status(Done{}) : Status(report.error());
   std::optional<io::AtomicFile> json = open_file(options.json, all);
+  // More than any has, so that the figures of a run are there when its other files have filled the disk.
+  constexpr std::uint64_t kBytesOfJson = 1U << 17U;
+  if (json) json->reserve(kBytesOfJson);
   std::optional<io::AtomicFile> frames_csv = open_file(options.frames_csv, all);
   std::optional<io::AtomicFile> picture = open_file(options.picture.file, all);
   std::optional<io::AtomicFile> trace = open_file(options.trace, all);
-  Result<StatesWriter> states = StatesWriter::open(options.states);
+  Result<StatesWriter> states = StatesWriter::open(
+      options.states, options.paced ? StatesFile::WrittenBy::OwnThread : StatesFile::WrittenBy::Caller);
   if (!states) add_failure(states.error(), all);
   Result<RunRecord> record = RunRecord::open(options.record);
   if (!record) add_failure(record.error(), all);

@@ -7,13 +7,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <system_error>
 #include <tuple>
 #include <vector>
 
 #include "assets/files/atomic_file.h"
 #include "assets/files/open_file.h"
+#include "assets/files/part_file.h"
 
 namespace poise::geometry {
 namespace {
@@ -21,8 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kEnding = ".poisetree";
-/// Age from which temporary files count as abandoned. A writer needs milliseconds; chosen.
-constexpr std::chrono::hours kPartsLive{1};
 
 /// Creates a folder and its parents with access for this user alone, as the XDG base directory specification requires.
 bool make_folder(const fs::path& folder) {
@@ -38,10 +36,8 @@ struct Entry {
   std::uintmax_t bytes = 0;
 };
 
-/// Whether a name is a temporary file of AtomicFile: `.NAME.poisetree.N.part`.
-bool is_part(const std::string& name) {
-  return name.starts_with('.') && name.ends_with(".part") && name.find(kEnding) != std::string::npos;
-}
+/// Whether a name is what an entry has before it is complete.
+bool is_part(const std::string& name) { return PartFile::is_part(name) && name.find(kEnding) != std::string::npos; }
 
 }  // namespace
 
@@ -70,23 +66,19 @@ bool write_entry(const fs::path& file, std::string_view bytes) {
 
 std::size_t keep_limit(const fs::path& kept, std::uint64_t limit_bytes) {
   std::error_code error;
-  const fs::file_time_type now = fs::last_write_time(kept, error);
-  if (error) return 0;
   std::vector<Entry> entries;
   std::uintmax_t total = 0;
   fs::directory_iterator points(kept.parent_path(), error);
   for (; !error && points != fs::directory_iterator(); points.increment(error)) {
     const std::string name = points->path().filename().string();
-    const bool part = is_part(name);
-    if (!part && !name.ends_with(kEnding)) continue;
+    if (is_part(name)) PartFile::remove_one_if_stale(points->path());
+    if (is_part(name) || !name.ends_with(kEnding)) continue;
     // Another process may have removed it meanwhile; then it is not counted.
     std::error_code gone;
     if (!points->is_regular_file(gone) || points->is_symlink(gone)) continue;
     Entry entry{points->last_write_time(gone), points->path(), 0};
     if (!gone) entry.bytes = points->file_size(gone);
     if (gone) continue;
-    if (part && now - entry.used > kPartsLive) fs::remove(entry.file, gone);
-    if (part) continue;
     total += entry.bytes;
     if (points->path().filename() != kept.filename()) entries.push_back(std::move(entry));
   }

@@ -25,8 +25,8 @@ void touch_entry(const std::filesystem::path& file);
 bool write_entry(const std::filesystem::path& file, std::string_view bytes);
 
 /// Removes the least recently used entries until all together have at most `limit_bytes`, but never `kept`. Also
-/// removes temporary files that are more than an hour older than `kept`. Other files are not touched. Returns the
-/// number of removed entries.
+/// removes what killed programs left of entries (PartFile). Other files are not touched. Returns the number of removed
+/// entries.
 std::size_t keep_limit(const std::filesystem::path& kept, std::uint64_t limit_bytes);
 
 }  // namespace poise::geometry

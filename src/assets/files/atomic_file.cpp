@@ -76,7 +76,8 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
       descriptor_(std::exchange(other.descriptor_, -1)),
       failure_(other.failure_),
       regular_(other.regular_),
-      published_(other.published_) {}
+      published_(other.published_),
+      reserved_(other.reserved_) {}
 
 AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
   if (this == &other) return *this;
@@ -91,6 +92,7 @@ AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
   failure_ = other.failure_;
   regular_ = other.regular_;
   published_ = other.published_;
+  reserved_ = other.reserved_;
   return *this;
 }
 
@@ -118,6 +120,11 @@ Status AtomicFile::flush() {
   return Done{};
 }
 
+void AtomicFile::reserve(std::uint64_t bytes) {
+  if (!regular_) return;
+  reserved_ = ::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) == 0;
+}
+
 Status AtomicFile::write(std::string_view text) {
   if (failure_ == 0) {
     buffer_.append(text);
@@ -128,6 +135,9 @@ Status AtomicFile::write(std::string_view text) {
 
 int AtomicFile::name_it() {
   if (!regular_ || published_) return 0;
+  // What was reserved and is not needed.
+  struct stat status {};
+  if (reserved_ && ::fstat(descriptor_, &status) == 0) static_cast<void>(::ftruncate(descriptor_, status.st_size));
   // Some file systems tell only at a close what they could not write. The lock stays with the other descriptor.
   const int second = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
   if (second >= 0 && ::close(second) != 0) return errno;

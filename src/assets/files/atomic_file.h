@@ -29,6 +29,8 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile&& other) noexcept;
   ~AtomicFile();
 
+  /// Takes room for so many bytes now, where the file system can, so that they find it whatever else fills the disk.
+  void reserve(std::uint64_t bytes);
   /// Buffers text and writes it in blocks. A failure is stored, and commit() returns it too.
   Status write(std::string_view text);
   /// Hands what is buffered to the system, so that it outlives the program.
@@ -62,6 +64,7 @@ class AtomicFile {
   int failure_ = 0;
   bool regular_ = false;    ///< no device and no pipe
   bool published_ = false;  ///< it has its name
+  bool reserved_ = false;   ///< it may have more room than bytes
 };
 
 /// Writes `text` to a file that appears complete or not at all.

@@ -134,6 +134,10 @@ void PartFile::remove() {
   name_.clear();
 }
 
+bool PartFile::is_part(std::string_view name) { return name.starts_with('.') && name.ends_with(".part"); }
+
+void PartFile::remove_one_if_stale(const fs::path& part) { static_cast<void>(remove_if_stale(part)); }
+
 void PartFile::remove_stale(const fs::path& target) {
   for (int number = 0; number < kNames; ++number) static_cast<void>(remove_if_stale(part_name(target, number)));
 }

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace poise::geometry {
 
@@ -22,6 +23,10 @@ class PartFile {
   int rename_to(const std::filesystem::path& target, int descriptor);
   /// Removes the name, if there is one.
   void remove();
+  /// Whether a file name is that of a part.
+  static bool is_part(std::string_view name);
+  /// Removes a part that no living program holds.
+  static void remove_one_if_stale(const std::filesystem::path& part);
   /// Removes the files that killed programs left for `target`.
   static void remove_stale(const std::filesystem::path& target);
 

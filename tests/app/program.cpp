@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "faults/program.h"
+#include "app/program.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -8,22 +8,30 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <utility>
 
 #include "scene/temporary_folder.h"
 
 namespace poise::testing {
 namespace {
 
-void redirect(const std::string& file, int descriptor) {
-  const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  if (opened >= 0) ::dup2(opened, descriptor);
+constexpr int kNotStarted = 127;
+
+void redirect(const std::string& file, int flags, int descriptor) {
+  const int opened = ::open(file.c_str(), flags, 0600);
+  if (opened < 0 || ::dup2(opened, descriptor) < 0) ::_exit(kNotStarted);
+  ::close(opened);
 }
 
 }  // namespace
 
 Program::Program(const std::string& folder, const std::vector<std::string>& arguments,
                  const std::function<void()>& before)
-    : folder_(folder) {
+    : Program(Streams{folder + "/out", folder + "/error"}, arguments, before) {}
+
+Program::Program(Streams streams, const std::vector<std::string>& arguments, const std::function<void()>& before)
+    : streams_(std::move(streams)) {
+  ::setenv("POISE_TREE_CACHE", "off", 0);
   ::setenv("POISE_TIME_PRIORS", "off", 0);
   std::vector<std::string> words{POISE_COMMAND};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -32,11 +40,12 @@ Program::Program(const std::string& folder, const std::vector<std::string>& argu
   argv.push_back(nullptr);
   child_ = ::fork();
   if (child_ != 0) return;
-  redirect(folder + "/out", STDOUT_FILENO);
-  redirect(folder + "/error", STDERR_FILENO);
+  redirect(streams_.in, O_RDONLY, STDIN_FILENO);
+  redirect(streams_.out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
+  redirect(streams_.error, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
   if (before) before();
   ::execv(argv[0], argv.data());
-  ::_exit(127);
+  ::_exit(kNotStarted);
 }
 
 Program::~Program() {
@@ -66,8 +75,8 @@ bool Program::ended() {
   return ::waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == child_;
 }
 
-std::string Program::out() const { return contents(folder_ + "/out"); }
+std::string Program::out() const { return contents(streams_.out); }
 
-std::string Program::error() const { return contents(folder_ + "/error"); }
+std::string Program::error() const { return contents(streams_.error); }
 
 }  // namespace poise::testing
