@@ -229,6 +229,9 @@ int run_scene(const RunOptions& options) {
   }
   const Status gaze_read = read_gaze(scene.value());
   if (!gaze_read) return refuse("run", gaze_read.error());
+  const Status kept =
+      check_memory_of_frames(loop_settings(options, scene.value()), max_memory_bytes(options.max_memory_mib));
+  if (!kept) return refuse("run", kept.error());
   // Before the first file is made, so that no signal leaves one.
   const parallel::Interrupt interrupt;
   Result<RunOutputs> outputs = RunOutputs::open(options);

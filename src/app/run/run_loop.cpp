@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/run/run_loop.h"
 
+#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
@@ -53,6 +54,14 @@ StepInput step_input(const LoopSettings& settings) {
 }
 
 }  // namespace
+
+Status check_memory_of_frames(const LoopSettings& settings, const std::optional<std::uint64_t>& most_bytes) {
+  const std::uint64_t frames = settings.warm_up + settings.frames;
+  if (!most_bytes || frames <= *most_bytes / sizeof(simulation::RunFrame)) return Done{};
+  return bad_input(fmt::format(
+      "{} frames: their figures take {} MiB, {} bytes a frame, and --max-memory, or what the machine has, is {} MiB",
+      frames, (frames * sizeof(simulation::RunFrame)) >> 20U, sizeof(simulation::RunFrame), *most_bytes >> 20U));
+}
 
 Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const parallel::Interrupt& interrupt,
                             const StatesSink& states, const FrameSink& told, const RecordSink& record,

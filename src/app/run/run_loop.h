@@ -43,8 +43,8 @@ struct LoopResult {
   bool stopped = false;  ///< by a signal
 };
 
-/// Told the states after frames (and of the start, as frame 0). As with a record, the time that this takes belongs to no
-/// frame.
+/// Told the states after frames (and of the start, as frame 0). As with a record, the time that this takes belongs to
+/// no frame.
 using StatesSink = std::function<Status(std::uint64_t frame, std::span<const io::NumberedState> states)>;
 /// Told what each frame did while World::decisions has what it decided. The time that this takes belongs to no frame:
 /// releases are put off by it.
@@ -54,6 +54,10 @@ using RecordSink = std::function<Status(const FrameReport&)>;
 using CaptureSink = std::function<Status(const simulation::RunFrame&)>;
 /// Told after each frame.
 using FrameSink = std::function<void(const simulation::RunFrame&)>;
+
+/// Refuses more frames than `most_bytes` has room for: their figures are kept until the end, which gives exact
+/// percentiles. Without a limit none are.
+Status check_memory_of_frames(const LoopSettings& settings, const std::optional<std::uint64_t>& most_bytes);
 
 /// Runs a scene to its end, or until a signal, after which it ends its frame. `states`, `record` and `capture` may be
 /// empty. Refused: what the World or a sink refuses.

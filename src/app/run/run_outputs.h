@@ -31,8 +31,8 @@ struct RunOutputs {
   static Result<RunOutputs> open(const RunOptions& options);
 };
 
-/// The sinks of a run, of which one that cannot be written any more gets a warning and is left out from then on. Of what
-/// another thread writes (a capture, the states of a paced run) that is told with a frame that follows.
+/// The sinks of a run, of which one that cannot be written any more gets a warning and is left out from then on. Of
+/// what another thread writes (a capture, the states of a paced run) that is told with a frame that follows.
 struct RunSinks {
   StatesSink states;
   RecordSink record;
