@@ -19,6 +19,7 @@
 #include "app/shape_command.h"
 #include "app/study_command.h"
 #include "app/suggestions.h"
+#include "app/sweep/sweep_command.h"
 #include "app/tree/tree_command.h"
 #include "app/tune_command.h"
 #include "scene/made_by.h"
@@ -43,6 +44,7 @@ int run(int argc, char** argv) {
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
   poise::app::add_study_command(app);
+  poise::app::add_sweep_command(app, exit_code);
   poise::app::add_tune_command(app);
   poise::app::add_scenes_command(app, exit_code);
   try {

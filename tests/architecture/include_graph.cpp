@@ -31,7 +31,7 @@ struct Library {
 const std::vector<Library>& libraries() {
   static const std::vector<Library> all{
       {"bench and examples", "#f3f1ee", "#a39c92", {"bench", "examples"}},
-      {"command poise (poise_app, poise_capture)", "#fdeee3", "#d9894f", {"app", "capture"}},
+      {"command poise (poise_app, poise_capture, poise_sweep)", "#fdeee3", "#d9894f", {"app", "capture", "sweep"}},
       {"poise::scene", "#fdf6dc", "#c9a227", {"scene", "record"}},
       {"poise::assets", "#e9f5e6", "#6aa85c", {"assets"}},
       {"poise::poise",

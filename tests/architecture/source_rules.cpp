@@ -53,6 +53,7 @@ constexpr std::array kRooms{
     Room{"src/frame/", 7, "frame"},
     Room{"src/verify/", 8, "verify"},
     Room{"src/api/", 9, "api"},
+    Room{"src/sweep/", 14, "sweep"},
     Room{"src/capture/", 15, "capture"},
     Room{"src/app/", 16, "app"},
     Room{"bench/", 17, "bench"},

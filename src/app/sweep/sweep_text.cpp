@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "app/sweep/sweep_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace poise::app {
+namespace {
+
+constexpr std::size_t kShownTrials = 20;
+
+std::string values_text(const sweep::Axis& axis) {
+  std::string text;
+  for (const sweep::Setting& value : axis.values) text += (text.empty() ? "" : ", ") + value.text;
+  return text;
+}
+
+std::string time_text(double seconds) {
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+/// Trials that run at the same time, by the needs of all.
+double at_once(const std::vector<sweep::Trial>& pending, const RunnerSettings& runner) {
+  double cores = 0;
+  for (const sweep::Trial& trial : pending)
+    cores += static_cast<double>(std::min<std::uint64_t>(trial.cores, runner.processors.size()));
+  cores /= static_cast<double>(std::max<std::size_t>(1, pending.size()));
+  const double fit = static_cast<double>(runner.processors.size()) / std::max(1.0, cores);
+  return std::clamp(fit, 1.0, static_cast<double>(runner.workers));
+}
+
+std::string point_text(const sweep::FrontierPoint& point) {
+  if (!point.largest) return point.open ? "?" : "none";
+  return fmt::format("{}{:g}", point.open ? ">= " : "", *point.largest);
+}
+
+}  // namespace
+
+std::string plan_text(const SweepPlan& plan, const sweep::TrialStore& store, const std::vector<sweep::Trial>& pending,
+                      const SweepOptions& options, const RunnerSettings& runner) {
+  std::string text = fmt::format("{}: {} trials\n", plan.spec.name, plan.trials.size());
+  text += fmt::format("  scenes          {}\n", fmt::join(plan.spec.scenes, ", "));
+  for (const sweep::Setting& setting : plan.spec.settings)
+    text += fmt::format("  {:<15} {}\n", setting.name, setting.text);
+  for (const sweep::Axis& axis : plan.spec.axes) text += fmt::format("  {:<15} {}\n", axis.name, values_text(axis));
+  text += fmt::format("  {:<15} {}\n", "repeats", plan.spec.repeats);
+  text += fmt::format("  {:<15} {}\n", "results in", store.folder().string());
+  text += fmt::format("{} have a result, {} are to be run\n", plan.trials.size() - pending.size(), pending.size());
+  const TimeEstimate estimate = estimate_time(plan, store, pending);
+  if (options.engine == "local") {
+    const double parallel = at_once(pending, runner);
+    text += estimate.known
+                ? fmt::format("about {} with {:.3g} at a time, {}\n", time_text(estimate.seconds / parallel), parallel,
+                              estimate.basis)
+                : fmt::format("how long they take is known when one has run; at most {} by their time limits\n",
+                              time_text(static_cast<double>(pending.size()) * plan.spec.time_limit_s / parallel));
+  } else if (estimate.known) {
+    text += fmt::format("about {} of node time, {}\n", time_text(estimate.seconds), estimate.basis);
+  }
+  for (std::size_t i = 0; i < std::min(kShownTrials, pending.size()); ++i)
+    text += fmt::format("  {}  {} ({} cores, {})\n", pending[i].key.substr(0, 8), pending[i].label, pending[i].cores,
+                        pending[i].timed ? "timed" : "counts work");
+  if (pending.size() > kShownTrials) text += fmt::format("  and {} more\n", pending.size() - kShownTrials);
+  return text;
+}
+
+std::string frontier_table(const sweep::SweepSpec& spec, const std::vector<sweep::FrontierLine>& frontier) {
+  if (frontier.empty() || !spec.frontier) return {};
+  std::string text = fmt::format("| largest {} by {} |", spec.frontier->largest, spec.frontier->against);
+  std::string rule = "|---|";
+  for (const sweep::FrontierPoint& point : frontier.front().points) {
+    text += fmt::format(" {:g} |", point.at);
+    rule += "---|";
+  }
+  text += "\n" + rule + "\n";
+  for (const sweep::FrontierLine& line : frontier) {
+    text += fmt::format("| {} |", line.label);
+    for (const sweep::FrontierPoint& point : line.points) text += fmt::format(" {} |", point_text(point));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string result_text(const sweep::SweepSpec& spec, const sweep::StateCounts& counts,
+                        const std::vector<sweep::FrontierLine>& frontier) {
+  std::string text = fmt::format("{}: {} done", spec.name, counts.done);
+  if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
+  if (counts.timed_out > 0) text += fmt::format(", {} past their time limit", counts.timed_out);
+  if (counts.pending > 0) text += fmt::format(", {} pending", counts.pending);
+  text += "\n";
+  const std::string table = frontier_table(spec, frontier);
+  if (!table.empty())
+    text += fmt::format("{} where {}\n{}", spec.frontier->largest, fmt::join(spec.requirements, " and "), table);
+  return text;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# A Slurm of this machine alone for the tests, with daemons, keys, ports and files of its own: nothing of the system's
+# Slurm or munge is touched, and no systemd is needed.
+#   slurm_site.sh start FOLDER    writes FOLDER/slurm.conf and starts munged, slurmctld and slurmd; waits for the node
+#   slurm_site.sh stop FOLDER     ends all three and what they started
+# Exit code 77: Slurm or munge is not installed, or this user is not root.
+set -euo pipefail
+
+action="$1" folder="$(realpath -- "$2")"
+export SLURM_CONF="$folder/slurm.conf"
+
+# ended PID: waits until it is.
+ended() {
+  local i
+  for ((i = 0; i < 100; ++i)); do
+    kill -0 "$1" 2>/dev/null || return 0
+    sleep 0.05
+  done
+  return 1
+}
+
+stop() {
+  [[ -f "$SLURM_CONF" ]] && timeout 10 scancel --user=root 2>/dev/null || true
+  local name pid
+  # The daemon of the jobs last but one: it waits for what it started.
+  for name in slurmctld slurmd munged; do
+    [[ -f "$folder/$name.pid" ]] || continue
+    pid="$(<"$folder/$name.pid")"
+    kill -TERM "$pid" 2>/dev/null || continue
+    ended "$pid" || kill -KILL "$pid" 2>/dev/null || true
+  done
+  # Each step of a job has a daemon of its own, which is no child of slurmd.
+  for pid in /proc/[0-9]*; do
+    if grep -qz "^SLURM_CONF=$SLURM_CONF$" "$pid/environ" 2>/dev/null && grep -qx slurmstepd "$pid/comm" 2>/dev/null; then
+      kill -KILL "${pid#/proc/}" 2>/dev/null || true
+    fi
+  done
+}
+
+start() {
+  local program
+  for program in munged slurmctld slurmd sbatch scontrol squeue; do
+    command -v "$program" >/dev/null || { echo "$program is not installed (cmake/install_packages.sh sweep-test)" >&2; exit 77; }
+  done
+  ((EUID == 0)) || { echo "only root can start Slurm's daemons" >&2; exit 77; }
+  local host cpus memory port
+  host="$(hostname -s)"
+  cpus="$(nproc)"
+  memory="$(awk '/^MemTotal/ {print int($2 / 2048)}' /proc/meminfo)"
+  # Below the ports that the system gives away, so that nobody has them by chance.
+  port=$((12000 + $$ % 8000 * 2))
+  mkdir -p -- "$folder/munge" "$folder/state" "$folder/spool"
+  chmod 755 -- "$folder/munge"
+  (umask 077 && head -c 128 /dev/urandom >"$folder/munge.key")
+  munged --force --key-file="$folder/munge.key" --socket="$folder/munge/socket" --pid-file="$folder/munged.pid" \
+    --log-file="$folder/munged.log" --seed-file="$folder/munge.seed"
+  cat >"$SLURM_CONF" <<CONF
+ClusterName=poise_test
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+SlurmctldPort=$port
+SlurmdPort=$((port + 1))
+AuthType=auth/munge
+AuthInfo=socket=$folder/munge/socket
+CredType=cred/munge
+StateSaveLocation=$folder/state
+SlurmdSpoolDir=$folder/spool
+SlurmctldPidFile=$folder/slurmctld.pid
+SlurmdPidFile=$folder/slurmd.pid
+SlurmctldLogFile=$folder/slurmctld.log
+SlurmdLogFile=$folder/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+SchedulerType=sched/backfill
+SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1
+AccountingStorageType=accounting_storage/none
+JobAcctGatherType=jobacct_gather/none
+MaxArraySize=12
+KillWait=1
+MinJobAge=300
+ReturnToService=2
+NodeName=$host NodeAddr=127.0.0.1 CPUs=$cpus RealMemory=$memory State=UNKNOWN
+PartitionName=test Nodes=$host Default=YES MaxTime=INFINITE State=UP
+CONF
+  slurmctld -c
+  slurmd -c
+  local i
+  for ((i = 0; i < 200; ++i)); do
+    if [[ "$(timeout 5 sinfo --noheader --format=%T 2>/dev/null)" == idle ]]; then return 0; fi
+    sleep 0.1
+  done
+  echo "the node did not become idle:" >&2
+  tail -n 20 -- "$folder/slurmctld.log" "$folder/slurmd.log" >&2
+  stop
+  exit 1
+}
+
+case "$action" in
+  start) start ;;
+  stop) stop ;;
+  *) echo "slurm_site.sh start|stop FOLDER" >&2; exit 2 ;;
+esac
