@@ -10,29 +10,18 @@ set -euo pipefail
 action="$1" folder="$(realpath -- "$2")"
 export SLURM_CONF="$folder/slurm.conf"
 
-# ended PID: waits until it is.
-ended() {
-  local i
-  for ((i = 0; i < 100; ++i)); do
-    kill -0 "$1" 2>/dev/null || return 0
-    sleep 0.05
-  done
-  return 1
-}
-
 stop() {
-  [[ -f "$SLURM_CONF" ]] && timeout 10 scancel --user=root 2>/dev/null || true
-  local name pid
-  # The daemon of the jobs last but one: it waits for what it started.
+  if [[ -f "$SLURM_CONF" ]]; then timeout 10 scancel --user=root 2>/dev/null || true; fi
+  local name pid program
+  # What they know is thrown away, so none is asked to save it.
   for name in slurmctld slurmd munged; do
-    [[ -f "$folder/$name.pid" ]] || continue
-    pid="$(<"$folder/$name.pid")"
-    kill -TERM "$pid" 2>/dev/null || continue
-    ended "$pid" || kill -KILL "$pid" 2>/dev/null || true
+    if [[ -f "$folder/$name.pid" ]]; then kill -KILL "$(<"$folder/$name.pid")" 2>/dev/null || true; fi
   done
-  # Each step of a job has a daemon of its own, which is no child of slurmd.
+  # Each step of a job has a daemon of its own, which is no child of slurmd; and a task may outlive it.
   for pid in /proc/[0-9]*; do
-    if grep -qz "^SLURM_CONF=$SLURM_CONF$" "$pid/environ" 2>/dev/null && grep -qx slurmstepd "$pid/comm" 2>/dev/null; then
+    program="$(cat -- "$pid/comm" 2>/dev/null)" || continue
+    if [[ "$program" == slurmstepd || "$program" == poise || "$program" == srun ]] &&
+      grep -qz "^SLURM_CONF=$SLURM_CONF$" "$pid/environ" 2>/dev/null; then
       kill -KILL "${pid#/proc/}" 2>/dev/null || true
     fi
   done
@@ -77,7 +66,7 @@ MpiDefault=none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SchedulerType=sched/backfill
-SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1
+SchedulerParameters=batch_sched_delay=0,sched_interval=1,sched_min_interval=1000,bf_interval=1
 AccountingStorageType=accounting_storage/none
 JobAcctGatherType=jobacct_gather/none
 MaxArraySize=12
