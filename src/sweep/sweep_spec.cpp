@@ -141,8 +141,8 @@ void check_frontier_axis(const ObjectReader& frontier, std::string_view key, con
   const JsonValue* given = frontier.find(key);
   if (given == nullptr || !given->is_string()) return;
   const auto axis = std::ranges::find(spec.axes, name, &Axis::name);
-  if (axis == spec.axes.end()) {
-    frontier.problems().refuse(frontier.path(key), *given, "must be the name of an axis");
+  if (axis == spec.axes.end() || name == "seed") {
+    frontier.problems().refuse(frontier.path(key), *given, "must be the name of an axis other than seed");
   } else if (!std::ranges::all_of(axis->values, [](const Setting& value) { return value.number.has_value(); })) {
     frontier.problems().refuse(frontier.path(key), *given, "must be an axis of numbers");
   }

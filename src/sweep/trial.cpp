@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "assets/files/text_file.h"
+#include "assets/json/json_document.h"
 
 namespace poise::sweep {
 namespace {
@@ -43,7 +44,7 @@ std::string label_of(const SweepSpec& spec, const Trial& trial) {
   std::string text = trial.scene;
   for (const Axis& axis : spec.axes) text += fmt::format(", {}={}", axis.name, trial.value_of(axis.name));
   if (spec.repeats > 1) text += fmt::format(", repeat {}", trial.repeat);
-  return text;
+  return io::printable(text);
 }
 
 std::uint64_t threads_of(const Trial& trial) {

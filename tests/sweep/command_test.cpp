@@ -197,6 +197,7 @@ TEST(Sweep, KeepsOthersOutOfItsFolder) {
   const SweepFolder::Ended second = sweep.run();
   EXPECT_EQ(second.exit_code, 3);
   EXPECT_TRUE(says(second.error, "another sweep is at work in this folder")) << second.error;
+  EXPECT_TRUE(says(sweep.run({"--no-run"}).out, "0 done, 2 pending")) << "what is there may be looked at";
   program.signal(SIGTERM);
   EXPECT_EQ(program.wait(), 128 + SIGTERM);
 }

@@ -69,6 +69,16 @@ class SlurmSweep : public ::testing::Test {
     shell(line + " >'" + folder_.file("answer") + "' 2>&1");
     return contents(folder_.file("answer"));
   }
+  /// How many of the daemons run that Slurm has for each step of a job.
+  [[nodiscard]] std::size_t step_daemons() const {
+    std::size_t count = 0;
+    std::error_code none;
+    for (const fs::directory_entry& entry : fs::directory_iterator("/proc", none)) {
+      const bool daemon = contents(entry.path() / "comm") == "slurmstepd\n";
+      count += daemon && says(contents(entry.path() / "environ"), folder_.path().string()) ? 1U : 0U;
+    }
+    return count;
+  }
   static std::string job_of(const SweepFolder& sweep, const std::string& array = "001") {
     std::string job = contents(sweep.results() + "/slurm/" + array + "/job");
     return job.substr(0, job.find('\n'));
@@ -175,11 +185,10 @@ TEST_F(SlurmSweep, ARequeuedTaskSkipsWhatIsDone) {
   const std::string done = sweep.results() + "/trials/" + sweep.files("trials", ".trial.json").at(0);
   const auto written = fs::last_write_time(done);
   ask("scontrol requeue " + job_of(sweep) + "_0");
-  // A job that was put back is held for two minutes.
-  EXPECT_TRUE(wait_for([&] {
-    ask("scontrol update JobId=" + job_of(sweep) + "_0 StartTime=now");
-    return says(ask("squeue --noheader --format=%T"), "RUNNING") && says(ask("scontrol show job"), "Restarts=1");
-  }));
+  // A job that was put back is held for two minutes, so that the end of its first start is over by then. Here it is
+  // started as soon as that is so: otherwise Slurm may take the end of the first start for that of the second.
+  ASSERT_TRUE(wait_for([&] { return says(ask("squeue --noheader --format=%T"), "PENDING") && step_daemons() == 0; }));
+  ask("scontrol update JobId=" + job_of(sweep) + "_0 StartTime=now");
   EXPECT_EQ(program.wait(), 1) << program.error();
   EXPECT_TRUE(says(program.out(), "1 done, 1 past their time limit")) << program.out();
   EXPECT_EQ(fs::last_write_time(done), written);

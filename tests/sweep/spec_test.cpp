@@ -88,6 +88,8 @@ TEST(SweepSpec, RefusesWithPlaceValueAndRule) {
        "frontier.against: must be another axis than `largest`"},
       {R"("axes": {"bodies": [1, 2]}, "frontier": {"largest": "bodies", "against": "threads"}, "requirements": ["miss_rate < 1"])",
        "frontier.against = \"threads\", must be the name of an axis"},
+      {R"("axes": {"bodies": [1, 2]}, "seeds": [1, 2], "frontier": {"largest": "bodies", "against": "seed"}, "requirements": ["miss_rate < 1"])",
+       "frontier.against = \"seed\", must be the name of an axis other than seed"},
       {R"("axes": {"bodies": [1], "policy": ["fifo"]}, "frontier": {"largest": "policy", "against": "bodies"}, "requirements": ["miss_rate < 1"])",
        "frontier.largest = \"policy\", must be an axis of numbers"},
       {R"("axes": {"bodies": [1], "threads": [1]}, "frontier": {"largest": "bodies", "against": "threads"})",
@@ -127,6 +129,17 @@ TEST(SweepSpec, TellsOfEveryMistakeAtOnce) {
       R"({"schema": "poise.sweep/1", "scenes": ["a"], "repeats": 0, "seeds": 1, "trial": 5, "axes": {"x": [1]}})");
   for (const char* place : {"repeats", "seeds", "trial", "axes.x"})
     EXPECT_NE(all.find(place), std::string::npos) << place << "\n" << all;
+}
+
+TEST(SweepDocs, HaveAnExampleThatIsRead) {
+  const std::string text = contents(POISE_SOURCE_DIR "/docs/sweep.md");
+  const std::string begin = "```jsonc\n";
+  const std::size_t at = text.find(begin);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t from = at + begin.size();
+  EXPECT_EQ(spec_refusals(text.substr(from, text.find("```", from) - from)), "accepted");
+  for (const sweep::RunSetting& setting : sweep::run_settings())
+    EXPECT_NE(text.find(std::string(setting.name)), std::string::npos) << setting.name;
 }
 
 TEST(SweepSchema, NamesTheMembersAndSettingsThatTheReaderKnows) {

@@ -22,8 +22,6 @@ extern char** environ;
 namespace poise::app {
 namespace {
 
-constexpr int kNotStarted = 127;
-
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> list;
   for (std::string& word : words) list.push_back(word.data());
@@ -35,13 +33,14 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
 void become(char* const* words, int log, int input, const cpu_set_t* processors, pid_t parent) {
   ::setpgid(0, 0);
   // The parent may have ended before the system was told to watch it.
-  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) ::_exit(kNotStarted);
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) ::_exit(ChildProcess::kNotStarted);
   if (processors != nullptr) ::sched_setaffinity(0, sizeof(*processors), processors);
   ::dup2(input, STDIN_FILENO);
   ::dup2(log, STDOUT_FILENO);
   ::dup2(log, STDERR_FILENO);
-  ::execv(words[0], words);
-  ::_exit(kNotStarted);
+  // The file that this process runs, whatever is under its name now.
+  ::execv("/proc/self/exe", words);
+  ::_exit(ChildProcess::kNotStarted);
 }
 
 void drain(int out, int error, ProgramOutput& output) {
@@ -75,6 +74,7 @@ Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, 
     if (processor >= 0 && processor < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(processor), &set);
   }
   std::vector<std::string> copy = words;
+  copy.insert(copy.begin(), "poise");
   const std::vector<char*> argv = pointers(copy);
   ChildProcess child;
   const pid_t parent = ::getpid();
@@ -84,7 +84,7 @@ Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, 
   ::close(out);
   if (input >= 0) ::close(input);
   errno = failure;
-  if (child.pid_ < 0) return refused(words.front() + ": cannot be started");
+  if (child.pid_ < 0) return refused("poise: cannot be started");
   // Here too, so that the group exists whichever of the two comes first.
   ::setpgid(child.pid_, child.pid_);
   child.descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, child.pid_, 0));

@@ -11,13 +11,15 @@
 
 namespace poise::app {
 
-/// A program that runs beside this one, in a process group of its own: signals of a terminal do not reach it, and all
-/// that it starts ends with it. Invariant: while it runs, its number is not given to another.
+/// This program once more, running beside itself, in a process group of its own: signals of a terminal do not reach it,
+/// and all that it starts ends with it. Invariant: while it runs, its number is not given to another.
 class ChildProcess {
  public:
-  /// Starts the program `words[0]` with the arguments that follow. What it prints goes to the file `log`, from its
-  /// beginning; it reads nothing. It is bound to `processors` where there are any. It is ended (SIGKILL) when this
-  /// program ends, however that happens. Refused: what the system refuses.
+  /// Exit code of one that could not be started.
+  static constexpr int kNotStarted = 127;
+  /// Starts this program, even if its file was replaced meanwhile, with these arguments. What it prints goes to the
+  /// file `log`, from its beginning; it reads nothing. It is bound to `processors` where there are any. It is ended
+  /// (SIGKILL) when this program ends, however that happens. Refused: what the system refuses.
   static Result<ChildProcess> start(const std::vector<std::string>& words, const std::filesystem::path& log,
                                     const std::vector<int>& processors);
   ChildProcess(ChildProcess&& other) noexcept;

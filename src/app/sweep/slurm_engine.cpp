@@ -41,11 +41,12 @@ void pause(double seconds, const parallel::Interrupt& interrupt) {
   while (!interrupt.asked() && SteadyClock::now() < until) ::poll(nullptr, 0, 50);
 }
 
-/// Whether Slurm has still tasks of the array. It says that it does not know a job that ended some time ago.
+/// Whether Slurm has still tasks of the array. It says that it does not know a job that ended some time ago. Where
+/// there is no Slurm, as beside a copy of the folder, nothing is active.
 bool is_active(std::uint64_t job) {
   const ProgramOutput said = run_program({"squeue", "--noheader", "--format=%i", fmt::format("--jobs={}", job)});
   if (said.exit_code == 0) return said.out.find_first_not_of(" \n") != std::string::npos;
-  return said.error.find("Invalid job id") == std::string::npos;
+  return said.exit_code != 127 && said.error.find("Invalid job id") == std::string::npos;
 }
 
 std::vector<fs::path> array_folders(const sweep::TrialStore& store) {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "app/exit_codes.h"
@@ -164,9 +164,14 @@ int run_sweep(const SweepOptions& options) {
   const parallel::Interrupt interrupt;
   const Status made = store.make();
   if (!made) return refuse("sweep", made.error());
-  // Two calls at once would run the same trials twice, and each would take the other's cores for free ones.
-  const Result<FolderLock> lock = FolderLock::take(store.folder());
-  if (!lock) return refuse("sweep", lock.error());
+  // Two calls at once would run the same trials twice, and each would take the other's cores for free ones. One that
+  // only joins may look at another's results.
+  std::optional<FolderLock> lock;
+  if (!options.no_run) {
+    Result<FolderLock> taken = FolderLock::take(store.folder());
+    if (!taken) return refuse("sweep", taken.error());
+    lock.emplace(std::move(taken).value());
+  }
   std::optional<FiguresFiles> report;
   if (!options.report.empty()) {
     Result<FiguresFiles> opened = FiguresFiles::open(options.report);
@@ -188,10 +193,13 @@ int run_sweep(const SweepOptions& options) {
   if (!all) return refuse("sweep", all.error());
   if (ran.stopped) return refuse("sweep", stopped_error(ran.left));
   if (counts.pending > 0 && !options.no_run && !options.no_wait)
-    return refuse("sweep", kExitRequirementFailed,
-                  fmt::format("{} trials have no result: their process or task was ended, or the array cancelled; the "
-                              "same command runs them again",
-                              counts.pending));
+    return refuse(
+        "sweep", kExitRequirementFailed,
+        fmt::format("{} trials have no result: their process or task was ended, or the array cancelled; the "
+                    "same command runs them again{}",
+                    counts.pending,
+                    options.engine == "slurm" ? fmt::format("; logs of tasks are in {}/slurm", sweep_folder(options))
+                                              : std::string()));
   return counts.failed + counts.timed_out > 0 ? kExitRequirementFailed : kExitDone;
 }
 

@@ -30,6 +30,18 @@ bool has_numbers(const Axis& axis) {
   return std::ranges::all_of(axis.values, [](const sweep::Setting& value) { return value.number.has_value(); });
 }
 
+/// Whether its values are better told apart on a logarithmic axis.
+bool spans_much(const Axis& axis) {
+  constexpr double kMuch = 20;
+  double least = 0, most = 0;
+  for (const sweep::Setting& value : axis.values) {
+    const double number = value.number.value_or(0);
+    least = &value == axis.values.data() ? number : std::min(least, number);
+    most = &value == axis.values.data() ? number : std::max(most, number);
+  }
+  return least > 0 && most > kMuch * least;
+}
+
 double number_of(const Group& group, const std::string& name) {
   const auto found = std::ranges::find(group.settings, name, &sweep::Setting::name);
   return found == group.settings.end() ? 0 : found->number.value_or(0);
@@ -73,11 +85,14 @@ std::vector<LineChart> charts_along(const sweep::SweepSpec& spec, const std::vec
       LineChart added;
       added.id = picture_name(fmt::format("{} along {} {}", figure, along.name, rest));
       added.title = title;
-      added.note = "Means over seeds and repeats. Bands: from the least to the greatest of them.";
+      // Names of lines are short, so they are the values alone.
+      added.note = (lines.empty() ? std::string() : fmt::format("A line for each {}. ", lines)) +
+                   "Means over seeds and repeats; bands from the least to the greatest.";
+      added.x_log = spans_much(along);
       added.x_label = along.name;
       chart = charts.insert(charts.end(), std::move(added));
     }
-    const std::string label = lines.empty() ? group.scene : fmt::format("{}={}", lines, sweep::value_of(group, lines));
+    const std::string label = lines.empty() ? group.scene : sweep::value_of(group, lines);
     auto line = std::ranges::find(chart->lines, label, &ChartLine::label);
     if (line == chart->lines.end()) line = chart->lines.insert(chart->lines.end(), {label, {}});
     LinePoint point{number_of(group, along.name), *group.mean[at], {}, {}};
@@ -108,6 +123,10 @@ std::optional<LineChart> frontier_chart(const sweep::SweepSpec& spec,
   chart.title = fmt::format("Largest {} at which {}", spec.frontier->largest, fmt::join(spec.requirements, " and "));
   chart.note = "Of the values that were measured; all smaller ones hold too. A top value is a lower bound.";
   chart.x_label = spec.frontier->against;
+  const auto against = std::ranges::find(spec.axes, spec.frontier->against, &Axis::name);
+  const auto largest = std::ranges::find(spec.axes, spec.frontier->largest, &Axis::name);
+  chart.x_log = spans_much(*against);
+  chart.y_log = spans_much(*largest);
   return chart;
 }
 

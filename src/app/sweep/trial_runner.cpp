@@ -55,12 +55,6 @@ class Runner {
         writer_(fmt::format("{}.{}", host_, ::getpid())) {}
 
   RunnerResult run(const parallel::Interrupt& interrupt, Progress& progress) {
-    std::error_code failure;
-    program_ = fs::read_symlink("/proc/self/exe", failure).string();
-    if (failure) {
-      result_.stored = bad_input("/proc/self/exe: " + failure.message());
-      return result_;
-    }
     while (result_.stored && (next_ < trials_.size() || !running_.empty())) {
       if (interrupt.asked()) {
         result_.stopped = true;
@@ -93,10 +87,9 @@ class Runner {
       if (!processors) return;
       ++next_;
       const fs::path work_file = store_.work_file(trial.key, writer_);
-      std::vector<std::string> words{program_};
-      for (std::string& word : sweep::trial_words(trial, work_file.string())) words.push_back(std::move(word));
       const SteadyClock::time_point begin = SteadyClock::now();
-      Result<ChildProcess> started = ChildProcess::start(words, store_.log_file(trial.key), *processors);
+      Result<ChildProcess> started =
+          ChildProcess::start(sweep::trial_words(trial, work_file.string()), store_.log_file(trial.key), *processors);
       if (!started) {
         result_.stored = started.error();
         return;
@@ -149,6 +142,10 @@ class Runner {
                  trial.label);
       return;
     }
+    if (code == ChildProcess::kNotStarted) {
+      result_.stored = bad_input("/proc/self/exe: cannot be started as the program of a trial");
+      return;
+    }
     const bool complete = code == kExitDone && fs::exists(running.work_file, none);
     if (!late && code == kExitOutputFailed) {
       const std::vector<std::string> log = sweep::log_tail(store_.log_file(trial.key), 1);
@@ -197,7 +194,7 @@ class Runner {
   const sweep::TrialStore& store_;
   const RunnerSettings& settings_;
   sweep::CoreMap cores_;
-  std::string host_, writer_, program_;
+  std::string host_, writer_;
   std::vector<Running> running_;
   std::size_t next_ = 0;
   RunnerResult result_;
