@@ -59,6 +59,20 @@ struct LevelExplanation {
   bool ended = false;       ///< the level separated the pair
 };
 
+/// What became of a pair in a step, and why it was not refined further. Each pair has exactly one.
+enum class PairOutcome : std::uint8_t {
+  KnownApart,   ///< cached as separated for the whole step
+  KnownPoints,  ///< cached contact points hold, and a deeper level would add nothing
+  Mandatory,    ///< of a fast body: refined to its end whatever the budget
+  FoundApart,   ///< refined and found separated
+  Deepest,      ///< refined to its deepest level
+  Reused,       ///< its expired cached contact was used once more, because the step did not fit into its time
+  CutOff,       ///< its next level was begun and did not complete in time
+  FrontFull,    ///< its next level was begun, and its front did not fit into memory
+  Unseen,       ///< what remains of its error is below Policy::seen_threshold_rad
+  Unserved,     ///< the budget was used up before its next level had its turn
+};
+
 /// Priority and progress of a pair in a step.
 struct PairExplanation {
   enum class CacheUse : std::uint8_t {
@@ -79,6 +93,7 @@ struct PairExplanation {
   bool mandatory = false;        ///< refined to its end whatever the budget: a pair of a fast body, with backtracking
   bool apart = false;            ///< separated in this step
   bool refinable = false;        ///< a further level was left
+  PairOutcome outcome = PairOutcome::Unserved;
   std::uint64_t next_units = 0;  ///< cost of the next level, node-pair expansions
   double next_score = 0;         ///< score of the next level
 };

@@ -189,6 +189,8 @@ void FrameObserver::find_pairs(SeenFrame& frame) const {
     seen.packed.seen = progress.seen;
     const double error = error_m(pair.a, seen.packed.level) + error_m(pair.b, seen.packed.level);
     seen.packed.error = static_cast<std::uint8_t>(scheduler::octave_band(error));
+    seen.packed.outcome = static_cast<std::uint8_t>(static_cast<int>(outcome_of(progress)) + 1);
+    seen.packed.turn = progress.turn;
   }
 }
 

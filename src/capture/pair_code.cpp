@@ -16,8 +16,8 @@ void put_pairs(std::uint64_t frame, std::span<const PackedPair> pairs, std::stri
     before = pair.a;
   }
   for (const PackedPair& pair : pairs) put_zigzag(std::int64_t{pair.b} - pair.a, out);
-  for (const auto column :
-       {&PackedPair::state, &PackedPair::level, &PackedPair::deepest, &PackedPair::seen, &PackedPair::error}) {
+  for (const auto column : {&PackedPair::state, &PackedPair::level, &PackedPair::deepest, &PackedPair::seen,
+                            &PackedPair::error, &PackedPair::outcome, &PackedPair::turn}) {
     for (const PackedPair& pair : pairs) out.push_back(static_cast<char>(pair.*column));
   }
   std::string bytes;

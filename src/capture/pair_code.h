@@ -22,6 +22,8 @@ struct PackedPair {
   std::uint8_t deepest = 0;  ///< likewise, that it can reach
   std::uint8_t seen = 0;     ///< band of what a viewer sees of an error; 0: never ranked
   std::uint8_t error = 0;    ///< band of the error that is expected at the level; 0: none
+  std::uint8_t outcome = 0;  ///< PairOutcome + 1
+  std::uint8_t turn = 0;     ///< band of the score that its next level waits with, or its last one had; 0: none
   friend bool operator==(const PackedPair&, const PackedPair&) = default;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "collision/front/pair_refinement.h"
+#include "poise/decisions.h"
 #include "poise/types.h"
 
 namespace poise::simulation {
@@ -25,6 +26,14 @@ enum class ContactState : std::uint8_t {
   Exact,            ///< made by backtracking: never refined
   CachedSeparated,  ///< no contact: an earlier frame found it separated, for sure or not
   Separated,        ///< no contact: this frame found it separated
+};
+
+/// What stopped a pair that has levels left, if not that the budget was used up or its front was full.
+enum class Stop : std::uint8_t {
+  None,
+  Reused,  ///< before its first level: the frame did not fit, and what is cached is used once more
+  Cut,     ///< its next level was begun and discarded
+  Unseen,  ///< the policy leaves it out
 };
 
 /// How far a pair has come in this frame. Small: the budget goes through all pairs, and most of them need no more.
@@ -60,6 +69,12 @@ struct PairProgress {
   std::uint8_t band = 0;    ///< as CachedPair::band, likewise
   std::uint8_t waited = 0;  ///< as CachedPair::frames_waited, at most 255
   bool ranked = false;      ///< in this frame
+  std::uint8_t turn = 0;    ///< band of the score that its next level waits with, or its last one had; 0: none was found
+  Stop stop = Stop::None;
+
+  void stop_for_time() {
+    if (stop != Stop::Reused || level.level > 0) stop = Stop::Cut;
+  }
 
   [[nodiscard]] ContactState state() const {
     if (level.apart) return ContactState::Separated;
@@ -85,5 +100,8 @@ struct PairProgress {
            !(cached == CacheUse::Points && cached_level >= level.deepest);
   }
 };
+
+/// What became of a pair, once refinement has ended.
+PairOutcome outcome_of(const PairProgress& progress);
 
 }  // namespace poise::simulation

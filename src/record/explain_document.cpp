@@ -23,68 +23,50 @@ using Kind = RefinementStep::Kind;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// The outcome of a pair; each pair has exactly one.
-enum class Fate : std::uint8_t {
-  KnownApart,
-  Reused,
-  Mandatory,
-  FoundApart,
-  Deepest,
-  Known,
-  CutOff,
-  FrontFull,
-  Unserved
-};
-struct FateText {
-  Fate fate;
+struct OutcomeText {
+  PairOutcome outcome;
   const char* key;
   const char* text;
 };
-constexpr std::array kFates{
-    FateText{Fate::KnownApart, "known_apart", "known from an earlier frame to be apart: nothing to do"},
-    FateText{Fate::Known, "known_points",
-             "answered by contact points known from an earlier frame: nothing more to gain"},
-    FateText{Fate::Mandatory, "mandatory", "of a fast body: refined whole, whatever the budget"},
-    FateText{Fate::FoundApart, "found_apart", "refined and found apart"},
-    FateText{Fate::Deepest, "deepest", "refined to the deepest level: nothing more to gain"},
-    FateText{Fate::Reused, "reused", "left as it was answered last, because the frame was infeasible"},
-    FateText{Fate::CutOff, "cut_off", "left coarse: its next level was begun and did not end in time"},
-    FateText{Fate::FrontFull, "front_full", "left coarse: its front was full"},
-    FateText{Fate::Unserved, "unserved", "left coarse: the budget was used up before its turn"},
+constexpr std::array kOutcomes{
+    OutcomeText{PairOutcome::KnownApart, "known_apart", "known from an earlier frame to be apart: nothing to do"},
+    OutcomeText{PairOutcome::KnownPoints, "known_points",
+                "answered by contact points known from an earlier frame: nothing more to gain"},
+    OutcomeText{PairOutcome::Mandatory, "mandatory", "of a fast body: refined whole, whatever the budget"},
+    OutcomeText{PairOutcome::FoundApart, "found_apart", "refined and found apart"},
+    OutcomeText{PairOutcome::Deepest, "deepest", "refined to the deepest level: nothing more to gain"},
+    OutcomeText{PairOutcome::Reused, "reused", "left as it was answered last, because the frame was infeasible"},
+    OutcomeText{PairOutcome::CutOff, "cut_off", "left coarse: its next level was begun and did not end in time"},
+    OutcomeText{PairOutcome::FrontFull, "front_full", "left coarse: its front was full"},
+    OutcomeText{PairOutcome::Unseen, "unseen", "left coarse: what remains of its error is below the threshold"},
+    OutcomeText{PairOutcome::Unserved, "unserved", "left coarse: the budget was used up before its turn"},
 };
 
-const FateText& text_of(Fate fate) {
-  return *std::find_if(kFates.begin(), kFates.end(), [fate](const FateText& text) { return text.fate == fate; });
+const OutcomeText& text_of(PairOutcome outcome) {
+  return *std::find_if(kOutcomes.begin(), kOutcomes.end(),
+                       [outcome](const OutcomeText& text) { return text.outcome == outcome; });
 }
 
-bool left_coarse(Fate fate) { return fate == Fate::CutOff || fate == Fate::FrontFull || fate == Fate::Unserved; }
+bool left_coarse(PairOutcome outcome) {
+  return outcome == PairOutcome::CutOff || outcome == PairOutcome::FrontFull || outcome == PairOutcome::Unseen ||
+         outcome == PairOutcome::Unserved;
+}
 
-std::vector<Fate> fates_of(const ExplainedFrame& e) {
-  const std::vector<PairExplanation>& pairs = e.explanation.pairs;
-  std::vector<Fate> fates(pairs.size(), Fate::Deepest);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const PairExplanation& pair = pairs[i];
-    if (pair.cached == PairExplanation::CacheUse::Separated) {
-      fates[i] = Fate::KnownApart;
-    } else if (pair.mandatory) {
-      fates[i] = Fate::Mandatory;
-    } else if (pair.apart) {
-      fates[i] = Fate::FoundApart;
-    } else if (pair.refinable) {
-      fates[i] = Fate::Unserved;
-    } else if (pair.cached == PairExplanation::CacheUse::Points && pair.level == 0) {
-      fates[i] = Fate::Known;
-    }
+const char* why_left(PairOutcome outcome) {
+  switch (outcome) {
+    case PairOutcome::CutOff:
+      return "begun, cut off";
+    case PairOutcome::FrontFull:
+      return "front full";
+    case PairOutcome::Unseen:
+      return "below the threshold";
+    default:
+      return "budget used up";
   }
-  for (const RefinementStep& step : e.frame.decisions.steps) {
-    if (step.pair >= fates.size() || fates[step.pair] != Fate::Unserved) continue;
-    if (step.kind == Kind::Cut) fates[step.pair] = Fate::CutOff;
-    if (step.kind == Kind::Full) fates[step.pair] = Fate::FrontFull;
-  }
-  for (const std::uint32_t pair : e.frame.decisions.reused) {
-    if (pair < fates.size() && pairs[pair].level == 0) fates[pair] = Fate::Reused;
-  }
-  return fates;
+}
+
+std::ptrdiff_t count_of(const ExplainedFrame& e, PairOutcome outcome) {
+  return std::ranges::count(e.explanation.pairs, outcome, &PairExplanation::outcome);
 }
 
 /// A completed level, with its position in time.
@@ -108,10 +90,10 @@ std::vector<Turn> turns_of(const ExplainedFrame& e) {
   return turns;
 }
 
-std::vector<std::size_t> left_by_score(const ExplainedFrame& e, const std::vector<Fate>& fates) {
+std::vector<std::size_t> left_by_score(const ExplainedFrame& e) {
   std::vector<std::size_t> left;
-  for (std::size_t i = 0; i < fates.size(); ++i) {
-    if (left_coarse(fates[i])) left.push_back(i);
+  for (std::size_t i = 0; i < e.explanation.pairs.size(); ++i) {
+    if (left_coarse(e.explanation.pairs[i].outcome)) left.push_back(i);
   }
   std::stable_sort(left.begin(), left.end(), [&](std::size_t x, std::size_t y) {
     return e.explanation.pairs[x].next_score > e.explanation.pairs[y].next_score;
@@ -245,8 +227,8 @@ std::string refined_table(const ExplainedFrame& e, const std::vector<Turn>& turn
   return text;
 }
 
-std::string left_table(const ExplainedFrame& e, const std::vector<Fate>& fates, std::size_t limit) {
-  const std::vector<std::size_t> left = left_by_score(e, fates);
+std::string left_table(const ExplainedFrame& e, std::size_t limit) {
+  const std::vector<std::size_t> left = left_by_score(e);
   const std::size_t rows = limit == 0 ? left.size() : std::min(limit, left.size());
   std::string text = fmt::format("\nleft coarse, the highest score first ({})\n", shares(rows, left.size()));
   if (left.empty()) return text;
@@ -254,13 +236,9 @@ std::string left_table(const ExplainedFrame& e, const std::vector<Fate>& fates, 
                       "cached", "units", "score", kCueHeads);
   for (std::size_t k = 0; k < rows; ++k) {
     const PairExplanation& pair = e.explanation.pairs[left[k]];
-    const Fate fate = fates[left[k]];
-    const char* why = fate == Fate::CutOff      ? "begun, cut off"
-                      : fate == Fate::FrontFull ? "front full"
-                                                : "budget used up";
     text += fmt::format("{:<18} {:<18} {:>5} {:>7} {:>7} {:>6} {:>10.4g} {}  {}\n", shown(e, pair.a), shown(e, pair.b),
                         pair.level, pair.deepest, cache_use_word(pair.cached), pair.next_units, pair.next_score,
-                        cue_cells(pair), why);
+                        cue_cells(pair), why_left(pair.outcome));
   }
   return text;
 }
@@ -291,9 +269,9 @@ Json pair_json(const ExplainedFrame& e, const PairExplanation& pair) {
           {"polygons", pair.polygons}};
 }
 
-Json counts_json(const std::vector<Fate>& fates) {
+Json counts_json(const ExplainedFrame& e) {
   Json counts = Json::object();
-  for (const FateText& text : kFates) counts[text.key] = std::count(fates.begin(), fates.end(), text.fate);
+  for (const OutcomeText& text : kOutcomes) counts[text.key] = count_of(e, text.outcome);
   return counts;
 }
 
@@ -339,17 +317,15 @@ std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
 
 std::string explain_table(const ExplainedFrame& e, std::size_t limit) {
   const std::vector<Turn> turns = turns_of(e);
-  const std::vector<Fate> fates = fates_of(e);
   std::string text = head_of(e, turns) + "\npairs by what became of them\n";
-  for (const FateText& fate : kFates) {
-    const auto count = std::count(fates.begin(), fates.end(), fate.fate);
-    if (count > 0) text += fmt::format("{:>7}  {}\n", count, fate.text);
+  for (const OutcomeText& outcome : kOutcomes) {
+    const std::ptrdiff_t count = count_of(e, outcome.outcome);
+    if (count > 0) text += fmt::format("{:>7}  {}\n", count, outcome.text);
   }
-  return text + refined_table(e, turns, limit) + left_table(e, fates, limit);
+  return text + refined_table(e, turns, limit) + left_table(e, limit);
 }
 
 nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
-  const std::vector<Fate> fates = fates_of(e);
   Json refined = Json::array();
   for (const Turn& turn : turns_of(e)) {
     const LevelExplanation& level = *turn.level;
@@ -359,9 +335,9 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
     refined.push_back(std::move(row));
   }
   Json left = Json::array();
-  for (const std::size_t i : left_by_score(e, fates)) {
+  for (const std::size_t i : left_by_score(e)) {
     const PairExplanation& pair = e.explanation.pairs[i];
-    Json row = {{"why", text_of(fates[i]).key},
+    Json row = {{"why", text_of(pair.outcome).key},
                 {"level", pair.level},
                 {"next_units", pair.next_units},
                 {"next_score", pair.next_score}};
@@ -383,7 +359,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"resumed", f.decisions.resumed},
           {"point_iterations", f.decisions.point_iterations},
           {"crowded_partners", f.decisions.crowded_partners},
-          {"pairs", counts_json(fates)},
+          {"pairs", counts_json(e)},
           {"refined", std::move(refined)},
           {"left_coarse", std::move(left)}};
 }

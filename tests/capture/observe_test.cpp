@@ -82,6 +82,8 @@ TEST(FrameObserver, TellsPosesStatesLevelsAndRowsOfEveryFrame) {
       EXPECT_EQ(pair.packed.level, 0);
       EXPECT_EQ(pair.packed.deepest, 0);
       EXPECT_EQ(pair.packed.error, 0) << "a ball is its sphere";
+      EXPECT_EQ(pair.packed.outcome, 1 + static_cast<int>(PairOutcome::Deepest));
+      EXPECT_EQ(pair.packed.turn, 0) << "without a budget nothing is ranked";
     }
     EXPECT_EQ(left, report.pairs_left);
     const FrameFacts facts = facts_of(report, run.view(), scene.dt_s);

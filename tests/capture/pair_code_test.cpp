@@ -26,8 +26,8 @@ std::vector<PackedPair> read_pairs(ByteReader& bytes, std::uint64_t& frame) {
   std::int64_t row = 0;
   for (PackedPair& pair : pairs) pair.a = static_cast<std::uint32_t>(row += bytes.zigzag());
   for (PackedPair& pair : pairs) pair.b = static_cast<std::uint32_t>(pair.a + bytes.zigzag());
-  for (const auto column :
-       {&PackedPair::state, &PackedPair::level, &PackedPair::deepest, &PackedPair::seen, &PackedPair::error}) {
+  for (const auto column : {&PackedPair::state, &PackedPair::level, &PackedPair::deepest, &PackedPair::seen,
+                            &PackedPair::error, &PackedPair::outcome, &PackedPair::turn}) {
     for (PackedPair& pair : pairs) pair.*column = bytes.get<std::uint8_t>();
   }
   EXPECT_TRUE(bytes.sound());
@@ -36,7 +36,8 @@ std::vector<PackedPair> read_pairs(ByteReader& bytes, std::uint64_t& frame) {
 }
 
 TEST(PairCode, GivesBackEveryPairOfEveryFrame) {
-  const std::vector<PackedPair> first{{7, 2, 18, 1, 3, 90, 80}, {0, 4'000'000, 2, 7, 7, 0, 0}, {9, 8, 5, 0, 3, 1, 255}};
+  const std::vector<PackedPair> first{
+      {7, 2, 18, 1, 3, 90, 80, 10, 200}, {0, 4'000'000, 2, 7, 7, 0, 0, 5, 0}, {9, 8, 5, 0, 3, 1, 255, 4, 1}};
   std::string bytes;
   put_pairs(41, first, bytes);
   put_pairs(42, {}, bytes);

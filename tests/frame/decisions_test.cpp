@@ -24,6 +24,7 @@ struct Case {
 struct Recorded {
   std::vector<FrameDecisions> decisions;
   std::vector<std::uint64_t> hashes;
+  std::vector<std::vector<PairOutcome>> outcomes;
   std::size_t completed = 0, left = 0, asleep = 0, swept = 0;
   std::uint32_t by_polygons = 0;
 };
@@ -80,6 +81,13 @@ Budget budget_of(int frame) {
   return Budget::within(std::chrono::microseconds(150 + 100 * (frame % 7)));
 }
 
+std::vector<PairOutcome> outcomes_of(World& world) {
+  std::vector<PairOutcome> outcomes;
+  for (const simulation::PairProgress& pair : simulation::WorldAccess::of(world).outputs.levels.progress)
+    outcomes.push_back(simulation::outcome_of(pair));
+  return outcomes;
+}
+
 Recorded record(const Case& c, int threads) {
   Stage stage(settings_of(c, ExecutorKind::Threads, threads), 0.2);
   fill(c, stage);
@@ -95,6 +103,7 @@ Recorded record(const Case& c, int threads) {
     recorded.decisions.emplace_back();
     stage.world.decisions(recorded.decisions.back());
     recorded.hashes.push_back(stage.world.state_hash());
+    recorded.outcomes.push_back(outcomes_of(stage.world));
     recorded.completed += report.jobs_done;
     recorded.left += report.pairs_left;
     recorded.asleep += report.fell_asleep;
@@ -420,6 +429,37 @@ TEST(Decisions, AnExplanationTellsEachLevelItsScoreAndWhatWasLeft) {
   }
   // The clock decides how many of each there are.
   EXPECT_GT(left + levels, 100U);
+}
+
+TEST(Decisions, AnExplanationGivesEachPairTheReasonThatTheStepHad) {
+  std::map<PairOutcome, std::size_t> count;
+  for (const Case& c : cases()) {
+    const Recorded recorded = record(c, 2);
+    Stage stage(settings_of(c, ExecutorKind::Threads, 1), 0.2);
+    fill(c, stage);
+    StepInput input = input_of(c);
+    FrameExplanation explanation;
+    for (std::size_t i = 0; i < recorded.hashes.size(); ++i) {
+      input.replay = &recorded.decisions[i];
+      input.explain = &explanation;
+      stage.world.step(input);
+      ASSERT_EQ(explanation.pairs.size(), recorded.outcomes[i].size());
+      for (std::size_t k = 0; k < explanation.pairs.size(); ++k) {
+        const PairExplanation& pair = explanation.pairs[k];
+        ASSERT_EQ(pair.outcome, recorded.outcomes[i][k]) << c.name << ", frame " << i << ", pair " << k;
+        EXPECT_EQ(pair.refinable, pair.outcome >= PairOutcome::Reused) << "those are left before their last level";
+        ++count[pair.outcome];
+      }
+      for (const RefinementStep& step : recorded.decisions[i].steps) {
+        const PairExplanation& pair = explanation.pairs[step.pair];
+        if (step.kind != RefinementStep::Kind::Cut || !pair.refinable) continue;
+        EXPECT_TRUE(pair.outcome == PairOutcome::CutOff || (pair.outcome == PairOutcome::Reused && pair.level == 0));
+      }
+    }
+  }
+  for (const PairOutcome always : {PairOutcome::KnownApart, PairOutcome::FoundApart, PairOutcome::Mandatory,
+                                   PairOutcome::Unserved})
+    EXPECT_GT(count[always], 0U) << static_cast<int>(always);
 }
 
 TEST(Decisions, StepsOfWorkersAreMergedByTimeAndOfOneTimeByWorker) {

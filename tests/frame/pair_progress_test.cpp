@@ -71,5 +71,36 @@ TEST(PairProgress, IsRefinedWhileThereIsADeeperLevelThanTheSureOne) {
   EXPECT_FALSE(pair_with(CacheUse::Separated, 0).refinable());
 }
 
+TEST(PairOutcome, TellsWhyAPairWentNoFurther) {
+  EXPECT_EQ(outcome_of(pair_with(CacheUse::Separated, 3)), PairOutcome::KnownApart);
+  EXPECT_EQ(outcome_of(pair_with(CacheUse::Points, 5)), PairOutcome::KnownPoints);
+  PairProgress pair = pair_with(CacheUse::None, 0);
+  EXPECT_EQ(outcome_of(pair), PairOutcome::Unserved);
+  pair.full = true;
+  EXPECT_EQ(outcome_of(pair), PairOutcome::FrontFull);
+  pair.level.level = 5;
+  EXPECT_EQ(outcome_of(pair), PairOutcome::Deepest) << "whatever happened on the way";
+  pair.level.apart = true;
+  EXPECT_EQ(outcome_of(pair), PairOutcome::FoundApart);
+  pair.exact = true;
+  EXPECT_EQ(outcome_of(pair), PairOutcome::Mandatory);
+  pair = pair_with(CacheUse::None, 0);
+  pair.stop = Stop::Unseen;
+  EXPECT_EQ(outcome_of(pair), PairOutcome::Unseen);
+  pair.stop_for_time();
+  EXPECT_EQ(outcome_of(pair), PairOutcome::CutOff);
+}
+
+TEST(PairOutcome, AReusedPairIsOneUntilItHasALevel) {
+  PairProgress pair = pair_with(CacheUse::Expired, 3);
+  pair.stop = Stop::Reused;
+  pair.stop_for_time();
+  EXPECT_EQ(outcome_of(pair), PairOutcome::Reused) << "its first level was begun, and it is used as it is cached";
+  pair.level.level = 1;
+  EXPECT_EQ(outcome_of(pair), PairOutcome::Unserved);
+  pair.stop_for_time();
+  EXPECT_EQ(outcome_of(pair), PairOutcome::CutOff);
+}
+
 }  // namespace
 }  // namespace poise::simulation

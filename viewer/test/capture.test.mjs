@@ -7,7 +7,7 @@ import { test } from "node:test";
 
 import { CaptureFile } from "../src/capture/capture_file.js";
 import { FrameCursor } from "../src/capture/frame_cursor.js";
-import { findSeenErrors, isLeft, pairText } from "../src/capture/pairs.js";
+import { findSeenErrors, isLeft, pairFramesOf, pairText, readPairs, whyText } from "../src/capture/pairs.js";
 import { tableOfCapture } from "../src/capture/frame_table.js";
 import { parseFrames } from "../src/data/frames.js";
 import { withFolder } from "./page.mjs";
@@ -186,6 +186,57 @@ test("pairs of a capture are those that its frames count, and reach the levels o
     assert.equal(plain.pairsOf(60).count, 0);
   }),
 );
+
+test("the story of a pair is the same in the capture of a run, in that of its record, and in what --explain says", { skip: noCommand }, () =>
+  withFolder(async (folder) => {
+    const inFolder = (name) => join(folder, name);
+    const [record, run, replay, explained] = ["r.poise", "run.capture", "replay.capture", "r.json"].map(inFolder);
+    const words = ["run", "jacks", "--bodies", "150", "--frames", "100", "--clock", "work", "--budget-work", "100"];
+    await poise(...words, "--quiet", "--record", record, "--capture", run, "--capture-pairs");
+    await poise("replay", record, "--capture", replay, "--capture-pairs", "--frames", "..90");
+    await poise("replay", record, "--explain", "89", "--json", explained);
+    const { explain } = JSON.parse(await readFile(explained, "utf8"));
+    const keys = ["known_apart", "known_points", "mandatory", "found_apart", "deepest"];
+    keys.push("reused", "cut_off", "front_full", "unseen", "unserved");
+    const [seen, again] = await Promise.all(
+      [run, replay].map(async (file) => new CaptureFile(await readFile(file)).pairsOf(90)),
+    );
+    assert.equal(seen.count, explain.active_pairs);
+    const counts = Object.fromEntries(keys.map((key) => [key, 0]));
+    for (const outcome of seen.outcome) ++counts[keys[outcome - 1]];
+    assert.deepEqual(counts, explain.pairs);
+    assert.ok(counts.unserved > 0 && counts.found_apart > 0);
+    assert.deepEqual(again.outcome, seen.outcome);
+    assert.deepEqual(again.turn, seen.turn);
+    assert.ok(again.seen.some((band) => band > 0), "a replay finds what a viewer sees of each pair again");
+    for (let i = 0; i < seen.count; ++i) assert.notEqual(whyText(seen, i, "perceptual"), "");
+  }),
+);
+
+test("pairs say why they were left: by rank among those that waited, and beside the last one served", () => {
+  const pairs = { count: 7, outcome: [10, 10, 10, 5, 4, 10, 9], turn: [40, 52, 44, 60, 52, 0, 30] };
+  const why = (i, policy = "perceptual") => whyText(pairs, i, policy);
+  assert.equal(why(0), "the budget was used up before its turn (after 2 of 3 that waited, its score 0.13 of the lowest that was served)");
+  assert.equal(why(1), "the budget was used up before its turn (first of 3 that waited)");
+  assert.equal(why(0, "fifo"), "the budget was used up before its turn (after 2 of 3 that waited)");
+  assert.equal(why(3), "its last level");
+  assert.equal(why(4), "refinement ended there");
+  assert.equal(why(5), "the budget was used up before it was ranked");
+  assert.match(why(6), /below the threshold/);
+  assert.equal(whyText({ outcome: [0], turn: [0] }, 0), "", "a capture of an earlier version does not tell");
+  assert.equal(whyText({ outcome: [99], turn: [0] }, 0), "", "nor does a number of a later one");
+});
+
+test("pairs of earlier versions, which do not say why, are read", () => {
+  const frame = (columns) => {
+    const bytes = [41, 0, 0, 0, 0, 0, 0, 0, 1, 2, 2, ...columns]; // one pair, of rows 1 and 2
+    return [bytes.length, 0, 0, 0, ...bytes];
+  };
+  const chunk = Uint8Array.from([2, 0, 0, 0, ...frame([18, 1, 3, 90, 80]), ...frame([18, 1, 3, 90, 80, 10, 200])]);
+  const [before, now] = pairFramesOf(chunk).map(({ at }) => readPairs(chunk, at));
+  assert.deepEqual([before.a[0], before.b[0], before.error[0], before.outcome[0], before.turn[0]], [1, 2, 80, 0, 0]);
+  assert.deepEqual([now.a[0], now.b[0], now.error[0], now.outcome[0], now.turn[0]], [1, 2, 80, 10, 200]);
+});
 
 test("what remains to be seen of a pair is what is seen of its expected error", () => {
   const pairs = { count: 3, a: [0, 0, 2], b: [1, 2, 3], state: [2, 5, 0], seen: [128, 140, 0], error: [120, 120, 120] };

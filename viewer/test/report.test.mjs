@@ -339,6 +339,7 @@ test("pairs that were left coarse are lines, and a body tells of its pairs", { s
       });
       assert.match(shown, /pairs?, \d+ left coarse/);
       assert.match(shown, /(left out: root spheres|refined to level \d|reused at level \d), of level \d/);
+      assert.match(shown, /: the budget was used up before its turn \((first|after \d+) of \d+ that waited/);
       await page.keyboard.press("v");
       await drawnPixels(page);
       assert.equal(await page.evaluate(() => window.poise.replay.views[0].frustum.lines.lines.visible), false);

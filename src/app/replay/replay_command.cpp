@@ -191,9 +191,10 @@ int replay(const ReplayOptions& options) {
   const auto told = [&](std::uint64_t done, std::uint64_t of) {
     progress.share("replaying", of > 0 ? std::min(1.0, static_cast<double>(done) / static_cast<double>(of)) : 1.0);
   };
-  const std::uint64_t last = replayed_frames(options).value().to;
-  const ReplaySettings settings{last == FrameRange{}.to ? std::nullopt : std::optional(last), options.explain,
-                                interrupt.token()};
+  const FrameRange frames = replayed_frames(options).value();
+  const ReplaySettings settings{frames.to == FrameRange{}.to ? std::nullopt : std::optional(frames.to), options.explain,
+                                interrupt.token(),
+                                options.capture.pairs ? std::optional(frames.from) : std::nullopt};
   const Result<ReplayResult> result =
       replay_loop(record.value(), scene.value(), run.value(), settings,
                   {until_it_fails("replay", states.value().on() ? ReplayStates(tell) : ReplayStates(), progress),

@@ -52,6 +52,7 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
   StepInput input = step_input(record.header());
   input.measure_energy = static_cast<bool>(sinks.capture);
   io::RecordedFrame recorded;
+  FrameExplanation explanation;
   std::vector<io::NumberedState> buffer;
   Status status = pass_states(run, 0, buffer, sinks.states);
   if (status && sinks.picture) status = sinks.picture(0);
@@ -73,9 +74,8 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
     if (!status) return status.error();
     input.view = run.view();
     input.replay = &recorded.decisions;
-    FrameExplanation explanation;
     const bool explains = settings.explain == result.frames;
-    input.explain = explains ? &explanation : nullptr;
+    input.explain = explains || result.frames + 1 >= settings.reasons_from.value_or(UINT64_MAX) ? &explanation : nullptr;
     const FrameReport report = run.world().step(input);
     if (report.status != StepStatus::Done && report.status != StepStatus::ReplayDiffers)
       return bad_input("the step was refused: its input is out of range");

@@ -74,6 +74,7 @@ Bands find_bands(const RefineInput& input, CompletedLevels& levels, parallel::Ex
 // True if the pair is separated now.
 bool reuse(const ActivePair& pair, PairProgress& progress) {
   progress.cached = pair.cached.apart ? CacheUse::Parted : CacheUse::Expired;
+  progress.stop = Stop::Reused;
   return pair.cached.apart;
 }
 

@@ -127,6 +127,8 @@ RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, co
   const double score = score_of(input, facts, cues, pair, found, item);
   ranked.left_out = scheduler::left_out(input.policy, score);
   ranked.band = scheduler::band_of(input.policy, score);
+  pair.turn = turn_at(ranked.band);
+  if (ranked.left_out && pair.stop == Stop::None) pair.stop = Stop::Unseen;
   const std::uint32_t waited = scheduler::waited_bands(input.policy, pair.waited);
   pair.band = static_cast<std::uint8_t>(std::max(ranked.band, waited + 1) - waited);
   pair.ranked = true;

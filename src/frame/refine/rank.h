@@ -26,6 +26,9 @@ RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, co
                        std::uint32_t item, PairProgress& pair, const collision::LevelContact& found,
                        scheduler::PairCues& cues);
 
+/// PairProgress::turn of a pair that waits in this band, below scheduler::kBands.
+inline std::uint8_t turn_at(std::uint32_t band) { return static_cast<std::uint8_t>(band == 0 ? 1 : band); }
+
 /// The band of what a viewer sees of a pair, whatever else it is ranked by; never 0, that of a pair that was never
 /// looked at.
 std::uint8_t seen_band(const scheduler::Policy& policy, const scheduler::PairCues& cues);

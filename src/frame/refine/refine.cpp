@@ -7,6 +7,7 @@
 #include "frame/cues/prepared_cues.h"
 #include "frame/refine/observe_gains.h"
 #include "frame/refine/pair_cues.h"
+#include "frame/refine/rank.h"
 #include "frame/refine/replay_decisions.h"
 #include "parallel/ranges.h"
 #include "parallel/shared_counters.h"
@@ -46,7 +47,12 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   };
   const auto add = [&](std::uint32_t index) {
     const scheduler::Candidate next = candidate(index);
-    if (!scheduler::left_out(input.policy, next.score)) rounds.add(next);
+    all[index].turn = turn_at(scheduler::band_of(input.policy, next.score));
+    if (!scheduler::left_out(input.policy, next.score)) {
+      rounds.add(next);
+    } else {
+      all[index].stop = Stop::Unseen;
+    }
   };
   rounds.begin_frame(budget_units, all.size(), input.policy.round_pairs);
   for (std::uint32_t i = 0; i < all.size(); ++i) {

@@ -207,6 +207,7 @@ class OpenRefinement::Job {
       return;
     }
     hand.progress.level = before;
+    if (hand.ended == Outcome::Cut) hand.progress.stop_for_time();
     if (!whole) hand.found = batch_.before;
   }
   // To the next level of the same pair at once?
@@ -228,6 +229,8 @@ class OpenRefinement::Job {
     const double score = score_of(input, run_.facts, cues_of(hand), hand.progress, hand.found, hand.item);
     hand.again = !scheduler::left_out(input.policy, score);
     hand.band = scheduler::band_of(input.policy, score);
+    hand.progress.turn = turn_at(hand.band);
+    if (!hand.again) hand.progress.stop = Stop::Unseen;
     return hand.again && hand.band >= run_.bands.highest();
   }
 
@@ -238,6 +241,8 @@ class OpenRefinement::Job {
       PairProgress& pair = run_.levels.progress[hand.item];
       pair.seen = hand.progress.seen;
       pair.band = hand.progress.band;
+      pair.turn = hand.progress.turn;
+      pair.stop = hand.progress.stop;
       if (hand.newly_ranked) {
         pair.ranked = true;
         run_.levels.cues[hand.item] = hand.cues;

@@ -6,6 +6,7 @@
 #include "frame/budget/degrade.h"
 #include "frame/budget/hold.h"
 #include "frame/refine/pair_cues.h"
+#include "frame/refine/rank.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -72,6 +73,9 @@ class Replay {
   bool run() {
     if (input_.step.explain != nullptr) {
       explain(*input_.step.explain);
+      note_stops();
+      for (std::size_t i = 0; i < left_.size(); ++i)
+        input_.step.explain->pairs[i].outcome = outcome_of(levels_.progress[i]);
     } else {
       parallel::parallel_for(executor_, left_.size(), kReplayGrain,
                              [&](std::size_t begin, std::size_t end, int worker) {
@@ -82,6 +86,7 @@ class Replay {
                                }
                              });
       if (keeps_fronts()) complete_elsewhere();
+      note_stops();
     }
     return fits_ && std::all_of(left_.begin(), left_.end(), [](std::uint8_t left) { return left == 0; });
   }
@@ -130,6 +135,23 @@ class Replay {
     }
   }
 
+  // What the decisions say of levels that were begun in vain.
+  void note_stops() {
+    for (const RefinementStep& step : input_.step.replay->steps) {
+      if (step.pair >= left_.size() || step.kind == RefinementStep::Kind::Completed) continue;
+      PairProgress& pair = levels_.progress[step.pair];
+      if (step.kind == RefinementStep::Kind::Cut) pair.stop_for_time();
+      if (step.kind == RefinementStep::Kind::Full) pair.full = true;
+    }
+  }
+
+  double next_score(std::size_t i, PairProgress& pair) {
+    const auto index = static_cast<std::uint32_t>(i);
+    const double score = score_of(input_, facts_, levels_.cues[i], pair, levels_.found[i], index);
+    pair.turn = turn_at(scheduler::band_of(input_.policy, score));
+    return score;
+  }
+
   void explain(FrameExplanation& explanation) {
     explanation.frame = input_.frame;
     explanation.policy = input_.policy;
@@ -137,11 +159,11 @@ class Replay {
     explanation.levels.clear();
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const auto index = static_cast<std::uint32_t>(i);
-      const PairProgress& pair = levels_.progress[i];
+      PairProgress& pair = levels_.progress[i];
       PairExplanation e = explained(input_, levels_, i);
+      if (pair.refinable()) pair.seen = seen_band(input_.policy, levels_.cues[i]);
       while (left_[i] > 0 && pair.refinable()) {
-        LevelExplanation level{index, Level{0}, pair.level.next_units,
-                               score_of(input_, facts_, levels_.cues[index], pair, levels_.found[index], index), false};
+        LevelExplanation level{index, Level{0}, pair.level.next_units, next_score(i, pair), false};
         if (!complete_anywhere(i)) break;
         level.level = pair.level.level;
         level.ended = pair.level.apart;
@@ -153,7 +175,8 @@ class Replay {
       e.refinable = pair.refinable();
       if (e.refinable) {
         e.next_units = pair.level.next_units;
-        e.next_score = score_of(input_, facts_, levels_.cues[index], pair, levels_.found[index], index);
+        e.next_score = next_score(i, pair);
+        if (scheduler::left_out(input_.policy, e.next_score) && pair.stop == Stop::None) pair.stop = Stop::Unseen;
       }
       explanation.pairs.push_back(e);
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { number } from "../format.js";
 import { ByteReader } from "./byte_reader.js";
 import { priorityOfBand } from "./frame_cursor.js";
 
@@ -25,9 +26,11 @@ export function pairFramesOf(bytes) {
   return frames;
 }
 
-/** The pairs of a frame, as columns; `a` and `b` are rows. */
+/** The pairs of a frame, as columns; `a` and `b` are rows. Captures of earlier versions do not say why: 0 everywhere. */
 export function readPairs(bytes, at) {
   const reader = new ByteReader(bytes);
+  reader.at = at - 12; // of the size, before the number of the frame
+  const end = reader.u32() + at - 8;
   reader.at = at;
   const count = reader.varint();
   const a = new Uint32Array(count),
@@ -35,10 +38,13 @@ export function readPairs(bytes, at) {
   for (let i = 0, row = 0; i < count; ++i) a[i] = row += reader.zigzag();
   for (let i = 0; i < count; ++i) b[i] = a[i] + reader.zigzag();
   const column = () => reader.skip(count);
-  return { count, a, b, state: column(), level: column(), deepest: column(), seen: column(), error: column() };
+  const pairs = { count, a, b, state: column(), level: column(), deepest: column(), seen: column(), error: column() };
+  const later = () => (reader.at + count <= end ? column() : new Uint8Array(count));
+  return Object.assign(pairs, { outcome: later(), turn: later() });
 }
 
-export const kNoPairs = { count: 0, a: [], b: [], state: [], level: [], deepest: [], seen: [], error: [] };
+const kNames = ["a", "b", "state", "level", "deepest", "seen", "error", "outcome", "turn"];
+export const kNoPairs = { count: 0, ...Object.fromEntries(kNames.map((name) => [name, []])) };
 
 /** Whether refinement could have gone on. */
 export const isLeft = (pairs, i) => (pairs.state[i] & kLeft) !== 0;
@@ -88,3 +94,54 @@ export function pairsOfBody(pairs, row) {
   for (let i = 0; i < pairs.count; ++i) if (pairs.a[i] === row || pairs.b[i] === row) found.push(i);
   return found.sort((i, j) => isCoarse(pairs, j) - isCoarse(pairs, i) || pairs.seen[j] - pairs.seen[i]);
 }
+
+// What became of a pair, as docs/capture.md numbers it.
+const kFoundApart = 4,
+  kDeepest = 5,
+  kUnserved = 10;
+const kWhy = [
+  "", // not told
+  "sure for this frame",
+  "its contact points of an earlier frame still hold",
+  "of a fast body: refined whole, whatever the budget",
+  "refinement ended there",
+  "its last level",
+  "the frame had no time to look at it again",
+  "its next level was begun, and cut off when the time was over",
+  "there was no memory for its next level",
+  "what remains of its error is below the threshold of what is seen",
+];
+
+// The turns of the pairs that waited in vain, ascending, and the lowest turn of those that came to their end.
+function queueOf(pairs) {
+  if (!pairs.queue) {
+    const waiting = [];
+    let served = Infinity;
+    for (let i = 0; i < pairs.count; ++i) {
+      const turn = pairs.turn[i];
+      if (turn === 0) continue;
+      if (pairs.outcome[i] === kUnserved) waiting.push(turn);
+      const ended = pairs.outcome[i] === kFoundApart || pairs.outcome[i] === kDeepest;
+      if (ended) served = Math.min(served, turn);
+    }
+    pairs.queue = { waiting: waiting.sort((x, y) => x - y), served };
+  }
+  return pairs.queue;
+}
+
+function unservedText(pairs, i, policy) {
+  const turn = pairs.turn[i];
+  if (turn === 0) return "the budget was used up before it was ranked";
+  const { waiting, served } = queueOf(pairs);
+  const before = waiting.filter((other) => other > turn).length;
+  const place = before === 0 ? `first of ${waiting.length} that waited` : `after ${before} of ${waiting.length} that waited`;
+  // Bands of this policy are quarters of an octave.
+  const ratio = 2 ** ((turn - served) / 4);
+  const score =
+    policy === "perceptual" && ratio < 1 ? `, its score ${number(ratio, 2)} of the lowest that was served` : "";
+  return `the budget was used up before its turn (${place}${score})`;
+}
+
+/** Why a pair has the level that it has, in words; empty where the capture does not tell. */
+export const whyText = (pairs, i, policy) =>
+  pairs.outcome[i] === kUnserved ? unservedText(pairs, i, policy) : (kWhy[pairs.outcome[i]] ?? "");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { kStates, priorityOfBand } from "../capture/frame_cursor.js";
-import { isCoarse, pairsOfBody, pairText } from "../capture/pairs.js";
+import { isCoarse, pairsOfBody, pairText, whyText } from "../capture/pairs.js";
 import { byId, element } from "../elements.js";
 import { counted, number } from "../format.js";
 
@@ -45,7 +45,14 @@ function pairLines(file, pairs, row) {
   const lines = found.slice(0, kMostPairs).map((i) => {
     const other = pairs.a[i] === row ? pairs.b[i] : pairs.a[i];
     const name = file.bodies.name[other] || `body ${file.bodies.number[other]}`;
-    return element("li", { class: isCoarse(pairs, i) ? "left" : false }, element("b", {}, name), ` ${pairText(pairs, i)}`);
+    const why = whyText(pairs, i, file.head.policy);
+    return element(
+      "li",
+      { class: isCoarse(pairs, i) ? "left" : false },
+      element("b", {}, name),
+      ` ${pairText(pairs, i)}`,
+      element("span", { class: "why" }, why && `: ${why}`),
+    );
   });
   if (found.length > kMostPairs) lines.push(element("li", {}, `… and ${found.length - kMostPairs} more`));
   const left = found.filter((i) => isCoarse(pairs, i)).length;
