@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/picture/chart_theme.h"
 #include "scene/run/percentiles.h"
 #include "studies/gnuplot.h"
 #include "studies/study_charts.h"
@@ -70,10 +71,10 @@ std::string maps(const GazeRun& run, std::uint64_t seed) {
   const std::vector<NearRatio> near = near_ratios(run.states, seed);
   std::string text = std::string(kPalette) + "unset xtics\nunset ytics\nunset key\nset grid noxtics noytics\n";
   text += fmt::format(
-      "set xrange [0:{}]\nset yrange [{}:0]\nset cbrange [{:g}:{:g}]\nset cblabel \"error, m/s\"\n"
-      "set object 1 rectangle from graph 0,0 to graph 1,1 fs solid border lc rgb \"#d3d8de\" fc rgb \"#eef0f2\" "
-      "behind\n",
-      kCellsAcross, kCellsDown, least, most);
+      "set xrange [0:{0}]\nset yrange [{1}:0]\nset cbrange [{2:g}:{3:g}]\nset cblabel \"error, m/s\"\n"
+      "set cbtics textcolor rgb \"{4}\"\nset cblabel textcolor rgb \"{4}\"\n"
+      "set object 1 rectangle from graph 0,0 to graph 1,1 fs solid border lc rgb \"{5}\" fc rgb \"{5}\" behind\n",
+      kCellsAcross, kCellsDown, least, most, color_text(kChartInk), color_text(kChartGrid));
   for (std::size_t point = 0; point < kGazePoints; ++point) {
     text += cells_block(all[point], point) + ring_block(run.camera, point);
     const std::string less =
@@ -81,9 +82,9 @@ std::string maps(const GazeRun& run, std::uint64_t seed) {
     text += point + 1 == kGazePoints ? "set colorbox user origin 0.925,0.615 size 0.012,0.285\n" : "unset colorbox\n";
     text += fmt::format(
         "set lmargin at screen {:g}\nset rmargin at screen {:g}\nset bmargin at screen 0.60\nset tmargin at screen "
-        "0.91\nset title \"gaze {}{}\"\n",
+        "0.91\nset title \"gaze {}{}\" textcolor rgb \"{}\"\n",
         0.02 + 0.3 * static_cast<double>(point), 0.02 + 0.3 * static_cast<double>(point) + 0.29, kGazeNames[point],
-        less);
+        less, color_text(kChartInk));
     text += fmt::format(
         "plot $cells{0} using 1:2:(0.51):(0.51):3 with boxxyerror fc palette fs solid noborder, $ring{0} with lines lw "
         "4 lc rgb \"white\", $ring{0} with lines lw 1.5 lc rgb \"black\"\n",

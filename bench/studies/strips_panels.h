@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "app/picture/chart_theme.h"
 #include "app/picture/frame_picture.h"
 #include "studies/study_strips.h"
 
@@ -14,6 +15,7 @@ namespace poise::app {
 
 inline constexpr std::uint32_t kPanelWidth = 320, kPanelHeight = 190;  // pixels
 inline constexpr std::uint32_t kStripGap = 8, kStripTitle = 26, kStripHead = 34;
+inline constexpr const ChartColor& kStripArrow = kChartLate;
 inline constexpr double kArrowS = 0.45;  // an arrow is the way of so many seconds
 inline constexpr std::array kStripMoments = {"start", "collision, nearer", "later", "end: velocities"};
 

@@ -13,9 +13,6 @@ namespace poise::app {
 namespace {
 
 constexpr std::uint32_t kTextScale = 2;
-constexpr std::array<std::uint8_t, 3> kStripInk = {40, 45, 52};
-constexpr std::array<std::uint8_t, 3> kArrow = {190, 40, 30};
-constexpr std::array<std::uint8_t, 3> kPaperBytes = {250, 250, 251};
 
 struct Point {
   double x = 0, y = 0;
@@ -80,7 +77,7 @@ void draw_arrow(io::Image& image, const Point& from, const Point& to) {
     return Point{to.x - head * (along.x - turn * along.y), to.y - head * (along.y + turn * along.x)};
   };
   constexpr std::array<std::uint8_t, 3> kWhite = {255, 255, 255};
-  for (const auto& [color, half] : {std::pair{kWhite, 3.2}, {kArrow, 1.7}}) {
+  for (const auto& [color, half] : {std::pair{kWhite, 3.2}, {kStripArrow, 1.7}}) {
     draw_line(image, from, to, color, half);
     draw_line(image, to, side(0.5), color, half);
     draw_line(image, to, side(-0.5), color, half);
@@ -140,7 +137,9 @@ std::string strip_end(const Strip& strip) {
   return fmt::format("{:.2f} and {:.2f} m/s", strip.velocity_mps[0].norm(), strip.velocity_mps[1].norm());
 }
 
-io::Image strips_picture(const Strips& strips) {
+io::Image strips_picture(const Strips& strips, bool dark) {
+  const auto themed = [dark](const ChartColor& color) { return dark ? dark_color(color, DarkPart::All) : color; };
+  const ChartColor ground = themed(kChartGround), ink = themed(kChartInk), end_ink = themed(kStripArrow);
   io::PictureSettings settings;
   settings.size_px = {{kPanelWidth, kPanelHeight}};
   settings.plain = true;
@@ -148,16 +147,16 @@ io::Image strips_picture(const Strips& strips) {
   image.width_px = strips_width_px();
   image.height_px = strip_top_px(strips.strips.size());
   for (std::uint32_t i = 0; i < image.width_px * image.height_px; ++i)
-    image.rgb.insert(image.rgb.end(), kPaperBytes.begin(), kPaperBytes.end());
+    image.rgb.insert(image.rgb.end(), ground.begin(), ground.end());
   for (std::size_t column = 0; column < kStripMoments.size(); ++column)
-    io::draw_text(image, kStripMoments[column], std::int64_t{panel_left_px(column)}, 12, kTextScale, kStripInk);
+    io::draw_text(image, kStripMoments[column], std::int64_t{panel_left_px(column)}, 12, kTextScale, ink);
   for (std::size_t row = 0; row < strips.strips.size(); ++row) {
     const Strip& strip = strips.strips[row];
     const std::uint32_t top = strip_top_px(row);
-    io::draw_text(image, strip_title(strip), kStripGap, top + 4, kTextScale, kStripInk);
+    io::draw_text(image, strip_title(strip), kStripGap, top + 4, kTextScale, ink);
     const std::string end = strip_end(strip);
     io::draw_text(image, end, std::int64_t{image.width_px} - kStripGap - io::text_width_px(end, kTextScale), top + 4,
-                  kTextScale, kArrow);
+                  kTextScale, end_ink);
     for (std::size_t column = 0; column < kStripMoments.size(); ++column)
       put_image(image, panel_of(strips, strip, settings, column), panel_left_px(column), top + kStripTitle);
   }

@@ -21,7 +21,7 @@ struct Part {
   std::string svg;
 };
 
-std::string color_text(const std::array<double, 3>& color, double light) {
+std::string lit_text(const std::array<double, 3>& color, double light) {
   std::array<int, 3> part{};
   for (std::size_t k = 0; k < 3; ++k) part[k] = static_cast<int>(std::lround(255 * std::min(1.0, color[k] * light)));
   return fmt::format("#{:02x}{:02x}{:02x}", part[0], part[1], part[2]);
@@ -51,7 +51,7 @@ void add_body(const io::Eye& eye, const io::DrawnShape& shape, const io::DrawnBo
       path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x, y);
     }
     const double light = 0.62 + 0.42 * std::max(0.0, normal.dot(towards_light));
-    parts.push_back({depth_m, fmt::format("<path d=\"{}z\" color=\"{}\"/>\n", path, color_text(color, light))});
+    parts.push_back({depth_m, fmt::format("<path d=\"{}z\" color=\"{}\"/>\n", path, lit_text(color, light))});
   }
   if (!shape.triangles.empty() || shape.levels.empty()) return;
   for (const Sphere& ball : shape.levels.back()) {
@@ -59,7 +59,7 @@ void add_body(const io::Eye& eye, const io::DrawnShape& shape, const io::DrawnBo
     const double depth_m = eye.to_eye.row(2).dot(center_m - eye.position_m);
     if (depth_m < ball.radius_m + kNearM) continue;
     parts.push_back(
-        {depth_m, circle(eye, center_m, ball.radius_m) + fmt::format(" color=\"{}\"/>\n", color_text(color, 0.9))});
+        {depth_m, circle(eye, center_m, ball.radius_m) + fmt::format(" color=\"{}\"/>\n", lit_text(color, 0.9))});
   }
 }
 
@@ -71,7 +71,7 @@ std::string balls_over(const io::Eye& eye, const io::DrawnShape& shape, const io
     svg += circle(eye, body.pose.position_m + body.pose.orientation * ball.center_m, ball.radius_m) + "/>\n";
   const std::array<double, 3> color = io::level_color(level);
   return fmt::format("<g opacity=\"0.4\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.7\">\n{}</g>\n",
-                     color_text(color, 1), color_text(color, 0.6), svg);
+                     lit_text(color, 1), lit_text(color, 0.6), svg);
 }
 
 std::string arrow(const std::array<double, 2>& from, const std::array<double, 2>& to) {
@@ -83,9 +83,9 @@ std::string arrow(const std::array<double, 2>& from, const std::array<double, 2>
                   to[1], to[0] - head * (x - 0.5 * y), to[1] - head * (y + 0.5 * x), to[0], to[1],
                   to[0] - head * (x + 0.5 * y), to[1] - head * (y - 0.5 * x));
   return fmt::format(
-      "<path d=\"{0}\" stroke=\"white\" stroke-width=\"6\"/>\n<path d=\"{0}\" stroke=\"#be281e\" "
+      "<path d=\"{0}\" stroke=\"white\" stroke-width=\"6\"/>\n<path d=\"{0}\" style=\"stroke: {1}\" "
       "stroke-width=\"3\"/>\n",
-      path);
+      path, color_text(kStripArrow));
 }
 
 std::string panel(const Strips& all, const std::vector<io::DrawnShape>& shapes, const Strip& strip,
@@ -123,9 +123,9 @@ std::string strips_svg(const Strips& strips) {
   const std::uint32_t width = strips_width_px(), height = strip_top_px(strips.strips.size());
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
-      "font-family=\"sans-serif\" font-size=\"16\" fill=\"#282d34\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fafafb\"/>\n",
-      width, height);
+      "font-family=\"sans-serif\" font-size=\"16\" fill=\"{2}\">\n<rect width=\"{0}\" height=\"{1}\" "
+      "fill=\"{3}\"/>\n",
+      width, height, color_text(kChartInk), color_text(kChartGround));
   for (std::size_t column = 0; column < kStripMoments.size(); ++column)
     svg += fmt::format("<text x=\"{}\" y=\"26\">{}</text>\n", panel_left_px(column), kStripMoments[column]);
   for (std::size_t row = 0; row < strips.strips.size(); ++row) {
@@ -133,8 +133,9 @@ std::string strips_svg(const Strips& strips) {
     const std::uint32_t top = strip_top_px(row);
     svg += fmt::format(
         "<text x=\"{}\" y=\"{}\">{}</text>\n<text x=\"{}\" y=\"{}\" text-anchor=\"end\" "
-        "fill=\"#be281e\">{}</text>\n",
-        kStripGap, top + 18, strip_title(strip), width - kStripGap, top + 18, strip_end(strip));
+        "fill=\"{}\">{}</text>\n",
+        kStripGap, top + 18, strip_title(strip), width - kStripGap, top + 18, color_text(kStripArrow),
+        strip_end(strip));
     for (std::size_t column = 0; column < kStripMoments.size(); ++column) {
       // A picture in a picture, which cuts off what is beyond its edge.
       svg += fmt::format("<svg x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\">\n{}</svg>\n", panel_left_px(column),
@@ -142,7 +143,7 @@ std::string strips_svg(const Strips& strips) {
                          panel(strips, shapes, strip, panel_frame(strips, strip, pictures, column), column));
     }
   }
-  return svg + "</svg>\n";
+  return svg_with_dark(svg + "</svg>\n", DarkPart::All);
 }
 
 }  // namespace poise::app

@@ -19,6 +19,7 @@
 #include "studies/accuracy_document.h"
 #include "studies/gnuplot.h"
 #include "studies/study_charts.h"
+#include "studies/study_draw.h"
 
 namespace poise::app {
 namespace {
@@ -40,16 +41,15 @@ Result<std::vector<accuracy::Case>> chosen(const StudyAccuracyOptions& options) 
 Status check(const StudyAccuracyOptions& options) {
   if (options.json == "-" && options.markdown == "-")
     return bad_input("only one of --json and --markdown can go to the standard output");
-  if (options.picture == "-") return bad_input("--picture must be a file");
-  if (options.svg == "-") return bad_input("--svg must be a file");
-  const Status picture = check_picture(options.picture);
+  const Status picture = check_plot_files(options.picture);
   if (!picture) return picture;
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
   return check_outputs({{"--json", options.json},
                         {"--markdown", options.markdown},
-                        {"--picture", options.picture},
-                        {"--svg", options.svg}},
+                        {"--picture", options.picture.png},
+                        {"--picture-dark", options.picture.png_dark},
+                        {"--svg", options.picture.svg}},
                        {});
 }
 
@@ -89,7 +89,9 @@ io::AccuracyDocument document_of(const accuracy::Context& context, double cpu_s)
 
 Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& document,
                  const parallel::Interrupt& interrupt) {
-  Status written = write_to(o.json, io::accuracy_json(document));
+  std::vector<LineChart> charts = io::accuracy_charts(document);
+  leave_out_empty(charts);
+  Status written = write_to(o.json, with_charts(io::accuracy_json(document), charts, 1));
   add_failure(write_to(o.markdown, io::accuracy_markdown(document)), written);
   if (o.json != "-" && o.markdown != "-" && !o.quiet)
     add_failure(io::write_stdout(io::accuracy_table(document)), written);
@@ -98,15 +100,13 @@ Status write_all(const StudyAccuracyOptions& o, const io::AccuracyDocument& docu
     o.page_charts->push_back(io::bounds_chart(document));
     leave_out_empty(*o.page_charts);
   }
-  if (o.picture.empty() && o.svg.empty()) return written;
+  if (!o.picture.any()) return written;
   if (document.series.empty()) {
     add_failure(bad_input("--picture: none of the chosen cases has anything to draw; those that stand for 60 s do"),
                 written);
     return written;
   }
-  std::vector<LineChart> charts = io::accuracy_charts(document);
-  leave_out_empty(charts);
-  add_failure(draw_by_gnuplot(charts_plot(charts, 1), o.picture, o.svg, interrupt), written);
+  add_failure(draw_by_gnuplot(charts_plot(charts, 1), o.picture, interrupt), written);
   return written;
 }
 
@@ -144,9 +144,8 @@ void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& o) {
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 1)");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.accuracy/1), - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
-  add_path(command, "--picture", o.picture,
-           "Draw drift and kinetic energy of what stands over time as a PNG (needs gnuplot)");
-  add_path(command, "--svg", o.svg, "The same as an SVG");
+  add_plot_files(command, o.picture, "Draw drift and kinetic energy of what stands over time as a PNG (needs gnuplot)");
+  add_path(command, "--svg", o.picture.svg, "The same as an SVG, light or dark as the browser prefers");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No table and no progress");
   command.footer(
@@ -170,7 +169,8 @@ int study_accuracy(const StudyAccuracyOptions& options) {
   if (!sound) return refuse("study accuracy", kExitBadUsage, sound.error().message);
   const Result<std::vector<accuracy::Case>> cases = chosen(options);
   if (!cases) return refuse("study accuracy", kExitBadUsage, cases.error().message);
-  const Status writable = can_write({options.json, options.markdown, options.picture, options.svg});
+  const Status writable =
+      can_write({options.json, options.markdown, options.picture.png, options.picture.png_dark, options.picture.svg});
   if (!writable) return refuse("study accuracy", writable.error());
   return study(options, cases.value());
 }

@@ -9,13 +9,15 @@
 
 #include "app/report/line_chart.h"
 #include "app/tree_cache_options.h"
+#include "studies/gnuplot.h"
 
 namespace poise::app {
 
 /// The command line of `poise study accuracy`.
 struct StudyAccuracyOptions {
   std::vector<std::string> only;
-  std::string json, markdown, picture, svg;
+  std::string json, markdown;
+  PlotFiles picture;
   std::optional<std::uint64_t> threads;
   TreeCacheOptions tree_cache;
   bool list = false;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "app/picture/chart_theme.h"
 #include "app/report/chart_axes.h"
 #include "studies/gnuplot.h"
 
@@ -84,7 +85,7 @@ std::string names_plot(const LineChart& chart, const ChartAxis& x, const ChartAx
     ++number;
     const bool is_own = name.is_level && !chart.levels[name.line].line;
     const std::size_t line = name.is_level ? chart.levels[name.line].line.value_or(0) : name.line;
-    const std::string color = fmt::format("rgb \"{}\"", is_own ? "#303840" : plot_color(line));
+    const std::string color = fmt::format("rgb \"{}\"", is_own ? color_text(kChartInk) : plot_color(line));
     text += fmt::format("set label {} {} at graph 1,{:.4f} offset character 1.4,0 left noenhanced textcolor {}\n",
                         number, quoted(name.text), name.at, color);
     if (name.is_level) continue;
@@ -112,11 +113,11 @@ std::string panel_plot(const LineChart& chart, const PanelBox& box, const Pictur
   const double up = box.height - kTopEdge - bottom_edge;
   std::string text = fmt::format(
       "set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset tmargin at screen "
-      "{:.4f}\nunset key\nunset label\nunset arrow\nset autoscale\nset title {} noenhanced\nset xlabel {} noenhanced "
-      "offset character 0,{}\n",
+      "{:.4f}\nunset key\nunset label\nunset arrow\nset autoscale\nset title {} noenhanced textcolor rgb \"{}\"\nset "
+      "xlabel {} noenhanced textcolor rgb \"{}\" offset character 0,{}\n",
       (box.left + kLeftEdge) / picture.width, (box.left + kLeftEdge + across) / picture.width,
       (box.bottom + bottom_edge) / picture.height, (box.bottom + bottom_edge + up) / picture.height,
-      quoted(chart.title), quoted(chart.x_label),
+      quoted(chart.title), color_text(kChartInk), quoted(chart.x_label), color_text(kChartInk),
       rows == 1 ? "0" : fmt::format("-{:g}", 0.35 * static_cast<double>(rows - 1)));
   text += axis_plot("x", x, rows) + axis_plot("y", y, 1) + names_plot(chart, x, y, kNameGap / up);
   std::string plots;
@@ -127,7 +128,8 @@ std::string panel_plot(const LineChart& chart, const PanelBox& box, const Pictur
       add(fmt::format("$line{0} using 1:3:4 with filledcurves lt {1} fs transparent solid 0.14 noborder", i, i + 1));
   }
   for (const ChartLevel& level : chart.levels) {
-    const std::string color = level.line ? fmt::format("lt {}", *level.line + 1) : std::string("lc rgb \"#303840\"");
+    const std::string color =
+        level.line ? fmt::format("lt {}", *level.line + 1) : fmt::format("lc rgb \"{}\"", color_text(kChartInk));
     add(fmt::format("{:.9g} with lines {} lw 1.5 dt 2", level.y, color));
   }
   for (std::size_t i = 0; i < chart.lines.size(); ++i)

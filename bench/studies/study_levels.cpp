@@ -134,16 +134,15 @@ Result<LevelsPlan> plan_of(const StudyLevelsOptions& options) {
   if (std::ranges::count(std::vector{options.json, options.markdown, options.csv}, "-") > 1) {
     return bad_input("only one of --json, --markdown and --csv can go to the standard output");
   }
-  if (options.picture == "-") return bad_input("--picture must be a file");
-  if (options.svg == "-") return bad_input("--svg must be a file");
-  const Status picture = check_picture(options.picture);
+  const Status picture = check_plot_files(options.picture);
   if (!picture) return picture.error();
   for (const std::string& mesh : options.meshes.empty() ? std::vector<std::string>{""} : options.meshes) {
     const Status apart = check_outputs({{"--json", options.json},
                                         {"--markdown", options.markdown},
                                         {"--csv", options.csv},
-                                        {"--picture", options.picture},
-                                        {"--svg", options.svg}},
+                                        {"--picture", options.picture.png},
+                                        {"--picture-dark", options.picture.png_dark},
+                                        {"--svg", options.picture.svg}},
                                        {{"MESH", mesh}});
     if (!apart) return apart.error();
   }
@@ -175,8 +174,8 @@ void add_study_levels_options(CLI::App& command, StudyLevelsOptions& o) {
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.levels/2), - for the standard output");
   add_path(command, "--csv", o.csv, "Write a line a row, - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the tables for docs, - for the standard output");
-  add_path(command, "--picture", o.picture, "Draw error against level as a PNG (needs gnuplot)");
-  add_path(command, "--svg", o.svg, "The same as an SVG");
+  add_plot_files(command, o.picture, "Draw error against level as a PNG (needs gnuplot)");
+  add_path(command, "--svg", o.picture.svg, "The same as an SVG, light or dark as the browser prefers");
   add_tree_cache_options(command, o.tree_cache);
   command.add_flag("--quiet", o.quiet, "No tables and no progress");
   command.footer(

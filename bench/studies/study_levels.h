@@ -11,6 +11,7 @@
 #include "app/report/line_chart.h"
 #include "app/tree_cache_options.h"
 #include "poise/result.h"
+#include "studies/gnuplot.h"
 #include "verify/pair_probe.h"
 #include "world/contact_model_names.h"
 
@@ -20,7 +21,8 @@ namespace poise::app {
 struct StudyLevelsOptions {
   std::vector<std::string> meshes;
   std::string pairs, models, levels, half = "report";
-  std::string json, csv, markdown, picture, svg;
+  std::string json, csv, markdown;
+  PlotFiles picture;
   std::optional<std::uint64_t> touches, seed, depth, fineness, threads;
   TreeCacheOptions tree_cache;
   bool quiet = false;

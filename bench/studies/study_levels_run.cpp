@@ -14,6 +14,7 @@
 #include "studies/gnuplot.h"
 #include "studies/level_trial.h"
 #include "studies/study_charts.h"
+#include "studies/study_draw.h"
 #include "studies/study_levels.h"
 
 namespace poise::app {
@@ -70,15 +71,15 @@ io::LevelsDocument begin_document(const StudyLevelsOptions& options, const Trial
 
 Status write_all(const StudyLevelsOptions& o, const io::LevelsDocument& document,
                  const parallel::Interrupt& interrupt) {
-  Status written = write_to(o.json, io::levels_json(document));
+  std::vector<LineChart> charts = io::levels_charts(document);
+  leave_out_empty(charts);
+  Status written = write_to(o.json, with_charts(io::levels_json(document), charts, 2));
   add_failure(write_to(o.csv, io::levels_csv(document)), written);
   add_failure(write_to(o.markdown, io::levels_markdown(document)), written);
   const bool taken = o.json == "-" || o.markdown == "-" || o.csv == "-";
   if (!taken && !o.quiet) add_failure(io::write_stdout(io::levels_table(document)), written);
-  std::vector<LineChart> charts = io::levels_charts(document);
-  leave_out_empty(charts);
   if (o.page_charts != nullptr) *o.page_charts = charts;
-  add_failure(draw_by_gnuplot(charts_plot(charts, 2), o.picture, o.svg, interrupt), written);
+  add_failure(draw_by_gnuplot(charts_plot(charts, 2), o.picture, interrupt), written);
   return written;
 }
 
@@ -118,7 +119,8 @@ int study(const StudyLevelsOptions& options, const LevelsPlan& plan, Progress& p
 int study_levels(const StudyLevelsOptions& options) {
   const Result<LevelsPlan> plan = plan_of(options);
   if (!plan) return refuse("study levels", kExitBadUsage, plan.error().message);
-  const Status writable = can_write({options.json, options.csv, options.markdown, options.picture, options.svg});
+  const Status writable = can_write({options.json, options.csv, options.markdown, options.picture.png,
+                                     options.picture.png_dark, options.picture.svg});
   if (!writable) return refuse("study levels", writable.error());
   for (const std::string& name : plan.value().missing)
     fmt::print(stderr, "poise study levels: not installed, left out: {}\n", name);

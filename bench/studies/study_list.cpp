@@ -7,6 +7,7 @@
 
 #include "studies/study_accuracy.h"
 #include "studies/study_compliance.h"
+#include "studies/study_draw.h"
 #include "studies/study_error_time.h"
 #include "studies/study_forecast.h"
 #include "studies/study_gaze.h"
@@ -35,8 +36,8 @@ StudyFiles files_of(Options& options, StudyPicture picture) {
     files.quiet = &options.quiet;
     if constexpr (requires { options.picture; }) {
       if (picture != StudyPicture::None) {
-        files.picture = &options.picture;
-        files.svg = &options.svg;
+        files.picture = &options.picture.png;
+        files.svg = &options.picture.svg;
         files.picture_needs_gnuplot = picture == StudyPicture::ByGnuplot;
       }
     }
@@ -104,6 +105,10 @@ void add_studies(CLI::App& command, int& exit_code) {
             add_study_population_options, study_population, exit_code);
   add_study(command, "strips", "One collision of two bodies, interrupted at each level: gaps and velocities",
             add_study_strips_options, study_strips, exit_code, StudyPicture::Own);
+  auto drawn = std::make_shared<StudyDrawOptions>();
+  CLI::App* draw = command.add_subcommand("draw", "Draw the charts of a study again, from its JSON");
+  add_study_draw_options(*draw, *drawn);
+  draw->callback([drawn, &exit_code] { exit_code = study_draw(*drawn); });
 }
 
 }  // namespace poise::app

@@ -220,7 +220,8 @@ void add_study_strips_options(CLI::App& command, StudyStripsOptions& o) {
       ->check(one_of(names))
       ->type_name("MODEL");
   add_study_files(command, o.common, "Draw the strips as a PNG");
-  add_path(command, "--svg", o.common.svg, "Draw them as an SVG: flat colours, no shadows");
+  add_path(command, "--svg", o.common.picture.svg,
+           "Draw them as an SVG: flat colours, no shadows, light or dark as the browser prefers");
   command.footer(
       "Examples:\n"
       "  poise study strips --markdown strips.md --picture strips.png\n"
@@ -245,14 +246,17 @@ int study_strips(const StudyStripsOptions& o) {
   const Result<Strips> strips = collide(scene.value(), start);
   if (!strips) return refuse("study strips", strips.error());
   StudyTimesOptions without_plot = o.common;
-  without_plot.picture.clear();
-  without_plot.svg.clear();
+  without_plot.picture = {};
   Status written = write_study(without_plot, strips_table(strips.value(), o), {}, std::string());
-  if (!o.common.picture.empty()) {
-    const Result<std::string> png = io::png_bytes(strips_picture(strips.value()));
-    add_failure(png ? io::write_file(o.common.picture, png.value()) : Status(png.error()), written);
-  }
-  if (!o.common.svg.empty()) add_failure(io::write_file(o.common.svg, strips_svg(strips.value())), written);
+  const PlotFiles& files = o.common.picture;
+  const auto draw = [&](const std::string& file, bool dark) {
+    if (file.empty()) return;
+    const Result<std::string> png = io::png_bytes(strips_picture(strips.value(), dark));
+    add_failure(png ? io::write_file(file, png.value()) : Status(png.error()), written);
+  };
+  draw(files.png, false);
+  draw(files.png_dark, true);
+  if (!files.svg.empty()) add_failure(io::write_file(files.svg, strips_svg(strips.value())), written);
   return written ? kExitDone : refuse("study strips", written.error());
 }
 

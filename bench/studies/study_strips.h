@@ -51,9 +51,9 @@ Result<Strips> collide(const Scene& scene, const SceneRunOptions& start);
 io::StudyTable strips_table(const Strips& strips, const StudyStripsOptions& options);
 
 /// The strips one below the other: the moments from left to right, at the collision with the balls of the level, at the
-/// end with the velocities as arrows.
-io::Image strips_picture(const Strips& strips);
-/// The same in lines and areas, for papers: flat colours, no shadows, no ground.
+/// end with the velocities as arrows. `dark`: on a dark ground.
+io::Image strips_picture(const Strips& strips, bool dark = false);
+/// The same in lines and areas, for papers: flat colours, no shadows, no ground. Dark where a browser prefers that.
 std::string strips_svg(const Strips& strips);
 
 /// Returns the exit code.

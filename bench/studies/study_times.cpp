@@ -15,6 +15,7 @@
 #include "scene/result_file.h"
 #include "scene/run/milliseconds.h"
 #include "studies/gnuplot.h"
+#include "studies/study_draw.h"
 
 namespace poise::app {
 
@@ -25,7 +26,7 @@ void add_study_outputs(CLI::App& command, StudyTimesOptions& o, const std::strin
                   fmt::format("A scene with generators, by file or name (default {})", default_scene))
       ->type_name("SCENE");
   add_study_files(command, o, "Draw the figures as a PNG (needs gnuplot)", default_threads);
-  add_path(command, "--svg", o.svg, "The same as an SVG");
+  add_path(command, "--svg", o.picture.svg, "The same as an SVG, light or dark as the browser prefers");
 }
 
 void add_study_tables(CLI::App& command, StudyTimesOptions& o, std::uint64_t default_threads) {
@@ -39,7 +40,7 @@ void add_study_tables(CLI::App& command, StudyTimesOptions& o, std::uint64_t def
 
 void add_study_files(CLI::App& command, StudyTimesOptions& o, const std::string& picture,
                      std::uint64_t default_threads) {
-  add_path(command, "--picture", o.picture, picture);
+  add_plot_files(command, o.picture, picture);
   add_study_tables(command, o, default_threads);
 }
 
@@ -69,15 +70,17 @@ void add_study_times_options(CLI::App& command, StudyTimesOptions& o, const std:
 Status check_study_times(const StudyTimesOptions& o) {
   if (o.json == "-" && o.markdown == "-")
     return bad_input("only one of --json and --markdown can go to the standard output");
-  if (o.picture == "-") return bad_input("--picture must be a file");
-  if (o.svg == "-") return bad_input("--svg must be a file");
-  const Status picture = check_picture(o.picture);
+  const Status picture = check_plot_files(o.picture);
   if (!picture) return picture;
   const Result<TreeCacheSettings> cache = tree_cache_settings(o.tree_cache);
   if (!cache) return cache.error();
-  const Status apart =
-      check_outputs({{"--json", o.json}, {"--markdown", o.markdown}, {"--picture", o.picture}, {"--svg", o.svg}}, {});
-  return apart ? can_write({o.json, o.markdown, o.picture, o.svg}) : apart;
+  const Status apart = check_outputs({{"--json", o.json},
+                                      {"--markdown", o.markdown},
+                                      {"--picture", o.picture.png},
+                                      {"--picture-dark", o.picture.png_dark},
+                                      {"--svg", o.picture.svg}},
+                                     {});
+  return apart ? can_write({o.json, o.markdown, o.picture.png, o.picture.png_dark, o.picture.svg}) : apart;
 }
 
 Result<StudyScene> StudyScene::make(const StudyTimesOptions& options, const std::string& default_scene) {
@@ -168,20 +171,20 @@ Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, std:
                    std::size_t columns) {
   leave_out_empty(charts);
   const std::string plot = charts_plot(charts, columns);
-  return write_study(o, table, std::move(charts), plot);
+  return write_study(o, table, std::move(charts), plot, columns);
 }
 
 Status write_study(const StudyTimesOptions& o, const io::StudyTable& table, std::vector<LineChart> charts,
-                   const std::string& plot) {
-  Status written = write_to(o.json, io::study_json(table));
+                   const std::string& plot, std::size_t columns) {
+  leave_out_empty(charts);
+  Status written = write_to(o.json, with_charts(io::study_json(table), charts, columns));
   add_failure(write_to(o.markdown, io::study_markdown(table)), written);
   if (o.json != "-" && o.markdown != "-" && !o.quiet) add_failure(io::write_stdout(io::study_text(table)), written);
-  leave_out_empty(charts);
   if (o.page_charts != nullptr) *o.page_charts = std::move(charts);
-  if (o.picture.empty() && o.svg.empty()) return written;
+  if (!o.picture.any()) return written;
   const parallel::Interrupt interrupt;
   add_failure(plot.empty() ? Status(bad_input("--picture: the study has no figures to draw"))
-                           : draw_by_gnuplot(plot, o.picture, o.svg, interrupt),
+                           : draw_by_gnuplot(plot, o.picture, interrupt),
               written);
   return written;
 }

@@ -13,6 +13,7 @@
 #include "app/tree_cache_options.h"
 #include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
+#include "studies/gnuplot.h"
 #include "studies/study_charts.h"
 #include "studies/study_table.h"
 
@@ -23,7 +24,8 @@ struct StudyTimesOptions {
   std::string scene;
   std::optional<std::uint64_t> frames, warmup, threads;
   std::optional<double> deadline_ms;
-  std::string json, markdown, picture, svg;
+  std::string json, markdown;
+  PlotFiles picture;
   bool quiet = false;
   TreeCacheOptions tree_cache;
   std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
@@ -89,11 +91,12 @@ class StudyScene {
 
 /// A table with machine and build set.
 io::StudyTable begin_study(const std::string& name, const std::string& command);
-/// Writes the requested outputs; the picture has the charts in rows of so many.
+/// Writes the requested outputs; the picture has the charts in rows of so many. The JSON has the charts too, for
+/// `poise study draw`.
 Status write_study(const StudyTimesOptions& options, const io::StudyTable& table, std::vector<LineChart> charts,
                    std::size_t columns);
 /// The same with a picture that a script for gnuplot draws.
 Status write_study(const StudyTimesOptions& options, const io::StudyTable& table, std::vector<LineChart> charts,
-                   const std::string& plot);
+                   const std::string& plot, std::size_t columns = 2);
 
 }  // namespace poise::app

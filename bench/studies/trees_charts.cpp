@@ -6,17 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "scene/run/percentiles.h"
 #include "studies/study_charts.h"
 #include "studies/trees_document.h"
 
 namespace poise::io {
 namespace {
-
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 // The mean protrusion of all meshes at each level, a line a preset.
 app::LineChart fit_chart(const TreesDocument& document) {
@@ -38,8 +33,8 @@ app::LineChart fit_chart(const TreesDocument& document) {
     app::ChartLine& line = chart.lines.emplace_back(app::ChartLine{preset, {}});
     for (const auto& [level, values] : of_levels) {
       levels.insert(level);
-      line.points.push_back({static_cast<double>(level), middle_of(values), *std::ranges::min_element(values),
-                             *std::ranges::max_element(values)});
+      line.points.push_back({static_cast<double>(level), simulation::percentile(values, 0.5),
+                             *std::ranges::min_element(values), *std::ranges::max_element(values)});
     }
   }
   for (int level = 0; !levels.empty() && level <= *levels.rbegin(); ++level)

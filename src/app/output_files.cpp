@@ -61,10 +61,10 @@ std::string lower_case_ending(const std::string& path) {
   return ending;
 }
 
-Status check_picture(const std::string& path) {
+Status check_picture(const std::string& path, const char* option) {
   const std::string ending = lower_case_ending(path);
   if (ending.empty() || ending == ".png") return Done{};
-  return bad_input(fmt::format("--picture {}: a PNG is written, so the ending must be .png", path));
+  return bad_input(fmt::format("{} {}: a PNG is written, so the ending must be .png", option, path));
 }
 
 Status can_write(std::initializer_list<std::string> paths) {

@@ -24,7 +24,7 @@ Status check_outputs(std::initializer_list<NamedFile> outputs, std::initializer_
 std::string lower_case_ending(const std::string& path);
 
 /// Refuses a picture whose name says that it is no PNG. A name without an ending is taken.
-Status check_picture(const std::string& path);
+Status check_picture(const std::string& path, const char* option = "--picture");
 
 /// Tells all paths that cannot be written before long work, in one message, without leaving anything there. A pipe or a
 /// device is not tried: opening it is felt.

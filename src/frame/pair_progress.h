@@ -69,7 +69,8 @@ struct PairProgress {
   std::uint8_t band = 0;    ///< as CachedPair::band, likewise
   std::uint8_t waited = 0;  ///< as CachedPair::frames_waited, at most 255
   bool ranked = false;      ///< in this frame
-  std::uint8_t turn = 0;    ///< band of the score that its next level waits with, or its last one had; 0: none was found
+  /// Band of the score that its next level waits with, or its last one had; 0: none was found.
+  std::uint8_t turn = 0;
   Stop stop = Stop::None;
 
   void stop_for_time() {

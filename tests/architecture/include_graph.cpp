@@ -239,7 +239,9 @@ std::string to_svg(const IncludeGraph& graph) {
          "\" font-family=\"Helvetica, Arial, sans-serif\">\n"
          "<style>.room{font-size:15px;font-weight:bold;fill:#1d2733}.folders{font-size:11px;fill:#41505f}"
          ".size{font-size:10.5px;fill:#7a8794;text-anchor:end}.library{font-size:12.5px;font-weight:bold}"
-         ".note{font-size:12px;fill:#5a6672}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" +
+         ".note{font-size:12px;fill:#5a6672}.ground{fill:#ffffff}"
+         "@media (prefers-color-scheme: dark){.ground{fill:#14191f}.note{fill:#a3adb8}}</style>\n"
+         "<rect width=\"100%\" height=\"100%\" class=\"ground\"/>\n" +
          bands + body + "<text x=\"" + number(kLeft) + "\" y=\"" + number(y + 14) +
          "\" class=\"note\">An arrow: a room includes headers of another; the thicker, the more lines. Arrows to the "
          "values, which all rooms include, are left out.</text>\n</svg>\n";

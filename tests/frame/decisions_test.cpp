@@ -457,8 +457,8 @@ TEST(Decisions, AnExplanationGivesEachPairTheReasonThatTheStepHad) {
       }
     }
   }
-  for (const PairOutcome always : {PairOutcome::KnownApart, PairOutcome::FoundApart, PairOutcome::Mandatory,
-                                   PairOutcome::Unserved})
+  for (const PairOutcome always :
+       {PairOutcome::KnownApart, PairOutcome::FoundApart, PairOutcome::Mandatory, PairOutcome::Unserved})
     EXPECT_GT(count[always], 0U) << static_cast<int>(always);
 }
 

@@ -123,18 +123,6 @@ TEST(ComparisonDocument, HasARowForEachPolicyAndBudget) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
 }
 
-TEST(ComparisonDocument, ThePictureHasACurveForEachPolicyAndEscapesNames) {
-  const std::string svg = comparison_svg(document());
-  EXPECT_TRUE(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
-  EXPECT_NE(svg.find("a &lt;b> &amp; c, 3 frames"), std::string::npos);
-  std::size_t curves = 0;
-  for (std::size_t at = svg.find("<polyline"); at != std::string::npos; at = svg.find("<polyline", at + 1)) ++curves;
-  EXPECT_EQ(curves, 2U);
-  ComparisonDocument empty = document();
-  empty.result = {};
-  EXPECT_TRUE(comparison_svg(empty).ends_with("</svg>\n"));
-}
-
 TEST(ComparisonDocument, TheTableEndsWithTheConclusion) {
   const ComparisonDocument d = document();
   EXPECT_TRUE(comparison_table(d).ends_with("\n" + d.result.conclusion + "\n"));

@@ -173,5 +173,15 @@ TEST(StudyPicture, ThePngScriptBecomesOneForSvg) {
             "set terminal svg size 900,560 font \"sans,13\" background rgb \"#fafafb\"\nplot 1\n");
 }
 
+TEST(StudyPicture, TheSvgOfGnuplotIsDarkWhereABrowserPrefersThat) {
+  const std::string svg = app::svg_of_gnuplot(
+      "<svg \n width=\"9\"\n>\n<path stroke='rgb(  0, 114, 178)'/><g fill=\"rgb(26,32,39)\" d='M1'/><path "
+      "stroke='black'/></svg>");
+  EXPECT_NE(svg.find(">\n<style>@media (prefers-color-scheme: dark)"), std::string::npos) << svg;
+  EXPECT_NE(svg.find("<path stroke=\"#0072b2\"/><g fill=\"#1a2027\" d='M1'/><path stroke='black'/></svg>"),
+            std::string::npos)
+      << svg;
+}
+
 }  // namespace
 }  // namespace poise::testing

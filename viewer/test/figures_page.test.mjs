@@ -40,6 +40,14 @@ const invented = {
       type: "image/svg+xml",
       base64: Buffer.from('<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"/>').toString("base64"),
     },
+    {
+      title: "a picture of both themes",
+      type: "image/svg+xml",
+      base64: Buffer.from(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"><style>@media (prefers-color-scheme: dark) ' +
+          '{ [fill="#ffffff"] { fill: #14191f } }</style><rect width="40" height="20" fill="#ffffff"/></svg>',
+      ).toString("base64"),
+    },
   ],
   tables: "| case | value |\n|---|---|\n| one | 10 |\n| two | 9 % |\n| three | - |\n\nA last line.\n",
   command: "poise compare heap --report out",
@@ -163,4 +171,30 @@ test("names of lines keep a line's distance inside of the chart", () => {
   assert.equal(shareOf({ least: -1, most: 3, log: false }, 1), 0.5);
   const named = (text) => ({ least: 0, most: 4, log: false, ticks: [0, 1, 2, 3, 4].map((at) => [at, text]) });
   assert.deepEqual(["ab", "a longer name", "a name that is longer than all"].map((text) => tickRows(named(text), 400)), [1, 1, 3]);
+});
+
+test("a picture with colours of its own for the dark has those of the page, whatever the system prefers", { skip }, async () => {
+  for (const theme of ["light", "dark"]) {
+    await withPage(
+      invented,
+      async (page) => {
+        const shade = () =>
+          page.evaluate(async () => {
+            const image = document.querySelectorAll(".picture img")[1];
+            await image.decode();
+            const canvas = document.createElement("canvas");
+            const pen = canvas.getContext("2d");
+            pen.drawImage(image, 0, 0);
+            const filter = getComputedStyle(image).filter;
+            return [document.documentElement.dataset.theme, pen.getImageData(10, 10, 1, 1).data[0], filter];
+          });
+        const light = ["light", 255, "none"],
+          dark = ["dark", 20, "none"];
+        assert.deepEqual(await shade(), theme === "light" ? light : dark);
+        await page.keyboard.press("t");
+        assert.deepEqual(await shade(), theme === "light" ? dark : light);
+      },
+      { theme },
+    );
+  }
 });

@@ -30,7 +30,7 @@ Status write_results(const CompareOptions& options, const io::ComparisonDocument
                      std::optional<FiguresFiles>& report) {
   Status written = write_to(options.json, options.json.empty() ? "" : io::comparison_json(document));
   add_failure(write_to(options.csv, options.csv.empty() ? "" : io::comparison_csv(document)), written);
-  add_failure(write_to(options.svg, options.svg.empty() ? "" : io::comparison_svg(document)), written);
+  add_failure(write_to(options.svg, options.svg.empty() ? "" : comparison_svg(document)), written);
   if (report) add_failure(report->write(comparison_figures(document, command_line())), written);
   if (options.quiet) return written;
   std::string table = io::comparison_table(document);

@@ -40,11 +40,15 @@ LineChart chart_of(const io::ComparisonDocument& document, std::string id, std::
   return chart;
 }
 
+LineChart e_seen_chart(const io::ComparisonDocument& d, std::string title, std::string note) {
+  return chart_of(d, "e-seen", std::move(title), std::move(note),
+                  [](const Row& row) { return with_interval(row.budget, row.e_seen_mps); });
+}
+
 std::vector<LineChart> charts_of(const io::ComparisonDocument& d) {
   constexpr const char* kBands = "Lower is better. Bands: 95 % intervals of the mean.";
   std::vector<LineChart> charts;
-  charts.push_back(chart_of(d, "e-seen", "E_seen: error that a viewer notices, m/s", kBands,
-                            [](const Row& row) { return with_interval(row.budget, row.e_seen_mps); }));
+  charts.push_back(e_seen_chart(d, "E_seen: error that a viewer notices, m/s", kBands));
   charts.push_back(chart_of(d, "e-rel", "E_rel: error as a share of what the frame changes", kBands,
                             [](const Row& row) { return with_interval(row.budget, row.e_rel); }));
   charts.push_back(chart_of(d, "e", "E: error of all bodies alike, m/s", kBands,
@@ -127,6 +131,10 @@ FiguresDocument comparison_figures(const io::ComparisonDocument& d, std::vector<
   page.machine = d.machine;
   page.build = d.build;
   return page;
+}
+
+std::string comparison_svg(const io::ComparisonDocument& d) {
+  return line_chart_svg(e_seen_chart(d, fmt::format("{}, {} frames: E_seen, m/s", d.scene, d.result.frames), {}));
 }
 
 }  // namespace poise::app

@@ -13,4 +13,7 @@ namespace poise::app {
 /// the command line.
 FiguresDocument comparison_figures(const io::ComparisonDocument& document, std::vector<std::string> command);
 
+/// E_seen against the budget, one curve a policy with its interval, as SVG.
+std::string comparison_svg(const io::ComparisonDocument& document);
+
 }  // namespace poise::app

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/picture/chart_theme.h"
 #include "app/picture/panel_raster.h"
 #include "app/picture/pixel_text.h"
 #include "geometry/bvh/triangle_bvh.h"
@@ -18,13 +19,24 @@ namespace {
 using Color = std::array<double, 3>;
 
 constexpr int kTreeSamplesAcross = 3;  // per pixel, each way
-constexpr Color kPaper = {0.975, 0.978, 0.982};
 constexpr Color kMesh = {0.83, 0.84, 0.86};
-constexpr std::array<std::uint8_t, 3> kInk = {70, 75, 82};
 constexpr std::uint32_t kMostColumns = 5;
 constexpr std::uint32_t kPanelGap = 10;
 constexpr double kLeast = 0.001;  // shares of the diagonal at the two ends of the colours
 constexpr double kMost = 0.1;
+
+/// Ground and letters.
+struct Paper {
+  explicit Paper(bool dark) {
+    const auto themed = [dark](const app::ChartColor& color) {
+      return dark ? app::dark_color(color, app::DarkPart::Frame) : color;
+    };
+    ink = themed(app::kChartInk);
+    std::ranges::transform(themed(app::kChartGround), ground.begin(), [](std::uint8_t part) { return part / 255.0; });
+  }
+  Color ground{};
+  app::ChartColor ink{};
+};
 
 struct SphereImage {
   Vec3 center_m = Vec3::Zero();
@@ -102,6 +114,7 @@ struct Painter {
   const TriangleMesh& mesh;
   const geometry::TriangleBvh& bvh;
   double diagonal_m = 1;
+  Color ground{};
 
   [[nodiscard]] Color mesh_color(const PanelRaster& raster, std::uint32_t item) const {
     const auto& t = mesh.triangles[item];
@@ -128,7 +141,7 @@ struct Painter {
       const int x = column * kTreeSamplesAcross + sub % kTreeSamplesAcross;
       const int y = row * kTreeSamplesAcross + sub / kTreeSamplesAcross;
       const std::uint32_t item = raster.item(x, y);
-      Color color = kPaper;
+      Color color = ground;
       if (item != PanelRaster::kNothing && balls.empty()) {
         color = mesh_color(raster, item);
       } else if (item != PanelRaster::kNothing) {
@@ -173,10 +186,10 @@ void draw_panel(const Panel& panel, const Frame& frame, const Painter& painter, 
 }
 
 /// The scale of the colours, in the lower left corner.
-void draw_legend(Image& image, std::uint32_t top, std::uint32_t scale) {
+void draw_legend(Image& image, std::uint32_t top, std::uint32_t scale, const app::ChartColor& ink) {
   const std::string text = "stands out of the mesh by, % of its diagonal:";
   const std::uint32_t left = 2 * kPanelGap;
-  draw_text(image, text, left, top, scale, kInk);
+  draw_text(image, text, left, top, scale, ink);
   const std::uint32_t bar_left = left + text_width_px(text, scale) + 40 * scale / 2;
   const std::uint32_t bar_width =
       std::min(150 * scale, image.width_px > bar_left + 60 ? image.width_px - bar_left - 60 : 0);
@@ -188,7 +201,7 @@ void draw_legend(Image& image, std::uint32_t top, std::uint32_t scale) {
     const double share = std::log(percent / 100 / kLeast) / std::log(kMost / kLeast);
     const std::string tick = fmt::format("{}", percent);
     const auto middle = static_cast<std::int64_t>(bar_left + share * bar_width);
-    draw_text(image, tick, middle - text_width_px(tick, scale) / 2, top + (kTextHeight + 3) * scale, scale, kInk);
+    draw_text(image, tick, middle - text_width_px(tick, scale) / 2, top + (kTextHeight + 3) * scale, scale, ink);
   }
 }
 
@@ -244,21 +257,22 @@ Result<Image> draw_trees(const TriangleMesh& mesh, std::span<const DrawnTree> tr
   const std::uint32_t legend_top = (row + 1) * row_px + kPanelGap;
   Image image{settings.width_px, legend_top + 24 * text, {}};
   image.rgb.resize(std::size_t{3} * image.width_px * image.height_px);
+  const Paper paper(settings.dark);
   for (std::uint32_t i = 0; i < image.width_px * image.height_px; ++i)
-    put(image, i % image.width_px, i / image.width_px, kPaper);
+    put(image, i % image.width_px, i / image.width_px, paper.ground);
 
   const geometry::TriangleBvh bvh(mesh, settings.solidity);
   const auto executor = parallel::make_executor(ExecutorKind::Threads, settings.threads);
-  const Painter painter{mesh, bvh, std::max(mesh.diagonal_m(), 1e-30)};
+  const Painter painter{mesh, bvh, std::max(mesh.diagonal_m(), 1e-30), paper.ground};
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const std::uint32_t left = points[i].first * (frame.width_px + kPanelGap) + kPanelGap / 2;
     const std::uint32_t top = points[i].second * row_px + kPanelGap;
     draw_panel(panels[i], frame, painter, left, top, *executor, image);
     const std::uint32_t width = text_width_px(panels[i].title, text);
     draw_text(image, panels[i].title, std::int64_t{left} + (std::int64_t{frame.width_px} - width) / 2,
-              top + frame.height_px + text, text, kInk);
+              top + frame.height_px + text, text, paper.ink);
   }
-  draw_legend(image, legend_top, text);
+  draw_legend(image, legend_top, text, paper.ink);
   return image;
 }
 

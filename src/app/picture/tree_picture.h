@@ -27,7 +27,8 @@ struct TreePictureSettings {
   /// modellers have it: -y with z upward, z with y upward.
   std::optional<Vec3> front = {};
   Solidity solidity = Solidity::Solid;
-  int threads = 0;  ///< 0 = as many as the machine has; the picture does not depend on it
+  bool dark = false;  ///< on a dark ground
+  int threads = 0;    ///< 0 = as many as the machine has; the picture does not depend on it
 };
 
 /// Draws a mesh and, beside it, the balls of each level of each tree, all from the same side and to the same scale. A

@@ -13,7 +13,6 @@ namespace poise::app {
 namespace {
 
 constexpr std::uint32_t kTextScale = 2;
-constexpr ChartColor kGrid{0xdd, 0xdd, 0xdd}, kWhite{255, 255, 255};
 
 std::string escaped(const std::string& text) {
   std::string safe;
@@ -27,18 +26,17 @@ std::string chart_svg(const BoxChart& chart) {
   constexpr std::array kAnchors{"start", "middle", "end"};
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
-      "font-family=\"sans-serif\" font-size=\"17\" shape-rendering=\"crispEdges\">\n",
-      chart.width_px, chart.height_px);
+      "font-family=\"sans-serif\" font-size=\"17\" shape-rendering=\"crispEdges\" fill=\"{2}\">\n",
+      chart.width_px, chart.height_px, color_text(kChartInk));
   for (const ChartBox& box : chart.boxes) {
-    svg += fmt::format(
-        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"#{:02x}{:02x}{:02x}\"/>\n", box.left,
-        box.top, box.width, box.height, box.color[0], box.color[1], box.color[2]);
+    svg += fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n", box.left,
+                       box.top, box.width, box.height, color_text(box.color));
   }
   for (const ChartText& text : chart.texts) {
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", text.x, text.y,
                        kAnchors[static_cast<std::size_t>(text.anchor)], escaped(text.text));
   }
-  return svg + "</svg>\n";
+  return svg_with_dark(svg + "</svg>\n", DarkPart::Frame);
 }
 
 io::Image chart_image(const BoxChart& chart) {
@@ -78,7 +76,7 @@ double y(const BoxChart& chart, double share) { return kTop + height(chart) * (1
 
 BoxChart begin(const std::string& title, const std::string& up, const std::string& along) {
   BoxChart chart;
-  chart.boxes.push_back({0, 0, double(chart.width_px), double(chart.height_px), kWhite});
+  chart.boxes.push_back({0, 0, double(chart.width_px), double(chart.height_px), kChartGround});
   text(chart, kLeft, 22, ChartText::Anchor::Start, title);
   text(chart, 8, kTop - 10, ChartText::Anchor::Start, up);
   text(chart, x(chart, 0.5), y(chart, 0) + 42, ChartText::Anchor::Middle, along);
@@ -90,7 +88,7 @@ void text(BoxChart& chart, double x, double y, ChartText::Anchor anchor, std::st
 }
 
 void tick_up(BoxChart& chart, double share, const std::string& value) {
-  chart.boxes.push_back({kLeft, y(chart, share), width(chart), 1, kGrid});
+  chart.boxes.push_back({kLeft, y(chart, share), width(chart), 1, kChartGrid});
   text(chart, kLeft - 8, y(chart, share) + 6, ChartText::Anchor::End, value);
 }
 

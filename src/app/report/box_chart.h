@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "app/picture/chart_theme.h"
 #include "app/picture/picture.h"
 
 namespace poise::app {
-
-using ChartColor = std::array<std::uint8_t, 3>;
 
 /// A filled rectangle of a chart in pixels from its top left corner.
 struct ChartBox {
@@ -24,18 +22,17 @@ struct ChartText {
   std::string text;
 };
 
-/// A chart for papers and slides, on white.
+/// A chart for papers and slides.
 struct BoxChart {
   std::uint32_t width_px = 1200, height_px = 480;
   std::vector<ChartBox> boxes;  ///< later ones lie over earlier ones
   std::vector<ChartText> texts;
 };
 
+/// On a dark ground where a browser prefers that, else on a light one.
 std::string chart_svg(const BoxChart& chart);
+/// On a light ground.
 io::Image chart_image(const BoxChart& chart);
-
-/// As the page of the viewer has them: distinct for most people with impaired colour vision (Okabe and Ito 2008).
-inline constexpr ChartColor kChartLate{0xd5, 0x5e, 0x00}, kChartInk{0x1a, 0x20, 0x27};
 
 /// What charts share: the plot, in which places are shares of its width from the left, and of its height from below.
 namespace plot {

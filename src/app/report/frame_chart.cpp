@@ -14,15 +14,6 @@
 namespace poise::app {
 namespace {
 
-constexpr std::array<ChartColor, 8> kStageColors{{{0x56, 0xb4, 0xe9},
-                                                  {0x00, 0x72, 0xb2},
-                                                  {0xcc, 0x79, 0xa7},
-                                                  {0x00, 0x9e, 0x73},
-                                                  {0xf0, 0xe4, 0x42},
-                                                  {0xe6, 0x9f, 0x00},
-                                                  {0x8c, 0x8c, 0x8c},
-                                                  {0xc4, 0xc4, 0xc4}}};
-
 struct Cause {
   MissCause cause;
   ChartColor color;

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "app/picture/chart_theme.h"
 #include "app/picture/pixel_text.h"
 #include "app/report/chart_axes.h"
 
@@ -14,22 +14,13 @@ namespace poise::app {
 namespace line_chart {
 namespace {
 
-using Color = std::array<std::uint8_t, 3>;
+using Color = ChartColor;
 constexpr double kWidth = 900, kHeight = 480;
 constexpr double kLeft = 116, kTop = 50, kBottom = 100;
 constexpr double kLabelGap = 22, kBandOpacity = 0.14, kDash_px = 7, kDashGap_px = 5;
 // Of texts at the axis: width of a character of the image, and from row to row.
 constexpr double kCharacter = 12, kTickRow = 20, kBeside = 16;
 constexpr std::uint32_t kTextScale = 2;
-constexpr std::array<Color, 8> kColors{{{0x00, 0x72, 0xb2},
-                                        {0xd5, 0x5e, 0x00},
-                                        {0x00, 0x9e, 0x73},
-                                        {0xcc, 0x79, 0xa7},
-                                        {0xe6, 0x9f, 0x00},
-                                        {0x56, 0xb4, 0xe9},
-                                        {0x00, 0x00, 0x00},
-                                        {0x77, 0x77, 0x77}}};
-constexpr Color kInk{0x1a, 0x20, 0x27}, kGrid{0xdd, 0xdd, 0xdd};
 
 struct Point {
   double x = 0, y = 0;
@@ -73,7 +64,7 @@ double right_of(const LineChart& chart) {
 
 PlacedLine placed_line(const ChartLine& line, std::size_t number, const ChartAxis& x, const ChartAxis& y,
                        double right) {
-  PlacedLine made{kColors[number % kColors.size()], line.marks, {}, {}, {}};
+  PlacedLine made{line_color(number), line.marks, {}, {}, {}};
   const auto place = [&](double along, double up) {
     return Point{kLeft + x.share(along) * (right - kLeft),
                  kHeight - kBottom - y.share(up) * (kHeight - kBottom - kTop)};
@@ -101,22 +92,23 @@ PlacedChart placed(const LineChart& chart) {
   const std::size_t rows = tick_rows(x, kCharacter / across);
   for (std::size_t i = 0; i < x.ticks.size(); ++i) {
     const double row = kTickRow * static_cast<double>(i % rows);
-    made.along.push_back({{kLeft + x.share(x.ticks[i].at) * across, kHeight - kBottom + row}, x.ticks[i].text, kInk});
+    made.along.push_back(
+        {{kLeft + x.share(x.ticks[i].at) * across, kHeight - kBottom + row}, x.ticks[i].text, kChartInk});
   }
   for (const ChartTick& tick : y.ticks)
-    made.up.push_back({{kLeft, kHeight - kBottom - y.share(tick.at) * kUp}, tick.text, kInk});
+    made.up.push_back({{kLeft, kHeight - kBottom - y.share(tick.at) * kUp}, tick.text, kChartInk});
   for (std::size_t i = 0; i < chart.lines.size(); ++i)
     made.lines.push_back(placed_line(chart.lines[i], i, x, y, made.right));
   const auto level_color = [&](std::size_t i) {
     const std::optional<std::size_t>& line = chart.levels[i].line;
-    return line ? kColors[*line % kColors.size()] : kInk;
+    return line ? line_color(*line) : kChartInk;
   };
   for (std::size_t i = 0; i < chart.levels.size(); ++i) {
     if (y.shows(chart.levels[i].y))
       made.levels.push_back({kHeight - kBottom - y.share(chart.levels[i].y) * kUp, level_color(i)});
   }
   for (const ChartName& name : names_of(chart, y, kLabelGap / kUp)) {
-    const Color color = name.is_level ? level_color(name.line) : kColors[name.line % kColors.size()];
+    const Color color = name.is_level ? level_color(name.line) : line_color(name.line);
     made.names.push_back({{made.right + kBeside, kHeight - kBottom - name.at * kUp}, name.text, color});
   }
   return made;
@@ -134,15 +126,13 @@ std::string svg_text(Point at, const char* anchor, const std::string& text, cons
                      escaped(text));
 }
 
-std::string svg_color(const Color& color) { return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]); }
-
 std::string svg_line(const PlacedLine& line) {
   const auto joined = [](const std::vector<Point>& points) {
     std::string text;
     for (const Point& point : points) text += fmt::format("{:.1f},{:.1f} ", point.x, point.y);
     return text;
   };
-  const std::string color = svg_color(line.color);
+  const std::string color = color_text(line.color);
   std::string svg;
   if (line.low.size() > 1) {
     svg += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"{}\"/>\n", joined(line.high),
@@ -164,6 +154,7 @@ std::string svg_line(const PlacedLine& line) {
 class Canvas {
  public:
   Canvas() : image_{static_cast<std::uint32_t>(kWidth), static_cast<std::uint32_t>(kHeight), {}} {
+    static_assert(kChartGround == Color{255, 255, 255});
     image_.rgb.assign(std::size_t{3} * image_.width_px * image_.height_px, 255);
   }
   void mix(std::int64_t x, std::int64_t y, const Color& color, double share) {
@@ -204,7 +195,7 @@ class Canvas {
         segment(piece[i], piece[i], 4, line.color);
     }
   }
-  void text(Point at, double anchor, const std::string& text, const Color& color = kInk) {
+  void text(Point at, double anchor, const std::string& text, const Color& color = kChartInk) {
     const double left = at.x - anchor * io::text_width_px(text, kTextScale);
     io::draw_text(image_, text, std::lround(left), std::lround(at.y - io::kTextHeight * kTextScale), kTextScale, color);
   }
@@ -218,11 +209,12 @@ std::string svg_of(const LineChart& chart) {
   const PlacedChart made = placed(chart);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
-      "font-family=\"sans-serif\" font-size=\"15\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      kWidth, kHeight);
+      "font-family=\"sans-serif\" font-size=\"15\" fill=\"{2}\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"{3}\"/>\n",
+      kWidth, kHeight, color_text(kChartInk), color_text(kChartGround));
   svg += svg_text({kLeft, 28}, "start", chart.title, " font-weight=\"bold\"");
   for (const PlacedText& tick : made.up) {
-    svg += fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#ddd\"/>\n", kLeft, tick.at.y, made.right);
+    svg += fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\"/>\n", kLeft, tick.at.y, made.right,
+                       color_text(kChartGrid));
     svg += svg_text({kLeft - 8, tick.at.y + 5}, "end", tick.text);
   }
   for (const PlacedText& tick : made.along) svg += svg_text({tick.at.x, tick.at.y + 22}, "middle", tick.text);
@@ -230,14 +222,14 @@ std::string svg_of(const LineChart& chart) {
   for (const PlacedLevel& level : made.levels) {
     svg +=
         fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-width=\"2\" stroke-dasharray=\"7 5\"/>\n",
-                    kLeft, level.y, made.right, svg_color(level.color));
+                    kLeft, level.y, made.right, color_text(level.color));
   }
   for (const PlacedLine& line : made.lines) svg += svg_line(line);
   for (const PlacedText& name : made.names) {
     svg += svg_text({name.at.x, name.at.y + 5}, "start", name.text,
-                    fmt::format(" fill=\"{}\"", svg_color(name.color)).c_str());
+                    fmt::format(" fill=\"{}\"", color_text(name.color)).c_str());
   }
-  return svg + "</svg>\n";
+  return svg_with_dark(svg + "</svg>\n", DarkPart::All);
 }
 
 io::Image image_of(const LineChart& chart) {
@@ -245,7 +237,7 @@ io::Image image_of(const LineChart& chart) {
   Canvas canvas;
   canvas.text({kLeft, 28}, 0, chart.title);
   for (const PlacedText& tick : made.up) {
-    canvas.segment({kLeft, tick.at.y}, {made.right, tick.at.y}, 0.5, kGrid);
+    canvas.segment({kLeft, tick.at.y}, {made.right, tick.at.y}, 0.5, kChartGrid);
     canvas.text({kLeft - 8, tick.at.y + 7}, 1, tick.text);
   }
   for (const PlacedText& tick : made.along) canvas.text({tick.at.x, tick.at.y + 24}, 0.5, tick.text);

@@ -46,10 +46,9 @@ struct LineChart {
   std::vector<std::string> x_names = {};  ///< where not empty, x = 0, 1, ... are these
 };
 
-/// The chart for papers and slides: white, 900 x 480, in colours that most people with impaired colour vision tell
-/// apart (Okabe and Ito 2008).
+/// The chart for papers and slides, 900 x 480: on a dark ground where a browser prefers that, else on a light one.
 std::string line_chart_svg(const LineChart& chart);
-/// The same as an image. Letters that io::draw_text does not know are left blank.
+/// The same as an image, on a light ground. Letters that io::draw_text does not know are left blank.
 io::Image line_chart_image(const LineChart& chart);
 
 }  // namespace poise::app

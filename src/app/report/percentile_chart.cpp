@@ -11,7 +11,7 @@
 namespace poise::app {
 namespace {
 
-constexpr ChartColor kLine{0x00, 0x72, 0xb2};
+constexpr const ChartColor& kLine = kChartLines[0];
 constexpr double kLineWidth = 3;
 
 /// A range of values whose logarithms fill the plot.

@@ -34,7 +34,8 @@ Status save_tree(const TreeOptions& options, const SphereTree& tree) {
                     options.output);
 }
 
-Status save_picture(const TreeOptions& options, const TreeWork& work) {
+Status save_picture(const TreeOptions& options, const TreeWork& work, const std::string& file, bool dark) {
+  if (file.empty()) return Done{};
   std::vector<io::DrawnTree> trees;
   for (std::size_t i = 0; i < work.trees.size(); ++i) {
     const std::string& file = work.document.trees[i].file;
@@ -45,18 +46,20 @@ Status save_picture(const TreeOptions& options, const TreeWork& work) {
   settings.up = axis_of(up_of(options));
   if (options.front) settings.front = axis_of(*options.front);
   settings.solidity = work.document.solidity;
+  settings.dark = dark;
   settings.threads = work.document.threads;
   const Result<io::Image> image = io::draw_trees(work.mesh, trees, settings);
   if (!image) return image.error();
   const Result<std::string> png = io::png_bytes(image.value());
-  return png ? io::write_file(options.picture, png.value()) : Status(png.error());
+  return png ? io::write_file(file, png.value()) : Status(png.error());
 }
 
 Status save_all(const TreeOptions& options, const TreeWork& work) {
   Status written = Done{};
   if (!options.output.empty()) written = save_tree(options, work.trees.front());
   if (!options.json.empty()) add_failure(write_to(options.json, io::tree_json(work.document)), written);
-  if (!options.picture.empty()) add_failure(save_picture(options, work), written);
+  add_failure(save_picture(options, work, options.picture, false), written);
+  add_failure(save_picture(options, work, options.picture_dark, true), written);
   // The standard output is one document: the JSON where it was asked for, else the table.
   if (!options.quiet && options.json != "-") add_failure(io::write_stdout(tree_table(work.document)), written);
   return written;
@@ -64,11 +67,11 @@ Status save_all(const TreeOptions& options, const TreeWork& work) {
 
 int measure(const TreeOptions& options) {
   const parallel::Interrupt interrupt;
-  const Status writable = can_write({options.output, options.json, options.picture});
+  const Status writable = can_write({options.output, options.json, options.picture, options.picture_dark});
   if (!writable) return refuse("tree", writable.error());
   Progress progress(!options.quiet);
   const Result<TreeWork> work = do_tree_work(options, progress, interrupt);
-  if (work && !options.picture.empty()) progress.say("drawing");
+  if (work && draws(options)) progress.say("drawing");
   const Status written = work ? save_all(options, work.value()) : Status(Done{});
   progress.end();
   if (!work) return refuse("tree", work.error());

@@ -30,16 +30,21 @@ bool writes_a_level(const TreeOptions& o) {
 
 Status check_output(const TreeOptions& o) {
   if (o.output == "-") return bad_input("-o must name a file; only --json can go to the standard output");
-  if (o.picture == "-") return bad_input("--picture must name a file; only --json can go to the standard output");
+  for (const auto& [option, file] :
+       {std::pair("--picture", &o.picture), std::pair("--picture-dark", &o.picture_dark)}) {
+    if (*file == "-")
+      return bad_input(fmt::format("{} must name a file; only --json can go to the standard output", option));
+    const Status picture = check_picture(*file, option);
+    if (!picture) return picture;
+  }
   if (!o.output.empty() && !tree_format_of(o.output)) {
     return bad_input(fmt::format("-o {}: the ending must be .sph, .urdf, .yml, .yaml or .json", o.output));
   }
   if (o.level && !writes_a_level(o)) return bad_input("--level needs -o with a .urdf, .yml, .yaml or .json file");
-  const Status picture = check_picture(o.picture);
-  if (!picture) return picture;
   for (const std::string& mesh : o.meshes) {
-    const Status apart = check_outputs({{"-o", o.output}, {"--json", o.json}, {"--picture", o.picture}},
-                                       {{"MESH", mesh}, {"--tree", o.tree}, {"--compare", o.compare}});
+    const Status apart = check_outputs(
+        {{"-o", o.output}, {"--json", o.json}, {"--picture", o.picture}, {"--picture-dark", o.picture_dark}},
+        {{"MESH", mesh}, {"--tree", o.tree}, {"--compare", o.compare}});
     if (!apart) return apart;
   }
   return check_outputs({{"-o", o.output}}, {{"--tree", o.tree}});
@@ -51,6 +56,7 @@ Status check_report(const TreeOptions& o) {
                        {"--compare", !o.compare.empty()},
                        {"-o", !o.output.empty()},
                        {"--picture", !o.picture.empty()},
+                       {"--picture-dark", !o.picture_dark.empty()},
                        {"--up", o.up.has_value()},
                        {"--front", o.front.has_value()},
                        {"--depth", o.depth.has_value()},
@@ -70,6 +76,7 @@ Status check_convert(const TreeOptions& o) {
   return refuse_given({{"--compare", !o.compare.empty()},
                        {"--json", !o.json.empty()},
                        {"--picture", !o.picture.empty()},
+                       {"--picture-dark", !o.picture_dark.empty()},
                        {"--up", o.up.has_value()},
                        {"--front", o.front.has_value()},
                        {"--depth", o.depth.has_value()},
@@ -102,6 +109,7 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
   add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/2), - for the standard output");
   add_path(command, "--picture", o.picture,
            "Draw the mesh and every level beside it as PNG, coloured by how far the balls stand out");
+  add_path(command, "--picture-dark", o.picture_dark, "The same on a dark ground");
   command
       .add_option("--up", o.up,
                   "The axis that is upward in the picture: x, y, z, -x, -y or -z (default z, but y for glTF)")
@@ -139,6 +147,8 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
       "Ctrl-C, 143 by SIGTERM, with nothing written.");
 }
 
+bool draws(const TreeOptions& o) { return !o.picture.empty() || !o.picture_dark.empty(); }
+
 TreeTask task_of(const TreeOptions& options) {
   if (options.report) return TreeTask::Inspect;
   return options.meshes.empty() ? TreeTask::Convert : TreeTask::Measure;
@@ -151,8 +161,8 @@ Status check_tree_options(const TreeOptions& o) {
   if (task_of(o) == TreeTask::Convert) return check_convert(o);
   if (o.meshes.size() > 1)
     return bad_input(fmt::format("{} meshes are named; only --inspect takes more than one", o.meshes.size()));
-  if (o.up && o.picture.empty()) return bad_input("--up needs --picture");
-  if (o.front && o.picture.empty()) return bad_input("--front needs --picture");
+  if (o.up && !draws(o)) return bad_input("--up needs --picture");
+  if (o.front && !draws(o)) return bad_input("--front needs --picture");
   if (o.front && axis_of(*o.front).dot(axis_of(up_of(o))) != 0) {
     return bad_input(fmt::format("--front {} and --up {} must be different axes", *o.front, up_of(o)));
   }

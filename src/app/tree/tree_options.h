@@ -24,7 +24,7 @@ enum class TreeTask {
 /// The command line of `poise tree`, as it was given.
 struct TreeOptions {
   std::vector<std::string> meshes;
-  std::string tree, compare, output, json, picture;
+  std::string tree, compare, output, json, picture, picture_dark;
   std::optional<std::string> preset, up, front;
   std::optional<std::uint64_t> depth, threads, seed, samples, level;
   std::optional<double> scale;
@@ -38,6 +38,8 @@ struct TreeOptions {
 void add_tree_options(CLI::App& command, TreeOptions& options);
 
 TreeTask task_of(const TreeOptions& options);
+/// Whether a picture is asked for.
+bool draws(const TreeOptions& options);
 
 /// Refuses options that have no meaning together, with both their names.
 Status check_tree_options(const TreeOptions& options);

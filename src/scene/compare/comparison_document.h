@@ -25,8 +25,6 @@ struct ComparisonDocument {
 std::string comparison_json(const ComparisonDocument& document);
 /// One row a policy and budget; the columns are the members of rows[] in the JSON.
 std::string comparison_csv(const ComparisonDocument& document);
-/// E_seen against the budget, one curve a policy with its interval, as SVG.
-std::string comparison_svg(const ComparisonDocument& document);
 /// The table for the standard output, with the conclusion as its last line.
 std::string comparison_table(const ComparisonDocument& document);
 

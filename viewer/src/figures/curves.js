@@ -2,9 +2,8 @@
 import { element } from "../elements.js";
 import { number } from "../format.js";
 
-// As `poise compare --svg` has them (Okabe and Ito 2008); the seventh is the colour of the text. A line also has a mark of
-// its own.
-const kColors = 8;
+// As `poise compare --svg` has them (style.css; Okabe and Ito 2008). A line also has a mark of its own.
+const kColors = 9;
 const kWidth = 620,
   kHeight = 330;
 const kLeast = 58; // of the texts left of the axes

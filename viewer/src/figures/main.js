@@ -9,14 +9,26 @@ import { tableElements, withCode } from "./tables.js";
 
 const kSign = { good: "✓ ", bad: "✕ " };
 
-/** A picture that was drawn before, in the colours of paper. */
-const pictureElement = ({ title, type, base64 }) =>
-  element(
-    "figure",
-    { class: "panel picture" },
-    element("img", { src: `data:${type};base64,${base64}`, alt: title }),
-    element("figcaption", {}, title),
-  );
+const kDarkRule = "@media (prefers-color-scheme: dark)";
+
+/** Sources of a picture in both themes; of one that has its own dark colours, what the browser prefers is put aside. */
+function sourcesOf({ type, base64 }) {
+  const source = (text) => `data:${type};base64,${text}`;
+  const svg = type === "image/svg+xml" ? atob(base64) : "";
+  if (!svg.includes(kDarkRule)) return { light: source(base64), dark: source(base64), isPaper: true };
+  const inTheme = (rule) => source(btoa(svg.replace(kDarkRule, rule)));
+  return { light: inTheme("@media not all"), dark: inTheme("@media all"), isPaper: false };
+}
+
+/** A picture that was drawn before. What has the colours of paper alone is turned round in the dark (style.css). */
+function pictureElement(picture, store) {
+  const sources = sourcesOf(picture);
+  const image = element("img", { alt: picture.title, class: sources.isPaper ? "paper" : false });
+  const show = (theme) => (image.src = sources[theme]);
+  show(store.get("theme"));
+  store.on("theme", show);
+  return element("figure", { class: "panel picture" }, image, element("figcaption", {}, picture.title));
+}
 
 function headlineElement({ mark, title, text }) {
   return element(
@@ -28,7 +40,8 @@ function headlineElement({ mark, title, text }) {
 }
 
 function start() {
-  const toggle = startTheme(createStore({ theme: "light" }));
+  const store = createStore({ theme: "light" });
+  const toggle = startTheme(store);
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key.toLowerCase() === "t") toggle();
@@ -45,7 +58,7 @@ function start() {
   byId("subtitle").textContent = data.subtitle;
   byId("headline").append(headlineElement(data.headline));
   const charts = data.charts.map((chart) => new Curves(chart));
-  byId("figures").append(...charts.map((chart) => chart.element), ...data.pictures.map(pictureElement));
+  byId("figures").append(...charts.map((chart) => chart.element), ...data.pictures.map((picture) => pictureElement(picture, store)));
   byId("figures").classList.toggle("one", charts.length + data.pictures.length === 1);
   byId("tables").append(...tableElements(data.tables));
   const details = byId("details");
