@@ -193,8 +193,7 @@ int replay(const ReplayOptions& options) {
   };
   const FrameRange frames = replayed_frames(options).value();
   const ReplaySettings settings{frames.to == FrameRange{}.to ? std::nullopt : std::optional(frames.to), options.explain,
-                                interrupt.token(),
-                                options.capture.pairs ? std::optional(frames.from) : std::nullopt};
+                                interrupt.token(), options.capture.pairs ? std::optional(frames.from) : std::nullopt};
   const Result<ReplayResult> result =
       replay_loop(record.value(), scene.value(), run.value(), settings,
                   {until_it_fails("replay", states.value().on() ? ReplayStates(tell) : ReplayStates(), progress),

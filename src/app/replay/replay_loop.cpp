@@ -75,7 +75,8 @@ Result<ReplayResult> replay_loop(io::RecordReader& record, const Scene& scene, S
     input.view = run.view();
     input.replay = &recorded.decisions;
     const bool explains = settings.explain == result.frames;
-    input.explain = explains || result.frames + 1 >= settings.reasons_from.value_or(UINT64_MAX) ? &explanation : nullptr;
+    input.explain =
+        explains || result.frames + 1 >= settings.reasons_from.value_or(UINT64_MAX) ? &explanation : nullptr;
     const FrameReport report = run.world().step(input);
     if (report.status != StepStatus::Done && report.status != StepStatus::ReplayDiffers)
       return bad_input("the step was refused: its input is out of range");
