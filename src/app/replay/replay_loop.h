@@ -17,9 +17,9 @@ namespace poise::app {
 
 /// How a record is done again.
 struct ReplaySettings {
-  std::optional<std::uint64_t> frames;   ///< at most so many
-  std::optional<std::uint64_t> explain;  ///< a frame by its number from 0; the replay ends with it
-  std::stop_token stop = {};             ///< asks it to end after the frame at hand
+  std::optional<std::uint64_t> frames;        ///< at most so many
+  std::optional<std::uint64_t> explain;       ///< a frame by its number from 0; the replay ends with it
+  std::stop_token stop = {};                  ///< asks it to end after the frame at hand
   std::optional<std::uint64_t> reasons_from;  ///< from this frame on: scores and reasons of all pairs, for a capture
 };
 
