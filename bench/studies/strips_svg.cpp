@@ -70,8 +70,8 @@ std::string balls_over(const io::Eye& eye, const io::DrawnShape& shape, const io
   for (const Sphere& ball : shape.levels[std::min<std::size_t>(level, shape.levels.size() - 1)])
     svg += circle(eye, body.pose.position_m + body.pose.orientation * ball.center_m, ball.radius_m) + "/>\n";
   const std::array<double, 3> color = io::level_color(level);
-  return fmt::format("<g opacity=\"0.4\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.7\">\n{}</g>\n",
-                     lit_text(color, 1), lit_text(color, 0.6), svg);
+  return fmt::format("<g opacity=\"0.4\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.7\">\n{}</g>\n", lit_text(color, 1),
+                     lit_text(color, 0.6), svg);
 }
 
 std::string arrow(const std::array<double, 2>& from, const std::array<double, 2>& to) {

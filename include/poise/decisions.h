@@ -86,13 +86,13 @@ struct PairExplanation {
   scheduler::PairCues cues;  ///< valid for pairs that could be refined when refinement began
   double weight = 0;         ///< scheduler::cue_weight of the cues
   CacheUse cached = CacheUse::None;
-  Level cached_level = 0;        ///< the level of the cached result
-  Level level = 0;               ///< completed in this step
-  Level deepest = 0;             ///< deepest level of this pair
-  bool polygons = false;         ///< the deepest level uses polygons
-  bool mandatory = false;        ///< refined to its end whatever the budget: a pair of a fast body, with backtracking
-  bool apart = false;            ///< separated in this step
-  bool refinable = false;        ///< a further level was left
+  Level cached_level = 0;  ///< the level of the cached result
+  Level level = 0;         ///< completed in this step
+  Level deepest = 0;       ///< deepest level of this pair
+  bool polygons = false;   ///< the deepest level uses polygons
+  bool mandatory = false;  ///< refined to its end whatever the budget: a pair of a fast body, with backtracking
+  bool apart = false;      ///< separated in this step
+  bool refinable = false;  ///< a further level was left
   PairOutcome outcome = PairOutcome::Unserved;
   std::uint64_t next_units = 0;  ///< cost of the next level, node-pair expansions
   double next_score = 0;         ///< score of the next level
