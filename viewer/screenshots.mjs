@@ -49,7 +49,7 @@ await withFolder(async (folder) => {
     "every=20",
     "--quiet",
   ];
-  await poise(...run, "--report", join(folder, "jacks"), "--capture-contacts");
+  await poise(...run, "--report", join(folder, "jacks"), "--capture-contacts", "--capture-pairs");
   const page = join(folder, "jacks", "report.html");
   await picture(browser, page, "light", "report-light.png", () => {
     window.poise.player.goTo(125);

@@ -59,7 +59,7 @@ std::string with_hex_colors(const std::string& svg) {
   }
   text.append(from, svg.end());
   // Our rules are for attributes in double quotes.
-  for (const char* name : {"fill='#", "stroke='#"}) {
+  for (const char* name : {"fill='#", "stroke='#", "color='#"}) {
     for (std::size_t place = text.find(name); place != std::string::npos; place = text.find(name, place + 1)) {
       const std::size_t open = text.find('\'', place), close = text.find('\'', open + 1);
       text[open] = text[close] = '"';

@@ -271,7 +271,8 @@ TEST(Replay, RefusesOptionsThatDoNotGoTogether) {
   }
   EXPECT_EQ(refused({"--states", "a.csv", "--json", "a.bodies.csv"}),
             "2 poise replay: a.bodies.csv is named for two outputs: --json and the bodies of --states\n");
-  EXPECT_EQ(refused({"--report", "-"}), "2 poise replay: only --json can go to the standard output\n");
+  EXPECT_EQ(refused({"--report", "-"}), "2 poise replay: --report must be a folder\n");
+  EXPECT_EQ(refused({"--capture-pairs"}), "2 poise replay: --capture-pairs needs --capture\n");
   EXPECT_EQ(refused({"--frame", "9", "--picture", folder.file("a.png")}),
             "3 poise replay: --frame 9: the record ends with frame 3\n");
   EXPECT_EQ(refused({"--frames", "7..9", "--frames-dir", folder.file("film")}),
@@ -331,7 +332,7 @@ TEST(Replay, OfADeadlineMakesThePageWithTheTimesOfTheRun) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
   recorded_run(file, {"jacks", "--bodies", "10", "--frames", "5", "--deadline", "5"});
-  const CommandResult result = poise_command({"replay", file, "--report", folder.file("out"), "--frames", "2..4"});
+  const CommandResult result = poise_command({"replay", file, "--report", folder.file("out"), "--frames", "2..4", "--capture-pairs"});
   if (result.error.find("is not built") != std::string::npos) GTEST_SKIP() << result.error;
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.out.find("its times are those of the recorded run"), std::string::npos) << result.out;

@@ -218,6 +218,9 @@ TEST(View, IsRefusedByFileAndRule) {
   const CommandResult over = poise_command({"view", file, "--out", file});
   EXPECT_EQ(over.exit_code, 2);
   EXPECT_NE(over.error.find("would overwrite the file that is read as CAPTURE"), std::string::npos) << over.error;
+  const CommandResult page = poise_command({"view", folder.file("out/report.html")});
+  EXPECT_EQ(page.exit_code, 2);
+  EXPECT_NE(page.error.find("report.html: is a page, which a browser opens; view takes captures"), std::string::npos);
   const CommandResult missing = poise_command({"view", folder.file("none")});
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.error.find("none: no such file"), std::string::npos) << missing.error;

@@ -176,9 +176,10 @@ TEST(StudyPicture, ThePngScriptBecomesOneForSvg) {
 TEST(StudyPicture, TheSvgOfGnuplotIsDarkWhereABrowserPrefersThat) {
   const std::string svg = app::svg_of_gnuplot(
       "<svg \n width=\"9\"\n>\n<path stroke='rgb(  0, 114, 178)'/><g fill=\"rgb(26,32,39)\" d='M1'/><path "
-      "stroke='black'/></svg>");
+      "stroke='black' color='rgb(  0, 114, 178)'/></svg>");
   EXPECT_NE(svg.find(">\n<style>@media (prefers-color-scheme: dark)"), std::string::npos) << svg;
-  EXPECT_NE(svg.find("<path stroke=\"#0072b2\"/><g fill=\"#1a2027\" d='M1'/><path stroke='black'/></svg>"),
+  EXPECT_NE(svg.find("<path stroke=\"#0072b2\"/><g fill=\"#1a2027\" d='M1'/><path stroke='black' "
+                     "color=\"#0072b2\"/></svg>"),
             std::string::npos)
       << svg;
 }

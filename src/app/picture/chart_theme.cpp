@@ -59,7 +59,8 @@ std::string svg_with_dark(std::string svg, DarkPart part) {
   std::string rules = "<style>@media (prefers-color-scheme: dark) {";
   for (const Pair& pair : pairs_of(part)) {
     const std::string light = color_text(pair.light), dark = color_text(pair.dark);
-    rules += fmt::format(" [fill=\"{0}\"] {{ fill: {1} }} [stroke=\"{0}\"] {{ stroke: {1} }}", light, dark);
+    for (const char* attribute : {"fill", "stroke", "color"})
+      rules += fmt::format(" [{0}=\"{1}\"] {{ {0}: {2} }}", attribute, light, dark);
   }
   const std::size_t begin = svg.find("<svg");
   const std::size_t end = begin == std::string::npos ? begin : svg.find('>', begin);

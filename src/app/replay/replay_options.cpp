@@ -62,7 +62,8 @@ Status check_replay_options(const ReplayOptions& options) {
 #ifndef POISE_APP_HAVE_TBB
   if (options.executor == "tbb") return bad_input("--executor tbb: this program was built without oneTBB");
 #endif
-  if (options.states == "-" || options.report == "-") return bad_input("only --json can go to the standard output");
+  if (options.report == "-") return bad_input("--report must be a folder");
+  if (options.states == "-") return bad_input("--states must be a file; only --json can go to the standard output");
   if (options.explain && !options.frames.empty())
     return bad_input("--frames has no meaning with --explain, which replays up to its frame");
   if (options.limit && !options.explain) return bad_input("--limit needs --explain");
@@ -74,7 +75,10 @@ Status check_replay_options(const ReplayOptions& options) {
   if (!frames) return frames.error();
   const Result<TreeCacheSettings> cache = tree_cache_settings(options.tree_cache);
   if (!cache) return cache.error();
-  const Status captured = check_capture_options(options.capture);
+  // A page holds a capture.
+  CaptureOptions capture = options.capture;
+  if (capture.file.empty() && !options.report.empty()) capture.file = report_capture_of(options.report);
+  const Status captured = check_capture_options(capture);
   if (!captured) return captured;
   const Status pictures = check_picture_options(options.picture);
   if (!pictures) return pictures;

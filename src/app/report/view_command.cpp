@@ -31,6 +31,10 @@ std::string page_of(const ViewOptions& options) {
 
 int view(const ViewOptions& options) {
   if (options.out == "-") return refuse("view", kExitBadUsage, "--out: a page cannot go to the standard output");
+  for (const std::string& capture : options.captures) {
+    if (lower_case_ending(capture) == ".html")
+      return refuse("view", kExitBadUsage, capture + ": is a page, which a browser opens; view takes captures");
+  }
   const std::string out = page_of(options);
   const std::string& first = options.captures.front();
   const Status apart = check_outputs({{"--out", out}}, {{"CAPTURE", first}, {"CAPTURE", options.captures.back()}});

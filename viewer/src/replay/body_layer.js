@@ -15,7 +15,7 @@ import { CrowdedCells } from "./crowded_cells.js";
 import { ballMaterial, dotMaterial, meshMaterial } from "./shaders.js";
 
 /** What a machine draws in full; other bodies are one sphere each. Spheres below `dot_px` are discs. Chosen. */
-export const kSoftware = { bodies: 700, spheres: 30_000, triangles: 300_000, dot_px: 28, hides: true };
+export const kSoftware = { bodies: 1_000, spheres: 50_000, triangles: 300_000, dot_px: 28, hides: true };
 export const kHardware = { bodies: 20_000, spheres: 400_000, triangles: 8_000_000, dot_px: 1, hides: false };
 
 /** Things of one kind with attributes that grow: instances of a geometry, or points. */
