@@ -50,6 +50,10 @@ TEST(LineChart, HasALineForEachAndABandWhereThereAreIntervals) {
   EXPECT_TRUE(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
   EXPECT_EQ(count_of(svg, "<polyline"), 2U);
   EXPECT_EQ(count_of(svg, "<polygon"), 1U);
+  app::LineChart turned = falling();
+  std::swap(turned.lines[0], turned.lines[1]);
+  const std::string bands_below = app::line_chart_svg(turned);
+  EXPECT_LT(bands_below.rfind("<polygon"), bands_below.find("<polyline")) << "no band lies over a line";
   EXPECT_EQ(count_of(svg, "<circle"), 4U);
   EXPECT_NE(svg.find("&lt;b> &amp; more"), std::string::npos);
   EXPECT_TRUE(app::line_chart_svg({}).ends_with("</svg>\n")) << "of nothing";

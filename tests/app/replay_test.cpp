@@ -332,7 +332,8 @@ TEST(Replay, OfADeadlineMakesThePageWithTheTimesOfTheRun) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
   recorded_run(file, {"jacks", "--bodies", "10", "--frames", "5", "--deadline", "5"});
-  const CommandResult result = poise_command({"replay", file, "--report", folder.file("out"), "--frames", "2..4", "--capture-pairs"});
+  const CommandResult result =
+      poise_command({"replay", file, "--report", folder.file("out"), "--frames", "2..4", "--capture-pairs"});
   if (result.error.find("is not built") != std::string::npos) GTEST_SKIP() << result.error;
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.out.find("its times are those of the recorded run"), std::string::npos) << result.out;

@@ -113,7 +113,7 @@ TEST(StudyStrips, AsAnSvgHasFourPanelsALevelWithBodiesBallsAndArrows) {
   };
   EXPECT_EQ(count("<svg "), 1U + 4U);
   EXPECT_EQ(count("<circle "), 2U * 4U + 2U) << "two balls in each panel, and those of the level at the collision";
-  EXPECT_EQ(count("stroke=\"#be281e\""), 2U) << "an arrow each at the end";
+  EXPECT_EQ(count("style=\"stroke: #d55e00\""), 2U) << "an arrow each at the end";
   // They begin left and right of the middle of the picture, 320 x 190 pixels.
   const std::size_t first = svg.find("cx=\""), second = svg.find("cx=\"", first + 1);
   EXPECT_NEAR(std::stod(svg.substr(first + 4)) + std::stod(svg.substr(second + 4)), 320, 0.3);

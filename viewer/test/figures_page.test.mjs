@@ -92,6 +92,7 @@ for (const theme of ["light", "dark"]) {
         const levelAt = await page.locator("#chart-e-seen .across").getAttribute("d");
         assert.ok(Math.abs(Number(levelAt.match(/ ([\d.]+)H/)[1]) - (288 - (276 * Math.log(3)) / Math.log(20))) < 0.1, levelAt);
         assert.equal(await page.locator("#chart-e-seen .band").count(), 2);
+        assert.equal(await page.locator("#chart-e-seen :is(.curve, .dot) ~ .band").count(), 0, "no band lies over a line");
         assert.deepEqual(await page.locator("#chart-e-seen .name").allTextContents(), ["allowed", "fifo", "size", "gaps", "dots"]);
         assert.ok(await page.evaluate(() => document.querySelector(".picture img").naturalWidth === 40));
         assert.match(await page.textContent("#tables"), /A last line\./);

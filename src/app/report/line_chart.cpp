@@ -126,18 +126,21 @@ std::string svg_text(Point at, const char* anchor, const std::string& text, cons
                      escaped(text));
 }
 
+std::string joined(const std::vector<Point>& points) {
+  std::string text;
+  for (const Point& point : points) text += fmt::format("{:.1f},{:.1f} ", point.x, point.y);
+  return text;
+}
+
+std::string svg_band(const PlacedLine& line) {
+  if (line.low.size() < 2) return "";
+  return fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"{}\"/>\n", joined(line.high),
+                     joined({line.low.rbegin(), line.low.rend()}), color_text(line.color), kBandOpacity);
+}
+
 std::string svg_line(const PlacedLine& line) {
-  const auto joined = [](const std::vector<Point>& points) {
-    std::string text;
-    for (const Point& point : points) text += fmt::format("{:.1f},{:.1f} ", point.x, point.y);
-    return text;
-  };
   const std::string color = color_text(line.color);
   std::string svg;
-  if (line.low.size() > 1) {
-    svg += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" opacity=\"{}\"/>\n", joined(line.high),
-                       joined({line.low.rbegin(), line.low.rend()}), color, kBandOpacity);
-  }
   for (const std::vector<Point>& piece : line.pieces) {
     if (line.marks != LineMarks::Dots) {
       svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.5\"/>\n", joined(piece),
@@ -224,6 +227,8 @@ std::string svg_of(const LineChart& chart) {
         fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-width=\"2\" stroke-dasharray=\"7 5\"/>\n",
                     kLeft, level.y, made.right, color_text(level.color));
   }
+  // No band lies over a line.
+  for (const PlacedLine& line : made.lines) svg += svg_band(line);
   for (const PlacedLine& line : made.lines) svg += svg_line(line);
   for (const PlacedText& name : made.names) {
     svg += svg_text({name.at.x, name.at.y + 5}, "start", name.text,

@@ -126,7 +126,10 @@ export class Curves {
       floor,
     );
     levels.forEach((level, k) => picture.append(...this.levelOf(level, heights[lines.length + k])));
-    lines.forEach((line, k) => picture.append(...this.lineOf(line, k, ends[k], heights[k])));
+    // No band lies over a line.
+    const parts = lines.flatMap((line, k) => this.lineOf(line, k, ends[k], heights[k]));
+    const isBand = (part) => part.classList.contains("band");
+    picture.append(...parts.filter(isBand), ...parts.filter((part) => !isBand(part)));
     return picture;
   }
 
