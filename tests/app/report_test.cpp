@@ -218,6 +218,10 @@ TEST(View, IsRefusedByFileAndRule) {
   const CommandResult over = poise_command({"view", file, "--out", file});
   EXPECT_EQ(over.exit_code, 2);
   EXPECT_NE(over.error.find("would overwrite the file that is read as CAPTURE"), std::string::npos) << over.error;
+  const CommandResult headless = poise_command({"view", file});
+  EXPECT_EQ(headless.exit_code, 3);
+  EXPECT_NE(headless.error.find("a.capture: "), std::string::npos) << headless.error;
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.html"))) << "a page of nothing";
   const CommandResult page = poise_command({"view", folder.file("out/report.html")});
   EXPECT_EQ(page.exit_code, 2);
   EXPECT_NE(page.error.find("report.html: is a page, which a browser opens; view takes captures"), std::string::npos);

@@ -14,6 +14,7 @@
 #include "app/refusal.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
+#include "capture/capture_reader.h"
 #include "scene/result_file.h"
 
 namespace poise::app {
@@ -42,6 +43,9 @@ int view(const ViewOptions& options) {
   for (const std::string& capture : options.captures) {
     const Status sound = check_capture_file(capture);
     if (!sound) return refuse("view", sound.error());
+    // One that was cut short is shown up to there, but without its header there is nothing to show.
+    const Result<capture::CaptureReader> begins = capture::CaptureReader::open(capture);
+    if (!begins) return refuse("view", begins.error());
   }
   const Result<std::string> page = read_report_template();
   if (!page) return refuse("view", page.error());
