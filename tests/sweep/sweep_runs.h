@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "faults/program.h"
+#include "app/program.h"
 #include "scene/temporary_folder.h"
 
 namespace poise::testing {
