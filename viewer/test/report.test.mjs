@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The page in a real browser, opened from disk.
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
-import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { chromiumPath, launch, openPage } from "./browser.mjs";
 import { withFolder, writePage } from "./page.mjs";
-import { coarseRun, inventedFrames, inventedRun, noCommand, poise, smallRun } from "./sample.mjs";
+import { coarseRun, inventedFrames, inventedRun, noCommand, smallRun } from "./sample.mjs";
 
 const skip = chromiumPath ? noCommand : "no Chromium is installed";
 const kLate = [
@@ -493,27 +491,4 @@ test("a page without a run says how to make one", { skip }, () =>
   withPage({}, async (page) => {
     assert.match(await page.textContent("#problem"), /poise run SCENE --report FOLDER/);
   }),
-);
-
-test("a page without a graphics processor draws the 1,000 bodies that look largest in full", { skip }, () =>
-  withPage(
-    async (folder) => {
-      const file = join(folder, "many.capture");
-      const words = ["run", "jacks", "--bodies", "1500", "--frames", "1", "--clock", "work", "--budget-work", "10"];
-      await poise(...words, "--quiet", "--capture", file);
-      return { captures: [await readFile(file)] };
-    },
-    async (page) => {
-      const drawn = await page.evaluate(() => {
-        const { replay } = window.poise;
-        replay.choose("camera", "all");
-        replay.choose("show", "shapes");
-        replay.drawNow();
-        const { inFull, hidden, balls, dots } = replay.views[0].bodies;
-        return { inFull, hidden, spheres: balls.count + dots.count };
-      });
-      assert.ok(drawn.inFull > 990 && drawn.inFull <= 1000, JSON.stringify(drawn)); // a few of them may be hidden
-      assert.ok(drawn.spheres > 5 * drawn.inFull, "all of their balls");
-    },
-  ),
 );
