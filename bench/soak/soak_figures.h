@@ -34,7 +34,8 @@ class SoakFigures {
   /// Each frame in turn. At the end of a cycle memory is measured.
   void add(const SoakFrame& frame);
   [[nodiscard]] const std::vector<CycleFigures>& cycles() const { return cycles_; }
-  /// Of the cycles after the first `warm_up` ones; at least two of them are needed for memory, and nine for forecasts.
+  /// Of the cycles after the first `warm_up` ones; at least three of them are needed for memory, and nine for
+  /// forecasts.
   [[nodiscard]] std::vector<Check> checks(std::uint64_t warm_up, const SoakCounts& counts) const;
 
  private:
