@@ -113,7 +113,8 @@ std::string group_label(const SweepSpec& spec, const Group& group, const std::ve
 std::vector<FrontierLine> frontier_of(const SweepSpec& spec, const std::vector<Group>& groups) {
   std::vector<FrontierLine> lines;
   if (!spec.frontier) return lines;
-  const auto& [largest, against] = *spec.frontier;
+  const std::string& largest = spec.frontier->largest;
+  const std::string& against = spec.frontier->against;
   // By label in the order of the groups, then by both axes ascending.
   std::vector<std::pair<std::string, std::map<double, std::vector<const Group*>>>> sorted;
   for (const Group& group : groups) {

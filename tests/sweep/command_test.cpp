@@ -116,7 +116,7 @@ TEST(Sweep, ShowsItsTrialsBeforehandAndLeavesNothing) {
   const SweepFolder::Ended ended = sweep.run({"--dry-run", "--workers", "1"});
   EXPECT_EQ(ended.exit_code, 0) << ended.error;
   for (const char* part : {"spec: 30 trials", "0 have a result, 30 are to be run", "about 12 s with 1 at a time",
-                           "gas, bodies=20 (1 cores, timed)", "and 10 more"})
+                           "gas, bodies=20 (1 core, timed)", "and 10 more"})
     EXPECT_TRUE(says(ended.out, part)) << part << "\n" << ended.out;
   EXPECT_FALSE(fs::exists(sweep.results()));
 }

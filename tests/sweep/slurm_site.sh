@@ -11,17 +11,22 @@ action="$1" folder="$(realpath -- "$2")"
 export SLURM_CONF="$folder/slurm.conf"
 
 stop() {
-  if [[ -f "$SLURM_CONF" ]]; then timeout 10 scancel --user=root 2>/dev/null || true; fi
-  local name pid program
+  local name pid i
+  if [[ -f "$SLURM_CONF" ]]; then
+    timeout 10 scancel --user=root 2>/dev/null || true
+    for ((i = 0; i < 50; ++i)); do
+      if [[ -z "$(timeout 5 squeue --noheader 2>/dev/null)" ]]; then break; fi
+      sleep 0.1
+    done
+  fi
   # What they know is thrown away, so none is asked to save it.
   for name in slurmctld slurmd munged; do
     if [[ -f "$folder/$name.pid" ]]; then kill -KILL "$(<"$folder/$name.pid")" 2>/dev/null || true; fi
   done
-  # Each step of a job has a daemon of its own, which is no child of slurmd; and a task may outlive it.
+  # Each step of a job has a daemon of its own, which works in the folder of the log; and tasks may outlive it.
   for pid in /proc/[0-9]*; do
-    program="$(cat -- "$pid/comm" 2>/dev/null)" || continue
-    if [[ "$program" == slurmstepd || "$program" == poise || "$program" == srun ]] &&
-      grep -qz "^SLURM_CONF=$SLURM_CONF$" "$pid/environ" 2>/dev/null; then
+    if [[ "$(cat -- "$pid/comm" 2>/dev/null)" == slurmstepd && "$(readlink -- "$pid/cwd")" == "$folder" ]] ||
+      { grep -qz "^SLURM_CONF=$SLURM_CONF$" "$pid/environ" && grep -qz "^SLURM_JOB_ID=" "$pid/environ"; } 2>/dev/null; then
       kill -KILL "${pid#/proc/}" 2>/dev/null || true
     fi
   done

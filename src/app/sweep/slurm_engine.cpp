@@ -28,8 +28,9 @@ namespace fs = std::filesystem;
 
 /// Slurm's own limit where `scontrol` does not tell it.
 constexpr std::uint64_t kUsualArraySize = 1001;
-/// A shared file system may show a new file late; so long after the end of the last array results are still looked for.
-constexpr double kLateFiles_s = 3;
+/// So long no array must be active before the wait is over: squeue leaves out a task for a moment while it is put back
+/// into the queue, and a shared file system may show a new file late.
+constexpr double kSurelyOver_s = 3;
 constexpr double kShortestLook_s = 0.3, kLongestLook_s = 10;
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -127,11 +128,6 @@ Status submit(const SweepPlan& plan, const sweep::TrialBatch& batch, const sweep
   return io::write_file(folder.value() / "job", fmt::format("{}\n", *job));
 }
 
-/// What squeue still has of these arrays; the others are removed from the list.
-void drop_ended(ActiveArrays& active) {
-  std::erase_if(active.arrays, [](const SubmittedArray& array) { return !is_active(array.job); });
-}
-
 /// Tells of trials that have ended since the last call, and returns how many of all have.
 std::size_t look_at(const std::vector<sweep::Trial>& trials, const sweep::TrialStore& store,
                     std::set<std::string>& ended, Progress& progress) {
@@ -184,7 +180,7 @@ Status submit_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pen
 }
 
 bool wait_for_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pending, const sweep::TrialStore& store,
-                     ActiveArrays& active, const parallel::Interrupt& interrupt, Progress& progress) {
+                     const ActiveArrays& active, const parallel::Interrupt& interrupt, Progress& progress) {
   std::set<std::string> ended;
   double look_s = kShortestLook_s;
   std::optional<SteadyClock::time_point> over;
@@ -193,15 +189,16 @@ bool wait_for_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pen
     progress.share(fmt::format("{} of {} trials of \"{}\" in {} job arrays", count, pending.size(), plan.spec.name,
                                active.arrays.size()),
                    static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, pending.size())));
-    const bool all = count == pending.size();
-    const bool late = over && std::chrono::duration<double>(SteadyClock::now() - *over).count() > kLateFiles_s;
-    if (all || late) return false;
+    if (count == pending.size()) return false;
+    if (std::ranges::any_of(active.arrays, [](const SubmittedArray& array) { return is_active(array.job); })) {
+      over.reset();
+    } else if (!over) {
+      over = SteadyClock::now();
+    }
+    if (over && std::chrono::duration<double>(SteadyClock::now() - *over).count() > kSurelyOver_s) return false;
     if (interrupt.asked()) return true;
     pause(over ? kShortestLook_s : look_s, interrupt);
     look_s = std::min(kLongestLook_s, look_s * 1.2);
-    if (over) continue;
-    drop_ended(active);
-    if (active.arrays.empty()) over = SteadyClock::now();
   }
 }
 

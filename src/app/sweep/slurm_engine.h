@@ -39,7 +39,7 @@ Status submit_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pen
 /// Waits until no array is active, and tells of trials that fail meanwhile. Returns whether a signal ended the wait;
 /// the arrays go on then.
 bool wait_for_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pending, const sweep::TrialStore& store,
-                     ActiveArrays& active, const parallel::Interrupt& interrupt, Progress& progress);
+                     const ActiveArrays& active, const parallel::Interrupt& interrupt, Progress& progress);
 
 /// One task of an array: runs its trials, but those that have a result, and stores what comes of them. Returns the exit
 /// code.

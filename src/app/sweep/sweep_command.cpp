@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/capture/run_capture.h"
 #include "app/exit_codes.h"
 #include "app/progress.h"
 #include "app/refusal.h"

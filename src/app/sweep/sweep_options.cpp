@@ -15,13 +15,15 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   add_path(
       command, "--out", options.out,
       "Folder of results, logs, trials.csv and sweep.sqlite (default: the specification's name with .sweep, in the "
-      "current folder)");
+      "current folder)")
+      ->type_name("DIR");
   command.add_flag("--dry-run", options.dry_run, "Show the trials and the time that they need, and start none");
   command.add_flag("--no-run", options.no_run, "Start nothing: join the results that are there");
   command.add_flag("--retry-failed", options.retry_failed,
                    "Run trials again that failed or were ended at their time limit");
   add_path(command, "--report", options.report,
-           "Write a page into this folder: curves along the axes, the frontier, heat maps; all pictures as SVG too");
+           "Write a page into this folder: curves along the axes, the frontier, heat maps; all pictures as SVG too")
+      ->type_name("DIR");
   command
       .add_option("--engine", options.engine,
                   "local: processes on this machine; slurm: a job array by sbatch (default local)")
@@ -35,6 +37,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command
       .add_option("--sbatch", options.sbatch,
                   "slurm: a further option of sbatch, as --sbatch=--account=me; may be given several times")
+      ->allow_extra_args(false)
       ->type_name("OPTION");
   add_whole(command, "--max-tasks", options.most_tasks, 1, 1'000'000,
             "slurm: tasks of an array, at most (default: what the site permits, MaxArraySize)");

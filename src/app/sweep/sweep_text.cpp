@@ -61,8 +61,8 @@ std::string plan_text(const SweepPlan& plan, const sweep::TrialStore& store, con
     text += fmt::format("about {} of node time, {}\n", time_text(estimate.seconds), estimate.basis);
   }
   for (std::size_t i = 0; i < std::min(kShownTrials, pending.size()); ++i)
-    text += fmt::format("  {}  {} ({} cores, {})\n", pending[i].key.substr(0, 8), pending[i].label, pending[i].cores,
-                        pending[i].timed ? "timed" : "counts work");
+    text += fmt::format("  {}  {} ({} core{}, {})\n", pending[i].key.substr(0, 8), pending[i].label, pending[i].cores,
+                        pending[i].cores == 1 ? "" : "s", pending[i].timed ? "timed" : "counts work");
   if (pending.size() > kShownTrials) text += fmt::format("  and {} more\n", pending.size() - kShownTrials);
   return text;
 }
