@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: MIT
+"""Results as tables: reports of steps, the JSON of `poise run`, CSV tables of frames and of sweeps.
+
+A table is a pandas.DataFrame where pandas is installed; elsewhere a dict of column names and NumPy arrays, in which
+table["column"] works too. A value that is missing is NaN in a column of numbers, None in others.
+"""
+import csv
+import json
+import os
+from pathlib import Path
+from typing import Any, Iterable, Mapping, Union
+
+import numpy
+
+from ._core import FrameReport
+from ._errors import Error
+
+try:
+    import pandas
+except ImportError:
+    pandas = None
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+def table(rows: "Iterable[Mapping[str, Any]]") -> Any:
+    """A table of rows that are dicts: a pandas.DataFrame, or a dict of columns without pandas.
+
+    The columns are those of all rows, in the order in which they first come.
+    """
+    rows = list(rows)
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    columns = {name: _column([row.get(name) for row in rows]) for name in names}
+    return pandas.DataFrame(columns) if pandas is not None else columns
+
+
+def frames_table(reports: "Iterable[FrameReport]") -> Any:
+    """A table with a row for each FrameReport and the columns of `poise run --frames-csv`; times end in _ms."""
+    return table(report.as_dict() for report in reports)
+
+
+def read_run(path: PathLike) -> "dict[str, Any]":
+    """The JSON of `poise run --json` (schema poise.run/2) as it is (docs/run-report.md).
+
+    Raises Error for a file that is not one.
+    """
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as problem:
+        raise Error("%s: %s" % (os.fspath(path), problem)) from problem
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if not isinstance(schema, str) or not schema.startswith("poise.run/"):
+        raise Error("%s: schema = %s, must be poise.run/2" % (os.fspath(path), schema))
+    return document
+
+
+def runs_table(runs: "PathLike | Iterable[PathLike | Mapping[str, Any]]") -> Any:
+    """A table with a row for each run: paths of JSON files, or what read_run gave, or a folder that is searched for them.
+
+    Columns are dotted paths, as --require has them: frame_ms.p99, misses.rate, levels.histogram.2. `file` comes first where
+    a path was given. In a folder, JSON files of other schemas are left out.
+    """
+    if isinstance(runs, (str, os.PathLike)):
+        folder = Path(runs)
+        if folder.is_dir():
+            return table(_row(file) for file in sorted(folder.rglob("*.json")) if _is_run(file))
+        runs = [folder]
+    return table(_row(run) for run in runs)
+
+
+def read_table(path: PathLike) -> Any:
+    """A CSV table: of frames (`poise run --frames-csv`), of states (`--states`), of a sweep. An empty cell is missing."""
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            rows = list(csv.reader(stream))
+    except OSError as problem:
+        raise Error("%s: %s" % (os.fspath(path), problem)) from problem
+    if not rows:
+        raise Error("%s: the file is empty, it must have a line of column names" % os.fspath(path))
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(rows[0]):
+            raise Error("%s: line %d has %d cells, must have %d" % (os.fspath(path), number, len(row), len(rows[0])))
+    return table(dict(zip(rows[0], map(_cell, row))) for row in rows[1:])
+
+
+def _cell(text: str) -> Any:
+    if text == "":
+        return None
+    for kind in (int, float):
+        # Python allows 1_000 in numbers; a table does not.
+        if "_" not in text:
+            try:
+                return kind(text)
+            except ValueError:
+                pass
+    return text
+
+
+def _column(values: "list[Any]") -> Any:
+    numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+    missing = values.count(None)
+    if numbers and len(numbers) + missing == len(values):
+        if missing or any(isinstance(value, float) for value in numbers):
+            return numpy.array([numpy.nan if value is None else value for value in values], dtype=float)
+        return numpy.array(values)
+    if values and all(isinstance(value, bool) for value in values):
+        return numpy.array(values)
+    column = numpy.empty(len(values), dtype=object)
+    column[:] = values
+    return column
+
+
+def _flat(value: Any, name: str, row: "dict[str, Any]") -> None:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            _flat(inner, "%s.%s" % (name, key) if name else str(key), row)
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            _flat(inner, "%s.%d" % (name, index), row)
+    else:
+        row[name] = value
+
+
+def _row(run: "PathLike | Mapping[str, Any]") -> "dict[str, Any]":
+    row: "dict[str, Any]" = {}
+    if not isinstance(run, Mapping):
+        row["file"] = os.fspath(run)
+        run = read_run(run)
+    _flat(run, "", row)
+    return row
+
+
+def _is_run(path: Path) -> bool:
+    try:
+        read_run(path)
+    except Error:
+        return False
+    return True
