@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+"""The global lock and Worlds in use. No test here depends on how fast anything is."""
+import sys
+import threading
+import time
+
+import pytest
+
+import poise
+from conftest import heap
+
+
+@pytest.fixture
+def no_forced_switches():
+    """A Python thread gets the lock only where another one gives it back by itself."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e6)
+    yield
+    sys.setswitchinterval(before)
+
+
+def test_another_thread_makes_progress_while_a_world_steps(no_forced_switches):
+    world = heap(40)
+    counted, stop, begun = [0], threading.Event(), threading.Event()
+
+    def count():
+        begun.set()
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0)  # gives the lock back
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    begun.wait()
+    progress = False
+    # Between these lines nothing but a step gives the lock back; how many steps it takes is for the system to say.
+    for _ in range(20000):
+        before = counted[0]
+        world.step(poise.Budget.work(50))
+        if counted[0] != before:
+            progress = True
+            break
+    stop.set()
+    counter.join()
+    assert progress, "no step gave the global lock back"
+
+
+def test_a_world_that_is_being_stepped_refuses_other_threads():
+    inside, leave = threading.Event(), threading.Event()
+
+    def cue(pair):
+        inside.set()
+        leave.wait()
+        return 1
+
+    world = heap(policy=poise.Policy(cue=cue))
+    failures = []
+
+    def steps():
+        try:
+            while not inside.is_set():
+                world.step(poise.Budget.work(60))
+        except BaseException as failure:  # the test tells it
+            failures.append(failure)
+
+    stepper = threading.Thread(target=steps)
+    stepper.start()
+    inside.wait()
+    for call in (world.states, world.bodies, world.step, lambda: len(world), lambda: world.settings):
+        with pytest.raises(poise.Error, match="is being stepped"):
+            call()
+    leave.set()
+    stepper.join()
+    assert failures == [] and len(world) == 65
+
+
+def test_worlds_of_several_threads_step_at_once_with_the_same_result():
+    expected = heap(30)
+    worlds = [heap(30) for _ in range(4)]
+
+    def steps(world):
+        for _ in range(20):
+            world.step(poise.Budget.work(100))
+
+    threads = [threading.Thread(target=steps, args=(world,)) for world in worlds]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    steps(expected)
+    assert {world.state_hash() for world in worlds} == {expected.state_hash()}
+
+
+def test_a_cue_is_called_from_the_threads_of_the_world():
+    names, lock = set(), threading.Lock()
+
+    def cue(pair):
+        with lock:
+            names.add(threading.get_ident())
+        return 1
+
+    world = heap(policy=poise.Policy(cue=cue), threads=3, executor="threads")
+    alone = heap(policy=poise.Policy(cue=lambda pair: 1))
+    for _ in range(40):
+        world.step(poise.Budget.work(200))
+        alone.step(poise.Budget.work(200))
+    assert threading.get_ident() in names or len(names) > 0
+    assert world.state_hash() == alone.state_hash()
