@@ -99,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"src/world/a.cpp", "state = from.slerp(share, to);", "src/math has the like"},
         Planted{"src/scene/a.cpp", "std::normal_distribution<double> size;", "between standard libraries"},
         Planted{"src/scene/a.cpp", "std::shuffle(a.begin(), a.end(), random);", "standard libraries"},
+        Planted{"python/src/a.cpp", "std::mutex lock;", "threads"},
+        Planted{"python/src/a.cpp", "printf(\"%d\", 1);", "neither prints"},
         Planted{"docs/a.md",
                 "cd /ho"
                 "me/someone/poise",
@@ -138,6 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"src/app/a.cpp", "std::cout << 1;", ""},
                     Planted{"src/assets/files/open_file.cpp", "const int file = ::open(name, O_RDONLY);", ""},
                     Planted{"src/solver/a.h", "HWY_INLINE void prefetch_rows(const Rows& rows) {", ""},
+                    Planted{"python/src/a.cpp", "#include \"record/record_file.h\"", ""},
                     Planted{"src/scene/a.cpp", "std::snprintf(text, size, \"%d\", 1);", ""},
                     Planted{"src/collision/a.cpp", "// a std::mutex would cost more; see Clock::now()", ""},
                     Planted{"src/collision/a.cpp", "const char* text = \"std::mutex\";", ""},

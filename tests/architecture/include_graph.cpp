@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> kCode{"include", "scheduler", "src", "bench", "examples"};
+constexpr std::array<std::string_view, 6> kCode{"include", "scheduler", "src", "bench", "examples", "python"};
 
 /// A box of the picture: rooms that are linked into one library.
 struct Library {
@@ -30,7 +30,7 @@ struct Library {
 // The latest first; a room that is in no library is drawn alone.
 const std::vector<Library>& libraries() {
   static const std::vector<Library> all{
-      {"bench and examples", "#f3f1ee", "#a39c92", {"bench", "examples"}},
+      {"bench, examples and the Python module", "#f3f1ee", "#a39c92", {"bench", "examples", "python"}},
       {"command poise (poise_app, poise_capture, poise_sweep)", "#fdeee3", "#d9894f", {"app", "capture", "sweep"}},
       {"poise::scene", "#fdf6dc", "#c9a227", {"scene", "record"}},
       {"poise::assets", "#e9f5e6", "#6aa85c", {"assets"}},

@@ -58,6 +58,7 @@ constexpr std::array kRooms{
     Room{"src/app/", 16, "app"},
     Room{"bench/", 17, "bench"},
     Room{"examples/", 17, "examples"},
+    Room{"python/", 17, "python"},
 };
 
 // <stop_token> is not in the list: a std::stop_token is a handle that public options hold and long work polls.
