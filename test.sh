@@ -7,7 +7,7 @@ set -euo pipefail
 { : <&0; } 2>/dev/null || exec </dev/null
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)"
-"$root/cmake/install_packages.sh" build study tune test
+"$root/cmake/install_packages.sh" build study tune test python
 POISE_TESTS=ON "$root/cmake/build_release.sh" all
 "$root/cmake/get_viewer.sh" viewer viewer-test || true
 cd -- "$root"

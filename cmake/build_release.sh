@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Builds the targets that are named in build/release, configuring first where that has not been done, and shows how far it
 # is: in one line on a terminal, elsewhere in a line every few seconds. In the environment, each ON or OFF (the default):
-# POISE_TESTS (tests, benchmarks, examples and studies too), POISE_STUDIES, POISE_WERROR.
+# POISE_TESTS (tests, benchmarks, examples and studies too, and the Python module where pybind11 and Python's headers are
+# installed), POISE_STUDIES, POISE_WERROR.
 set -euo pipefail
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -33,9 +34,15 @@ cd -- "$root"
 tests="${POISE_TESTS:-OFF}"
 studies="${POISE_STUDIES:-$tests}"
 werror="${POISE_WERROR:-OFF}"
+python=OFF
+if [[ "$tests" == ON && -f /usr/include/pybind11/pybind11.h ]] && /usr/bin/python3 -c \
+  'import os, sys, sysconfig; sys.exit(not os.path.exists(sysconfig.get_path("include") + "/Python.h"))' 2>/dev/null; then
+  python=ON
+fi
 # What was asked for once stays, so that a later run of the command does not take it away again.
 again=()
-for option in "POISE_TESTS=$tests" "POISE_BENCHMARKS=$tests" "POISE_EXAMPLES=$tests" "POISE_STUDIES=$studies" "POISE_WERROR=$werror"; do
+for option in "POISE_TESTS=$tests" "POISE_BENCHMARKS=$tests" "POISE_EXAMPLES=$tests" "POISE_STUDIES=$studies" "POISE_WERROR=$werror" \
+  "POISE_PYTHON=$python"; do
   if [[ ! -f "$build/build.ninja" ]]; then
     again+=("-D$option")
   elif [[ "${option#*=}" == ON && "$(configured "${option%%=*}")" != ON ]]; then

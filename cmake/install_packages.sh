@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs the Debian packages of the steps that are named (build, viewer, study, tune, test, viewer-test, package, sweep-test, ci), as far as
-# they are missing. Asks nothing;
-# when all are there it touches neither the network nor the system. Says what it does on stderr.
+# Installs the Debian packages of the steps that are named (build, viewer, study, tune, test, python, python-more,
+# viewer-test, package, sweep-test, ci), as far as they are missing. Asks nothing; when all are there it touches neither the
+# network nor the system. Says what it does on stderr.
 set -euo pipefail
 
 list="$(dirname -- "${BASH_SOURCE[0]}")/debian-packages.txt"
