@@ -1,5 +1,5 @@
 # Debian packages: `cpack` in a build folder, or all of it by cmake/package.sh. One package for the command, one for the
-# studies, one for the libraries with their headers.
+# studies, one for the libraries with their headers, and with POISE_PYTHON one for the Python module.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME poise)
 set(CPACK_PACKAGE_VERSION "${POISE_PACKAGE_VERSION}")
@@ -39,6 +39,18 @@ poise_package(studies poise-study science "studies of poise, which measure time 
 poise_package(dev libpoise-dev libdevel "rigid bodies inside a time budget, libraries and headers"
   "Static libraries, headers, CMake and pkg-config files of poise: the scheduler\nalone, worlds of rigid bodies, files of meshes and sphere trees, scenes and\nrecords."
   scheduler poise assets scene dev-doc)
+if(POISE_PYTHON)
+  find_package(Python COMPONENTS Interpreter)
+  math(EXPR POISE_NEXT_PYTHON "${Python_VERSION_MINOR} + 1")
+  list(APPEND CPACK_COMPONENTS_ALL python python-doc)
+  poise_package(python python3-poise python "rigid bodies inside a time budget, Python module"
+    "Worlds of rigid bodies stepped inside a time budget, from Python: shapes, steps,\nstates as NumPy arrays, contacts, cues and policies, scenes, replay of records,\nresults as data frames."
+    python python-doc)
+  # The module is that of one version of Python.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${POISE_NEXT_PYTHON}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas, python3-matplotlib, poise")
+endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "poise-study, gnuplot-nox, python3-optuna")
 set(CPACK_DEBIAN_STUDIES_PACKAGE_DEPENDS "poise (= ${POISE_PACKAGE_VERSION})")
 set(CPACK_DEBIAN_STUDIES_PACKAGE_SUGGESTS "gnuplot-nox")
@@ -82,4 +94,7 @@ endfunction()
 poise_package_docs(poise-doc poise poise_command)
 poise_package_docs(study-doc poise-study poise_study)
 poise_package_docs(dev-doc libpoise-dev)
+if(POISE_PYTHON)
+  poise_package_docs(python-doc python3-poise)
+endif()
 include(CPack)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Makes the Debian packages poise, poise-study and libpoise-dev of this commit in build/packages, in one go: installs what
+# Makes the Debian packages poise, poise-study, libpoise-dev and python3-poise of this commit in build/packages, in one go: installs what
 # is missing for that, builds, and looks for faults by lintian. Any error of lintian fails.
 #
 #   cmake/package.sh             version 0.1.0+gitDATE.COMMIT, or 0.1.0 if the commit has the tag v0.1.0
@@ -8,7 +8,7 @@ set -euo pipefail
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 cd -- "$root"
 
-cmake/install_packages.sh build study package
+cmake/install_packages.sh build study python package
 cmake/get_viewer.sh viewer || echo "package.sh: without the pages of reports, which need node and npm" >&2
 version=$(sed -En 's/^project\(poise VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
 if [[ $(git describe --exact-match --tags --dirty 2>/dev/null) != "v$version" ]]; then

@@ -17,7 +17,9 @@ rm -rf -- "$folder"
 mkdir -p -- "$folder/debs" "$folder/root/var/lib/dpkg/"{info,updates}
 (cd -- "$build" && cpack -B "$folder/debs") >"$folder/cpack.log" 2>&1 || fail "cpack: $(tail -n 20 "$folder/cpack.log")"
 debs=("$folder/debs/"*.deb)
-[[ ${#debs[@]} -eq 3 ]] || fail "${#debs[@]} packages instead of 3"
+packages=(libpoise-dev poise-study poise)
+if grep -q '^POISE_PYTHON:BOOL=ON' "$build/CMakeCache.txt"; then packages=(python3-poise "${packages[@]}"); fi
+[[ ${#debs[@]} -eq ${#packages[@]} ]] || fail "${#debs[@]} packages instead of ${#packages[@]}"
 for deb in "${debs[@]}"; do
   [[ $(dpkg-deb -f "$deb" Version) == "$version" ]] || fail "$deb is not of version $version"
 done
@@ -73,6 +75,11 @@ done
   done
 )
 
+if [[ ${packages[0]} == python3-poise ]] && /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+  modules=$(dirname -- "$(dirname -- "$(find "$root/usr" -path '*/poise/__init__.py')")")
+  PYTHONPATH=$modules PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -c 'import poise; poise.World().step()' || fail "the Python module"
+fi
+
 # A program by pkg-config, without CMake.
 pc=$(dirname -- "$(find "$root/usr" -name poise.pc)")
 read -ra flags < <(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs poise-scene)
@@ -85,7 +92,7 @@ if command -v lintian >/dev/null; then
 fi
 
 if ((as_root)); then
-  dpkg --root="$root" --purge libpoise-dev poise-study poise >>"$folder/dpkg.log" 2>&1 || fail "dpkg --purge: $(cat "$folder/dpkg.log")"
+  dpkg --root="$root" --purge "${packages[@]}" >>"$folder/dpkg.log" 2>&1 || fail "dpkg --purge: $(cat "$folder/dpkg.log")"
   left=$(find "$root" -path "$root/var" -prune -o -type f -print)
   [[ -z $left ]] || fail "left behind: $left"
 fi
