@@ -21,8 +21,8 @@ constexpr std::uint64_t kHeapMayGrow = 8U << 20U, kOfEachBody = 1024;
 /// A leak grows in every cycle, lists do not: what counts as growth of a cycle, and the share of cycles without it.
 constexpr std::uint64_t kGrows = 4096;
 constexpr double kCyclesWithout = 0.125;
-// The system gives pages and takes them as it likes.
-constexpr std::uint64_t kResidentMayGrow = 16U << 20U;
+// The system gives pages when they are first touched, and takes them as it likes.
+constexpr std::uint64_t kResidentMayGrow = 32U << 20U;
 /// Frames in which a list may still grow after the warm-up, as crowds differ from cycle to cycle: so many, and this
 /// share. Chosen.
 constexpr double kFirstMayAllocate = 16, kFramesMayAllocate = 0.001;

@@ -155,7 +155,7 @@ TEST(Kill, LeavesRecordAndStatesAsTheyGrowUntilTheNextRun) {
         "run",      paced ? "two-body" : "gas", "--quiet", "--record", folder.file("run.poise"),
         "--states", folder.file("states.csv"),  "--frames"};
     std::vector<std::string> long_run = words;
-    long_run.emplace_back("1000000");
+    long_run.emplace_back("200000");
     if (paced) long_run.emplace_back("--paced");
     {
       Program program(folder.path(), long_run);
@@ -262,7 +262,7 @@ TEST(Kill, ALivingRunKeepsItsPartsFromAnother) {
   const auto run = [&](const char* frames) {
     return std::vector<std::string>{"run", "gas", "--bodies", "50", "--quiet", "--record", record, "--frames", frames};
   };
-  Program living(folder.path(), run("1000000"));
+  Program living(folder.path(), run("200000"));
   ASSERT_TRUE(wait_until(living, [&] { return std::filesystem::exists(part_of(folder, "run.poise")); }));
   Program second(other.path(), run("3"));
   EXPECT_EQ(second.wait(), 0) << second.error();
