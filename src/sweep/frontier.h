@@ -15,8 +15,8 @@ struct Group {
   std::string scene;
   std::vector<Setting> settings;                 ///< without the seed, where that is an axis
   std::size_t pending = 0, done = 0, ended = 0;  ///< trials; `ended`: failed, or ended at their time limit
-  std::vector<std::optional<double>> mean, least,
-      most;  ///< parallel to Results::figures, over the trials that are done
+  /// Of each of Results::figures, over the trials that are done; empty where one of them does not define it.
+  std::vector<std::optional<double>> mean, least, most;
   /// Whether the requirements hold for the means of the figures. False too where a trial failed or was ended; empty
   /// where a trial is pending, or there are no requirements.
   std::optional<bool> holds;

@@ -134,6 +134,9 @@ Result<SweepPlan> plan_sweep(const std::string& file, std::vector<std::string>& 
   Result<sweep::SweepSpec> spec = sweep::read_spec(file, errors);
   if (!spec) return spec.error();
   SweepPlan plan{std::move(spec).value(), {}, {}};
+  // Tasks on other machines may begin in another folder.
+  std::error_code failure;
+  plan.spec.base = fs::absolute(plan.spec.base, failure).lexically_normal().string();
   check_values(plan.spec, errors);
   std::vector<sweep::SceneFile> files;
   std::map<std::string, Scene> scenes;

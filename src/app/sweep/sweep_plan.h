@@ -16,8 +16,7 @@ namespace poise::app {
 struct SweepPlan {
   sweep::SweepSpec spec;
   std::vector<sweep::Trial> trials;
-  /// Time of a trial by the wall clock in which every frame takes its deadline, seconds, by the name of its scene and
-  /// as far as settings do not say otherwise.
+  /// What a scene says of the length of a run, as far as settings do not say otherwise; by the name of the scene.
   struct SceneTimes {
     double frames = 0, deadline_ms = 0;
   };
