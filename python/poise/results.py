@@ -99,7 +99,7 @@ def _cell(text: str) -> Any:
 def _column(values: "list[Any]") -> Any:
     numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
     missing = values.count(None)
-    if numbers and len(numbers) + missing == len(values):
+    if values and len(numbers) + missing == len(values):
         if missing or any(isinstance(value, float) for value in numbers):
             return numpy.array([numpy.nan if value is None else value for value in values], dtype=float)
         return numpy.array(values)

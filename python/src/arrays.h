@@ -3,6 +3,10 @@
 
 #include <pybind11/numpy.h>
 
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -27,11 +31,20 @@ py::array owned(std::vector<T> values, const std::vector<py::ssize_t>& shape) {
   return py::array_t<T>(shape, data, base);
 }
 
+/// Whether all of it are whole numbers, which a conversion to whole numbers would otherwise round in silence.
+inline bool is_whole(const py::object& given) {
+  const py::array any = py::array::ensure(given);
+  PyErr_Clear();
+  return any &&
+         (any.size() == 0 || any.dtype().kind() == 'i' || any.dtype().kind() == 'u' || any.dtype().kind() == 'b');
+}
+
 /// `given` as contiguous numbers with rows of `columns`; raises poise.Error with the name for anything else. An array
 /// of the right type is not copied.
 template <class T>
 py::array_t<T, py::array::c_style | py::array::forcecast> rows_of(const char* name, const py::object& given,
                                                                   py::ssize_t columns) {
+  if (std::is_integral_v<T> && !is_whole(given)) raise(bad_input(std::string(name) + ", must be whole numbers"));
   auto array = py::array_t<T, py::array::c_style | py::array::forcecast>::ensure(given);
   const bool right = array && (columns == 1 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns);
   if (right) return array;

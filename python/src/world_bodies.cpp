@@ -71,7 +71,7 @@ py::list add_bodies(WorldValue& world, const ShapeValue& shape, MaterialId mater
   const Column<double> orientations("orientation_wxyz", orientation_wxyz, 4, count);
   const Column<double> velocities("velocity_mps", velocity_mps, 3, count);
   const Column<double> spins("angular_velocity_radps", angular_velocity_radps, 3, count);
-  const Column<std::uint64_t> values("user_data", user_data, 1, count);
+  const Column<std::int64_t> values("user_data", user_data, 1, count);
   std::vector<BodyId> added;
   for (py::ssize_t i = 0; i < count; ++i) {
     definition.position_m = {positions.at(i, 0), positions.at(i, 1), positions.at(i, 2)};
@@ -79,8 +79,10 @@ py::list add_bodies(WorldValue& world, const ShapeValue& shape, MaterialId mater
       definition.orientation = {o->at(i, 0), o->at(i, 1), o->at(i, 2), o->at(i, 3)};
     if (const auto& v = velocities.rows) definition.velocity_mps = {v->at(i, 0), v->at(i, 1), v->at(i, 2)};
     if (const auto& w = spins.rows) definition.angular_velocity_radps = {w->at(i, 0), w->at(i, 1), w->at(i, 2)};
-    if (values.rows) definition.user_data = values.rows->at(i);
-    const Result<BodyId> body = world.use().add_body(definition);
+    if (values.rows) definition.user_data = static_cast<std::uint64_t>(values.rows->at(i));
+    const Result<BodyId> body = !values.rows || values.rows->at(i) >= 0
+                                    ? world.use().add_body(definition)
+                                    : bad_input("user_data = " + std::to_string(values.rows->at(i)) + ", must be >= 0");
     if (!body) {
       for (const BodyId one : added) check(world.use().remove_body(one));
       raise({body.error().kind, "bodies[" + std::to_string(i) + "]." + body.error().message});
@@ -183,6 +185,8 @@ Where one body is refused, none is added.)")
 }
 
 void bind_reading(WorldClass& world) {
+  // One without bodies is a World all the same.
+  world.def("__bool__", [](const WorldValue&) { return true; });
   world.def("__contains__", [](WorldValue& w, BodyId body) { return w.use().contains(body); })
       .def("__len__", [](WorldValue& w) { return w.use().body_count(); })
       .def(

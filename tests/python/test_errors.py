@@ -99,6 +99,11 @@ def test_where_one_of_many_bodies_is_refused_none_is_added():
     for wrong in (numpy.zeros((3, 2)), numpy.zeros(3), "abc", None):
         with pytest.raises(poise.Error, match=r"position_m, must be an array of shape \(n, 3\)"):
             WORLD.add_bodies(SPHERE, MATERIAL, wrong)
+    for wrong, said in (([[0, 1.5, 2]], "triangles, must be whole numbers"), ([["a", "b", "c"]], "must be whole numbers")):
+        with pytest.raises(poise.Error, match=said):
+            poise.Shape.mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], wrong)
+    with pytest.raises(poise.Error, match=r"bodies\[1\].user_data = -1, must be >= 0"):
+        WORLD.add_bodies(SPHERE, MATERIAL, numpy.zeros((2, 3)), user_data=[1, -1])
     with pytest.raises(poise.Error, match=r"velocity_mps, must have as many rows \(1\) as position_m \(2\)"):
         WORLD.add_bodies(SPHERE, MATERIAL, numpy.zeros((2, 3)), velocity_mps=[[0, 0, 0]])
 

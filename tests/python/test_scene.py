@@ -132,6 +132,8 @@ def test_tables_of_csv_files_have_numbers_words_and_gaps(tmp_path):
     table = as_dict(poise.read_table(file))
     assert table["scene"] == ["jacks", "a, b"] and table["bodies"] == [100, 200] and table["note"] == [None, "x_1"]
     assert table["rate"][0] == 0.5 and table["rate"][1] != table["rate"][1]
+    file.write_text("a,b\n1,\n2,\n")
+    assert all(value != value for value in as_dict(poise.read_table(file))["b"])
     file.write_text("a,b\n1\n")
     with pytest.raises(poise.Error, match="line 2 has 1 cells, must have 2"):
         poise.read_table(file)

@@ -98,5 +98,6 @@ def test_contacts_are_copies():
 
 
 def test_a_world_without_bodies_has_empty_arrays():
+    assert poise.World(), "a World is true even without bodies"
     states = poise.World().states()
     assert states.position_m.shape == (0, 3) and states.slot.shape == (0,) and len(poise.World().contacts()) == 0

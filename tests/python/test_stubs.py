@@ -25,7 +25,7 @@ def names_of(node):
 def members_of(kind):
     """The members that a class has itself, private ones left out."""
     own = {name for name in vars(kind) if not name.startswith("_")}
-    return own | {name for name in ("__len__", "__contains__", "__iter__", "__next__") if name in vars(kind)}
+    return own | {name for name in ("__bool__", "__len__", "__contains__", "__iter__", "__next__") if name in vars(kind)}
 
 
 def test_every_public_name_of_the_module_is_in_the_stub_or_annotated():
