@@ -106,7 +106,14 @@ void set_fields(const py::object& object, const py::kwargs& fields, const char* 
       }
       throw py::type_error(std::string(what) + " has no '" + name + "'; it has " + listed);
     }
-    py::setattr(object, name.c_str(), value);
+    if (PyObject_SetAttrString(object.ptr(), name.c_str(), value.ptr()) == 0) continue;
+    // What pybind11 says of a wrong type does not name the attribute.
+    py::error_already_set failure;
+    const bool unnamed = failure.matches(PyExc_TypeError) &&
+                         std::string_view(failure.what()).find("incompatible function arguments") != std::string::npos;
+    if (!unnamed) throw failure;
+    throw py::type_error(std::string(what) + ": " + name + " = " + py::repr(value).cast<std::string>() +
+                         " is of a wrong type");
   }
 }
 

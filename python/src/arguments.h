@@ -58,6 +58,14 @@ inline double seconds_of(std::chrono::nanoseconds time) { return static_cast<dou
 /// A whole number >= 0 of at most `most`; otherwise raises poise.Error with its name.
 std::uint64_t whole_of(const char* name, const py::handle& given, std::uint64_t most);
 
+/// `given` as a T; TypeError with the argument's name, and `type` as what it must be, for anything else.
+template <class T>
+T typed(const char* name, const py::handle& given, const char* type) {
+  py::detail::make_caster<T> caster;
+  if (!given.is_none() && caster.load(given, true)) return py::detail::cast_op<T>(caster);
+  throw py::type_error(std::string(name) + " must be " + type + ", not " + py::repr(given).cast<std::string>());
+}
+
 /// Sets attributes by keyword arguments; raises TypeError for a name that `object` does not have. `what` is what the
 /// message calls it.
 void set_fields(const py::object& object, const py::kwargs& fields, const char* what);

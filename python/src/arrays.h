@@ -48,6 +48,8 @@ py::array_t<T, py::array::c_style | py::array::forcecast> rows_of(const char* na
   auto array = py::array_t<T, py::array::c_style | py::array::forcecast>::ensure(given);
   const bool right = array && (columns == 1 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns);
   if (right) return array;
+  // An empty list is as good as no rows.
+  if (array && array.size() == 0 && array.ndim() == 1) return decltype(array)(std::vector<py::ssize_t>{0, columns});
   PyErr_Clear();
   raise(bad_input(std::string(name) + (columns == 1
                                            ? ", must be a row of numbers"

@@ -64,7 +64,7 @@ ReportValue step_scene(SceneValue& value, const py::object& budget, const py::ob
   value.world->use();
   check(value.run->before_frame(value.frame));
   input.dt_s = value.scene.dt_s;
-  input.view = view.is_none() ? value.run->view() : view.cast<View>();
+  input.view = view.is_none() ? value.run->view() : typed<View>("view", view, "a poise.View or None");
   input.max_level = value.scene.max_level;
   input.polygons = value.scene.polygons;
   input.backtracking = value.scene.backtracking;

@@ -166,7 +166,8 @@ factor on the priority of its pairs, in [0, 1e6]. user_data: an int that your cu
            py::arg("group") = 1, py::arg("collides_with") = kMostBits, py::arg("importance") = 1.0,
            R"(Adds a body for each row of position_m (n, 3), and returns their BodyIds, in the same order.
 
-The other arrays have n rows, 4 columns for orientation_wxyz, 1 for user_data; None is the default of add_body for all.
+The other arrays have n rows: of 4 numbers for orientation_wxyz, of one for user_data (in [0, 2^63)), else of 3; None is
+the default of add_body for all.
 Where one body is refused, none is added.)")
       .def(
           "add_material",

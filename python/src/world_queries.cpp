@@ -16,7 +16,7 @@ QueryFilter filter_of(const py::object& group, const py::object& collides_with, 
   QueryFilter filter;
   filter.group = static_cast<std::uint32_t>(whole_of("group", group, 0xffffffffU));
   filter.collides_with = static_cast<std::uint32_t>(whole_of("collides_with", collides_with, 0xffffffffU));
-  if (!ignore.is_none()) filter.ignore = ignore.cast<BodyId>();
+  if (!ignore.is_none()) filter.ignore = typed<BodyId>("ignore", ignore, "a poise.BodyId or None");
   return filter;
 }
 
@@ -124,7 +124,8 @@ void bind_queries(py::module_& module, WorldClass& world) {
              const py::object& group, const py::object& collides_with,
              const py::object& ignore) -> std::optional<ClosestPoint> {
             const Vec3 point = vec3_of("point_m", point_m);
-            if (!body.is_none()) return taken(w.use().closest_point(body.cast<BodyId>(), point));
+            if (!body.is_none())
+              return taken(w.use().closest_point(typed<BodyId>("body", body, "a poise.BodyId or None"), point));
             return taken(w.use().closest_point(point, max_distance_m, filter_of(group, collides_with, ignore)));
           },
           py::arg("point_m"), py::kw_only(), py::arg("body") = py::none(), py::arg("max_distance_m") = kFarthest,

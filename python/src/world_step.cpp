@@ -13,18 +13,20 @@ ReportValue step_world(WorldValue& world, const py::object& budget, double dt_s,
                        bool reference, bool measure_energy, bool persist_events) {
   StepInput input;
   input.dt_s = dt_s;
-  if (!view.is_none()) input.view = view.cast<View>();
+  if (!view.is_none()) input.view = typed<View>("view", view, "a poise.View or None");
   if (!attend_center_m.is_none()) {
     input.attention.center_m = vec3_of("attend_center_m", {attend_center_m});
     input.attention.radius_m = attend_radius_m;
   }
-  if (!attend_body.is_none()) input.attention.body = attend_body.cast<BodyId>();
+  if (!attend_body.is_none())
+    input.attention.body = typed<BodyId>("attend_body", attend_body, "a poise.BodyId or None");
   if (py::isinstance<py::str>(host_work_s)) {
     if (host_work_s.cast<std::string>() != "learn")
       raise(bad_input("host_work_s = " + host_work_s.cast<std::string>() + ", must be 'learn' or seconds"));
     input.host_work.learn = true;
   } else {
-    input.host_work.expected = nanoseconds_of("host_work_s", host_work_s.cast<double>());
+    input.host_work.expected =
+        nanoseconds_of("host_work_s", typed<double>("host_work_s", host_work_s, "seconds or 'learn'"));
   }
   input.max_level = static_cast<Level>(whole_of("max_level", max_level, kMaxTreeDepth));
   input.polygons = polygons;

@@ -80,6 +80,13 @@ def test_wrong_values_name_field_value_and_rule(call, field, value, rule):
     (lambda: WORLD.step(0.004), "poise.Budget.within"),
     (lambda: poise.World(gravity=(0, 0, 1)), "has no 'gravity'; it has .*gravity_mps2"),
     (lambda: poise.World(3), "poise.Settings"),
+    (lambda: poise.World(sleeping="yes"), "sleeping = 'yes' is of a wrong type"),
+    (lambda: poise.Policy(size="large"), "size = 'large' is of a wrong type"),
+    (lambda: WORLD.step(view=3), "view must be a poise.View or None, not 3"),
+    (lambda: WORLD.step(attend_body=3), "attend_body must be a poise.BodyId or None, not 3"),
+    (lambda: WORLD.step(host_work_s=None), "host_work_s must be seconds or 'learn', not None"),
+    (lambda: WORLD.cast_ray((0, 0, 0), (0, 0, 1), ignore=3), "ignore must be a poise.BodyId"),
+    (lambda: WORLD.closest_point((0, 0, 0), body=3), "body must be a poise.BodyId"),
     (lambda: poise.Policy(weight=1), "has no 'weight'"),
     (lambda: WORLD.set_settings(policy=3), "poise.Policy or the name of a kind"),
     (lambda: poise.SceneRun("jacks", colour=1), "has no 'colour'"),
@@ -96,6 +103,7 @@ def test_where_one_of_many_bodies_is_refused_none_is_added():
     with pytest.raises(poise.Error) as refused:
         WORLD.add_bodies(SPHERE, MATERIAL, positions)
     assert refused.value.field == "bodies[2].position_m" and len(WORLD) == before[0]
+    assert WORLD.add_bodies(SPHERE, MATERIAL, []) == []
     for wrong in (numpy.zeros((3, 2)), numpy.zeros(3), "abc", None):
         with pytest.raises(poise.Error, match=r"position_m, must be an array of shape \(n, 3\)"):
             WORLD.add_bodies(SPHERE, MATERIAL, wrong)
