@@ -11,16 +11,16 @@
         report = world.step(poise.Budget.within(0.004))
     print(world.state(ball).position_m, report.total_ms)
 
-Each step refines the collisions that a viewer would notice most, until its budget is spent: a deadline, counted work, or
-none. docs/python.md is the guide; docs/my-engine.md explains a frame.
+Each step refines the collisions that a viewer would notice most, until its budget is spent: a deadline, counted
+work, or none. docs/python.md is the guide; docs/my-engine.md explains a frame.
 
-Names carry units: _m metres, _kg kilograms, _s seconds, _ms milliseconds, _mps metres a second, _radps radians a second,
-_n newtons, _nm newton metres, _ns newton seconds (kg m/s, not nanoseconds), _j joules. Vectors are any three numbers,
-quaternions any four, w first. The world frame is right-handed. A call with bad arguments raises poise.Error, which has the
-library's message with field, value and rule; a value of a wrong type raises TypeError.
+Names carry units: _m metres, _kg kilograms, _s seconds, _ms milliseconds, _mps metres a second, _radps radians a
+second, _n newtons, _nm newton metres, _ns newton seconds (kg m/s, not nanoseconds), _j joules. Vectors are any
+three numbers, quaternions any four, w first. The world frame is right-handed. A call with bad arguments raises
+poise.Error, which has the library's message with field, value and rule; a value of a wrong type raises TypeError.
 
-Threads: a step releases the global lock, so other Python threads run meanwhile; they must leave this World alone until the
-step has returned (poise.Error otherwise). Several Worlds may step at once.
+Threads: a step releases the global lock, so other Python threads run meanwhile; they must leave this World alone
+until the step has returned (poise.Error otherwise). Several Worlds may step at once.
 """
 from . import results
 from ._core import (

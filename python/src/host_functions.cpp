@@ -52,8 +52,8 @@ double call_policy(const FrameFacts& frame, const PairChain& chain, const PairCu
 void bind_views(py::module_& module) {
   py::class_<PairView>(module, "PairView", R"(A viewer's view of a pair of bodies: the argument of a cue.
 
-Lengths in metres, world frame. Without a viewer the pair counts as in the frustum, gazed at and at distance 0. The last
-six are 0 or False where the weight of their cue is 0, since then they are not measured.)")
+Lengths in metres, world frame. Without a viewer the pair counts as in the frustum, gazed at and at distance 0.
+The last six are 0 or False where the weight of their cue is 0, since then they are not measured.)")
       .def_readonly("pair_id", &PairView::pair_id, "Identifies the pair across frames.")
       .def_property_readonly(
           "user_data", [](const PairView& v) { return py::make_tuple(v.user_data.a, v.user_data.b); },

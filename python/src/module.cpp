@@ -12,10 +12,10 @@ namespace poise::python {
 void bind_world(py::module_& module) {
   WorldClass world(module, "World", R"(A scene of rigid bodies that is stepped within a time budget.
 
-World(settings=None, **fields): a Settings, and fields of it to be set, e.g. World(gravity_mps2=(0, 0, -9.81), threads=2).
-Lengths in metres, masses in kg, times in seconds, angles in radians, quaternions as w x y z. A call with bad arguments
-raises poise.Error and changes nothing. One thread at a time: while a step runs, a call of another thread, of a cue or of a
-filter raises poise.Error.)");
+World(settings=None, **fields): a Settings, and fields of it to be set, e.g. World(gravity_mps2=(0, 0, -9.81),
+threads=2). Lengths in metres, masses in kg, times in seconds, angles in radians, quaternions as w x y z. A call
+with bad arguments raises poise.Error and changes nothing. One thread at a time: while a step runs, a call of
+another thread, of a cue or of a filter raises poise.Error.)");
   world.def(
       py::init([](const py::object& given, const py::kwargs& fields) {
         SettingsValue base;

@@ -100,9 +100,10 @@ void bind_policy(py::module_& module) {
       module, "Policy",
       R"(How the next refinement is chosen: a rule, weights of cues, parameters, and functions in Python.
 
-Policy(kind='perceptual', **fields) sets the fields that are named; the others have the library's defaults. Each cue is a
-factor of a pair's score, raised to its weight; weight 0 turns it off (docs/cues.md). A number out of range raises
-poise.Error with the field. A Policy is a value: changing one that was given to a World changes nothing there.)");
+Policy(kind='perceptual', **fields) sets the fields that are named; the others have the library's defaults. Each
+cue is a factor of a pair's score, raised to its weight; weight 0 turns it off (docs/cues.md). A number out of
+range raises poise.Error with the field. A Policy is a value: changing one that was given to a World changes
+nothing there.)");
   bound
       .def(py::init([](const std::string& kind, const py::kwargs& fields) {
              auto value = std::make_unique<PolicyValue>();
@@ -126,19 +127,19 @@ poise.Error with the field. A Policy is a value: changing one that was given to 
           [](PolicyValue& p, const py::object& f) { set_function(p.cue, "cue", f); },
           R"(A cue in Python, or None: a function of a PairView that returns a factor of the pair's score, in [0, 1e6].
 
-1 changes nothing, 0 is the lowest priority; it is raised to the weight `host`. Called in steps with a budget, for each
-pair that is ranked. It must not use the World, and its result must depend on its argument alone.
+1 changes nothing, 0 is the lowest priority; it is raised to the weight `host`. Called in steps with a budget,
+for each pair that is ranked. It must not use the World, and its result must depend on its argument alone.
 
-SLOW: a call takes about a microsecond and holds the global lock, so the step's threads wait for one another: measure
-first (docs/python.md has figures). An exception ends the use of the function for that step, and World.step raises it
-when the step is done.)")
+SLOW: a call takes about a microsecond and holds the global lock, so the step's threads wait for one another:
+measure first (docs/python.md has figures). An exception ends the use of the function for that step, and
+World.step raises it when the step is done.)")
       .def_property(
           "custom", [](const PolicyValue& p) { return p.custom; },
           [](PolicyValue& p, const py::object& f) { set_function(p.custom, "custom", f); },
-          R"(A policy in Python, or None: a function (FrameFacts, PairChain, PairCues) -> score; larger is served sooner.
+          R"(A policy in Python, or None: (FrameFacts, PairChain, PairCues) -> score; the larger, the sooner.
 
-Used if `kind` is 'custom', which needs it. Called for each pair that enters the queue: before refinement, and after each
-level. As slow as `cue`, and with the same rules.)")
+Used if `kind` is 'custom', which needs it. Called for each pair that enters the queue: before refinement, and
+after each level. As slow as `cue`, and with the same rules.)")
       .def("__repr__", [](const PolicyValue& p) { return "poise.Policy(kind='" + kind_of(p) + "')"; });
   bind_numbers(bound);
 }

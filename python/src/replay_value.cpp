@@ -110,9 +110,10 @@ std::optional<ReportValue> step_replay(ReplayValue& value) {
 void bind_replay(py::module_& module) {
   py::class_<ReplayValue>(module, "Replay", R"(A record of a run, done again bit for bit (docs/record.md).
 
-Replay(path, files=None, threads=0, tree_cache=None): the record of `poise run --record`. files: folder of its meshes and
-trees, None for where they were. Iterating steps: each frame gives a FrameReport, and `world` has its state. It ends with the
-record, at damage, or after the first frame whose state is not that of the record: `same`, `whole` and `damage` tell.)")
+Replay(path, files=None, threads=0, tree_cache=None): the record of `poise run --record`. files: folder of its
+meshes and trees, None for where they were. Iterating steps: each frame gives a FrameReport, and `world` has its
+state. It ends with the record, at damage, or after the first frame whose state is not that of the record:
+`same`, `whole` and `damage` tell.)")
       .def(py::init(&open_replay), py::arg("path"), py::kw_only(), py::arg("files") = py::none(),
            py::arg("threads") = 0, py::arg("tree_cache") = py::none())
       .def("step", &step_replay, "The next frame: a FrameReport with the times of the replay, or None after the last.")

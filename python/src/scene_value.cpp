@@ -153,11 +153,12 @@ void bind_scene(py::module_& module) {
           "'static', 'kinematic' or 'dynamic'.");
   py::class_<SceneValue> bound(module, "SceneRun", R"(A scene file that runs, as `poise run` does.
 
-SceneRun(scene, bodies=None, seed=None, tree_cache=None, **settings): scene is a path, or the name of a scene that ships
-(poise.shipped_scenes()). bodies: how many all generators make together. tree_cache: as in Shape.mesh. The settings are
-those of Settings but gravity_mps2 and seed; what is not given is as the scene says, so the same frames with the same
-counted work have the state hash of `poise run SCENE --clock work --budget-work N`. Not done here: the drawing load that a
-scene may ask for, and pacing. A scene that is refused raises poise.Error with file, field, value and rule.)");
+SceneRun(scene, bodies=None, seed=None, tree_cache=None, **settings): scene is a path, or the name of a scene
+that ships (poise.shipped_scenes()). bodies: how many all generators make together. tree_cache: as in
+Shape.mesh. The settings are those of Settings but gravity_mps2 and seed; what is not given is as the scene
+says, so the same frames with the same counted work have the state hash of `poise run SCENE --clock work
+--budget-work N`. Not done here: the drawing load that a scene may ask for, and pacing. A scene that is refused
+raises poise.Error with file, field, value and rule.)");
   bound
       .def(py::init(&make), py::arg("scene"), py::kw_only(), py::arg("bodies") = py::none(),
            py::arg("seed") = py::none(), py::arg("tree_cache") = py::none())
@@ -165,7 +166,8 @@ scene may ask for, and pacing. A scene that is refused raises poise.Error with f
            py::arg("reference") = false, py::arg("persist_events") = false,
            R"(The next frame: bodies of streams come and leave, then the World steps. Returns a FrameReport.
 
-budget: None is the scene's deadline. view: None is the scene's camera. reference, persist_events: as in World.step.)")
+budget: None is the scene's deadline. view: None is the scene's camera. reference, persist_events: as in
+World.step.)")
       .def(
           "run", &run_frames, py::arg("frames") = py::none(), py::arg("budget") = py::none(), py::kw_only(),
           py::arg("each") = py::none(),

@@ -118,8 +118,8 @@ SettingsValue::SettingsValue() {
 void bind_settings(py::module_& module) {
   py::class_<SettingsValue> bound(module, "Settings", R"(Settings of a World, as a value.
 
-Settings(**fields) sets the fields that are named; the others have the library's defaults. Ranges are checked by what
-takes the settings: World(...) raises poise.Error with field, value and rule.)");
+Settings(**fields) sets the fields that are named; the others have the library's defaults. Ranges are checked by
+what takes the settings: World(...) raises poise.Error with field, value and rule.)");
   bound.def(py::init([](const py::kwargs& fields) {
     auto value = std::make_unique<SettingsValue>();
     set_fields(py::cast(value.get(), py::return_value_policy::reference), fields, "Settings");

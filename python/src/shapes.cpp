@@ -167,11 +167,11 @@ void bind_mesh_makers(py::class_<ShapeValue>& bound) {
           py::arg("threads") = 0, py::arg("tree_cache") = py::none(),
           R"(A shape of triangles, with a sphere tree that is built for it.
 
-vertices_m: (n, 3) metres. triangles: (m, 3) numbers of vertices, counter-clockwise from outside; the mesh is welded and
-cleaned first. depth: levels below the root, 0 to 6. preset: 'fast', 'default' or 'best'. shell_thickness_m > 0: the
-surface alone, with the mass of plates of this thickness. threads: 0 is as many as the machine has; the tree does not
-depend on it. tree_cache: None for POISE_TREE_CACHE or else the user's cache, False for none, or a folder. Building
-releases the global lock and takes seconds for large meshes.)")
+vertices_m: (n, 3) metres. triangles: (m, 3) numbers of vertices, counter-clockwise from outside; the mesh is
+welded and cleaned first. depth: levels below the root, 0 to 6. preset: 'fast', 'default' or 'best'.
+shell_thickness_m > 0: the surface alone, with the mass of plates of this thickness. threads: 0 is as many as
+the machine has; the tree does not depend on it. tree_cache: None for POISE_TREE_CACHE or else the user's cache,
+False for none, or a folder. Building releases the global lock and takes seconds for large meshes.)")
       .def_static(
           "box",
           [](const VectorArgument& half_extents_m, const py::object& depth, const py::object& tree_cache) {
@@ -212,7 +212,8 @@ void bind_shapes(py::module_& module) {
   py::class_<ShapeValue> bound(module, "Shape",
                                R"(The part of a body that bodies share: a sphere tree and mass properties. Immutable.
 
-Made by sphere, plane, spheres, box, mesh, from_file or from_spheres_file; any number of bodies and Worlds may use it.)");
+Made by sphere, plane, spheres, box, mesh, from_file or from_spheres_file; any number of bodies and Worlds may
+use it.)");
   bind_makers(bound);
   bind_mesh_makers(bound);
   bound

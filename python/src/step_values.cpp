@@ -117,8 +117,9 @@ void bind_view(py::module_& module) {
   py::class_<View>(module, "View",
                    R"(The viewer's camera and gaze. They affect the order of refinement and nothing else.
 
-View(position_m, look_at_m, up=(0, 0, 1), vertical_fov_rad=0.87, aspect=16/9, gaze_at_m=None): a camera that looks from one
-point at another (metres, world frame), with the gaze at a third one, or straight ahead. up need not be perpendicular.)")
+View(position_m, look_at_m, up=(0, 0, 1), vertical_fov_rad=0.87, aspect=16/9, gaze_at_m=None): a camera that
+looks from one point at another (metres, world frame), with the gaze at a third one, or straight ahead. up need
+not be perpendicular.)")
       .def(py::init(&make_view), py::arg("position_m"), py::arg("look_at_m"),
            py::arg("up") = py::make_tuple(0.0, 0.0, 1.0), py::arg("vertical_fov_rad") = 0.87,
            py::arg("aspect") = 16.0 / 9.0, py::arg("gaze_at_m") = py::none())
@@ -190,11 +191,12 @@ void bind_step_values(py::module_& module) {
       module, "FrameReport",
       R"(What a step did and how long it took: an attribute for each column of `poise run --frames-csv`.
 
-Times end in _ms and are milliseconds; counts are ints; `status` and `cause` are words; what a step did not measure is
-None. Most used: total_ms, refine_ms, lateness_ms (past the deadline; 0 on time), miss (0 or 1), cause (none, infeasible,
-machine, overrun, forecast or release), bodies, contact_pairs, level_0 to level_6 and polygons (contact pairs by completed
-level), work_refine (node-pair expansions), pairs_left, kinetic_j and potential_j (with measure_energy). docs/run-report.md
-and the header poise/step.h say what each one means. as_dict() has them all.)");
+Times end in _ms and are milliseconds; counts are ints; `status` and `cause` are words; what a step did not
+measure is None. Most used: total_ms, refine_ms, lateness_ms (past the deadline; 0 on time), miss (0 or 1),
+cause (none, infeasible, machine, overrun, forecast or release), bodies, contact_pairs, level_0 to level_6 and
+polygons (contact pairs by completed level), work_refine (node-pair expansions), pairs_left, kinetic_j and
+potential_j (with measure_energy). docs/run-report.md and the header poise/step.h say what each one means.
+as_dict() has them all.)");
   for (const std::string& name : report_columns()) {
     report.def_property_readonly(
         name.c_str(), [name](ReportValue& value) { return py::object(columns_of(value)[py::str(name)]); },

@@ -113,8 +113,8 @@ void bind_body_values(py::module_& module) {
   py::class_<BodyId>(module, "BodyId",
                      R"(Names a body of one World. A value: hashable, equal if slot and generation are.
 
-A slot is used again when its body was removed, with another generation, so an old handle is refused (poise.Error of the
-kind 'stale_handle').)")
+A slot is used again when its body was removed, with another generation, so an old handle is refused
+(poise.Error of the kind 'stale_handle').)")
       .def(py::init([](std::uint32_t slot, std::uint32_t generation) {
              return BodyId{slot, generation};
            }),
@@ -154,11 +154,12 @@ void bind_adding(WorldClass& world) {
            py::arg("importance") = 1.0, py::arg("user_data") = 0,
            R"(Adds a body; the result names it.
 
-motion: 'dynamic', 'static', or 'kinematic' (moves as it is told, and is not pushed). position_m: of the origin of the
-shape's mesh or list of spheres, world frame, metres. orientation_wxyz: body to world; normalised. velocity_mps: of the
-centre of mass. angular_velocity_radps: world frame. mass_kg: 0 is volume times the material's density. inertia_kgm2:
-principal moments; 0 is the shape's. group, collides_with: 32 bits each; a pair collides if both agree. importance:
-factor on the priority of its pairs, in [0, 1e6]. user_data: an int that your cue, policy and filter read.)")
+motion: 'dynamic', 'static', or 'kinematic' (moves as it is told, and is not pushed). position_m: of the origin
+of the shape's mesh or list of spheres, world frame, metres. orientation_wxyz: body to world; normalised.
+velocity_mps: of the centre of mass. angular_velocity_radps: world frame. mass_kg: 0 is volume times the
+material's density. inertia_kgm2: principal moments; 0 is the shape's. group, collides_with: 32 bits each; a
+pair collides if both agree. importance: factor on the priority of its pairs, in [0, 1e6]. user_data: an int
+that your cue, policy and filter read.)")
       .def("add_bodies", &add_bodies, py::arg("shape"), py::arg("material"), py::arg("position_m"), py::kw_only(),
            py::arg("orientation_wxyz") = py::none(), py::arg("velocity_mps") = py::none(),
            py::arg("angular_velocity_radps") = py::none(), py::arg("user_data") = py::none(),
@@ -166,9 +167,8 @@ factor on the priority of its pairs, in [0, 1e6]. user_data: an int that your cu
            py::arg("group") = 1, py::arg("collides_with") = kMostBits, py::arg("importance") = 1.0,
            R"(Adds a body for each row of position_m (n, 3), and returns their BodyIds, in the same order.
 
-The other arrays have n rows: of 4 numbers for orientation_wxyz, of one for user_data (in [0, 2^63)), else of 3; None is
-the default of add_body for all.
-Where one body is refused, none is added.)")
+The other arrays have n rows: of 4 numbers for orientation_wxyz, of one for user_data (in [0, 2^63)), else of 3;
+None is the default of add_body for all. Where one body is refused, none is added.)")
       .def(
           "add_material",
           [](WorldValue& w, double restitution, double friction, double density_kgpm3) {

@@ -68,8 +68,8 @@ void bind_casts(WorldClass& world) {
           py::arg("ignore") = py::none(),
           R"(The first body that a ray hits (RayHit), or None. On true surfaces, metres, world frame (docs/queries.md).
 
-direction may have any length but 0. leaves_solids: for a ray that begins inside a solid, where it leaves it. group,
-collides_with: bits as of bodies. ignore: a body that is not found.)")
+direction may have any length but 0. leaves_solids: for a ray that begins inside a solid, where it leaves it.
+group, collides_with: bits as of bodies. ignore: a body that is not found.)")
       .def(
           "cast_sphere",
           [](WorldValue& w, const VectorArgument& center_m, double radius_m, const VectorArgument& direction,

@@ -99,10 +99,11 @@ void bind_states(py::module_& module) {
       module, "States",
       R"(States of all bodies as arrays of NumPy, one row a body, in order of slots: the result of World.states().
 
-The arrays show the memory of this object without a copy and cannot be written through. They stay readable as long as
-you keep them, also when the World is gone. The next call of World.states() fills the same memory again if the World
-still has the same bodies, so all arrays then show the newer state; if bodies came or left, it makes new memory and these
-arrays stay as they are. A step alone changes nothing in them. Take a copy (`.copy()`) of what must not change.)");
+The arrays show the memory of this object without a copy and cannot be written through. They stay readable as
+long as you keep them, also when the World is gone. The next call of World.states() fills the same memory again
+if the World still has the same bodies, so all arrays then show the newer state; if bodies came or left, it
+makes new memory and these arrays stay as they are. A step alone changes nothing in them. Take a copy
+(`.copy()`) of what must not change.)");
   bind_column(bound, "position_m", &StateRows::position_m, 3, "(n, 3) float64: centres of mass, world frame, metres.");
   bind_column(bound, "orientation_wxyz", &StateRows::orientation_wxyz, 4,
               "(n, 4) float64: unit quaternions, w first, body to world.");
@@ -151,9 +152,10 @@ void bind_results(py::module_& module, WorldClass& world) {
       .def("contacts", &contacts,
            R"(The pairs that touched in the last step: a structured array, a copy, in the order of (a, b).
 
-Fields: a, b (slots of the bodies), level (completed for the pair), point_count (1 to 4), normal (3, unit, from a to b),
-point_m (3, metres, world frame), gap_m (separation of the modelled surfaces at the start of the step, negative in overlap),
-impulse_ns (3, kg m/s, received by b). The first call after a step makes the list; it costs nothing if unused.)")
+Fields: a, b (slots of the bodies), level (completed for the pair), point_count (1 to 4), normal (3, unit, from
+a to b), point_m (3, metres, world frame), gap_m (separation of the modelled surfaces at the start of the step,
+negative in overlap), impulse_ns (3, kg m/s, received by b). The first call after a step makes the list; it
+costs nothing if unused.)")
       .def("contact_points", &contact_points,
            R"(The points of the manifolds of contacts(): a structured array, a copy, up to four rows a contact.
 

@@ -55,13 +55,13 @@ void bind_step(WorldClass& world) {
            py::arg("measure_energy") = false, py::arg("persist_events") = false,
            R"(Steps once and returns a FrameReport. Other Python threads run meanwhile: the global lock is released.
 
-budget: a Budget, or None for all refinement. dt_s: length of the step, seconds, at most 1000. view: the viewer (View).
-attend_center_m, attend_radius_m, attend_body: a ball (metres) and a body that matter now, with the policy's weight
-`attention`. host_work_s: seconds of your own work that must still run before the deadline, or 'learn' to go by
-report_host_work. max_level: no deeper than this level of the trees. polygons: one more level, the triangles of meshes.
-backtracking: continuous collision of fast bodies. reference: compute the step again at full depth and fill the columns
-reference_* (slow). measure_energy: fill kinetic_j, potential_j, momentum_*. persist_events: contact_events() lists pairs that
-go on touching too.
+budget: a Budget, or None for all refinement. dt_s: length of the step, seconds, at most 1000. view: the viewer
+(View). attend_center_m, attend_radius_m, attend_body: a ball (metres) and a body that matter now, with the
+policy's weight `attention`. host_work_s: seconds of your own work that must still run before the deadline, or
+'learn' to go by report_host_work. max_level: no deeper than this level of the trees. polygons: one more level,
+the triangles of meshes. backtracking: continuous collision of fast bodies. reference: compute the step again at
+full depth and fill the columns reference_* (slow). measure_energy: fill kinetic_j, potential_j, momentum_*.
+persist_events: contact_events() lists pairs that go on touching too.
 
 With other Python threads at work, a step that ends on time may still wait for the global lock, up to
 sys.getswitchinterval(): that time is in no figure of the report.)")
@@ -86,8 +86,9 @@ sys.getswitchinterval(): that time is in no figure of the report.)")
       .def("set_pair_filter", &WorldValue::set_filter, py::arg("function"),
            R"(A function (BodyId a, BodyId b, int user_data_a, int user_data_b) -> bool, or None.
 
-Pairs for which it returns False pass through each other. It is called for each candidate pair of each step, with the
-global lock: slow, as a cue in Python is. It must not use the World, and must give the same for the same pair.)")
+Pairs for which it returns False pass through each other. It is called for each candidate pair of each step,
+with the global lock: slow, as a cue in Python is. It must not use the World, and must give the same for the
+same pair.)")
       .def_property_readonly(
           "threads", [](WorldValue& w) { return w.use().threads(); },
           "Threads that may work on a step, the calling one included.")
