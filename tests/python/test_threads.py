@@ -91,12 +91,12 @@ def test_worlds_of_several_threads_step_at_once_with_the_same_result():
     assert {world.state_hash() for world in worlds} == {expected.state_hash()}
 
 
-def test_a_cue_is_called_from_the_threads_of_the_world():
-    names, lock = set(), threading.Lock()
+def test_a_cue_on_several_threads_gives_the_bits_of_one():
+    callers, lock = set(), threading.Lock()
 
     def cue(pair):
         with lock:
-            names.add(threading.get_ident())
+            callers.add(threading.get_ident())
         return 1
 
     world = heap(policy=poise.Policy(cue=cue), threads=3, executor="threads")
@@ -104,5 +104,6 @@ def test_a_cue_is_called_from_the_threads_of_the_world():
     for _ in range(40):
         world.step(poise.Budget.work(200))
         alone.step(poise.Budget.work(200))
-    assert threading.get_ident() in names or len(names) > 0
+    # How many threads came to it is for the system to say.
+    assert callers
     assert world.state_hash() == alone.state_hash()
