@@ -22,7 +22,7 @@ poise.Error, which has the library's message with field, value and rule; a value
 Threads: a step releases the global lock, so other Python threads run meanwhile; they must leave this World alone
 until the step has returned (poise.Error otherwise). Several Worlds may step at once.
 """
-from . import results
+from . import _at_exit, results
 from ._core import (
     BodyId,
     BodyState,

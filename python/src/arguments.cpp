@@ -44,7 +44,32 @@ std::array<double, count> numbers_of(const char* name, const py::object& given, 
   return numbers;
 }
 
+/// Read and written under the global lock.
+struct WorkInProgress {
+  int running = 0;
+  bool closed = false;
+};
+
+WorkInProgress& work_in_progress() {
+  static WorkInProgress work;
+  return work;
+}
+
 }  // namespace
+
+WithoutLock::WithoutLock() {
+  if (work_in_progress().closed) raise({ErrorKind::Cancelled, "the interpreter is ending: no step begins any more"});
+  ++work_in_progress().running;
+  released_.emplace();
+}
+
+WithoutLock::~WithoutLock() {
+  released_.reset();
+  --work_in_progress().running;
+}
+
+void WithoutLock::close() { work_in_progress().closed = true; }
+int WithoutLock::running() { return work_in_progress().running; }
 
 void raise(const Error& error) {
   const py::object type = py::module_::import("poise._errors").attr("Error");

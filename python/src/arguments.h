@@ -33,6 +33,25 @@ inline void check(const Status& status) {
   if (!status) raise(status.error());
 }
 
+/// Work without the global lock, as long as it lives: other Python threads run meanwhile. When the interpreter ends it
+/// takes the lock from the threads that are left, which no C++ function survives; so it waits for what is at work
+/// (poise/_at_exit.py), and from then on this raises poise.Error.
+class WithoutLock {
+ public:
+  WithoutLock();
+  ~WithoutLock();
+  WithoutLock(const WithoutLock&) = delete;
+  WithoutLock& operator=(const WithoutLock&) = delete;
+
+  /// From now on nothing begins.
+  static void close();
+  /// How many are at work.
+  static int running();
+
+ private:
+  std::optional<py::gil_scoped_release> released_;
+};
+
 /// A vector as an argument: any sequence or array of three numbers. Converted by vec3_of, which names the argument.
 struct VectorArgument {
   py::object given;

@@ -47,6 +47,8 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = POISE_PYTHON_VERSION;
   module.attr("commit") = poise::io::this_build().commit;
   module.attr("scene_folders") = pybind11::make_tuple(POISE_SCENES_SOURCE_DIR, POISE_SCENES_INSTALL_DIR);
+  module.def("_close", &python::WithoutLock::close, "From now on no step begins.");
+  module.def("_running", &python::WithoutLock::running, "How many steps and loads are at work.");
   python::bind_host_functions(module);
   python::bind_policy(module);
   python::bind_settings(module);

@@ -133,7 +133,7 @@ void bind_reading(py::class_<SceneValue>& bound) {
 
 std::shared_ptr<SceneRun> loaded(const Scene& scene, const SceneRunOptions& options) {
   Result<SceneRun> run = [&] {
-    const py::gil_scoped_release others;
+    const WithoutLock others;
     return SceneRun::create(scene, options);
   }();
   return std::make_shared<SceneRun>(taken(std::move(run)));

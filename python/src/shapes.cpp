@@ -46,7 +46,7 @@ Result<ShapePtr> make_mesh(const TriangleMesh& mesh, const TreeArguments& argume
 
 ShapeValue shape_of_mesh(const TriangleMesh& mesh, const TreeArguments& arguments) {
   Result<ShapePtr> made = [&] {
-    const py::gil_scoped_release others;
+    const WithoutLock others;
     return make_mesh(mesh, arguments);
   }();
   return {taken(std::move(made))};

@@ -66,7 +66,7 @@ FrameReport WorldValue::step(StepInput input, const BudgetValue& budget) {
   FrameReport report;
   {
     const Busy busy(busy_);
-    const py::gil_scoped_release others;
+    const WithoutLock others;
     // Here, so that waiting for the lock before takes nothing from it.
     input.budget = budget.resolved();
     report = world.step(input);

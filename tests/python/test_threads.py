@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The global lock and Worlds in use. No test here depends on how fast anything is."""
+import os
+import subprocess
 import sys
 import threading
 import time
@@ -89,6 +91,26 @@ def test_worlds_of_several_threads_step_at_once_with_the_same_result():
         thread.join()
     steps(expected)
     assert {world.state_hash() for world in worlds} == {expected.state_hash()}
+
+
+def test_a_daemon_thread_that_steps_does_not_end_the_program_badly(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import sys, threading, poise\n"
+        "sys.path.insert(0, %r)\n"
+        "from conftest import heap\n"
+        "world, stepped = heap(policy=poise.Policy(cue=lambda pair: 1)), threading.Event()\n"
+        "def steps():\n"
+        "    while True:\n"
+        "        world.step(poise.Budget.work(100))\n"
+        "        stepped.set()\n"
+        "threading.Thread(target=steps, daemon=True).start()\n"
+        "stepped.wait()\n"
+        "print('end')\n" % os.path.dirname(os.path.abspath(__file__)))
+    # Where it ends badly it does so nearly always; three times leave little to chance.
+    for _ in range(3):
+        done = subprocess.run([sys.executable, "-B", program], capture_output=True, text=True)
+        assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
 
 
 def test_a_cue_on_several_threads_gives_the_bits_of_one():
