@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "app/exit_codes.h"
+#include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
 #include "app/replay/replay_files.h"

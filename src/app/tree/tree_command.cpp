@@ -38,8 +38,8 @@ Status save_picture(const TreeOptions& options, const TreeWork& work, const std:
   if (file.empty()) return Done{};
   std::vector<io::DrawnTree> trees;
   for (std::size_t i = 0; i < work.trees.size(); ++i) {
-    const std::string& file = work.document.trees[i].file;
-    const std::string name = file.empty() ? "built here" : std::filesystem::path(file).filename().string();
+    const std::string& read = work.document.trees[i].file;
+    const std::string name = read.empty() ? "built here" : std::filesystem::path(read).filename().string();
     trees.push_back({&work.trees[i], work.trees.size() > 1 ? name : ""});
   }
   io::TreePictureSettings settings;
