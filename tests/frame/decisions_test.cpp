@@ -5,8 +5,10 @@
 #include <map>
 #include <vector>
 
+#include "frame/pair_progress.h"
 #include "frame/scenes.h"
 #include "geometry/meshes.h"
+#include "verify/world_access.h"
 #include "world/decision_log.h"
 
 namespace poise {
