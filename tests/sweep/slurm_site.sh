@@ -4,7 +4,7 @@
 # Slurm or munge is touched, and no systemd is needed.
 #   slurm_site.sh start FOLDER    writes FOLDER/slurm.conf and starts munged, slurmctld and slurmd; waits for the node
 #   slurm_site.sh stop FOLDER     ends all three and what they started
-# Exit code 77: Slurm or munge is not installed, or this user is not root.
+# Exit code 77: Slurm or munge is not installed, this user is not root, or its daemons do not start on this machine.
 set -euo pipefail
 
 action="$1" folder="$(realpath -- "$2")"
@@ -32,6 +32,14 @@ stop() {
   done
 }
 
+# The tests are of sweeps, not of what a machine lets Slurm do.
+cannot() {
+  echo "$1" >&2
+  tail -n 20 -- "$folder/slurmctld.log" "$folder/slurmd.log" >&2 || true
+  stop
+  exit 77
+}
+
 start() {
   local program
   for program in munged slurmctld slurmd sbatch scontrol squeue; do
@@ -48,7 +56,7 @@ start() {
   chmod 755 -- "$folder/munge"
   (umask 077 && head -c 128 /dev/urandom >"$folder/munge.key")
   munged --force --key-file="$folder/munge.key" --socket="$folder/munge/socket" --pid-file="$folder/munged.pid" \
-    --log-file="$folder/munged.log" --seed-file="$folder/munge.seed"
+    --log-file="$folder/munged.log" --seed-file="$folder/munge.seed" || cannot "munged does not start here:"
   cat >"$SLURM_CONF" <<CONF
 ClusterName=poise_test
 SlurmctldHost=$host(127.0.0.1)
@@ -81,17 +89,14 @@ ReturnToService=2
 NodeName=$host NodeAddr=127.0.0.1 CPUs=$cpus RealMemory=$memory State=UNKNOWN
 PartitionName=test Nodes=$host Default=YES MaxTime=INFINITE State=UP
 CONF
-  slurmctld -c
-  slurmd -c
+  slurmctld -c || cannot "slurmctld does not start here:"
+  slurmd -c || cannot "slurmd does not start here:"
   local i
   for ((i = 0; i < 200; ++i)); do
     if [[ "$(timeout 5 sinfo --noheader --format=%T 2>/dev/null)" == idle ]]; then return 0; fi
     sleep 0.1
   done
-  echo "the node did not become idle:" >&2
-  tail -n 20 -- "$folder/slurmctld.log" "$folder/slurmd.log" >&2
-  stop
-  exit 1
+  cannot "the node did not become idle here:"
 }
 
 case "$action" in

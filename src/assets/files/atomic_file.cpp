@@ -17,6 +17,9 @@ namespace {
 constexpr std::size_t kBlockBytes = 1U << 18U;
 constexpr mode_t kUsualRights = 0666;
 
+// Room that cannot be given back stays taken: nothing is lost by that.
+void cut(int descriptor, off_t bytes) { [[maybe_unused]] const int result = ::ftruncate(descriptor, bytes); }
+
 }  // namespace
 
 int write_all(int descriptor, std::string_view text, std::size_t* reached) {
@@ -112,7 +115,7 @@ Status AtomicFile::flush() {
     const auto past = std::ranges::upper_bound(ends_, reached);
     if (past != ends_.begin()) whole_bytes_ += *(past - 1);
     // What reached the system in part is of no use, and takes room that others may need.
-    if (failure_ != 0 && regular_) static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(whole_bytes_)));
+    if (failure_ != 0 && regular_) cut(descriptor_, static_cast<off_t>(whole_bytes_));
   }
   buffer_.clear();
   ends_.clear();
@@ -137,7 +140,7 @@ int AtomicFile::name_it() {
   if (!regular_ || published_) return 0;
   // What was reserved and is not needed.
   struct stat status {};
-  if (reserved_ && ::fstat(descriptor_, &status) == 0) static_cast<void>(::ftruncate(descriptor_, status.st_size));
+  if (reserved_ && ::fstat(descriptor_, &status) == 0) cut(descriptor_, status.st_size);
   // Some file systems tell only at a close what they could not write. The lock stays with the other descriptor.
   const int second = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
   if (second >= 0 && ::close(second) != 0) return errno;
