@@ -33,6 +33,9 @@ export const kStateColor = {
 /** Seen, hidden, outside the picture. */
 export const kVisibilityColor = ["#56b4e9", "#d55e00", "#7a7a7a"];
 
+/** No pair near, points of an earlier frame, refined in this frame, left coarse. */
+export const kContactColor = ["#9aa3ad", "#56b4e9", "#009e73", "#d55e00"];
+
 /** Bodies whose level, priority or speed is not known or has no meaning. */
 export const kNoValueColor = "#9aa3ad";
 

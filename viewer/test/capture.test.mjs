@@ -7,7 +7,7 @@ import { test } from "node:test";
 
 import { CaptureFile } from "../src/capture/capture_file.js";
 import { FrameCursor } from "../src/capture/frame_cursor.js";
-import { findSeenErrors, isLeft, pairFramesOf, pairText, readPairs, whyText } from "../src/capture/pairs.js";
+import { findContactStates, findSeenErrors, isLeft, pairFramesOf, pairText, readPairs, whyText } from "../src/capture/pairs.js";
 import { tableOfCapture } from "../src/capture/frame_table.js";
 import { parseFrames } from "../src/data/frames.js";
 import { withFolder } from "./page.mjs";
@@ -243,6 +243,21 @@ test("what remains to be seen of a pair is what is seen of its expected error", 
   const worst = new Float32Array(4);
   findSeenErrors(pairs, worst);
   assert.deepEqual([...worst], [0.25, 0.25, 0, NaN], "2^0 rad/m times 2^-2 m; none of a pair that is apart");
+});
+
+test("the contact state of a body is the coarsest that one of its pairs has", () => {
+  // Reused; refined; left at level 0 of 2; apart. Bit 4 of the state says that levels are left.
+  const pairs = {
+    count: 4,
+    a: [0, 1, 3, 5],
+    b: [1, 2, 4, 6],
+    state: [1, 2, 16, 5],
+    level: [1, 2, 0, 0],
+    deepest: [2, 2, 2, 2],
+  };
+  const states = new Uint8Array(7);
+  findContactStates(pairs, states);
+  assert.deepEqual([...states], [1, 2, 2, 3, 3, 0, 0]);
 });
 
 test("frames in which a clock stands still are counted however one comes to a frame", { skip: noCommand }, () =>

@@ -70,6 +70,20 @@ export function findSeenErrors(pairs, worst) {
   }
 }
 
+/** What the contacts of a body come from, by what findContactStates says. */
+export const kContactStates = ["no pair near", "points of an earlier frame", "refined in this frame", "left coarse"];
+
+/** Of each body's pairs that are not apart the largest of these, into `states` by row. */
+export function findContactStates(pairs, states) {
+  states.fill(0);
+  for (let i = 0; i < pairs.count; ++i) {
+    const source = pairs.state[i] & kSource;
+    if (source > kExact) continue;
+    const state = isCoarse(pairs, i) ? 3 : source === kCached ? 1 : 2;
+    for (const row of [pairs.a[i], pairs.b[i]]) states[row] = Math.max(states[row], state);
+  }
+}
+
 const levelName = (level) => (level === kPolygons ? "polygons" : `level ${level}`);
 
 /** What became of a pair in this frame, in words. */

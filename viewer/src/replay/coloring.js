@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 import { kMostStill, kStates, priorityOfBand } from "../capture/frame_cursor.js";
+import { kContactStates } from "../capture/pairs.js";
 import { element } from "../elements.js";
 import { number } from "../format.js";
-import { css, kNoValueColor, kStateColor, kVisibilityColor, levelColor, rgbOf, viridis } from "../palette.js";
+import { css, kContactColor, kNoValueColor, kStateColor, kVisibilityColor, levelColor, rgbOf, viridis } from "../palette.js";
 import { kVisibility } from "./visibility.js";
 
 export const kColorings = {
@@ -13,6 +14,7 @@ export const kColorings = {
   clock: "clock",
   visibility: "seen or hidden",
   seen: "error still seen",
+  contact: "contact state",
   difference: "difference",
 };
 
@@ -38,6 +40,7 @@ export class Coloring {
     this.stateColors = kStates.map((state) => rgbOf(kStateColor[state] ?? kNoValueColor));
     this.stateColors[1] = rgbOf("#009e73"); // kinematic
     this.visibilityColors = kVisibilityColor.map(rgbOf);
+    this.contactColors = kContactColor.map(rgbOf);
     this.bandColors = Array.from({ length: 256 }, (_, band) => (band === 0 ? kGrey : viridis(this.bandShare(band))));
     const steps = scales.levels + (scales.polygons ? 1 : 0);
     this.levelColors = Array.from({ length: 9 }, (_, level) =>
@@ -50,8 +53,8 @@ export class Coloring {
   }
 
   /**
-   * Fills red, green and blue of each row of the frame. `facts`: `differenceOf` a row, `seenErrors` and `visibility` of
-   * all, each asked of its own mode alone.
+   * Fills red, green and blue of each row of the frame. `facts`: `differenceOf` a row, `seenErrors`, `contactStates` and
+   * `visibility` of all, each asked of its own mode alone.
    */
   fill(mode, cursor, colors, facts) {
     for (const row of cursor.rows) {
@@ -60,7 +63,7 @@ export class Coloring {
     }
   }
 
-  colorOf(mode, cursor, row, { differenceOf, seenErrors, visibility }) {
+  colorOf(mode, cursor, row, { differenceOf, seenErrors, contactStates, visibility }) {
     if (cursor.state[row] === 0) return kStatic;
     switch (mode) {
       case "level":
@@ -79,6 +82,8 @@ export class Coloring {
         if (Number.isNaN(error_rad)) return kGrey;
         return viridis(error_rad <= kLeastSeen_rad ? 0 : share(error_rad, kLeastSeen_rad, kMostSeen_rad));
       }
+      case "contact":
+        return this.contactColors[contactStates?.[row] ?? 0];
       case "difference": {
         const difference_m = differenceOf(row);
         return Number.isNaN(difference_m)
@@ -126,6 +131,8 @@ export class Coloring {
         return kVisibility.map((name, k) => swatch(kVisibilityColor[k], name));
       case "seen":
         return [...scale("0.1′", "60′ of arc left to be seen, estimated"), none("not ranked")];
+      case "contact":
+        return kContactStates.map((name, k) => swatch(kContactColor[k], name));
       case "difference":
         return [...scale("0.1 mm", "1 m apart"), none("in one run only")];
       default:

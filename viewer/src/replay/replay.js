@@ -2,7 +2,7 @@
 import { Color, Ray, Scene, Vector2, Vector3 } from "three";
 
 import { FrameCursor } from "../capture/frame_cursor.js";
-import { findSeenErrors, kNoPairs } from "../capture/pairs.js";
+import { findContactStates, findSeenErrors, kNoPairs } from "../capture/pairs.js";
 import { kCauseText } from "../data/frames.js";
 import { byId, element, fillSelect } from "../elements.js";
 import { milliseconds } from "../format.js";
@@ -35,6 +35,7 @@ class View {
     this.coarse = new CoarsePairsLayer(this.scene, file);
     this.visibility = new Visibility(this.colors.length / 3, (row) => this.bodies.plain[file.bodies.shape[row]]);
     this.seenErrors = new Float32Array(file.hasPairs ? file.bodies.number.length : 0);
+    this.contactStates = new Uint8Array(this.seenErrors.length);
     this.rowOfNumber = new Map(file.bodies.number.map((number, row) => [number, row]));
   }
   /** What is known of the pairs of the shown frame. */
@@ -72,7 +73,10 @@ export class Replay {
     const colors = { ...kColorings };
     if (this.files.length < 2) delete colors.difference;
     const hasPairs = this.files.some((file) => file.hasPairs);
-    if (!hasPairs) delete colors.seen;
+    if (!hasPairs) {
+      delete colors.seen;
+      delete colors.contact;
+    }
     const hasCamera = this.files[0].frames.some((facts) => facts.camera);
     if (!this.files.every((file) => file.frames.every((facts) => facts.camera))) delete colors.visibility;
     fillSelect(byId("color"), colors, this.files.length < 2 ? "level" : "difference");
@@ -194,10 +198,12 @@ export class Replay {
     this.views.forEach((view, k) => {
       view.cursor.countStill(mode === "clock");
       if (mode === "seen" && view.file.hasPairs) findSeenErrors(view.pairs, view.seenErrors);
+      if (mode === "contact" && view.file.hasPairs) findContactStates(view.pairs, view.contactStates);
       if (mode === "visibility") view.visibility.find(view.cursor, view.cursor.facts.camera);
       this.coloring.fill(mode, view.cursor, view.colors, {
         differenceOf: (body) => this.difference_m(view, body),
         seenErrors: view.seenErrors,
+        contactStates: view.contactStates,
         visibility: view.visibility.of,
       });
       view.bodies.update(view.cursor, camera, this.show(), view.colors, width * ratio, size.y * ratio);
