@@ -4,14 +4,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "sweep/sweep_runs.h"
@@ -21,18 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
-
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-bool wait_for(const std::function<bool()>& condition) {
-  const Clock::time_point latest = Clock::now() + std::chrono::minutes(3);
-  while (!condition()) {
-    if (Clock::now() > latest) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return true;
-}
 
 /// Runs a line of the shell, and returns its exit code.
 int shell(const std::string& line) {

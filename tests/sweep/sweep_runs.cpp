@@ -2,8 +2,10 @@
 #include "sweep/sweep_runs.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 namespace poise::testing {
 
@@ -65,6 +67,18 @@ nlohmann::ordered_json short_trials(int count, int frames) {
   return {{"scenes", {"gas"}},
           {"settings", {{"frames", frames}, {"clock", "work"}, {"threads", 1}}},
           {"axes", {{"bodies", bodies}}}};
+}
+
+bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+bool wait_for(const std::function<bool()>& condition) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point latest = Clock::now() + std::chrono::minutes(3);
+  while (!condition()) {
+    if (Clock::now() > latest) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
 }
 
 }  // namespace poise::testing

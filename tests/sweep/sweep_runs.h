@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -40,5 +41,10 @@ class SweepFolder {
 
 /// Trials of counted work that take some ten milliseconds each: `bodies` from 20 on, so many of them.
 nlohmann::ordered_json short_trials(int count, int frames = 10);
+
+bool says(const std::string& text, const std::string& part);
+
+/// Waits for a condition, at most so long that a program that works has met it before.
+bool wait_for(const std::function<bool()>& condition);
 
 }  // namespace poise::testing
