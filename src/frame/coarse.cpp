@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "frame/coarse.h"
 
+#include <memory>
+
 #include "collision/triangles/polygon_contact.h"
 #include "frame/ccd/swept.h"
 #include "parallel/prefetch.h"
@@ -36,16 +38,16 @@ class CachedPairs {
         at_(std::lower_bound(cached.begin(), cached.end(), std::pair(low, high), before)),
         end_(cached.end()),
         still_active_(still_active) {}
-  CachedPair of(std::uint32_t low, std::uint32_t high) {
+  void take(std::uint32_t low, std::uint32_t high, CachedPair& into) {
     while (at_ != end_ && before(*at_, {low, high})) ++at_;
     if (at_ != end_ && at_->low == low && at_->high == high) {
       still_active_[static_cast<std::size_t>(at_ - begin_)] = 1;
-      return *at_;
+      into = *at_;
+      return;
     }
-    CachedPair none;
+    CachedPair& none = *std::construct_at(&into);
     none.low = low;
     none.high = high;
-    return none;
   }
 
  private:
@@ -195,9 +197,9 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
     pair.b = near.b;
     pair.margin_m = near.margin_m;
     pair.skin_m = near.skin_m;
-    pair.cached = cached.of(pair.low(), pair.high());
-    PairProgress& progress = table.start[k];
-    progress = {};
+    cached.take(pair.low(), pair.high(), pair.cached);
+    // Made in its place: a copy of what has just been written in small parts waits for them.
+    PairProgress& progress = *std::construct_at(&table.start[k]);
     progress.seen = pair.cached.seen;
     progress.band = pair.cached.band;
     progress.waited = static_cast<std::uint8_t>(std::min<std::uint32_t>(pair.cached.frames_waited, 0xff));

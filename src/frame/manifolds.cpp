@@ -121,14 +121,21 @@ bool knows_separations(const ActivePair& pair, const PairProgress& progress) {
 }
 
 // Prefetches what make_pair() reads of a pair beside the tables.
-HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, const PointCache& cache) {
+HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, PointCache& cache) {
   const ActivePair& pair = input.table.pairs[i];
   const PairProgress& progress = input.levels.progress[i];
   if (progress.apart() || knows_separations(pair, progress)) return;
   for (const std::uint32_t body : {pair.a, pair.b}) parallel::prefetch(input.motion.poses[body]);
+  const bool refined = progress.level.level > 0 && !progress.from_cache();
+  if (refined) parallel::prefetch(input.levels.found[i]);
   if (pair.cached.slot == kNoSlot) return;
   const std::size_t first = PointCache::begin(pair.cached.slot);
   for (std::size_t p = first; p < first + pair.cached.point_count; ++p) parallel::prefetch(cache.points[p]);
+  // Warm starting reads the old forces.
+  if (refined) {
+    for (const solver::ContactForce& force : cache.forces_of(pair.cached.slot, pair.cached.point_count))
+      hwy::Prefetch(&force);
+  }
 }
 
 // Is one of its points nearer than the margin?

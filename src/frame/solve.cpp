@@ -2,6 +2,7 @@
 #include "frame/solve.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "parallel/prefetch.h"
 #include "parallel/ranges.h"
@@ -42,10 +43,8 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
   parallel::parallel_for(executor, count, kRowGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = everything ? k : visited[k];
-      solver::SolverBody& body = velocities.bodies[i];
-      solver::Acceleration& acceleration = velocities.accelerations[i];
-      body = solver::SolverBody{};
-      acceleration = solver::Acceleration{};
+      solver::SolverBody& body = *std::construct_at(&velocities.bodies[i]);
+      solver::Acceleration& acceleration = *std::construct_at(&velocities.accelerations[i]);
       if (bodies.dynamic[i] == 0 && bodies.kinematic[i] == 0) continue;
       body.held = input.levels.held.holds(i);
       if (body.held) continue;
@@ -79,6 +78,7 @@ class PairRows final : public solver::RowSource {
       parallel::prefetch(input_.motion.inverse_inertia[body]);
     }
     parallel::prefetch(input_.table.pairs[manifold.pair]);
+    parallel::prefetch(input_.manifolds.points[manifold.pair]);
     parallel::prefetch(input_.levels.progress[manifold.pair]);
     parallel::prefetch(input_.levels.found[manifold.pair].contact);
     parallel::prefetch(velocities_.rows[velocities_.row_of[m]]);
@@ -90,8 +90,8 @@ class PairRows final : public solver::RowSource {
     const PairProgress& progress = input_.levels.progress[manifold.pair];
     const PairPoints& points = input_.manifolds.points[manifold.pair];
     const solver::PlacedPoint single = impact_point_of(input_.motion, points_, pair, points.slot);
-    solver::ContactRow& row = velocities_.rows[k];
-    row = solver::ContactRow{};
+    // Made in its place: a copy of what has just been written in small parts waits for them.
+    solver::ContactRow& row = *std::construct_at(&velocities_.rows[k]);
     row.a = manifold.a;
     row.b = manifold.b;
     row.pair = manifold.pair;

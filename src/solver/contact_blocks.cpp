@@ -11,10 +11,6 @@ template <class T>
 void set(const Vec3& from, std::size_t lane, T (&into)[3][kLanes]) {
   for (std::size_t k = 0; k < 3; ++k) into[k][lane] = static_cast<T>(from[static_cast<Eigen::Index>(k)]);
 }
-template <class T>
-Vec3 get(const T (&from)[3][kLanes], std::size_t lane) {
-  return {static_cast<double>(from[0][lane]), static_cast<double>(from[1][lane]), static_cast<double>(from[2][lane])};
-}
 
 // The part of a pair that all its contact points share.
 template <class T>
@@ -69,8 +65,8 @@ void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlo
                 Lanes<T>& lanes) {
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
-  shared = {};
-  for (PointLanes<T>& point : manifold_points) point = {};
+  if (block.count < kLanes) shared = {};
+  std::ranges::fill(std::as_writable_bytes(manifold_points), std::byte{0});
   StartLanes<T> start;
   block.dynamic_a = block.dynamic_b = block.pushed = 0;
   block.frictional = false;
@@ -117,21 +113,26 @@ void write_back_block(const ContactSystem& system, double substep_s, const Conta
     const Manifold& pair = system.pairs[block.pair[lane]];
     const double unit_ns = static_cast<double>(shared.reduced_mass[lane]);
     const double unit_n = unit_ns / substep_s;
-    Vec3 sum = Vec3::Zero();
+    // Number by number: vectors would be written in parts and read whole, which waits.
+    double impulse[3] = {};
     double moment[3] = {};
     for (std::size_t p = 0; p < pair.point_count; ++p) {
       const PointLanes<T>& point = manifold_points[p];
       ContactForce& force = system.forces[pair.force_begin + p];
       force.normal_n = unit_n * static_cast<double>(point.impulse[lane]);
-      force.friction_n = unit_n * get(point.friction_impulse, lane);
-      const Vec3 given = unit_ns * get(totals[p].total, lane);
-      sum += given;
-      // Number by number: a cross product in vectors would be written in halves and read whole, which waits.
-      const Vec3 arm = get(point.arm, lane);
-      moment[0] += arm.y() * given.z() - arm.z() * given.y();
-      moment[1] += arm.z() * given.x() - arm.x() * given.z();
-      moment[2] += arm.x() * given.y() - arm.y() * given.x();
+      double given[3];
+      double arm[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        force.friction_n[static_cast<Eigen::Index>(k)] = unit_n * static_cast<double>(point.friction_impulse[k][lane]);
+        given[k] = unit_ns * static_cast<double>(totals[p].total[k][lane]);
+        arm[k] = static_cast<double>(point.arm[k][lane]);
+        impulse[k] += given[k];
+      }
+      moment[0] += arm[1] * given[2] - arm[2] * given[1];
+      moment[1] += arm[2] * given[0] - arm[0] * given[2];
+      moment[2] += arm[0] * given[1] - arm[1] * given[0];
     }
+    const Vec3 sum(impulse[0], impulse[1], impulse[2]);
     const Vec3 moment_a(moment[0], moment[1], moment[2]);
     system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;

@@ -230,9 +230,12 @@ void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums
     return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
   };
   const auto least = [](const float(&of)[kLanes]) { return static_cast<double>(*std::min_element(of, of + kLanes)); };
-  const auto sum3 = [&](const float(&of)[3][kLanes]) { return Vec3(sum(of[0]), sum(of[1]), sum(of[2])); };
-  sums.direction += sum3(lanes.direction);
-  sums.point_m += sum3(lanes.place);
+  // Number by number: a vector that is read where single numbers have just been written waits for them.
+  const auto add_to = [&](const float(&of)[3][kLanes], Vec3& into) {
+    for (std::size_t axis = 0; axis < 3; ++axis) into[static_cast<Eigen::Index>(axis)] += sum(of[axis]);
+  };
+  add_to(lanes.direction, sums.direction);
+  add_to(lanes.place, sums.point_m);
   sums.weight += sum(lanes.weight);
   sums.fitted_m = std::min(sums.fitted_m, least(lanes.gap));
   sums.cores_m = std::min(sums.cores_m, least(lanes.cores));
