@@ -171,10 +171,9 @@ Material mixed(const SceneView& scene, const ActivePair& pair) {
   return both;
 }
 
-solver::Manifold make_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints& points) {
+void fill_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints& points, solver::Manifold& manifold) {
   const ActivePair& pair = input.table.pairs[i];
   const Material material = mixed(input.scene, pair);
-  solver::Manifold manifold;
   manifold.a = pair.a;
   manifold.b = pair.b;
   manifold.point_begin =
@@ -186,7 +185,6 @@ solver::Manifold make_manifold(const ManifoldsInput& input, std::size_t i, const
   manifold.friction = material.friction;
   manifold.restitution = material.restitution;
   manifold.slop_m = kSlopOfSkin * pair.skin_m;
-  return manifold;
 }
 
 // Points of one pair, and its manifold if the solver takes it.
@@ -209,9 +207,9 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
   if (progress.refinable()) ++count.left;
   if (progress.cached == CacheUse::Separated) ++count.cached_separations;
   if (!made.solved || progress.held) return;
-  const solver::Manifold manifold = make_manifold(input, i, made);
+  solver::Manifold& manifold = manifolds.of_chunk[begin_of_chunk + count.solved++];
+  fill_manifold(input, i, made, manifold);
   count.any_fast = count.any_fast || manifold.fast;
-  manifolds.of_chunk[begin_of_chunk + count.solved++] = manifold;
   count.manifold_points += manifold.point_count;
   if (progress.from_cache()) ++count.cached_contacts;
   ++count.levels[progress.by_polygons() ? kPolygonBin : progress.solved_level()];

@@ -17,7 +17,7 @@ constexpr std::size_t kPairGrain = 512;
 // Bodies of pairs, and what was found of them, lie anywhere in memory: prefetched some pairs ahead.
 constexpr std::size_t kMotionsAhead = 8;
 
-// Prefetches what cached_after() reads of a pair beside the tables.
+// Prefetches what fill_cached_after() reads of a pair beside the tables.
 HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::size_t i) {
   const ActivePair& pair = input.table.pairs[i];
   parallel::prefetch(input.motions.of_slot[pair.a]);
@@ -25,12 +25,12 @@ HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::size_t i) {
   if (input.levels.progress[i].level.level > 0) hwy::Prefetch(&input.levels.found[i].reach_m);
 }
 
-// What a pair takes to the next frame, the motion of this step counted.
-CachedPair cached_after(const PublishInput& input, std::size_t i) {
+// What a pair takes to the next frame, the motion of this step counted. Made in its place.
+void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cached) {
   const ActivePair& pair = input.table.pairs[i];
   const PairProgress& progress = input.levels.progress[i];
   const PairPoints& points = input.manifolds.points[i];
-  CachedPair cached = pair.cached;
+  cached = pair.cached;
   cached.frames_waited = progress.level.level > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
   cached.seen = progress.seen;
   cached.band = progress.band;
@@ -60,7 +60,6 @@ CachedPair cached_after(const PublishInput& input, std::size_t i) {
   const StepMotion& a = input.motions.of_slot[pair.a];
   const StepMotion& b = input.motions.of_slot[pair.b];
   cached.moved_m += (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
-  return cached;
 }
 
 // Does the pair of a manifold touch? Impulses make a touch of what is separated.
@@ -245,7 +244,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       if (distant && i + kMotionsAhead < end) prefetch_motions_of(input, i + kMotionsAhead);
-      next[i] = cached_after(input, i);
+      fill_cached_after(input, i, next[i]);
       // What waits goes on touching as it did.
       const bool held = input.levels.progress[i].held;
       touch_changed[i] = table.pairs[i].cached.touching && !held ? 1 : 0;

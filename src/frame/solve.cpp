@@ -40,11 +40,15 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
   const bool everything = std::exchange(velocities.everything, false);
   const std::vector<std::uint32_t>& visited = input.motion.visited;
   const std::size_t count = everything ? bodies.slot_count() : visited.size();
+  const solver::SolverBody still;
+  const solver::Acceleration none;
   parallel::parallel_for(executor, count, kRowGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = everything ? k : visited[k];
-      solver::SolverBody& body = *std::construct_at(&velocities.bodies[i]);
-      solver::Acceleration& acceleration = *std::construct_at(&velocities.accelerations[i]);
+      solver::SolverBody& body = velocities.bodies[i];
+      solver::Acceleration& acceleration = velocities.accelerations[i];
+      body = still;
+      acceleration = none;
       if (bodies.dynamic[i] == 0 && bodies.kinematic[i] == 0) continue;
       body.held = input.levels.held.holds(i);
       if (body.held) continue;

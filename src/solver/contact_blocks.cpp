@@ -134,19 +134,24 @@ void write_back_block(const ContactSystem& system, double substep_s, const Conta
     }
     const Vec3 sum(impulse[0], impulse[1], impulse[2]);
     const Vec3 moment_a(moment[0], moment[1], moment[2]);
-    system.applied_impulse_ns[block.pair[lane]] = sum;
+    const auto add_impulse = [&](double share, Vec3& into) {
+      for (std::size_t k = 0; k < 3; ++k) into[static_cast<Eigen::Index>(k)] += share * impulse[k];
+    };
+    Vec3& applied_impulse_ns = system.applied_impulse_ns[block.pair[lane]];
+    applied_impulse_ns.setZero();
+    add_impulse(1, applied_impulse_ns);
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
     if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
     SolverBody& a = system.bodies[pair.a];
     SolverBody& b = system.bodies[pair.b];
     if (a.inverse_mass > 0) {
-      a.velocity_mps -= a.inverse_mass * sum;
+      add_impulse(-a.inverse_mass, a.velocity_mps);
       a.spin_radps -= system.inverse_inertia[pair.a] * moment_a;
       a.solved = true;
     }
     if (b.inverse_mass > 0) {
       const Vec3 a_to_b = system.poses[pair.b].position_m - system.poses[pair.a].position_m;
-      b.velocity_mps += b.inverse_mass * sum;
+      add_impulse(b.inverse_mass, b.velocity_mps);
       b.spin_radps += system.inverse_inertia[pair.b] * (moment_a - a_to_b.cross(sum));
       b.solved = true;
     }

@@ -15,8 +15,9 @@ namespace {
 constexpr std::uint64_t kUnwatchedUnits = 128;
 // A level of so few units is not cut, so nothing need be kept of the one before. Chosen.
 constexpr std::uint64_t kWholeUnits = 64;
-// Poses of pairs lie anywhere in memory: prefetched so many pairs ahead.
+// Poses of pairs lie anywhere in memory: prefetched so many pairs ahead, and before them the pairs that name them.
 constexpr std::uint32_t kPosesAhead = 3;
+constexpr std::uint32_t kPairsAhead = 8;
 // One of so few is done at once after the one before: to compare the pair with others, and to come back to it, takes as
 // long. Chosen.
 constexpr std::uint64_t kSmallUnits = 16;
@@ -98,6 +99,7 @@ class OpenRefinement::Job {
     const PairTable& table = run_.input.table;
     for (;;) {
       while (batch_.next < batch_.past) {
+        if (batch_.next + kPairsAhead < batch_.past) parallel::prefetch(table.pairs[batch_.next + kPairsAhead]);
         const std::uint32_t ahead = batch_.next + kPosesAhead;
         if (ahead < batch_.past && run_.levels.progress[ahead].refinable()) {
           const ActivePair& pair = table.pairs[ahead];
