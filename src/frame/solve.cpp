@@ -98,7 +98,6 @@ class PairRows final : public solver::RowSource {
     solver::ContactRow& row = *std::construct_at(&velocities_.rows[k]);
     row.a = manifold.a;
     row.b = manifold.b;
-    row.pair = manifold.pair;
     row.gap_m = single.gap_m;
     row.restitution = manifold.restitution;
     row.friction = manifold.friction;
@@ -136,11 +135,11 @@ class PairRows final : public solver::RowSource {
                      solver::ContactRow& row) const {
     const collision::Pose& a = input_.motion.poses[pair.a];
     const collision::Pose& b = input_.motion.poses[pair.b];
-    row.overlap_begin = row.overlap_end = static_cast<std::uint32_t>(k * collision::kMaxManifoldPoints);
+    row.overlap_begin = static_cast<std::uint32_t>(k * collision::kMaxManifoldPoints);
     for (std::uint32_t p = manifold.point_begin; p < manifold.point_begin + manifold.point_count; ++p) {
       const solver::PlacedPoint point = solver::placed_point(a, b, points_.points[p]);
       if (point.certain_separation_m > 0) continue;
-      velocities_.overlaps[row.overlap_end++] = {point.normal, point.arm_m.cross(point.normal),
+      velocities_.overlaps[row.overlap_begin + row.overlap_count++] = {point.normal, point.arm_m.cross(point.normal),
                                                  (point.arm_m - row.a_to_b_m).cross(point.normal)};
     }
   }

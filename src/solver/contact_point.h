@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <hwy/base.h>
+
 #include "collision/front/pair_frame.h"
 #include "poise/types.h"
 
@@ -31,7 +33,7 @@ struct PlacedPoint {
   double certain_separation_m = 0;  ///< >= gap_m; below zero they certainly penetrate there
 };
 
-inline PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& point) {
+HWY_INLINE PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& point) {
   PlacedPoint now;
   now.normal = b.rotation * point.normal;
   const Vec3 arm_a = a.rotation * point.on_a_m;

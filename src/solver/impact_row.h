@@ -31,33 +31,32 @@ struct PointContact {
 struct Wrench {
   Vec3 direction = Vec3::Zero();                              ///< l
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
-  Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
   double effective_mass = 0;                                  ///< 1 / K; 0 when degenerate: it is inactive
+  Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
 };
 
-/// The constraint row of one pair: a single constraint along the wrench. Fields that every row needs come first, fields
-/// of impacts after them: most rows of a scene at rest have no impact.
-struct ContactRow : Wrench {
-  std::uint32_t a = 0, b = 0;  ///< solver bodies; a pair's order, not that of slots
-  std::uint32_t pair = 0;      ///< index of the pair in canonical order
-  bool bounces = false;        ///< closes fast enough to rebound: left to the impact phase
-  double gap_m = 0;            ///< estimated separation of the two surfaces
+/// The constraint row of one pair: a single constraint along the wrench. Four cache lines: what says whether an impulse
+/// is needed stands in the first three, because most looks at a row end with that.
+struct alignas(64) ContactRow : Wrench {
+  std::uint32_t a = 0, b = 0;       ///< solver bodies; a pair's order, not that of slots
+  std::uint32_t overlap_begin = 0;  ///< of the contact points that certainly penetrate, if the manifold has several
+  std::uint8_t overlap_count = 0;   ///< of these
+  bool bounces = false;             ///< closes fast enough to rebound: left to the impact phase
+  double gap_m = 0;                 ///< estimated separation of the two surfaces
   double restitution = 0;
-  double friction = 0;                   ///< Coulomb's coefficient
-  double total_ns = 0;                   ///< all that b received along l from impacts
-  Vec3 point_impulse_ns = Vec3::Zero();  ///< what point contacts and friction gave to b from impacts
-
   std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
-  std::uint32_t overlap_begin = 0,
-                overlap_end = 0;  ///< of the contact points that certainly penetrate, if the manifold has more than one
-  Vec3 arm_m = Vec3::Zero();      ///< mean contact point, from the centre of mass of a
-  Vec3 a_to_b_m = Vec3::Zero();   ///< between the centres of mass
+  double total_ns = 0;                             ///< all that b received along l from impacts
+  double friction = 0;                             ///< Coulomb's coefficient
+  Vec3 point_impulse_ns = Vec3::Zero();            ///< what point contacts and friction gave to b from impacts
+  Vec3 arm_m = Vec3::Zero();                       ///< mean contact point, from the centre of mass of a
+  Vec3 a_to_b_m = Vec3::Zero();                    ///< between the centres of mass
 
   /// What impacts gave to b, N s. A row that was never filled has no direction, and gave nothing along it.
   [[nodiscard]] Vec3 impact_ns() const {
     return total_ns == 0 ? point_impulse_ns : Vec3(total_ns * direction + point_impulse_ns);
   }
 };
+static_assert(sizeof(ContactRow) == 256);
 
 /// A contact point of a manifold that certainly penetrates, at the start of the step.
 struct OverlapPoint {

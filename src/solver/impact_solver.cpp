@@ -91,7 +91,7 @@ bool answer_overlaps(const System& system, ContactRow& row, double still_mps) {
   SolverBody& a = system.bodies[row.a];
   SolverBody& b = system.bodies[row.b];
   bool solved = false;
-  for (std::uint32_t p = row.overlap_begin; p < row.overlap_end; ++p) {
+  for (std::uint32_t p = row.overlap_begin; p < row.overlap_begin + row.overlap_count; ++p) {
     const OverlapPoint& point = system.overlaps[p];
     const double closing = approach_mps(point.normal, point.moment_a_m, point.moment_b_m, a, b);
     if (row.restitution * closing <= still_mps) continue;
@@ -113,12 +113,14 @@ bool answer_overlaps(const System& system, ContactRow& row, double still_mps) {
 constexpr std::size_t kRowsAhead = 4;
 constexpr std::size_t kOverlapsAhead = 2;
 HWY_INLINE void prefetch_row(const System& system, const RowActivation& gate, std::size_t i) {
-  parallel::prefetch(system.rows[i]);
+  constexpr std::size_t kLine = 64;
+  const auto* const row = reinterpret_cast<const std::byte*>(&system.rows[i]);
+  for (std::size_t line = 0; line < 3; ++line) hwy::Prefetch(row + line * kLine);
   hwy::Prefetch(&system.bodies[gate.a]);
   hwy::Prefetch(&system.bodies[gate.b]);
 }
 HWY_INLINE void prefetch_overlaps(const System& system, const ContactRow& row) {
-  for (std::uint32_t p = row.overlap_begin; p < row.overlap_end; ++p) parallel::prefetch(system.overlaps[p]);
+  for (std::uint32_t p = row.overlap_begin; p < row.overlap_begin + row.overlap_count; ++p) parallel::prefetch(system.overlaps[p]);
 }
 
 void note_rebound(const System& system, ContactRow& row, double still_mps) {
