@@ -19,6 +19,7 @@
 #include "app/shape_command.h"
 #include "app/study_command.h"
 #include "app/suggestions.h"
+#include "app/sweep/job_array_command.h"
 #include "app/sweep/sweep_command.h"
 #include "app/tree/tree_command.h"
 #include "app/tune_command.h"
@@ -46,6 +47,7 @@ int run(int argc, char** argv) {
   poise::app::add_study_command(app);
   poise::app::add_sweep_command(app, exit_code);
   poise::app::add_tune_command(app);
+  poise::app::add_job_array_command(app, exit_code);
   poise::app::add_scenes_command(app, exit_code);
   try {
     app.parse(argc, argv);

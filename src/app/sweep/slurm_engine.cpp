@@ -5,7 +5,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <optional>
@@ -13,9 +12,7 @@
 
 #include "app/exit_codes.h"
 #include "app/refusal.h"
-#include "app/sweep/child_process.h"
 #include "app/sweep/trial_runner.h"
-#include "assets/files/text_file.h"
 #include "poise/step.h"
 #include "scene/result_file.h"
 #include "sweep/slurm_array.h"
@@ -26,56 +23,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Slurm's own limit where `scontrol` does not tell it.
-constexpr std::uint64_t kUsualArraySize = 1001;
 /// So long no array must be active before the wait is over: squeue leaves out a task for a moment while it is put back
 /// into the queue, and a shared file system may show a new file late.
 constexpr double kSurelyOver_s = 3;
 constexpr double kShortestLook_s = 0.3, kLongestLook_s = 10;
-
-std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 /// Sleeps, or until a signal.
 void pause(double seconds, const parallel::Interrupt& interrupt) {
   const auto until =
       SteadyClock::now() + std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(seconds));
   while (!interrupt.asked() && SteadyClock::now() < until) ::poll(nullptr, 0, 50);
-}
-
-/// Whether Slurm has still tasks of the array. It says that it does not know a job that ended some time ago. Where
-/// there is no Slurm, as beside a copy of the folder, nothing is active.
-bool is_active(std::uint64_t job) {
-  const ProgramOutput said = run_program({"squeue", "--noheader", "--format=%i", fmt::format("--jobs={}", job)});
-  if (said.exit_code == 0) return said.out.find_first_not_of(" \n") != std::string::npos;
-  return said.exit_code != 127 && said.error.find("Invalid job id") == std::string::npos;
-}
-
-std::vector<fs::path> array_folders(const sweep::TrialStore& store) {
-  std::vector<fs::path> folders;
-  std::error_code failure;
-  for (fs::directory_iterator entry(store.folder() / "slurm", failure), end; !failure && entry != end;
-       entry.increment(failure))
-    folders.push_back(entry->path());
-  std::ranges::sort(folders);
-  return folders;
-}
-
-/// A new folder slurm/001, slurm/002, ... of the sweep.
-Result<fs::path> new_array_folder(const sweep::TrialStore& store) {
-  const fs::path all = store.folder() / "slurm";
-  std::error_code failure;
-  fs::create_directories(all, failure);
-  for (int number = 1; !failure && number < 100'000; ++number) {
-    const fs::path folder = all / fmt::format("{:03}", number);
-    // False if it was there: another call may take the same number.
-    if (fs::create_directory(folder, failure)) return folder;
-  }
-  return Error{ErrorKind::OutputFailed, fmt::format("{}: cannot be written: {}", all.string(), failure.message())};
-}
-
-std::uint64_t site_array_size() {
-  const ProgramOutput config = run_program({"scontrol", "show", "config"});
-  return sweep::max_array_size(config.out).value_or(kUsualArraySize);
 }
 
 double task_limit_s(const sweep::TrialBatch& batch) {
@@ -88,14 +45,16 @@ double task_limit_s(const sweep::TrialBatch& batch) {
   return longest;
 }
 
+/// The folders of the sweep's job arrays.
+fs::path arrays_folder(const sweep::TrialStore& store) { return store.folder() / "slurm"; }
+
 Status submit(const SweepPlan& plan, const sweep::TrialBatch& batch, const sweep::TrialStore& store,
               const SweepOptions& options, ActiveArrays& active) {
-  const Result<fs::path> folder = new_array_folder(store);
+  const Result<fs::path> folder = new_array_folder(arrays_folder(store));
   if (!folder) return folder.error();
   std::error_code failure;
   const std::string program = fs::read_symlink("/proc/self/exe", failure).string();
   const std::string file = (folder.value() / "batch.json").string();
-  const std::string script = (folder.value() / "task.sh").string();
   sweep::SlurmArray array;
   array.name = "poise-" + plan.spec.name;
   array.folder = folder.value().string();
@@ -103,29 +62,18 @@ Status submit(const SweepPlan& plan, const sweep::TrialBatch& batch, const sweep
   array.tasks = batch.tasks();
   array.cores = batch.trials.front().cores;
   array.task_limit_s = task_limit_s(batch);
-  array.exclusive = batch.exclusive;
-  array.tasks_at_once = options.tasks_at_once.value_or(0);
-  Status written = io::write_file(file, sweep::batch_json(batch));
-  if (written) written = io::write_file(script, sweep::slurm_script(array));
-  const auto refused = [&](const Error& error) {
+  const Status written = io::write_file(file, sweep::batch_json(batch));
+  if (!written) {
     fs::remove_all(folder.value(), failure);
-    return error;
-  };
-  if (!written) return refused(written.error());
-  std::vector<std::string> words{"sbatch", "--parsable", "--job-name=" + array.name,
-                                 "--output=" + array.folder + "/task-%a.log"};
-  if (!options.partition.empty()) words.push_back("--partition=" + options.partition);
-  words.insert(words.end(), options.sbatch.begin(), options.sbatch.end());
-  words.push_back(script);
-  const ProgramOutput said = run_program(words);
-  const std::optional<std::uint64_t> job = sweep::submitted_job(said.out);
-  if (said.exit_code != 0 || !job)
-    return refused(bad_input("sbatch: " + first_line(said.error.empty() ? said.out : said.error)));
-  active.arrays.push_back({*job, folder.value()});
+    return written;
+  }
+  const Result<SubmittedArray> submitted = submit_array(array, options.slurm);
+  if (!submitted) return submitted.error();
+  active.arrays.push_back(submitted.value());
   for (const sweep::Trial& trial : batch.trials) active.keys.insert(trial.key);
-  fmt::print(stderr, "poise sweep: job array {} of {} tasks, {} trials each at most; its logs: {}\n", *job,
-             batch.tasks(), batch.per_task, array.folder);
-  return io::write_file(folder.value() / "job", fmt::format("{}\n", *job));
+  fmt::print(stderr, "poise sweep: job array {} of {} tasks, {} trials each at most; its logs: {}\n",
+             submitted.value().job, batch.tasks(), batch.per_task, array.folder);
+  return Done{};
 }
 
 /// Tells of trials that have ended since the last call, and returns how many of all have.
@@ -152,12 +100,9 @@ std::string environment(const char* name) {
 
 ActiveArrays active_arrays(const sweep::TrialStore& store) {
   ActiveArrays active;
-  for (const fs::path& folder : array_folders(store)) {
-    const Result<std::string> text = geometry::read_bytes(folder / "job", 64);
-    const std::optional<std::uint64_t> job = text ? sweep::submitted_job(text.value()) : std::nullopt;
-    if (!job || !is_active(*job)) continue;
-    active.arrays.push_back({*job, folder});
-    const Result<sweep::TrialBatch> batch = sweep::read_batch(folder / "batch.json");
+  for (const SubmittedArray& array : arrays_in_queue(arrays_folder(store))) {
+    active.arrays.push_back(array);
+    const Result<sweep::TrialBatch> batch = sweep::read_batch(array.folder / "batch.json");
     if (!batch) continue;
     for (const sweep::Trial& trial : batch.value().trials) active.keys.insert(trial.key);
   }
@@ -166,13 +111,11 @@ ActiveArrays active_arrays(const sweep::TrialStore& store) {
 
 Status submit_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pending, const sweep::TrialStore& store,
                      const SweepOptions& options, ActiveArrays& active) {
-  const ProgramOutput version = run_program({"sbatch", "--version"});
-  if (version.exit_code != 0)
-    return bad_input("--engine slurm: sbatch cannot be started: " + first_line(version.error) +
-                     "; run this on a login node of the cluster");
+  const Status there = check_slurm();
+  if (!there) return there;
   const std::uint64_t site = site_array_size();
   const std::uint64_t most = std::min(options.most_tasks.value_or(site), site);
-  for (const sweep::TrialBatch& batch : sweep::slurm_batches(pending, most, options.exclusive)) {
+  for (const sweep::TrialBatch& batch : sweep::slurm_batches(pending, most, options.slurm.exclusive)) {
     const Status submitted = submit(plan, batch, store, options, active);
     if (!submitted) return submitted;
   }
@@ -190,7 +133,7 @@ bool wait_for_arrays(const SweepPlan& plan, const std::vector<sweep::Trial>& pen
                                active.arrays.size()),
                    static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, pending.size())));
     if (count == pending.size()) return false;
-    if (std::ranges::any_of(active.arrays, [](const SubmittedArray& array) { return is_active(array.job); })) {
+    if (std::ranges::any_of(active.arrays, [](const SubmittedArray& array) { return in_queue(array.job); })) {
       over.reset();
     } else if (!over) {
       over = SteadyClock::now();

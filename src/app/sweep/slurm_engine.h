@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "app/progress.h"
+#include "app/sweep/slurm_jobs.h"
 #include "app/sweep/sweep_options.h"
 #include "app/sweep/sweep_plan.h"
 #include "parallel/interrupt.h"
@@ -15,12 +14,6 @@
 #include "sweep/trial_store.h"
 
 namespace poise::app {
-
-/// A job array that was submitted for a sweep, by this call or an earlier one.
-struct SubmittedArray {
-  std::uint64_t job = 0;
-  std::filesystem::path folder;  ///< of its batch, script and logs
-};
 
 /// The arrays of a sweep that Slurm has not ended, and the keys of their trials.
 struct ActiveArrays {

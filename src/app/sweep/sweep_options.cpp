@@ -32,17 +32,9 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   add_whole(command, "--workers", options.workers, 1, 256,
             "Trials at the same time on this machine (default: as many as have processors of their own; with more, "
             "trials that count work share them)");
-  command.add_flag("--exclusive", options.exclusive, "slurm: each task has its node to itself");
-  command.add_option("--partition", options.partition, "slurm: the partition (default: the site's)")->type_name("P");
-  command
-      .add_option("--sbatch", options.sbatch,
-                  "slurm: a further option of sbatch, as --sbatch=--account=me; may be given several times")
-      ->allow_extra_args(false)
-      ->type_name("OPTION");
+  add_slurm_options(command, options.slurm);
   add_whole(command, "--max-tasks", options.most_tasks, 1, 1'000'000,
             "slurm: tasks of an array, at most (default: what the site permits, MaxArraySize)");
-  add_whole(command, "--tasks-at-once", options.tasks_at_once, 1, 1'000'000,
-            "slurm: tasks that run at the same time, at most (default: as many as the site starts)");
   command.add_flag("--no-wait", options.no_wait, "slurm: submit and return; the same command later joins the results");
   command.add_flag("--quiet", options.quiet, "No progress and no table");
   command.add_option("--batch", options.batch)->group("");
@@ -64,13 +56,13 @@ Status check_sweep_options(const SweepOptions& options) {
   const bool slurm = options.engine == "slurm";
   if (slurm && options.workers) return bad_input("--workers has no meaning with --engine slurm; see --tasks-at-once");
   if (slurm) return Done{};
-  const char* of_slurm = options.exclusive            ? "--exclusive"
-                         : options.no_wait            ? "--no-wait"
-                         : !options.partition.empty() ? "--partition"
-                         : !options.sbatch.empty()    ? "--sbatch"
-                         : options.most_tasks         ? "--max-tasks"
-                         : options.tasks_at_once      ? "--tasks-at-once"
-                                                      : nullptr;
+  const char* of_slurm = options.slurm.exclusive            ? "--exclusive"
+                         : options.no_wait                  ? "--no-wait"
+                         : !options.slurm.partition.empty() ? "--partition"
+                         : !options.slurm.sbatch.empty()    ? "--sbatch"
+                         : options.most_tasks               ? "--max-tasks"
+                         : options.slurm.tasks_at_once      ? "--tasks-at-once"
+                                                            : nullptr;
   if (of_slurm != nullptr) return bad_input(std::string(of_slurm) + " needs --engine slurm");
   return Done{};
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/sweep/slurm_jobs.h"
 #include "poise/result.h"
 
 namespace poise::app {
@@ -20,10 +21,9 @@ struct SweepOptions {
   bool dry_run = false, no_run = false, retry_failed = false, quiet = false;
   std::optional<std::uint64_t> workers;
   // Of the engine slurm.
-  bool exclusive = false, no_wait = false;
-  std::string partition;
-  std::vector<std::string> sbatch;  ///< further options of sbatch
-  std::optional<std::uint64_t> most_tasks, tasks_at_once;
+  SlurmOptions slurm;
+  bool no_wait = false;
+  std::optional<std::uint64_t> most_tasks;
   // Of a task that the engine slurm started.
   std::string batch;
   std::optional<std::uint64_t> task;

@@ -12,10 +12,11 @@ BAD_INPUT = 3
 _EPILOG = """examples:
   poise tune jacks street --holdout pile maze --bodies 250 --polygons --trials 60 --out mine.json
   poise run pile --policy mine.json
+  poise tune jacks street --bodies 250 --trials 200 --engine slurm --workers 8 --out mine.json
   poise tune jacks street --bodies 250 --cues --out cues.json
   poise tune pile maze --bodies 250 --measure --out rivals.json
 
-exit codes: 0 done, 2 bad usage or Optuna is missing, 3 bad input or no trial succeeded, 4 output failed, 130 stopped by
+exit codes: 0 done, 1 workers ended before the last trial, 2 bad usage or Optuna is missing, 3 bad input or no trial succeeded, 4 output failed, 130 stopped by
 Ctrl-C, 143 by SIGTERM; the journal keeps what was done, and the same command goes on."""
 
 
@@ -81,10 +82,11 @@ def parser():
                    help="seeds to measure the result on, of all scenes (default 11,12)")
     p.add_argument("--trials", metavar="N", type=_whole(1, 100000), default=40,
                    help="trials of the study, those in the journal included (default 40)")
-    p.add_argument("--jobs", metavar="N", type=_whole(1, 256), default=os.cpu_count() or 1,
-                   help="scenes that are stepped at a time (default: as many as processors)")
+    p.add_argument("--jobs", metavar="N", type=_whole(1, 256),
+                   help="scenes that a worker steps at a time (default: processors for each worker; with slurm 1)")
     p.add_argument("--journal", metavar="FILE", type=_path,
                    help="the study: it is gone on with, and several processes may share it (default OUT.journal)")
+    _add_workers(p)
     p.add_argument("--base", metavar="FILE", type=_path, help="policy file with what is not searched")
     p.add_argument("--search", metavar="FIELD,FIELD", type=_searched, default=list(fields.SEARCHED),
                    help=f"fields of the policy (default {','.join(fields.SEARCHED)}; also "
@@ -112,6 +114,39 @@ def parser():
     return p
 
 
+def _add_workers(p):
+    p.add_argument("--workers", metavar="N", type=_whole(1, 10000),
+                   help="processes that do trials of the study at the same time (default 1)")
+    p.add_argument("--engine", choices=["local", "slurm"], default="local",
+                   help="where they are: local, this machine; slurm, tasks of a job array by sbatch (default local)")
+    p.add_argument("--task-limit-s", metavar="S", type=_whole(60, 10**8),
+                   help="slurm: a worker is ended after so long, and its trial is another's (default 3600)")
+    p.add_argument("--exclusive", action="store_true", help="slurm: each worker has its node to itself")
+    p.add_argument("--partition", metavar="P", type=_path, help="slurm: the partition (default: the site's)")
+    p.add_argument("--sbatch", metavar="OPTION", action="append", default=[],
+                   help="slurm: a further option of sbatch, as --sbatch=--account=me; may be given several times")
+    p.add_argument("--tasks-at-once", metavar="N", type=_whole(1, 10**6),
+                   help="slurm: workers that run at the same time, at most (default: as many as the site starts)")
+    # Of a worker that this command started.
+    p.add_argument("--task", type=_whole(0, 10**6), help=argparse.SUPPRESS)
+    p.add_argument("--ends-with-input", action="store_true", help=argparse.SUPPRESS)
+
+
+def _check_workers(options):
+    if options.engine == "local":
+        given = {"--task-limit-s": options.task_limit_s, "--exclusive": options.exclusive,
+                 "--partition": options.partition, "--sbatch": options.sbatch, "--tasks-at-once": options.tasks_at_once}
+        for name, value in given.items():
+            if value:
+                raise Refused(f"{name} needs --engine slurm")
+    if (options.cues or options.measure) and (options.workers or options.engine == "slurm"):
+        raise Refused("--workers and --engine are of a search: --cues and --measure have none; see --jobs")
+    options.workers = options.workers or 1
+    options.task_limit_s = options.task_limit_s or 3600
+    if options.jobs is None:
+        options.jobs = 1 if options.engine == "slurm" else max(1, (os.cpu_count() or 1) // options.workers)
+
+
 def read_base(file):
     """What the policy file says of the policy. poise reads it again and refuses what is out of range."""
     if file is None:
@@ -130,6 +165,7 @@ def read_base(file):
 
 def check(options):
     """Refuses options that contradict each other."""
+    _check_workers(options)
     for group, name in ((options.scenes, "SCENE"), (options.holdout, "--holdout")):
         for scene in group:
             if scene == "-":

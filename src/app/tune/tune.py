@@ -126,20 +126,41 @@ def tune(work, journal):
         raise Refused(f"Optuna is missing in {sys.executable}: install the Debian package python3-optuna, or name a "
                       "Python that has it in POISE_PYTHON") from missing
     import search
+    import workers
     o = work.options
+    if o.ends_with_input:
+        workers.end_with_input()
     runs = work.runs(o.scenes, o.seeds)
     setup = {"scenes": o.scenes, "seeds": o.seeds, "budgets": o.budgets, "from": o.budget_from, "frames": o.frames,
              "every": o.every, "warmup": o.warmup, "history": o.history, "bodies": o.bodies, "polygons": o.polygons,
              "base": work.base, "search": o.search, "build": runs.runs[0].facts["build"]["commit"]}
     try:
-        study = search.open_study(optuna, journal, setup)
+        study = search.Study(optuna, journal, setup, o.search)
     except search.WrongJournal as wrong:
         raise Refused(str(wrong)) from wrong
-    policy, done, failed = search.search(optuna, study, runs, work.base, o.search, o.trials, o.seed, work.say)
+    try:
+        if o.task is not None or (o.engine == "local" and o.workers == 1):
+            study.work(runs, work.base, o.trials, o.seed, work.say)
+        elif o.engine == "slurm":
+            workers.run_slurm(study, o, work.words, journal + ".workers/slurm", work.say)
+        else:
+            workers.run_local(study, o, work.words, work.say)
+        done, failed = study.finished()
+        policy = study.best()
+    finally:
+        study.leave()
+    if o.task is not None:
+        return
     if policy is None:
-        raise Refused(f"none of {failed} trials succeeded", BAD_INPUT)
+        raise Refused(f"none of {len(failed)} trials succeeded", BAD_INPUT)
+    write_policy(work, runs, policy, {"done": len(done), "failed": len(failed)})
+
+
+def write_policy(work, runs, policy, trials):
+    """Measures the policy where it was searched and elsewhere, and writes it with what came of that."""
+    o = work.options
     facts = work.facts(runs)
-    evidence = {**facts, "trials": {"done": done, "failed": failed}, "search": o.search, "tuning": rivals.measure(
+    evidence = {**facts, "trials": trials, "search": o.search, "tuning": rivals.measure(
         runs, policy, work.base, o.rivals, o.seed, work.say)}
     tables = [rivals.table("searched on", evidence["tuning"], facts["budgets"], facts["budget_unit"])]
     groups = [("held_out_seeds", "held-out seeds of the same scenes", o.scenes)]
