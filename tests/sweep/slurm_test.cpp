@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 #include <sys/mount.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "sweep/slurm_site.h"
 #include "sweep/sweep_runs.h"
 
 namespace poise::testing {
@@ -19,61 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Runs a line of the shell, and returns its exit code.
-int shell(const std::string& line) {
-  const int status = std::system(line.c_str());
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-/// A Slurm of this machine alone for one test: its daemons, key and ports are its own. MaxArraySize is 12.
-class SlurmSweep : public ::testing::Test {
+class SlurmSweep : public SlurmSite {
  protected:
-  void SetUp() override {
-    const int started = shell(site("start") + " >'" + folder_.file("said") + "' 2>&1");
-    if (started == 77) GTEST_SKIP() << "no Slurm: " << contents(folder_.file("said"));
-    started_ = true;
-    ASSERT_EQ(started, 0) << contents(folder_.file("said"));
-    ::setenv("SLURM_CONF", folder_.file("slurm.conf").c_str(), 1);
-  }
-  void TearDown() override {
-    if (!started_) return;
-    if (HasFailure()) ADD_FAILURE() << "slurmctld: " << ask("tail -n 60 '" + folder_.file("slurmctld.log") + "'");
-    EXPECT_EQ(shell(site("stop")), 0);
-    for (const char* daemon : {"slurmctld", "slurmd", "munged"}) {
-      const std::string id = contents(folder_.file(std::string(daemon) + ".pid"));
-      // A process that has ended may still be in the list, until its parent has looked.
-      const std::string status = contents("/proc/" + id.substr(0, id.find('\n')) + "/status");
-      EXPECT_TRUE(id.empty() || status.empty() || says(status, "State:\tZ")) << daemon << " is left\n" << status;
-    }
-  }
-  [[nodiscard]] std::string site(const std::string& action) const {
-    return std::string(POISE_SOURCE_DIR) + "/tests/sweep/slurm_site.sh " + action + " '" + folder_.path().string() +
-           "'";
-  }
-  /// Runs a Slurm command and returns what it prints.
-  std::string ask(const std::string& line) const {
-    shell(line + " >'" + folder_.file("answer") + "' 2>&1");
-    return contents(folder_.file("answer"));
-  }
-  /// How many of the daemons run that Slurm has for each step of a job.
-  [[nodiscard]] std::size_t step_daemons() const {
-    std::size_t count = 0;
-    std::error_code none;
-    for (const fs::directory_entry& entry : fs::directory_iterator("/proc", none)) {
-      // It writes its title over its environment, but it works in the folder of its log.
-      const bool daemon = contents(entry.path() / "comm") == "slurmstepd\n";
-      count += daemon && fs::read_symlink(entry.path() / "cwd", none) == folder_.path() ? 1U : 0U;
-    }
-    return count;
-  }
   static std::string job_of(const SweepFolder& sweep, const std::string& array = "001") {
-    std::string job = contents(sweep.results() + "/slurm/" + array + "/job");
-    return job.substr(0, job.find('\n'));
+    return SlurmSite::job_of(sweep.results() + "/slurm/" + array);
   }
-
- private:
-  TemporaryFolder folder_;
-  bool started_ = false;
 };
 
 TEST_F(SlurmSweep, Of40TrialsGivesTheSameAsTheLocalEngine) {

@@ -55,7 +55,6 @@ def run_local(study, options, words, say):
                         say(f"worker {task} was ended by signal {-child.returncode}")
     finally:
         for child in children:
-            child.stdin.close()
             child.terminate()
         for child in children:
             try:
@@ -63,6 +62,8 @@ def run_local(study, options, words, say):
             except subprocess.TimeoutExpired:
                 child.kill()
                 child.wait()
+            # Not before, or it would get a second signal, which ends it at once.
+            child.stdin.close()
     finished, _ = study.count(say)
     if finished < options.trials:
         refusals = [code for code in codes.values() if code > 0]
