@@ -202,7 +202,9 @@ def main(words):
         print(f"poise tune: {failed}", file=sys.stderr)
         return failed.code if getattr(failed, "code", 0) in (BAD_USAGE, BAD_INPUT) else BAD_INPUT
     except KeyboardInterrupt as stopped:
-        print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
+        # The one who started a worker says it for all.
+        if "--task" not in words:
+            print("poise tune: stopped; what was done is in the journal, and the same command goes on", file=sys.stderr)
         return TERMINATED if isinstance(stopped, Terminated) else STOPPED
     return 0
 
