@@ -70,7 +70,10 @@ def backend(optuna, path, folder):
                     file.seek(end)
                     file.write(b"".join(json.dumps(log).encode() + b"\n" for log in logs))
                     file.flush()
-                    os.fsync(file.fileno())
+                    # What a trial came to lasts; parameters without it are worth nothing after a loss of power, and a
+                    # trial has many. Other machines see a file that was closed.
+                    if any("state" in log for log in logs):
+                        os.fsync(file.fileno())
             finally:
                 self._write_lock.release()
 
