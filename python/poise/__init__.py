@@ -52,11 +52,12 @@ from ._core import (
 )
 from ._errors import Error
 from ._scenes import shipped_scenes
-from .results import frames_table, read_run, read_table, runs_table
+from .results import frames_table, read_run, read_sweep, read_table, runs_table
 
 __all__ = [
     "World", "Settings", "Shape", "BodyId", "BodyState", "MaterialId", "States", "Conserved", "ContactEvent",
     "Budget", "View", "FrameReport", "Policy", "PairView", "PairChain", "PairCues", "FrameFacts",
     "RayHit", "SphereCastHit", "ClosestPoint", "SceneRun", "SceneBody", "Replay", "shipped_scenes",
-    "Error", "results", "frames_table", "read_run", "read_table", "runs_table", "commit",
+    "Error", "results", "frames_table", "read_run", "read_sweep", "read_table", "runs_table",
+    "commit",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Results as tables: reports of steps, the JSON of `poise run`, CSV tables of frames and of sweeps.
+"""Results as tables: reports of steps, the JSON of `poise run`, CSV tables of frames, results of sweeps.
 
 A table is a pandas.DataFrame where pandas is installed; elsewhere a dict of column names and NumPy arrays, in which
 table["column"] works too. A value that is missing is NaN in a column of numbers, None in others.
@@ -7,6 +7,7 @@ table["column"] works too. A value that is missing is NaN in a column of numbers
 import csv
 import json
 import os
+import sqlite3
 from pathlib import Path
 from typing import Any, Iterable, Mapping, Union
 
@@ -30,7 +31,12 @@ def table(rows: "Iterable[Mapping[str, Any]]") -> Any:
     """
     rows = list(rows)
     names = list(dict.fromkeys(name for row in rows for name in row))
-    columns = {name: _column([row.get(name) for row in rows]) for name in names}
+    return _table(names, [[row.get(name) for name in names] for row in rows])
+
+
+def _table(names: "list[str]", rows: "Iterable[Any]") -> Any:
+    rows = list(rows)
+    columns = {name: _column([row[i] for row in rows]) for i, name in enumerate(names)}
     return pandas.DataFrame(columns) if pandas is not None else columns
 
 
@@ -81,6 +87,32 @@ def read_table(path: PathLike) -> Any:
         if len(row) != len(rows[0]):
             raise Error("%s: line %d has %d cells, must have %d" % (os.fspath(path), number, len(row), len(rows[0])))
     return table(dict(zip(rows[0], map(_cell, row))) for row in rows[1:])
+
+
+def read_sweep(path: PathLike, sql: str = "SELECT * FROM trials") -> Any:
+    """A table of what `poise sweep` left: path is its folder of results, or a copy of the sweep.sqlite in it.
+
+    By default a row for each trial, with the columns of trials.csv; `sql` may be any query of that database
+    (docs/sweep.md), whose names with a dot are in quotes: SELECT bodies, avg("misses.rate") FROM trials GROUP BY bodies.
+    Raises Error for a path without results and for a query that SQLite refuses. The file is only read.
+    """
+    file = Path(path)
+    if file.is_dir():
+        file = file / "sweep.sqlite"
+    try:
+        with open(file, "rb"):
+            pass
+        # Nobody writes into the file of a sweep: it is replaced by the next one.
+        database = sqlite3.connect(file.absolute().as_uri() + "?mode=ro&immutable=1", uri=True)
+        try:
+            cursor = database.execute(sql)
+            names = [name for name, *_ in cursor.description or ()]
+            rows = cursor.fetchall()
+        finally:
+            database.close()
+    except (OSError, sqlite3.Error, sqlite3.Warning) as problem:
+        raise Error("%s: %s" % (os.fspath(file), problem)) from problem
+    return _table(names, rows)
 
 
 def _cell(text: str) -> Any:

@@ -142,6 +142,25 @@ def test_tables_of_csv_files_have_numbers_words_and_gaps(tmp_path):
         poise.read_table(file)
 
 
+def test_a_sweep_is_read_from_its_folder_its_database_and_by_a_query(command, tmp_path):
+    spec = {"schema": "poise.sweep/1", "scenes": ["gas"], "settings": {"frames": 5, "clock": "work", "threads": 1},
+            "axes": {"bodies": [20, 30]}, "seeds": [1, 2]}
+    (tmp_path / "spec.json").write_text(json.dumps(spec))
+    folder = tmp_path / "results of a sweep?"  # what a URI would take for its end
+    subprocess.run([command, "sweep", tmp_path / "spec.json", "--out", folder, "--quiet"], check=True)
+    ours, csv = as_dict(poise.read_sweep(folder)), as_dict(poise.read_table(folder / "trials.csv"))
+    assert list(ours) == list(csv) and ours["bodies"] == [20, 20, 30, 30] and ours["state"] == ["done"] * 4
+    assert ours["state_hash"] == csv["state_hash"] and ours["run.bodies"] == csv["run.bodies"]
+    query = 'SELECT bodies, count(*) AS trials, avg("run.bodies") AS mean FROM trials GROUP BY bodies'
+    rows = as_dict(poise.read_sweep(folder / "sweep.sqlite", query))
+    assert rows["bodies"] == [20, 30] and rows["trials"] == [2, 2] and rows["mean"] == csv["run.bodies"][::2]
+    assert list(as_dict(poise.read_sweep(folder, "SELECT bodies FROM trials WHERE bodies > 50"))) == ["bodies"]
+    for path, sql, message in [(tmp_path, "SELECT * FROM trials", "sweep.sqlite"), (tmp_path / "spec.json", "SELECT 1 FROM trials", "not a database"),
+                               (folder, "SELECT speed FROM trials", "no such column: speed"), (folder, "DELETE FROM trials", "readonly")]:
+        with pytest.raises(poise.Error, match=message):
+            poise.read_sweep(path, sql)
+
+
 def test_without_pandas_a_table_is_a_dict_of_arrays(monkeypatch):
     rows = [{"a": 1, "b": "x"}, {"a": 2, "c": True}]
     if results.pandas is not None:
