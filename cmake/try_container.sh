@@ -33,7 +33,7 @@ done < <(sed -n 's/^RUN //p' "$recipe")
 command="$(sed -En 's/^ENTRYPOINT \["(.*)"\]$/\1/p' "$recipe")"
 inside "$command --version"
 inside "$command run two-body --frames 60 --quiet"
-cat >"$folder/root/spec.json" <<'SPEC'
+cat >"$folder/opt/spec.json" <<'SPEC'
 {"schema": "poise.sweep/1", "scenes": ["gas"], "settings": {"frames": 20, "clock": "work", "threads": 1}, "axes": {"bodies": [20, 40]}}
 SPEC
-inside "$command sweep /root/spec.json --out /root/results"
+inside "$command sweep /opt/spec.json --out /opt/results"

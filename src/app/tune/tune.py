@@ -10,7 +10,6 @@ import tempfile
 
 import cue_worth
 import fields
-import figures
 import rivals
 import options as command_line
 import served

@@ -3,7 +3,6 @@
 --task NUMBER: it opens the journal, does trials until there are enough, and writes no policy."""
 import os
 import subprocess
-import sys
 import threading
 import time
 
