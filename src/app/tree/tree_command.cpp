@@ -17,6 +17,7 @@
 #include "app/progress.h"
 #include "app/refusal.h"
 #include "app/tree/mesh_report_table.h"
+#include "app/tree/robot_command.h"
 #include "app/tree/tree_document.h"
 #include "app/tree/tree_options.h"
 #include "app/tree/tree_table.h"
@@ -99,6 +100,8 @@ int tree_command(const TreeOptions& options) {
       return print_mesh_reports(options);
     case TreeTask::Convert:
       return convert(options);
+    case TreeTask::Robot:
+      return measure_robot(options);
     case TreeTask::Measure:
       break;
   }

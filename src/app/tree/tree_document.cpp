@@ -62,7 +62,9 @@ std::string preset_name(TreePreset preset) {
   return preset == TreePreset::Fast ? "fast" : preset == TreePreset::Best ? "best" : "default";
 }
 
-std::string tree_json(const TreeDocument& document) {
+namespace {
+
+Json document_json(const TreeDocument& document) {
   Json json;
   json["schema"] = "poise.tree/2";
   json["mesh"] = document.mesh;
@@ -91,7 +93,26 @@ std::string tree_json(const TreeDocument& document) {
   }
   json["machine"] = document.machine;
   json["build"] = document.build;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json;
+}
+
+std::string as_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace
+
+std::string tree_json(const TreeDocument& document) { return as_text(document_json(document)); }
+
+std::string robot_json(const std::string& file, std::span<const RobotLink> links) {
+  Json json;
+  json["schema"] = "poise.robot-trees/1";
+  json["robot"] = file;
+  json["links"] = Json::array();
+  for (const RobotLink& link : links) {
+    Json row = {{"name", link.name}, {"shapes", link.shapes}};
+    row["tree"] = link.tree ? document_json(*link.tree) : Json(nullptr);
+    json["links"].push_back(std::move(row));
+  }
+  return as_text(json);
 }
 
 }  // namespace poise::io

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,5 +63,15 @@ std::string preset_name(TreePreset preset);
 /// The document as `poise.tree/2` JSON, ending in a newline: the first tree's figures beside the mesh's, and where two
 /// are compared each of them in `trees`.
 std::string tree_json(const TreeDocument& document);
+
+/// A link of a robot and the tree of its shapes.
+struct RobotLink {
+  std::string name;
+  std::string shapes;               ///< which were taken, or why none: `collision`, `visual`, `none`, `spheres`
+  std::optional<TreeDocument> tree;  ///< of `collision` and `visual`
+};
+
+/// The robot as `poise.robot-trees/1` JSON: for each link its shapes and, where it has a tree, what tree_json says.
+std::string robot_json(const std::string& file, std::span<const RobotLink> links);
 
 }  // namespace poise::io

@@ -66,6 +66,7 @@ Status check_report(const TreeOptions& o) {
                        {"--threads", o.threads.has_value()},
                        {"--level", o.level.has_value()},
                        {"--shell", o.shell},
+                       {"--package", !o.packages.empty()},
                        {"--require-coverage", o.require_coverage}},
                       "has no meaning with --inspect, which builds no tree");
 }
@@ -90,10 +91,31 @@ Status check_convert(const TreeOptions& o) {
                       "needs a MESH; --tree alone only converts");
 }
 
+Status check_robot(const TreeOptions& o) {
+  if (o.meshes.size() > 1) return bad_input("one robot at a time; only --inspect takes more than one file");
+  for (const std::string& package : o.packages) {
+    const std::size_t sign = package.find('=');
+    if (sign == 0 || sign == std::string::npos || sign + 1 == package.size())
+      return bad_input(fmt::format("--package = '{}', must be NAME=FOLDER", package));
+  }
+  if (!o.output.empty() && tree_format_of(o.output) != TreeFormat::Urdf)
+    return bad_input(fmt::format("-o {}: of a robot a .urdf is written", o.output));
+  if (o.level && *o.level > o.depth.value_or(TreeBuildOptions{}.depth))
+    return bad_input(fmt::format("--level {} is below --depth {}", *o.level, o.depth.value_or(TreeBuildOptions{}.depth)));
+  return refuse_given({{"--tree", !o.tree.empty()},
+                       {"--compare", !o.compare.empty()},
+                       {"--picture", !o.picture.empty()},
+                       {"--picture-dark", !o.picture_dark.empty()},
+                       {"--up", o.up.has_value()},
+                       {"--front", o.front.has_value()},
+                       {"--scale", o.scale.has_value()}},
+                      "has no meaning with a robot");
+}
+
 }  // namespace
 
 void add_tree_options(CLI::App& command, TreeOptions& o) {
-  command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB; several with --inspect")->type_name("MESH");
+  command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB, several with --inspect; or a robot: URDF")->type_name("MESH");
   add_path(command, "--tree", o.tree, "Measure this tree instead of building one; without a MESH, convert it to -o");
   add_path(command, "--compare", o.compare,
            "Measure this tree too and set both side by side; the better figure is marked *");
@@ -104,6 +126,12 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
   command.add_flag("--shell", o.shell, "The object is the surface alone, not what it encloses");
   add_path(command, "-o,--output", o.output,
            "Write the tree as .sph, or a level of it as .urdf, .yml (cuRobo) or .json (foam)");
+  command
+      .add_option("--package", o.packages,
+                  "Of a robot: where package://NAME/ is (default: the first such folder beside or above the file); may "
+                  "be repeated")
+      ->type_name("NAME=FOLDER")
+      ->expected(1);
   add_whole(command, "--level", o.level, 0, kMaxTreeDepth,
             "The level to write as .urdf, .yml or .json (default the deepest)");
   add_path(command, "--json", o.json, "Write the figures as JSON (poise.tree/2), - for the standard output");
@@ -139,6 +167,7 @@ void add_tree_options(CLI::App& command, TreeOptions& o) {
       "  poise tree bunny.obj --tree other.sph --require-coverage         measure a foreign tree\n"
       "  poise tree bunny.obj --compare other.sph --samples 1000000       ours beside another\n"
       "  poise tree --tree bunny.sph -o bunny.urdf --level 2              convert, without the mesh\n"
+      "  poise tree robot.urdf -o spheres.urdf --level 2                  all links of a robot at once\n"
       "  poise tree --inspect models/*.stl                                what are these meshes?\n"
       "  poise tree sheet.ply --shell --scale 0.001                       a surface in millimetres\n\n"
       "A tree is always built anew here, never taken from the cache, since its cost is part of the answer.\n"
@@ -151,6 +180,7 @@ bool draws(const TreeOptions& o) { return !o.picture.empty() || !o.picture_dark.
 
 TreeTask task_of(const TreeOptions& options) {
   if (options.report) return TreeTask::Inspect;
+  if (!options.meshes.empty() && lower_case_ending(options.meshes.front()) == ".urdf") return TreeTask::Robot;
   return options.meshes.empty() ? TreeTask::Convert : TreeTask::Measure;
 }
 
@@ -158,6 +188,8 @@ Status check_tree_options(const TreeOptions& o) {
   Status sound = check_output(o);
   if (!sound) return sound;
   if (task_of(o) == TreeTask::Inspect) return check_report(o);
+  if (task_of(o) == TreeTask::Robot) return check_robot(o);
+  if (!o.packages.empty()) return bad_input("--package has no meaning but with a robot (.urdf)");
   if (task_of(o) == TreeTask::Convert) return check_convert(o);
   if (o.meshes.size() > 1)
     return bad_input(fmt::format("{} meshes are named; only --inspect takes more than one", o.meshes.size()));

@@ -18,12 +18,14 @@ namespace poise::app {
 enum class TreeTask {
   Measure,  ///< a tree that is built, or read, is measured against a mesh, and perhaps compared with another
   Convert,  ///< a tree from a file is written in another format, without a mesh
+  Robot,    ///< trees of all links of a URDF robot
   Inspect,  ///< meshes are assessed, and no tree is built
 };
 
 /// The command line of `poise tree`, as it was given.
 struct TreeOptions {
   std::vector<std::string> meshes;
+  std::vector<std::string> packages;  ///< of a robot: NAME=FOLDER
   std::string tree, compare, output, json, picture, picture_dark;
   std::optional<std::string> preset, up, front;
   std::optional<std::uint64_t> depth, threads, seed, samples, level;

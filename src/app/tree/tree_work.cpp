@@ -37,15 +37,10 @@ TreeBuildOptions build_options(const TreeOptions& options, Solidity solidity) {
   return build;
 }
 
-Result<TreeWork> begin_work(const TreeOptions& options) {
-  TreeWork work;
+/// What is known of a mesh before it has a tree.
+Status describe(TriangleMesh mesh, const TreeOptions& options, TreeWork& work) {
   io::TreeDocument& d = work.document;
-  d.mesh = options.meshes.front();
-  MeshReadOptions reading;
-  reading.scale = options.scale.value_or(1.0);
-  Result<TriangleMesh> mesh = read_mesh(d.mesh, reading, &d.repair);
-  if (!mesh) return mesh.error();
-  work.mesh = std::move(mesh).value();
+  work.mesh = std::move(mesh);
   d.vertices = work.mesh.vertices_m.size();
   d.triangles = work.mesh.triangles.size();
   d.diagonal_m = work.mesh.diagonal_m();
@@ -61,6 +56,18 @@ Result<TreeWork> begin_work(const TreeOptions& options) {
   d.volume_m3 = report.value().volume_m3;
   // What encloses nothing is a shell, asked for or not.
   d.solidity = options.shell ? Solidity::Shell : report.value().solidity;
+  return Done{};
+}
+
+Result<TreeWork> begin_work(const TreeOptions& options) {
+  TreeWork work;
+  work.document.mesh = options.meshes.front();
+  MeshReadOptions reading;
+  reading.scale = options.scale.value_or(1.0);
+  Result<TriangleMesh> mesh = read_mesh(work.document.mesh, reading, &work.document.repair);
+  if (!mesh) return mesh.error();
+  const Status described = describe(std::move(mesh).value(), options, work);
+  if (!described) return described.error();
   return work;
 }
 
@@ -100,7 +107,36 @@ Status add_file(const std::string& file, std::optional<std::uint64_t> level, con
   return add_tree(std::move(tree).value(), std::move(measured), stop, work);
 }
 
+/// Builds the tree of the mesh and measures it; `said` is what the progress says.
+Status add_built(const TreeOptions& options, const std::string& said, Progress& progress,
+                 const parallel::Interrupt& interrupt, TreeWork& work) {
+  progress.say(said);
+  TreeBuildOptions build = build_options(options, work.document.solidity);
+  build.stop = interrupt.token();
+  build.progress = [&](double share) { progress.share(said, share); };
+  io::MeasuredTree measured;
+  measured.depth = build.depth;
+  measured.preset = build.preset;
+  measured.cost.emplace();
+  Result<SphereTree> tree = build_measured(work.mesh, build, *measured.cost);
+  if (interrupt.asked()) return stopped_error();
+  if (!tree) return in_file(work.document.mesh, tree.error());
+  progress.say("measuring the tree");
+  return add_tree(std::move(tree).value(), std::move(measured), interrupt.token(), work);
+}
+
 }  // namespace
+
+Result<TreeWork> do_mesh_work(TriangleMesh mesh, const std::string& name, const TreeOptions& options,
+                              Progress& progress, const parallel::Interrupt& interrupt) {
+  TreeWork work;
+  work.document.mesh = name;
+  Status done = describe(std::move(mesh), options, work);
+  if (done) done = add_built(options, fmt::format("building the tree of {}", name), progress, interrupt, work);
+  if (!done) return done.error();
+  if (interrupt.asked()) return stopped_error();
+  return work;
+}
 
 Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptions& options, io::TreeBuildCost& cost) {
   forget_peak_memory();
@@ -125,19 +161,7 @@ Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, co
   if (!begun) return begun;
   TreeWork& work = begun.value();
   if (options.tree.empty()) {
-    progress.say("building the tree");
-    TreeBuildOptions build = build_options(options, work.document.solidity);
-    build.stop = interrupt.token();
-    build.progress = [&progress](double share) { progress.share("building the tree", share); };
-    io::MeasuredTree measured;
-    measured.depth = build.depth;
-    measured.preset = build.preset;
-    measured.cost.emplace();
-    Result<SphereTree> tree = build_measured(work.mesh, build, *measured.cost);
-    if (interrupt.asked()) return stopped_error();
-    if (!tree) return in_file(work.document.mesh, tree.error());
-    progress.say("measuring the tree");
-    const Status added = add_tree(std::move(tree).value(), std::move(measured), interrupt.token(), work);
+    const Status added = add_built(options, "building the tree", progress, interrupt, work);
     if (!added) return added.error();
   }
   // The level is that of what is written, which is the first tree.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/progress.h"
@@ -25,6 +26,10 @@ struct TreeWork {
 
 /// Reads the mesh, builds or reads the trees and measures them. A refusal names the file; Cancelled after Ctrl-C.
 Result<TreeWork> do_tree_work(const TreeOptions& options, Progress& progress, const parallel::Interrupt& interrupt);
+
+/// Builds and measures the tree of a mesh that has no file of its own; messages call it `name`. Refused as above.
+Result<TreeWork> do_mesh_work(TriangleMesh mesh, const std::string& name, const TreeOptions& options,
+                              Progress& progress, const parallel::Interrupt& interrupt);
 
 /// Builds a tree and measures what that takes. A refusal comes back as the builder says it.
 Result<SphereTree> build_measured(const TriangleMesh& mesh, const TreeBuildOptions& options, io::TreeBuildCost& cost);
