@@ -11,6 +11,7 @@
 #include "app/check/check_command.h"
 #include "app/compare/compare_command.h"
 #include "app/exit_codes.h"
+#include "app/import_command.h"
 #include "app/live/live_command.h"
 #include "app/replay/replay_command.h"
 #include "app/report/view_command.h"
@@ -44,6 +45,7 @@ int run(int argc, char** argv) {
   poise::app::add_view_command(app, exit_code);
   poise::app::add_tree_command(app, exit_code);
   poise::app::add_shape_command(app, exit_code);
+  poise::app::add_import_command(app, exit_code);
   poise::app::add_study_command(app);
   poise::app::add_sweep_command(app, exit_code);
   poise::app::add_tune_command(app);

@@ -3,20 +3,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/live/live_message.h"
 #include "assets/cache/tree_cache_entry.h"
+#include "assets/mesh/gltf_nodes.h"
 #include "assets/mesh/mesh_files.h"
 #include "assets/tree/tree_files.h"
+#include "assets/tree/urdf_robot.h"
 #include "fuzz/checks.h"
 #include "fuzz/containers.h"
 #include "poise/assets/sph_file.h"
 #include "poise/scene/scene.h"
 #include "record/record_bytes.h"
 #include "record/record_file.h"
+#include "scene/import/mjcf_import.h"
+#include "scene/import/scene_draft.h"
 #include "scene/policy_file.h"
 #include "scene/run/time_priors.h"
 
@@ -37,7 +43,16 @@ bool read_obj(std::string_view bytes) { return checked_mesh(geometry::parse_obj(
 bool read_off(std::string_view bytes) { return checked_mesh(geometry::parse_off(bytes)); }
 bool read_stl(std::string_view bytes) { return checked_mesh(geometry::parse_stl(bytes)); }
 bool read_ply(std::string_view bytes) { return checked_mesh(geometry::parse_ply(bytes)); }
-bool read_gltf(std::string_view bytes) { return checked_mesh(geometry::parse_gltf(bytes, "/nowhere")); }
+bool read_gltf(std::string_view bytes) {
+  const Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes, "/nowhere");
+  checked(nodes);
+  if (nodes) {
+    for (const TriangleMesh& mesh : nodes.value().meshes) checked_mesh(mesh);
+    for (const geometry::GltfNode& node : nodes.value().nodes)
+      require(node.mesh < nodes.value().meshes.size() && !node.name.empty(), "a node has a name and a mesh");
+  }
+  return checked_mesh(geometry::parse_gltf(bytes, "/nowhere"));
+}
 
 bool read_sph_file(std::string_view bytes) {
   const MemoryFile file(bytes, "sph");
@@ -54,6 +69,48 @@ bool checked_spheres(const Result<std::vector<Sphere>>& spheres) {
 bool read_urdf(std::string_view bytes) { return checked_spheres(geometry::urdf_spheres(std::string(bytes), {})); }
 bool read_yaml(std::string_view bytes) { return checked_spheres(geometry::curobo_spheres(std::string(bytes), {})); }
 bool read_foam(std::string_view bytes) { return checked_spheres(geometry::foam_spheres(std::string(bytes), {})); }
+
+/// The links of a robot, and the robot with a sphere for each, which must be read as that.
+bool read_robot(std::string_view bytes) {
+  const std::string text(bytes);
+  const Result<std::vector<geometry::UrdfLink>> links = geometry::urdf_links(text);
+  if (!links) return checked(links.error());
+  std::vector<std::optional<std::vector<Sphere>>> spheres;
+  for (const geometry::UrdfLink& link : links.value()) {
+    spheres.emplace_back();
+    if (!link.parts.empty()) spheres.back().emplace({Sphere{Vec3::Zero(), 1}});
+    for (const geometry::UrdfPart& part : link.parts)
+      require(part.rotation.allFinite() && part.position_m.allFinite() && part.scale.allFinite(), "a pose is finite");
+  }
+  const Result<std::string> written = geometry::with_collision_spheres(text, spheres);
+  if (!written) return checked(written.error());
+  const Result<std::vector<geometry::UrdfLink>> again = geometry::urdf_links(written.value());
+  require(again.ok() && again.value().size() == spheres.size(), "a robot with spheres is a robot");
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    require(!spheres[i] || (again.value()[i].only_spheres() && again.value()[i].parts.size() == 1),
+            "a link has the spheres that it was given");
+  return true;
+}
+
+/// A model of MuJoCo, with what is not modelled left out.
+bool read_mjcf(std::string_view bytes) {
+  const std::string text(bytes);
+  checked(io::import_mjcf(text, "model", "/nowhere", false));
+  const Result<io::SceneDraft> draft = io::import_mjcf(text, "model", "/nowhere", true);
+  if (!draft) return checked(draft.error());
+  for (const io::DraftBody& body : draft.value().bodies) {
+    require(body.position_m.allFinite() && std::abs(body.orientation.norm() - 1) < 1e-9, "a pose is finite");
+    require(std::isfinite(body.mass_kg) && body.mass_kg >= 0, "a mass is finite");
+    for (const io::DraftSolid& solid : body.solids) {
+      require(solid.position_m.allFinite() && solid.half_m.allFinite(), "a solid is finite");
+      require(solid.kind != io::SolidKind::Mesh || solid.mesh < draft.value().meshes.size(), "a mesh exists");
+    }
+  }
+  for (const io::DraftMesh& mesh : draft.value().meshes)
+    if (mesh.mesh != nullptr) checked_mesh(*mesh.mesh);
+  for (const std::string& warning : draft.value().warnings) checked(bad_input(warning));
+  return true;
+}
 
 /// A whole record with its checksums put right, or one part of it: the first byte says which.
 bool read_record(std::string_view bytes) {
@@ -104,6 +161,7 @@ constexpr std::array kReaders{
     Reader{"foam", read_foam},         Reader{"record", read_record},
     Reader{"cache", read_cache_entry}, Reader{"priors", read_time_priors},
     Reader{"policy", read_policy},     Reader{"live", read_live_message},
+    Reader{"robot", read_robot},       Reader{"mjcf", read_mjcf},
 #ifdef POISE_FUZZ_CAPTURE
     Reader{"capture", read_capture},
 #endif

@@ -8,8 +8,6 @@
 namespace poise::geometry {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Closed and outward, and its box and volume are those of the solid: `share` of the volume may be missing.
 void expect_solid(const TriangleMesh& mesh, const Vec3& half_m, double volume_m3, double share) {
   TriangleMesh again = mesh;
@@ -27,9 +25,9 @@ void expect_solid(const TriangleMesh& mesh, const Vec3& half_m, double volume_m3
 
 TEST(Solids, HaveTheSizesAndVolumesOfTheirNames) {
   expect_solid(box_solid({1, 2, 3}), {1, 2, 3}, 48, 1e-12);
-  expect_solid(ellipsoid_solid({1, 2, 3}), {1, 2, 3}, 8 * kPi, 0.025);
-  expect_solid(cylinder_solid(2, 5), {2, 2, 5}, 40 * kPi, 0.0065);
-  expect_solid(capsule_solid(2, 5), {2, 2, 7}, 40 * kPi + 32 * kPi / 3, 0.012);
+  expect_solid(ellipsoid_solid({1, 2, 3}), {1, 2, 3}, 8 * std::numbers::pi, 0.025);
+  expect_solid(cylinder_solid(2, 5), {2, 2, 5}, 40 * std::numbers::pi, 0.0065);
+  expect_solid(capsule_solid(2, 5), {2, 2, 7}, 40 * std::numbers::pi + 32 * std::numbers::pi / 3, 0.012);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "assets/tree/tree_files.h"
 #include "geometry/mesh/solids.h"
 #include "poise/assets/mesh_file.h"
 
@@ -54,7 +55,7 @@ Result<TriangleMesh> mesh_of_part(const geometry::UrdfPart& part, const RobotFol
       break;
   }
   const Result<fs::path> file = robot_file(part.file, folders);
-  if (!file) return bad_input(fmt::format("'{}': {}", part.file, file.error().message));
+  if (!file) return bad_input(fmt::format("'{}': {}", geometry::shown_text(part.file, 200), file.error().message));
   Result<TriangleMesh> mesh = read_mesh(file.value(), {});
   if (!mesh) return mesh;
   for (Vec3& v : mesh.value().vertices_m) v = v.cwiseProduct(part.scale);
@@ -78,7 +79,8 @@ Result<TriangleMesh> mesh_of_link(const geometry::UrdfLink& link, const RobotFol
   TriangleMesh all;
   for (const geometry::UrdfPart& part : link.parts) {
     const Result<TriangleMesh> mesh = mesh_of_part(part, folders);
-    if (!mesh) return bad_input(fmt::format("line {}: link '{}': {}", part.line, link.name, mesh.error().message));
+    if (!mesh) return bad_input(fmt::format("line {}: link '{}': {}", part.line, geometry::shown_text(link.name, 80),
+                                   mesh.error().message));
     const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
     for (const Vec3& v : mesh.value().vertices_m) all.vertices_m.push_back(part.rotation * v + part.position_m);
     for (const auto& t : mesh.value().triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});

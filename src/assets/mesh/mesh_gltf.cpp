@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "assets/mesh/gltf_document.h"
+#include "assets/mesh/gltf_nodes.h"
 #include "assets/mesh/mesh_files.h"
 
 namespace poise::geometry {
@@ -62,6 +64,22 @@ class SceneReader {
   explicit SceneReader(GltfDocument& document) : document_(document) {}
 
   Result<TriangleMesh> read(const JsonValue& scene) {
+    const Status walked = walk(scene);
+    if (!walked) return walked.error();
+    return std::move(mesh_);
+  }
+
+  /// The same, but each mesh is read once and stays in its own frame.
+  Result<GltfNodes> read_nodes(const JsonValue& scene) {
+    apart_ = true;
+    const Status walked = walk(scene);
+    if (!walked) return walked.error();
+    std::erase_if(nodes_.nodes, [&](const GltfNode& node) { return nodes_.meshes[node.mesh].triangles.empty(); });
+    return std::move(nodes_);
+  }
+
+ private:
+  Status walk(const JsonValue& scene) {
     reached_.assign(document_.entries(GltfList::Nodes).size(), false);
     Status read = Done{};
     if (const JsonValue* nodes = scene.find("nodes")) read = enter(*nodes, "scene.nodes", Transform::Identity());
@@ -75,11 +93,9 @@ class SceneReader {
         read = read_node(list.nodes->items()[i], parent);
       }
     }
-    if (!read) return read.error();
-    return std::move(mesh_);
+    return read;
   }
 
- private:
   /// A list of nodes that is being read, with the transform of their parent.
   struct NodeList {
     const JsonValue* nodes;
@@ -107,6 +123,8 @@ class SceneReader {
     const Result<Transform> own = transform_of(node, place);
     if (!own) return own.error();
     const Transform transform = parent * own.value();
+    const JsonValue* called = node.find("name");
+    name_ = called != nullptr ? called->text() : std::string_view{};
     Status read = Done{};
     if (const JsonValue* mesh = node.find("mesh")) read = read_mesh(*mesh, place, transform);
     // Version 1 has several meshes in a node.
@@ -123,9 +141,30 @@ class SceneReader {
     const auto entry = document_.find(GltfList::Meshes, name);
     if (!entry) return bad_input(fmt::format("{}.mesh = {}, must exist", node_place, io::shown(name)));
     const JsonValue& mesh = document_.entries(GltfList::Meshes)[*entry];
+    if (apart_) return add_node(*entry, mesh, node_place, transform);
+    return read_primitives(*entry, mesh, transform);
+  }
+
+  /// Notes where a mesh is, and reads it where it is met first.
+  Status add_node(std::size_t entry, const JsonValue& mesh, const std::string& node_place,
+                  const Transform& transform) {
+    const auto [found, added] = read_already_.try_emplace(entry, nodes_.meshes.size());
+    if (added) {
+      const Status read = read_primitives(entry, mesh, Transform::Identity());
+      if (!read) return read;
+      nodes_.meshes.push_back(std::exchange(mesh_, {}));
+    }
+    std::string_view called = name_;
+    if (const JsonValue* own = mesh.find("name"); called.empty() && own != nullptr) called = own->text();
+    if (const Status charged = document_.charge(called.size() + 20); !charged) return charged;
+    nodes_.nodes.push_back({called.empty() ? node_place : std::string(called), found->second, transform});
+    return Done{};
+  }
+
+  Status read_primitives(std::size_t entry, const JsonValue& mesh, const Transform& transform) {
     if (const Status charged = document_.charge(mesh); !charged) return charged;
     const JsonValue* primitives = mesh.find("primitives");
-    const std::string place = document_.place(GltfList::Meshes, *entry) + ".primitives";
+    const std::string place = document_.place(GltfList::Meshes, entry) + ".primitives";
     if (primitives == nullptr || !primitives->is_array()) return bad_input(place + " must be a list");
     for (std::size_t i = 0; i < primitives->items().size(); ++i) {
       const Status read = read_primitive(primitives->items()[i], transform);
@@ -200,6 +239,10 @@ class SceneReader {
   std::vector<bool> reached_;
   std::vector<NodeList> open_;          ///< the innermost last
   std::vector<std::uint32_t> corners_;  ///< of the primitive that is read
+  std::string_view name_;               ///< of the node that is read
+  bool apart_ = false;                  ///< nodes_ is filled instead of mesh_
+  GltfNodes nodes_;
+  std::map<std::size_t, std::size_t> read_already_;  ///< by mesh of the file: that of nodes_
 };
 
 /// The scene that is to be shown; a single one is shown whatever the file says.
@@ -221,6 +264,14 @@ Result<TriangleMesh> parse_gltf(std::string_view bytes, const std::filesystem::p
   const Result<std::size_t> scene = chosen_scene(document.value());
   if (!scene) return scene.error();
   return SceneReader(document.value()).read(document.value().entries(GltfList::Scenes)[scene.value()]);
+}
+
+Result<GltfNodes> parse_gltf_nodes(std::string_view bytes, const std::filesystem::path& folder) {
+  Result<GltfDocument> document = GltfDocument::open(bytes, folder);
+  if (!document) return document.error();
+  const Result<std::size_t> scene = chosen_scene(document.value());
+  if (!scene) return scene.error();
+  return SceneReader(document.value()).read_nodes(document.value().entries(GltfList::Scenes)[scene.value()]);
 }
 
 }  // namespace poise::geometry

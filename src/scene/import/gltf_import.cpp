@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "scene/import/gltf_import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "assets/files/text_file.h"
+#include "assets/mesh/gltf_nodes.h"
+
+namespace poise::io {
+namespace {
+
+constexpr std::uint64_t kMostGltfBytes = 1ULL << 30U;
+/// Vertices that are placed to find the lowest one.
+constexpr double kMostPlacedVertices = 2e8;
+constexpr double kMostGltfNumber = 1e9;
+
+/// z upward instead of y.
+Vec3 upright(const Vec3& v) { return {v.x(), -v.z(), v.y()}; }
+Quat upright_turn() { return {std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0, 0}; }
+
+/// A rotation, and what is done to the mesh before it.
+struct SplitTransform {
+  Quat rotation = Quat::Identity();
+  Mat3 linear = Mat3::Identity();
+};
+
+/// Scales along the mesh's axes are split off, a mirror as one of them; a sheared transform goes into the mesh as it is.
+SplitTransform split(const Mat3& whole) {
+  const Vec3 lengths = whole.colwise().norm();
+  Mat3 axes = whole;
+  for (int i = 0; i < 3; ++i) axes.col(i) /= lengths[i];
+  const bool sheared = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() > 1e-6;
+  if (sheared) return {Quat::Identity(), whole};
+  Vec3 scale = lengths;
+  // Of 0.30000000000000004 three times, so that equal scales make one mesh.
+  if ((scale.array() - scale.mean()).abs().maxCoeff() <= 1e-9 * scale.mean()) scale.setConstant(scale.mean());
+  if (std::abs(scale.x() - 1) <= 1e-12 && std::abs(scale.y() - 1) <= 1e-12 && std::abs(scale.z() - 1) <= 1e-12)
+    scale.setOnes();
+  if (axes.determinant() < 0) {
+    axes.col(0) = -axes.col(0);
+    scale.x() = -scale.x();
+  }
+  return {Quat(axes).normalized(), scale.asDiagonal()};
+}
+
+Result<double> lowest_point(const geometry::GltfNodes& nodes) {
+  double placed = 0;
+  for (const geometry::GltfNode& node : nodes.nodes)
+    placed += static_cast<double>(nodes.meshes[node.mesh].vertices_m.size());
+  if (placed > kMostPlacedVertices)
+    return bad_input(fmt::format("--floor: {:.0f} vertices are placed, at most {:.0f}", placed, kMostPlacedVertices));
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const geometry::GltfNode& node : nodes.nodes)
+    for (const Vec3& v : nodes.meshes[node.mesh].vertices_m)
+      lowest = std::min(lowest, (node.transform * v.homogeneous()).y());
+  return lowest;
+}
+
+/// Adds the bodies. Each mesh with each linear part is a mesh of the draft.
+Status add_gltf_bodies(const geometry::GltfNodes& nodes, const GltfImportSettings& settings, SceneDraft& draft) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TriangleMesh& mesh : nodes.meshes) meshes.push_back(std::make_shared<const TriangleMesh>(mesh));
+  std::map<std::pair<std::size_t, std::array<double, 9>>, std::size_t> sized;
+  for (const geometry::GltfNode& node : nodes.nodes) {
+    const Mat3 whole = node.transform.topLeftCorner<3, 3>();
+    const Vec3 moved = node.transform.topRightCorner<3, 1>();
+    const bool sound = whole.allFinite() && moved.allFinite() && moved.cwiseAbs().maxCoeff() <= kMostGltfNumber &&
+                       whole.cwiseAbs().maxCoeff() <= kMostGltfNumber && whole.colwise().norm().minCoeff() >= 1e-9;
+    if (!sound)
+      return bad_input(fmt::format("node '{}': its transform must be finite, within {} and without a scale of 0",
+                                   node.name, kMostGltfNumber));
+    const SplitTransform parts = split(whole);
+    std::array<double, 9> key{};
+    std::copy_n(parts.linear.data(), 9, key.begin());
+    const auto [found, added] = sized.try_emplace({node.mesh, key}, draft.meshes.size());
+    if (added) draft.meshes.push_back({node.name, {}, meshes[node.mesh], parts.linear});
+    DraftBody body;
+    body.name = node.name;
+    body.dynamic = !settings.all_fixed && std::ranges::find(settings.fixed, node.name) == settings.fixed.end();
+    body.friction = settings.friction;
+    body.position_m = upright(moved);
+    body.orientation = (upright_turn() * parts.rotation).normalized();
+    DraftSolid solid;
+    solid.kind = SolidKind::Mesh;
+    solid.mesh = found->second;
+    body.solids.push_back(solid);
+    draft.bodies.push_back(std::move(body));
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<SceneDraft> import_gltf(const std::filesystem::path& file, const GltfImportSettings& settings) {
+  const auto refused = [&](const Error& error) { return bad_input(file.string() + ": " + error.message); };
+  const Result<std::string> bytes = geometry::read_text_file(file, kMostGltfBytes);
+  if (!bytes) return bytes.error();
+  const Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes.value(), file.parent_path());
+  if (!nodes) return refused(nodes.error());
+  for (const std::string& name : settings.fixed) {
+    if (std::ranges::find(nodes.value().nodes, name, &geometry::GltfNode::name) == nodes.value().nodes.end())
+      return refused(bad_input(fmt::format("--static = '{}', must be the name of a node with a mesh", name)));
+  }
+  SceneDraft draft;
+  draft.name = file.stem().string();
+  const Status added = add_gltf_bodies(nodes.value(), settings, draft);
+  if (!added) return refused(added.error());
+  if (settings.floor && !draft.bodies.empty()) {
+    const Result<double> lowest = lowest_point(nodes.value());
+    if (!lowest) return refused(lowest.error());
+    DraftBody floor;
+    floor.name = "floor";
+    floor.position_m = {0, 0, lowest.value()};
+    floor.friction = settings.friction;
+    draft.bodies.push_back(std::move(floor));
+  }
+  return draft;
+}
+
+}  // namespace poise::io

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: MIT
+#include "scene/import/scene_draft.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <system_error>
+#include <utility>
+
+#include "assets/files/atomic_file.h"
+#include "geometry/mesh/solids.h"
+#include "poise/assets/mesh_file.h"
+
+namespace poise::io {
+namespace {
+
+namespace fs = std::filesystem;
+using DraftJson = nlohmann::ordered_json;
+
+constexpr std::size_t kMostWrittenTriangles = 20'000'000;
+constexpr double kMostCoordinate_m = 1e9;
+constexpr double kLeastDiagonal_m = 1e-9;
+
+DraftJson vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Every digit that the doubles have, so that what is read back is what was made.
+std::string exact_obj_text(const TriangleMesh& mesh) {
+  std::string text;
+  for (const Vec3& v : mesh.vertices_m) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  for (const auto& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return text;
+}
+
+/// A shape that a body uses, and where the body's frame is in the shape's.
+struct UsedShape {
+  std::string name;
+  Vec3 position_m = Vec3::Zero();  ///< of the shape in the frame of the body
+  Quat orientation = Quat::Identity();
+};
+
+/// Makes the scene file's members one body after the other. Invariant: `shapes_` has each shape once.
+class DraftWriter {
+ public:
+  DraftWriter(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file)
+      : draft_(draft),
+        settings_(settings),
+        folder_(file.parent_path()),
+        mesh_folder_(file.stem().string() + "-meshes"),
+        told_(draft.meshes.size(), false) {}
+
+  Status add(const DraftBody& body) {
+    const Result<UsedShape> shape = shape_of(body);
+    if (!shape) return shape.error();
+    DraftJson json;
+    if (!body.name.empty()) json["name"] = body.name;
+    json["shape"] = shape.value().name;
+    json["material"] = material_of(body);
+    if (!body.dynamic) json["static"] = true;
+    json["position_m"] = vector_json(body.position_m + body.orientation * shape.value().position_m);
+    const Quat turn = (body.orientation * shape.value().orientation).normalized();
+    if (turn.vec().norm() > 0) json["orientation_wxyz"] = {turn.w(), turn.x(), turn.y(), turn.z()};
+    if (body.dynamic && body.mass_kg > 0) json["mass_kg"] = body.mass_kg;
+    if (body.group != 1) json["group"] = body.group;
+    if (body.collides_with != 0xffffffffU) json["collides_with"] = body.collides_with;
+    bodies_.push_back(std::move(json));
+    return Done{};
+  }
+
+  [[nodiscard]] std::string text() const {
+    DraftJson json;
+    json["name"] = draft_.name;
+    json["dt_s"] = draft_.dt_s;
+    json["gravity_mps2"] = vector_json(draft_.gravity_mps2);
+    // Five seconds.
+    json["frames"] = static_cast<std::uint64_t>(std::clamp(std::ceil(5 / draft_.dt_s), 1.0, 1e6));
+    json["materials"] = materials_;
+    json["shapes"] = shapes_;
+    json["bodies"] = bodies_;
+    return json.dump(1, ' ', false, DraftJson::error_handler_t::replace) + "\n";
+  }
+  WrittenDraft written;
+
+ private:
+  std::string material_of(const DraftBody& body) {
+    const auto [found, added] = material_names_.try_emplace({body.friction, body.density_kgpm3},
+                                                            fmt::format("material-{}", material_names_.size() + 1));
+    if (added)
+      materials_[found->second] = {{"friction", body.friction}, {"density_kgpm3", body.density_kgpm3}};
+    return found->second;
+  }
+
+  /// The name of the shape that `key` stands for; `make` makes it, and is called once for each key.
+  template <class Make>
+  Result<std::string> shared(const std::string& key, std::string_view kind, Make&& make) {
+    const auto found = shape_names_.find(key);
+    if (found != shape_names_.end()) return found->second;
+    const std::string name = fmt::format("{}-{}", kind, ++counts_[std::string(kind)]);
+    Result<DraftJson> made = make(name);
+    if (!made) return made.error();
+    shapes_[name] = std::move(made).value();
+    ++written.shapes;
+    shape_names_[key] = name;
+    return name;
+  }
+
+  Result<UsedShape> shape_of(const DraftBody& body) {
+    if (body.solids.empty()) {
+      const Result<std::string> plane = shared("plane", "plane", [](const std::string&) {
+        return Result<DraftJson>(DraftJson{{"plane", {{"normal", {0, 0, 1}}}}});
+      });
+      return named(plane, {});
+    }
+    if (body.solids.size() == 1) return single(body.solids.front());
+    const bool balls = std::ranges::all_of(body.solids, [](const DraftSolid& s) { return s.kind == SolidKind::Sphere; });
+    // Bodies that are alike share their shape.
+    std::string key = "union";
+    for (const DraftSolid& s : body.solids) key += key_of(s);
+    return named(balls ? shared(key, "spheres", [&](const std::string&) { return union_of_balls(body); })
+                       : shared(key, "union", [&](const std::string& name) { return union_mesh(body, name); }),
+                 {});
+  }
+
+  /// Equal for solids that are equal to the bit.
+  static std::string key_of(const DraftSolid& s) {
+    const Quat& q = s.orientation;
+    return fmt::format(" {} {} {} {} {} at {} {} {} {} {} {} {}", static_cast<int>(s.kind), s.mesh, s.half_m.x(),
+                       s.half_m.y(), s.half_m.z(), s.position_m.x(), s.position_m.y(), s.position_m.z(), q.w(), q.x(),
+                       q.y(), q.z());
+  }
+
+  static Result<UsedShape> named(const Result<std::string>& name, const DraftSolid& at) {
+    if (!name) return name.error();
+    return UsedShape{name.value(), at.position_m, at.orientation};
+  }
+
+  /// A solid alone has a shape in its own frame, which others of the same size share.
+  Result<UsedShape> single(const DraftSolid& solid) {
+    constexpr const char* kNames[] = {"sphere", "capsule", "cylinder", "ellipsoid", "box", "mesh"};
+    const char* kind = kNames[static_cast<std::size_t>(solid.kind)];
+    DraftSolid centered = solid;
+    centered.position_m.setZero();
+    centered.orientation.setIdentity();
+    return named(shared(key_of(centered), kind,
+                        [&](const std::string& name) -> Result<DraftJson> {
+                          if (solid.kind == SolidKind::Sphere)
+                            return DraftJson{{"sphere", {{"radius_m", solid.half_m.x()}}}};
+                          return solid.kind == SolidKind::Mesh ? own_mesh(solid.mesh, name)
+                                                               : saved_mesh(solid_mesh(solid), name, false);
+                        }),
+                 solid);
+  }
+
+  static Result<DraftJson> union_of_balls(const DraftBody& body) {
+    DraftJson centers = DraftJson::array();
+    DraftJson radii = DraftJson::array();
+    for (const DraftSolid& solid : body.solids) {
+      centers.push_back(vector_json(solid.position_m));
+      radii.push_back(solid.half_m.x());
+    }
+    return DraftJson{{"spheres", {{"centers_m", std::move(centers)}, {"radii_m", std::move(radii)}}}};
+  }
+
+  Result<DraftJson> union_mesh(const DraftBody& body, const std::string& name) {
+    TriangleMesh all;
+    bool shell = false;
+    for (const DraftSolid& solid : body.solids) {
+      TriangleMesh part;
+      if (solid.kind == SolidKind::Mesh) {
+        Result<ReadMesh> read = read_draft_mesh(solid.mesh);
+        if (!read) return read.error();
+        shell = shell || read.value().shell;
+        part = std::move(read.value().mesh);
+      } else {
+        part = solid_mesh(solid);
+      }
+      const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
+      for (const Vec3& v : part.vertices_m) all.vertices_m.push_back(solid.orientation * v + solid.position_m);
+      for (const auto& t : part.triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+    }
+    return saved_mesh(all, name, shell);
+  }
+
+  /// A mesh of the draft: its own file where that has its size, else a new one.
+  Result<DraftJson> own_mesh(std::size_t index, const std::string& name) {
+    const Result<ReadMesh> read = read_draft_mesh(index);
+    if (!read) return read.error();
+    const DraftMesh& mesh = draft_.meshes[index];
+    const double scale = mesh.linear(0, 0);
+    if (mesh.file.empty() || !(scale > 0) || mesh.linear != Mat3(scale * Mat3::Identity()))
+      return saved_mesh(read.value().mesh, name, read.value().shell);
+    std::error_code failure;
+    const fs::path relative =
+        fs::proximate(fs::absolute(mesh.file, failure), fs::absolute(folder_.empty() ? "." : folder_, failure), failure);
+    DraftJson json = {{"file", (failure ? mesh.file : relative).string()}, {"scale", scale}};
+    return mesh_json(std::move(json), read.value().shell);
+  }
+
+  Result<DraftJson> saved_mesh(const TriangleMesh& mesh, const std::string& name, bool shell) {
+    triangles_ += mesh.triangles.size();
+    if (triangles_ > kMostWrittenTriangles)
+      return bad_input(fmt::format("needs meshes of more than {} triangles", kMostWrittenTriangles));
+    std::error_code failure;
+    fs::create_directories(folder_ / mesh_folder_, failure);
+    const fs::path file = fs::path(mesh_folder_) / (name + ".obj");
+    const Status saved = geometry::write_file(folder_ / file, exact_obj_text(mesh));
+    if (!saved) return saved.error();
+    ++written.mesh_files;
+    return mesh_json({{"file", file.string()}}, shell);
+  }
+
+  Result<DraftJson> mesh_json(DraftJson json, bool shell) const {
+    json["depth"] = settings_.depth;
+    if (shell) json["shell_thickness_m"] = settings_.shell_thickness_m;
+    return DraftJson{{"mesh", std::move(json)}};
+  }
+
+  struct ReadMesh {
+    TriangleMesh mesh;  ///< in metres
+    bool shell = false;
+  };
+
+  /// Reads a mesh of the draft and finds whether it encloses anything. It is not held, since many bodies may each have
+  /// one of their own size.
+  Result<ReadMesh> read_draft_mesh(std::size_t index) {
+    const DraftMesh& draft = draft_.meshes[index];
+    const auto refused = [&](const std::string& why) {
+      return bad_input(fmt::format("mesh '{}': {}", draft.name, why));
+    };
+    ReadMesh read;
+    if (draft.mesh != nullptr) {
+      read.mesh = *draft.mesh;
+    } else {
+      Result<TriangleMesh> file = read_mesh(draft.file, {});
+      if (!file) return refused(file.error().message);
+      read.mesh = std::move(file).value();
+    }
+    for (Vec3& v : read.mesh.vertices_m) {
+      v = draft.linear * v;
+      if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMostCoordinate_m)
+        return refused(fmt::format("has a vertex that is not within {} m", kMostCoordinate_m));
+    }
+    if (draft.linear.determinant() < 0)
+      for (auto& t : read.mesh.triangles) std::swap(t[1], t[2]);
+    if (draft.mesh != nullptr) clean_mesh(read.mesh, 1e-6);
+    if (read.mesh.triangles.empty() || !(read.mesh.diagonal_m() >= kLeastDiagonal_m))
+      return refused("has no triangle with three corners apart");
+    const Result<MeshReport> report = assess_mesh(read.mesh);
+    if (!report) return refused(report.error().message);
+    read.shell = report.value().solidity == Solidity::Shell;
+    if (read.shell && !told_[index])
+      written.warnings.push_back(fmt::format("mesh '{}' encloses no volume: it is its surface, {} m thick", draft.name,
+                                             settings_.shell_thickness_m));
+    told_[index] = told_[index] || read.shell;
+    return read;
+  }
+
+  static TriangleMesh solid_mesh(const DraftSolid& solid) {
+    const Vec3& h = solid.half_m;
+    switch (solid.kind) {
+      case SolidKind::Sphere:
+        return geometry::ellipsoid_solid(Vec3::Constant(h.x()));
+      case SolidKind::Capsule:
+        return geometry::capsule_solid(h.x(), h.y());
+      case SolidKind::Cylinder:
+        return geometry::cylinder_solid(h.x(), h.y());
+      case SolidKind::Ellipsoid:
+        return geometry::ellipsoid_solid(h);
+      case SolidKind::Box:
+      case SolidKind::Mesh:
+        break;
+    }
+    return geometry::box_solid(h);
+  }
+
+  const SceneDraft& draft_;
+  const DraftSettings& settings_;
+  fs::path folder_;
+  std::string mesh_folder_;
+  std::vector<bool> told_;  ///< beside draft_.meshes: a warning says that it is a shell
+  std::size_t triangles_ = 0;  ///< that were written
+  std::map<std::pair<double, double>, std::string> material_names_;
+  std::map<std::string, std::string> shape_names_;
+  std::map<std::string, std::size_t> counts_;
+  DraftJson materials_ = DraftJson::object(), shapes_ = DraftJson::object(), bodies_ = DraftJson::array();
+};
+
+}  // namespace
+
+double volume_of(const DraftSolid& solid) {
+  const Vec3& h = solid.half_m;
+  const double ball = 4.0 / 3 * std::numbers::pi;
+  switch (solid.kind) {
+    case SolidKind::Sphere:
+      return ball * h.x() * h.x() * h.x();
+    case SolidKind::Capsule:
+      return ball * h.x() * h.x() * h.x() + 2 * std::numbers::pi * h.x() * h.x() * h.y();
+    case SolidKind::Cylinder:
+      return 2 * std::numbers::pi * h.x() * h.x() * h.y();
+    case SolidKind::Ellipsoid:
+      return ball * h.prod();
+    case SolidKind::Box:
+      return 8 * h.prod();
+    case SolidKind::Mesh:
+      break;
+  }
+  return 0;
+}
+
+Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file) {
+  if (draft.bodies.empty()) return bad_input("has no body with a shape that collides");
+  DraftWriter writer(draft, settings, file);
+  for (const DraftBody& body : draft.bodies) {
+    const Status added = writer.add(body);
+    if (!added) return added.error();
+  }
+  const Status saved = geometry::write_file(file, writer.text());
+  if (!saved) return saved.error();
+  return std::move(writer.written);
+}
+
+}  // namespace poise::io

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "poise/assets/mesh_file.h"
+#include "poise/scene/scene.h"
+#include "scene/import/gltf_import.h"
+#include "scene/import/mjcf_import.h"
+#include "scene/import/scene_draft.h"
+#include "scene/temporary_folder.h"
+
+namespace poise::testing {
+namespace {
+
+const std::string kShelf = POISE_SOURCE_DIR "/scenes/robots/shelf.gltf";
+
+TEST(ImportDraft, BodiesThatAreAlikeShareAShapeAndAFile) {
+  const TemporaryFolder folder;
+  const std::string pair = "<freejoint/><geom size='0.1'/><geom type='box' size='0.1 0.1 0.1' pos='0.2 0 0'/></body>";
+  const auto draft = io::import_mjcf("<mujoco><worldbody><body pos='0 0 1'>" + pair + "<body pos='0 0 2'>" + pair +
+                                         "<geom type='box' size='1 1 1'/><geom type='box' size='1 1 1' pos='3 0 0'/>"
+                                         "</worldbody></mujoco>",
+                                     "m.xml", "", false);
+  ASSERT_TRUE(draft.ok()) << draft.error().message;
+  const auto written = io::write_draft(draft.value(), {}, folder.file("s.json"));
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  EXPECT_EQ(written.value().shapes, 2U);
+  EXPECT_EQ(written.value().mesh_files, 2U);
+  const Result<Scene> scene = read_scene(folder.file("s.json"));
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  EXPECT_EQ(scene.value().bodies.size(), 4U);
+  const auto mesh = read_mesh(folder.file("s-meshes/box-1.obj"), {});
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 8, 1e-12);
+}
+
+TEST(ImportDraft, TwoBoxesFaceToFaceAreASolid) {
+  const TemporaryFolder folder;
+  const auto draft = io::import_mjcf(
+      "<mujoco><worldbody><body><freejoint/><geom type='box' size='0.1 0.1 0.1'/><geom type='box' size='0.1 0.1 0.1' "
+      "pos='0 0 0.2'/></body></worldbody></mujoco>",
+      "m.xml", "", false);
+  ASSERT_TRUE(io::write_draft(draft.value(), {}, folder.file("s.json")).ok());
+  const auto mesh = read_mesh(folder.file("s-meshes/union-1.obj"), {});
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_TRUE(check_closed(mesh.value()).closed());
+  EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 0.016, 1e-12);
+}
+
+TEST(ImportGltf, MakesABodyOfEachNodeWithAMesh) {
+  io::GltfImportSettings settings;
+  settings.fixed = {"plank"};
+  settings.floor = true;
+  const auto draft = io::import_gltf(kShelf, settings);
+  ASSERT_TRUE(draft.ok()) << draft.error().message;
+  ASSERT_EQ(draft.value().bodies.size(), 3U) << "nodes without a mesh are no bodies";
+  const io::DraftBody& box = draft.value().bodies[0];
+  EXPECT_EQ(box.name, "box");
+  EXPECT_TRUE(box.dynamic);
+  // y of the file is z of the scene; two metres up, turned by 45 degrees about the upward axis.
+  EXPECT_LE((box.position_m - Vec3(0, 0, 2)).norm(), 1e-15);
+  EXPECT_LE((box.orientation * Vec3::UnitY() - Vec3::UnitZ()).norm(), 1e-7);
+  EXPECT_LE((box.orientation * Vec3::UnitX() - Vec3(std::sqrt(0.5), std::sqrt(0.5), 0)).norm(), 1e-7);
+  const io::DraftBody& plank = draft.value().bodies[1];
+  EXPECT_FALSE(plank.dynamic);
+  EXPECT_EQ(plank.position_m, Vec3(0, 0, 1));
+  const io::DraftBody& floor = draft.value().bodies[2];
+  EXPECT_TRUE(floor.solids.empty());
+  EXPECT_NEAR(floor.position_m.z(), 0.95, 1e-7) << "below the plank, which is 0.1 m thick";
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_draft(draft.value(), {}, folder.file("s.json")).ok());
+  const auto mesh = read_mesh(folder.file("s-meshes/mesh-2.obj"), {});
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 0.2, 1e-7);
+}
+
+TEST(ImportGltf, TakesMirrorsAndShearsIntoTheMesh) {
+  const TemporaryFolder folder;
+  std::string text = contents(kShelf);
+  const auto volume = [&](const std::string& matrix) {
+    const std::size_t begin = text.find("\"scale\": [2");
+    std::string changed = text;
+    changed.replace(begin, text.find(']', begin) + 1 - begin, matrix);
+    std::ofstream(folder.file("c.gltf")) << changed;
+    const auto draft = io::import_gltf(folder.file("c.gltf"), {});
+    EXPECT_TRUE(draft.ok()) << draft.error().message;
+    EXPECT_TRUE(io::write_draft(draft.value(), {}, folder.file("s.json")).ok());
+    return mesh_mass_properties(read_mesh(folder.file("s-meshes/mesh-2.obj"), {}).value()).value().volume_m3;
+  };
+  EXPECT_NEAR(volume("\"scale\": [-2, 3, 1]"), 6, 1e-6) << "not inside out";
+  EXPECT_NEAR(volume("\"matrix\": [1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]"), 1, 1e-6);
+}
+
+TEST(ImportGltf, IsRefusedWithTheNode) {
+  io::GltfImportSettings settings;
+  settings.fixed = {"eye"};
+  EXPECT_EQ(io::import_gltf(kShelf, settings).error().message,
+            kShelf + ": --static = 'eye', must be the name of a node with a mesh");
+  const TemporaryFolder folder;
+  std::string text = contents(kShelf);
+  text.replace(text.find("[2, 0.1, 1]"), 11, "[0, 0.1, 1]");
+  std::ofstream(folder.file("flat.gltf")) << text;
+  EXPECT_EQ(io::import_gltf(folder.file("flat.gltf"), {}).error().message,
+            folder.file("flat.gltf") +
+                ": node 'plank': its transform must be finite, within 1000000000 and without a scale of 0");
+}
+
+}  // namespace
+}  // namespace poise::testing
