@@ -63,6 +63,19 @@ TEST_F(TuneWorkers, DoExactlyTheTrialsThatAreAskedForWithTheValuesOfOneProcess) 
   EXPECT_TRUE(three.present().empty()) << "each has left";
 }
 
+TEST_F(TuneWorkers, BeginNoTrialThatIsOneTooMany) {
+  const StudyFolder study;
+  study.hold_up();
+  Program program(study.file(""), study.slow_words({"--trials", "1", "--workers", "3"}));
+  // The command itself is there too.
+  ASSERT_TRUE(wait_for([&] { return study.present().size() == 4; })) << program.error();
+  ASSERT_TRUE(all_work(study, 1)) << program.error();
+  study.go_on();
+  EXPECT_EQ(program.wait(), 0) << program.error();
+  EXPECT_EQ(study.journal().done, 1U);
+  EXPECT_EQ(study.journal().failed, 0U);
+}
+
 TEST_F(TuneWorkers, OneThatIsKilledLosesItsTrialToAnother) {
   const StudyFolder study;
   study.hold_up();
