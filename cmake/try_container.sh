@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Goes through cmake/Containerfile without a container engine: a bare Debian 12 of Debian's own packages (mmdebstrap) in
 # FOLDER, the committed sources copied into it, each RUN by chroot, and then the command with a run and a sweep. Needs root,
-# the network, mmdebstrap and git; half an hour on two cores. FOLDER must not exist, or be a bare Debian that an earlier call
+# the network, mmdebstrap and git; six minutes of processor time. FOLDER must not exist, or be a bare Debian that an earlier call
 # made.
 #
 #   cmake/try_container.sh FOLDER
