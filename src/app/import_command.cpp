@@ -47,9 +47,12 @@ Status check_import_options(const ImportOptions& o) {
   const std::string ending = lower_case_ending(o.file);
   if (!is_gltf(o) && ending != ".xml" && ending != ".mjcf")
     return bad_input(fmt::format("{}: the ending must be .xml or .mjcf (MuJoCo), .gltf or .glb", o.file));
-  if (lower_case_ending(o.output) != ".json") return bad_input(fmt::format("-o {}: the ending must be .json", o.output));
-  const std::pair<const char*, bool> of_gltf[] = {
-      {"--static", !o.fixed.empty()}, {"--all-static", o.all_fixed}, {"--floor", o.floor}, {"--friction", o.friction.has_value()}};
+  if (lower_case_ending(o.output) != ".json")
+    return bad_input(fmt::format("-o {}: the ending must be .json", o.output));
+  const std::pair<const char*, bool> of_gltf[] = {{"--static", !o.fixed.empty()},
+                                                  {"--all-static", o.all_fixed},
+                                                  {"--floor", o.floor},
+                                                  {"--friction", o.friction.has_value()}};
   for (const auto& [name, given] : of_gltf)
     if (given && !is_gltf(o)) return bad_input(fmt::format("{} has no meaning but with glTF", name));
   if (o.skip_unmodelled && is_gltf(o)) return bad_input("--skip-unmodelled has no meaning with glTF");
@@ -97,9 +100,9 @@ int import_scene(const ImportOptions& options) {
   for (const std::string& warning : d.warnings) fmt::print(stderr, "poise import: warning: {}\n", warning);
   if (options.quiet) return kExitDone;
   const auto moving = std::ranges::count_if(d.bodies, [](const io::DraftBody& body) { return body.dynamic; });
-  const Status told = io::write_stdout(fmt::format("{}: {} bodies, {} of them dynamic, {} shapes, {} mesh files\n",
-                                                   options.output, d.bodies.size(), moving, written.value().shapes,
-                                                   written.value().mesh_files));
+  const Status told =
+      io::write_stdout(fmt::format("{}: {} bodies, {} of them dynamic, {} shapes, {} mesh files\n", options.output,
+                                   d.bodies.size(), moving, written.value().shapes, written.value().mesh_files));
   return told ? kExitDone : refuse("import", told.error());
 }
 
@@ -117,8 +120,7 @@ void add_import_command(CLI::App& app, int& exit_code) {
   command->add_flag("--skip-unmodelled", options->skip_unmodelled,
                     "Of MuJoCo: leave out what is not modelled; bodies with other joints than free ones are fixed to "
                     "what they hang on");
-  command
-      ->add_option("--static", options->fixed, "Of glTF: the node of this name does not move; may be repeated")
+  command->add_option("--static", options->fixed, "Of glTF: the node of this name does not move; may be repeated")
       ->type_name("NODE")
       ->expected(1);
   command->add_flag("--all-static", options->all_fixed, "Of glTF: no node moves");

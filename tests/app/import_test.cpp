@@ -19,8 +19,8 @@ const std::string kShelfFile = POISE_SOURCE_DIR "/scenes/robots/shelf.gltf";
 
 /// Runs a scene without a clock and returns its JSON.
 json run_of(const std::string& scene, const std::string& frames, const std::string& states) {
-  const CommandResult run = poise_command({"run", scene, "--frames", frames, "--clock", "work", "--threads", "1", "--json",
-                                           "-", "--states", states});
+  const CommandResult run = poise_command(
+      {"run", scene, "--frames", frames, "--clock", "work", "--threads", "1", "--json", "-", "--states", states});
   EXPECT_EQ(run.exit_code, 0) << run.error;
   return json::parse(run.out, nullptr, false);
 }
@@ -31,7 +31,8 @@ std::vector<double> last_heights(const std::string& states, std::size_t bodies) 
   const std::vector<std::string> head = cells(rows.at(0));
   const auto column = static_cast<std::size_t>(std::find(head.begin(), head.end(), "z_m") - head.begin());
   std::vector<double> heights;
-  for (std::size_t i = rows.size() - bodies; i < rows.size(); ++i) heights.push_back(std::stod(cells(rows[i]).at(column)));
+  for (std::size_t i = rows.size() - bodies; i < rows.size(); ++i)
+    heights.push_back(std::stod(cells(rows[i]).at(column)));
   return heights;
 }
 
@@ -84,8 +85,7 @@ TEST(ImportCommand, RefusesOrLeavesOutWhatIsNotModelled) {
                           "</worldbody></mujoco>";
   const CommandResult missing = poise_command({"import", model, "-o", scene});
   EXPECT_EQ(missing.exit_code, 3);
-  EXPECT_EQ(missing.error,
-            "poise import: " + model + ": mesh 'no': " + folder.file("no.obj") + ": no such file\n");
+  EXPECT_EQ(missing.error, "poise import: " + model + ": mesh 'no': " + folder.file("no.obj") + ": no such file\n");
 }
 
 TEST(ImportCommand, RefusesWhatHasNoMeaning) {

@@ -48,7 +48,8 @@ TEST(RobotCommand, GivesTreesOfAllLinksAndWritesThemBack) {
   ASSERT_TRUE(tip.ok()) << tip.error().message;
   EXPECT_EQ(tip.value().at(0).radius_m, 0.05) << "a sphere stays as it is";
   EXPECT_NE(contents(written).find("<limit lower=\"-3.14\""), std::string::npos);
-  // The box of 0.3 x 0.3 x 0.1 m and the L, which a quarter turn about x puts upright: both are in the tree of the link.
+  // The box of 0.3 x 0.3 x 0.1 m and the L, which a quarter turn about x puts upright: both are in the tree of the
+  // link.
   double lowest = 1;
   double highest = 0;
   for (const Sphere& s : read_spheres(written, {"upper", {}}).value()) {
@@ -72,8 +73,8 @@ TEST(RobotCommand, FindsPackagesWhereItIsTold) {
   EXPECT_EQ(robot({file, "--package", "parts=" POISE_SOURCE_DIR "/scenes/meshes", "--quiet"}).exit_code, 0);
   const CommandResult missing = robot({file, "--package", "parts=" + folder.path().string()});
   EXPECT_EQ(missing.exit_code, 3);
-  EXPECT_EQ(missing.error, "poise tree: " + file + ": line 2: link 'a': " + folder.file("slab.obj") +
-                               ": no such file\n");
+  EXPECT_EQ(missing.error,
+            "poise tree: " + file + ": line 2: link 'a': " + folder.file("slab.obj") + ": no such file\n");
   std::filesystem::create_directory(folder.file("parts"));
   std::filesystem::copy_file(POISE_SOURCE_DIR "/scenes/meshes/slab.obj", folder.file("parts/slab.obj"));
   EXPECT_EQ(robot({file, "--quiet"}).exit_code, 0) << "beside the file";

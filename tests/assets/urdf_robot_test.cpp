@@ -88,6 +88,16 @@ TEST(UrdfRobot, GetsSpheresAndNothingElseChanges) {
   EXPECT_EQ(urdf_spheres(written.value(), {"b", {}}).value().size(), 1U);
 }
 
+// Found by a fuzzer: of two roots the parser reads the first.
+TEST(UrdfRobot, IsNotWrittenWhereItsLinksCannotBeToldApart) {
+  const std::string robot =
+      "<robot><link name='a'><collision><geometry><sphere radius='1'/></geometry></collision></link></robot>";
+  const std::vector<std::optional<std::vector<Sphere>>> one{std::vector<Sphere>{{{0, 0, 0}, 2}}};
+  EXPECT_TRUE(with_collision_spheres(robot, one).ok());
+  EXPECT_EQ(with_collision_spheres(robot + robot, one).error().message,
+            "cannot be written back: its links cannot be told apart");
+}
+
 TEST(UrdfRobot, IsRefusedWithLineAndRule) {
   const auto refused = [](const std::string& inside) {
     const auto links = urdf_links("<robot>\n" + inside + "\n</robot>");
@@ -97,7 +107,7 @@ TEST(UrdfRobot, IsRefusedWithLineAndRule) {
     return refused("<link name='a'><collision><geometry>" + text + "</geometry></collision></link>");
   };
   EXPECT_EQ(urdf_links("<sdf/>").error().message, "must be a URDF with a <robot>");
-  EXPECT_EQ(urdf_links("<robot>").error().message, "line 1: not valid XML (XML_ERROR_PARSING)");
+  EXPECT_EQ(urdf_links("<robot>").error().message, "line 1: not valid XML (XML_ERROR_MISMATCHED_ELEMENT)");
   EXPECT_EQ(refused(""), "has no <link>");
   EXPECT_EQ(refused("<link/>"), "line 2: <link>: must have a name");
   EXPECT_EQ(refused("<link name='a'/><link name='a'/>"), "line 2: <link>: name 'a' is that of another link");

@@ -230,9 +230,9 @@ TEST(ReaderMemory, OfModelsOfMuJoCoIsAtMost80TimesTheFile) {
   EXPECT_LE(multiple("mjcf", model("<worldbody>", "<body><freejoint/><geom size='1'/></body>", "</worldbody>")), 80);
   EXPECT_LE(multiple("mjcf", model("<default>", "<default class='{:x}'/>", "</default>")), 80);
   EXPECT_LE(multiple("mjcf", model("<asset>", "<mesh file='{:x}'/>", "</asset>")), 80);
-  EXPECT_LE(multiple("mjcf", "<mujoco><asset><mesh name='m' face='0' vertex='" + repeated("", "0 ") +
-                                 "'/></asset></mujoco>"),
-            80);
+  EXPECT_LE(
+      multiple("mjcf", "<mujoco><asset><mesh name='m' face='0' vertex='" + repeated("", "0 ") + "'/></asset></mujoco>"),
+      80);
 }
 
 TEST(ReaderMemory, OfTreesIsAtMost40TimesTheFile) {
@@ -240,9 +240,10 @@ TEST(ReaderMemory, OfTreesIsAtMost40TimesTheFile) {
   EXPECT_LE(multiple("urdf", repeated("<robot>", "<link name=''><collision/></link>", "</robot>")), 40);
   EXPECT_LE(multiple("urdf", repeated("<robot ", "a=''", "/>")), 40);
   EXPECT_LE(multiple("robot", repeated("<robot>", "<a/>", "</robot>")), 40);
-  EXPECT_LE(multiple("robot", repeated("<robot><link name='a'>",
-                                       "<visual><geometry><sphere radius='1'/></geometry></visual>", "</link></robot>")),
-            40);
+  EXPECT_LE(
+      multiple("robot", repeated("<robot><link name='a'>", "<visual><geometry><sphere radius='1'/></geometry></visual>",
+                                 "</link></robot>")),
+      40);
   EXPECT_LE(multiple("sph", repeated("6 8\n", "0 0 0 1\n")), 40);
   EXPECT_LE(multiple("sph", repeated("1 1\n", "0 ")), 40);
   EXPECT_LE(multiple("gaze", repeated("", "0,1,1\n")), 40);

@@ -51,6 +51,21 @@ TEST(ImportDraft, TwoBoxesFaceToFaceAreASolid) {
   EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 0.016, 1e-12);
 }
 
+TEST(ImportDraft, OverwritesNoMeshOfTheModel) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.file("s-meshes"));
+  const std::string own = folder.file("s-meshes/mesh-1.obj");
+  std::filesystem::copy_file(POISE_SOURCE_DIR "/scenes/meshes/slab.obj", own);
+  const auto draft = io::import_mjcf(
+      "<mujoco><asset><mesh name='m' file='s-meshes/mesh-1.obj' scale='1 2 1'/></asset><worldbody><geom type='mesh' "
+      "mesh='m'/></worldbody></mujoco>",
+      "m.xml", folder.path(), false);
+  const auto written = io::write_draft(draft.value(), {}, folder.file("s.json"));
+  ASSERT_FALSE(written.ok());
+  EXPECT_EQ(written.error().message, "would overwrite its mesh " + own + ", the scene needs another name");
+  EXPECT_EQ(contents(own), contents(POISE_SOURCE_DIR "/scenes/meshes/slab.obj"));
+}
+
 TEST(ImportGltf, MakesABodyOfEachNodeWithAMesh) {
   io::GltfImportSettings settings;
   settings.fixed = {"plank"};

@@ -113,8 +113,9 @@ TEST(ImportMjcf, TurnsByTheSequenceOfItsCompiler) {
   EXPECT_LE((turned("<compiler eulerseq='XYZ'/>") + Vec3::UnitZ()).norm(), 1e-15);
   // About z, then about the new y.
   EXPECT_LE((turned("<compiler eulerseq='zyx'/>") + Vec3::UnitZ()).norm(), 1e-15);
-  const std::string radians = "<compiler angle='radian'/><worldbody><geom name='g' size='1' "
-                              "axisangle='0 0 2 1.5707963267948966'/></worldbody>";
+  const std::string radians =
+      "<compiler angle='radian'/><worldbody><geom name='g' size='1' "
+      "axisangle='0 0 2 1.5707963267948966'/></worldbody>";
   EXPECT_LE((named(imported(radians), "g").orientation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
 }
 
@@ -143,12 +144,13 @@ TEST(ImportMjcf, ReadsWhatItIncludesOnce) {
   const Result<SceneDraft> draft = import_mjcf(begin + "</worldbody></mujoco>", "m.xml", folder.path(), false);
   ASSERT_TRUE(draft.ok()) << draft.error().message;
   EXPECT_EQ(named(draft.value(), "g").position_m, Vec3(1, 1, 0));
-  const auto twice = import_mjcf(begin + "\n<include file='b.xml'/></worldbody></mujoco>", "m.xml", folder.path(), false);
+  const auto twice =
+      import_mjcf(begin + "\n<include file='b.xml'/></worldbody></mujoco>", "m.xml", folder.path(), false);
   EXPECT_EQ(twice.error().message, "m.xml: line 2: <include>: file = 'b.xml', may be included once");
   std::ofstream(folder.file("b.xml")) << "<any>\n<geom size='-1'/></any>";
   const auto bad = import_mjcf(begin + "</worldbody></mujoco>", "m.xml", folder.path(), false);
-  EXPECT_EQ(bad.error().message, folder.file("b.xml") +
-                                     ": line 2: <geom>: size = '-1', of a sphere must be 1 number, at least 1e-09");
+  EXPECT_EQ(bad.error().message,
+            folder.file("b.xml") + ": line 2: <geom>: size = '-1', of a sphere must be 1 number, at least 1e-09");
 }
 
 /// Whether two bodies collide by their groups.
@@ -189,7 +191,8 @@ TEST(ImportMjcf, NamesWhatIsNotModelled) {
   const std::string end = " (at line 2); --skip-unmodelled leaves this out";
   const std::string ball = "<geom size='1'/>";
   EXPECT_EQ(free(ball + ball), "accepted");
-  EXPECT_EQ(free(ball + "<geom size='1' density='1'/>"), "m.xml: not modelled: other density in the same free body" + end);
+  EXPECT_EQ(free(ball + "<geom size='1' density='1'/>"),
+            "m.xml: not modelled: other density in the same free body" + end);
   EXPECT_EQ(free(ball + "<geom size='1' friction='2'/>"),
             "m.xml: not modelled: other friction in the same free body" + end);
   EXPECT_EQ(free(ball + "<geom size='1' contype='2'/>"),
@@ -211,14 +214,15 @@ TEST(ImportMjcf, IsRefusedWithPlaceAndRule) {
   EXPECT_EQ(import_mjcf("<robot/>", "m.xml", "/nowhere", true).error().message,
             "m.xml: must be a model of MuJoCo, with a <mujoco>, not <robot>");
   EXPECT_EQ(import_mjcf("<mujoco>", "m.xml", "/nowhere", true).error().message,
-            "m.xml: line 1: not valid XML (XML_ERROR_PARSING)");
+            "m.xml: line 1: not valid XML (XML_ERROR_MISMATCHED_ELEMENT)");
   EXPECT_EQ(body("<geom/>"), "m.xml: line 2: <geom>: size = '', of a sphere must be 1 number, at least 1e-09");
   EXPECT_EQ(body("<geom type='box' size='1 2'/>"),
             "m.xml: line 2: <geom>: size = '1 2', of a box must be 3 numbers, at least 1e-09");
   EXPECT_EQ(body("<geom type='cone'/>"),
             "m.xml: line 2: <geom>: type = 'cone', must be plane, sphere, capsule, ellipsoid, cylinder, box, mesh, "
             "hfield or sdf");
-  EXPECT_EQ(body("<geom size='1' pos='0 0'/>"), "m.xml: line 2: <geom>: pos = '0 0', must be 3 numbers within 1000000000");
+  EXPECT_EQ(body("<geom size='1' pos='0 0'/>"),
+            "m.xml: line 2: <geom>: pos = '0 0', must be 3 numbers within 1000000000");
   EXPECT_EQ(body("<geom size='1' quat='1 0 0 0' euler='0 0 0'/>"),
             "m.xml: line 2: <geom>: has quat and euler, must have one of them");
   EXPECT_EQ(body("<geom size='1' quat='0 0 0 0'/>"), "m.xml: line 2: <geom>: quat = '0 0 0 0', must not be zero");
@@ -236,7 +240,8 @@ TEST(ImportMjcf, IsRefusedWithPlaceAndRule) {
             "m.xml: line 2: <option>: timestep = '0', must be above 0 and at most 1");
   EXPECT_EQ(mjcf_refusal("<compiler eulerseq='xy'/>"),
             "m.xml: line 2: <compiler>: eulerseq = 'xy', must be three letters of x, y, z, X, Y and Z");
-  EXPECT_EQ(mjcf_refusal("<include file='no.xml'/>"), "m.xml: line 2: <include>: file = 'no.xml': no such file");
+  EXPECT_EQ(mjcf_refusal("<include file='no.xml'/>"),
+            "m.xml: line 2: <include>: file = 'no.xml': cannot be read: no such file");
   EXPECT_EQ(mjcf_refusal("<default><default/></default>"), "m.xml: line 2: <default>: must have a class");
   EXPECT_EQ(mjcf_refusal("<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'/></asset>"),
             "m.xml: line 2: <mesh>: face = '0 1 3', has '3'");

@@ -59,7 +59,8 @@ Result<RobotWork> do_robot_work(const TreeOptions& options, Progress& progress, 
   std::vector<TriangleMesh> meshes;
   for (const geometry::UrdfLink& link : links.value()) {
     progress.say(fmt::format("reading link {}", link.name));
-    Result<TriangleMesh> mesh = link.parts.empty() || link.only_spheres() ? TriangleMesh{} : mesh_of_link(link, folders);
+    Result<TriangleMesh> mesh =
+        link.parts.empty() || link.only_spheres() ? TriangleMesh{} : mesh_of_link(link, folders);
     if (!mesh) return refused(mesh.error());
     meshes.push_back(std::move(mesh).value());
   }

@@ -79,8 +79,9 @@ Result<TriangleMesh> mesh_of_link(const geometry::UrdfLink& link, const RobotFol
   TriangleMesh all;
   for (const geometry::UrdfPart& part : link.parts) {
     const Result<TriangleMesh> mesh = mesh_of_part(part, folders);
-    if (!mesh) return bad_input(fmt::format("line {}: link '{}': {}", part.line, geometry::shown_text(link.name, 80),
-                                   mesh.error().message));
+    if (!mesh)
+      return bad_input(
+          fmt::format("line {}: link '{}': {}", part.line, geometry::shown_text(link.name, 80), mesh.error().message));
     const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
     for (const Vec3& v : mesh.value().vertices_m) all.vertices_m.push_back(part.rotation * v + part.position_m);
     for (const auto& t : mesh.value().triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});

@@ -67,7 +67,7 @@ std::string tree_json(const TreeDocument& document);
 /// A link of a robot and the tree of its shapes.
 struct RobotLink {
   std::string name;
-  std::string shapes;               ///< which were taken, or why none: `collision`, `visual`, `none`, `spheres`
+  std::string shapes;                ///< which were taken, or why none: `collision`, `visual`, `none`, `spheres`
   std::optional<TreeDocument> tree;  ///< of `collision` and `visual`
 };
 

@@ -101,7 +101,8 @@ Status check_robot(const TreeOptions& o) {
   if (!o.output.empty() && tree_format_of(o.output) != TreeFormat::Urdf)
     return bad_input(fmt::format("-o {}: of a robot a .urdf is written", o.output));
   if (o.level && *o.level > o.depth.value_or(TreeBuildOptions{}.depth))
-    return bad_input(fmt::format("--level {} is below --depth {}", *o.level, o.depth.value_or(TreeBuildOptions{}.depth)));
+    return bad_input(
+        fmt::format("--level {} is below --depth {}", *o.level, o.depth.value_or(TreeBuildOptions{}.depth)));
   return refuse_given({{"--tree", !o.tree.empty()},
                        {"--compare", !o.compare.empty()},
                        {"--picture", !o.picture.empty()},
@@ -115,7 +116,8 @@ Status check_robot(const TreeOptions& o) {
 }  // namespace
 
 void add_tree_options(CLI::App& command, TreeOptions& o) {
-  command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB, several with --inspect; or a robot: URDF")->type_name("MESH");
+  command.add_option("mesh", o.meshes, "OBJ, STL, PLY, OFF, glTF or GLB, several with --inspect; or a robot: URDF")
+      ->type_name("MESH");
   add_path(command, "--tree", o.tree, "Measure this tree instead of building one; without a MESH, convert it to -o");
   add_path(command, "--compare", o.compare,
            "Measure this tree too and set both side by side; the better figure is marked *");

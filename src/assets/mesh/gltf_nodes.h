@@ -15,8 +15,8 @@ namespace poise::geometry {
 
 /// A node that places a mesh.
 struct GltfNode {
-  std::string name;      ///< of the node, else of its mesh, else `node N`
-  std::size_t mesh = 0;  ///< index into GltfNodes::meshes
+  std::string name;                                         ///< of the node, else of its mesh, else `node N`
+  std::size_t mesh = 0;                                     ///< index into GltfNodes::meshes
   Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();  ///< from the mesh to the scene
 };
 

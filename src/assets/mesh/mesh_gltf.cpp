@@ -146,8 +146,7 @@ class SceneReader {
   }
 
   /// Notes where a mesh is, and reads it where it is met first.
-  Status add_node(std::size_t entry, const JsonValue& mesh, const std::string& node_place,
-                  const Transform& transform) {
+  Status add_node(std::size_t entry, const JsonValue& mesh, const std::string& node_place, const Transform& transform) {
     const auto [found, added] = read_already_.try_emplace(entry, nodes_.meshes.size());
     if (added) {
       const Status read = read_primitives(entry, mesh, Transform::Identity());

@@ -46,8 +46,8 @@ Status read_lengths(const XMLElement& element, const char* name, int count, Vec3
   if (!read) return read;
   for (int i = 0; i < count; ++i) {
     if (!(lengths[i] >= kLeastMetres))
-      return bad_input(fmt::format("{}: {} = {}, must be at least {} m", element_place(element), name, lengths[i],
-                                   kLeastMetres));
+      return bad_input(
+          fmt::format("{}: {} = {}, must be at least {} m", element_place(element), name, lengths[i], kLeastMetres));
   }
   return Done{};
 }
@@ -136,6 +136,21 @@ std::string indent_before(const std::string& text, std::size_t at) {
   return begin == 0 || text[begin - 1] == '\n' ? text.substr(begin, at - begin) : "";
 }
 
+/// Whether a text that was changed has the links that it had, with their spheres. The parser takes texts that are not
+/// quite XML (several roots, say), of which xml_ranges may find other elements.
+bool has_spheres(const std::string& text, const std::vector<UrdfLink>& before,
+                 std::span<const std::optional<std::vector<Sphere>>> spheres) {
+  const Result<std::vector<UrdfLink>> links = urdf_links(text);
+  if (!links || links.value().size() != before.size()) return false;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const UrdfLink& link = links.value()[i];
+    if (link.name != before[i].name) return false;
+    if (!spheres[i] && link.parts.size() != before[i].parts.size()) return false;
+    if (spheres[i] && (!link.only_spheres() || link.parts.size() != spheres[i]->size())) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool UrdfLink::only_spheres() const {
@@ -166,12 +181,14 @@ Result<std::vector<UrdfLink>> urdf_links(const std::string& text) {
   std::set<std::string> names;
   for (const XMLElement* e = robot->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
     if (std::string_view(e->Name()).starts_with("xacro:"))
-      return bad_input(element_place(*e) + ": is a macro of xacro, must be expanded before (xacro robot.xacro > robot.urdf)");
+      return bad_input(element_place(*e) +
+                       ": is a macro of xacro, must be expanded before (xacro robot.xacro > robot.urdf)");
     if (std::string_view(e->Name()) != "link") continue;
     Result<UrdfLink> link = read_link(*e);
     if (!link) return link.error();
     if (!names.insert(link.value().name).second)
-      return bad_input(fmt::format("{}: name '{}' is that of another link", element_place(*e), shown_text(link.value().name)));
+      return bad_input(
+          fmt::format("{}: name '{}' is that of another link", element_place(*e), shown_text(link.value().name)));
     links.push_back(std::move(link).value());
   }
   if (links.empty()) return bad_input("has no <link>");
@@ -217,6 +234,8 @@ Result<std::string> with_collision_spheres(const std::string& text,
     }
   }
   written.append(text, copied);
+  if (!has_spheres(written, links.value(), spheres))
+    return bad_input("cannot be written back: its XML can be read in more than one way");
   return written;
 }
 

@@ -13,8 +13,8 @@
 #include "poise/sphere_tree.h"
 #include "poise/types.h"
 
-// The shapes of all links of a URDF robot, and the robot with other shapes. Joints, masses and everything else are left to
-// those who use the robot. Refusals name the line and have no file.
+// The shapes of all links of a URDF robot, and the robot with other shapes. Joints, masses and everything else are left
+// to those who use the robot. Refusals name the line and have no file.
 namespace poise::geometry {
 
 enum class UrdfSolid : std::uint8_t {

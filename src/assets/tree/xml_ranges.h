@@ -10,8 +10,8 @@ namespace poise::geometry {
 
 /// Where an element is in a text, in bytes.
 struct XmlRange {
-  std::size_t begin = 0;    ///< of its first tag
-  std::size_t end_tag = 0;  ///< begin of its last tag; of an empty element, its end
+  std::size_t begin = 0;                                   ///< of its first tag
+  std::size_t end_tag = 0;                                 ///< begin of its last tag; of an empty element, its end
   std::vector<std::pair<std::size_t, std::size_t>> inner;  ///< begin and end of children that were asked for
 };
 

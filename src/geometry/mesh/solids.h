@@ -3,9 +3,10 @@
 
 #include "poise/mesh.h"
 
-// Closed meshes of the solids that robot and scene files name, about the origin with their axis along z, counter-clockwise
-// from outside. Lengths in metres, > 0 and finite (the caller checks). Vertices lie on the true surface, so a round solid
-// has a little less volume than the true one: of 32 edges around, 1.3 % for a ball and 0.6 % for a cylinder.
+// Closed meshes of the solids that robot and scene files name, about the origin with their axis along z,
+// counter-clockwise from outside. Lengths in metres, > 0 and finite (the caller checks). Vertices lie on the true
+// surface, so a round solid has a little less volume than the true one: of 32 edges around, 1.3 % for a ball and 0.6 %
+// for a cylinder.
 namespace poise::geometry {
 
 /// `half_m`: half the edges along x, y and z. 12 triangles.

@@ -34,7 +34,8 @@ struct SplitTransform {
   Mat3 linear = Mat3::Identity();
 };
 
-/// Scales along the mesh's axes are split off, a mirror as one of them; a sheared transform goes into the mesh as it is.
+/// Scales along the mesh's axes are split off, a mirror as one of them; a sheared transform goes into the mesh as it
+/// is.
 SplitTransform split(const Mat3& whole) {
   const Vec3 lengths = whole.colwise().norm();
   Mat3 axes = whole;

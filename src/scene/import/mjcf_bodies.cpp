@@ -42,7 +42,7 @@ struct MjcfFreeBody {
 struct MjcfFrame {
   MjcfPose pose;                        ///< in the world, or in the body that moves
   const MjcfClass* defaults = nullptr;  ///< childclass; may be null
-  MjcfFreeBody* moving = nullptr;         ///< null: the world and what is fixed to it
+  MjcfFreeBody* moving = nullptr;       ///< null: the world and what is fixed to it
   bool in_world = true;                 ///< directly, where a free joint may be
   bool geoms_weigh = true;              ///< no <inertial> says what the body weighs
   std::string name;
@@ -245,9 +245,9 @@ class MjcfBodies {
 
   void weigh(MjcfFreeBody& moving, const MjcfGeom& geom, double mass_kg, const std::string& line) {
     const bool mesh = geom.solid.kind == SolidKind::Mesh;
-    const double density = !mesh            ? mass_kg / volume_of(geom.solid)
+    const double density = !mesh         ? mass_kg / volume_of(geom.solid)
                            : mass_kg < 0 ? geom.density_kgpm3
-                                            : std::numeric_limits<double>::quiet_NaN();
+                                         : std::numeric_limits<double>::quiet_NaN();
     if (!moving.density_kgpm3) {
       moving.density_kgpm3 = density;
     } else if (!(std::abs(density - *moving.density_kgpm3) <= 1e-6 * *moving.density_kgpm3)) {

@@ -14,8 +14,8 @@ namespace poise::io {
 Result<const MjcfClass*> mjcf_class_of(const MjcfDocument& document, const MjcfDocument::Element& element,
                                        const MjcfClasses& classes, const MjcfClass* otherwise);
 
-/// Reads the bodies of all <worldbody>. A body with a free joint becomes one dynamic body with all that is in it; a geom
-/// of any other body becomes a static body.
+/// Reads the bodies of all <worldbody>. A body with a free joint becomes one dynamic body with all that is in it; a
+/// geom of any other body becomes a static body.
 Status read_mjcf_bodies(const MjcfDocument& document, const MjcfClasses& classes, const MjcfSettings& settings,
                         UnmodelledKinds& unmodelled, SceneDraft& draft);
 

@@ -64,8 +64,7 @@ Status MjcfDocument::include_all(const Element& element, int depth) {
       return bad_input(fmt::format("{}: file = '{}', may be included once", place(*e), mjcf_shown(file)));
     const std::filesystem::path path = folder_ / file;
     const Result<std::string> text = geometry::read_bytes(path, kMostModelBytes);
-    if (!text)
-      return bad_input(fmt::format("{}: file = '{}': {}", place(*e), mjcf_shown(file), text.error().message));
+    if (!text) return bad_input(fmt::format("{}: file = '{}': {}", place(*e), mjcf_shown(file), text.error().message));
     const Result<const Element*> root = parse(text.value(), path.string());
     if (!root) return root.error();
     included_[e] = root.value();

@@ -22,8 +22,8 @@ constexpr double kLeastHalf_m = 1e-9;
 struct GeomKind {
   std::string_view name;
   SolidKind kind;
-  std::size_t sizes;   ///< how many numbers `size` must have
-  bool from_to;        ///< whether fromto may stand for the last of them
+  std::size_t sizes;  ///< how many numbers `size` must have
+  bool from_to;       ///< whether fromto may stand for the last of them
 };
 constexpr std::array kGeomKinds{
     GeomKind{"sphere", SolidKind::Sphere, 1, false},      GeomKind{"capsule", SolidKind::Capsule, 2, true},
@@ -51,8 +51,7 @@ Status read_size(const MjcfView& view, const GeomKind& kind, DraftSolid& solid) 
   std::array<double, 3> size{};
   std::size_t count = 0;
   const bool from_to = view.find("fromto") != nullptr;
-  if (from_to && !kind.from_to)
-    return view.refused("fromto", fmt::format("has no meaning for a {}", kind.name));
+  if (from_to && !kind.from_to) return view.refused("fromto", fmt::format("has no meaning for a {}", kind.name));
   const std::size_t needed = from_to ? 1 : kind.sizes;
   const Status read = view.numbers("size", 1, size, count);
   if (!read) return read;

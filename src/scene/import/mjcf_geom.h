@@ -19,8 +19,8 @@ struct MjcfSettings {
   MjcfAngles angles;
   std::filesystem::path folder;  ///< of the model
   std::filesystem::path mesh_folder;
-  bool file_names_only = false;     ///< strippath
-  bool ignore_inertial = false;     ///< inertiafromgeom="true"
+  bool file_names_only = false;                            ///< strippath
+  bool ignore_inertial = false;                            ///< inertiafromgeom="true"
   std::map<std::string, std::size_t, std::less<>> meshes;  ///< by name: index into SceneDraft::meshes
 };
 
@@ -43,7 +43,8 @@ struct MjcfGeom {
 Result<bool> read_mjcf_geom(const MjcfView& view, const MjcfSettings& settings, UnmodelledKinds& unmodelled,
                             MjcfGeom& geom);
 
-/// Reads a <mesh> of <asset>. Refused: one without file and vertices, faces of vertices that do not exist, a name twice.
+/// Reads a <mesh> of <asset>. Refused: one without file and vertices, faces of vertices that do not exist, a name
+/// twice.
 Status read_mjcf_mesh(const MjcfView& view, MjcfSettings& settings, UnmodelledKinds& unmodelled, SceneDraft& draft);
 
 }  // namespace poise::io

@@ -72,8 +72,8 @@ Status read_class(const MjcfDocument& document, const MjcfDocument::Element& ele
                   const MjcfClass& parent, MjcfClasses& classes) {
   const auto [entry, added] = classes.try_emplace(name, parent);
   if (!added && name != "main")
-    return bad_input(fmt::format("{}: class = '{}', is that of another <default>", document.place(element),
-                                 mjcf_shown(name)));
+    return bad_input(
+        fmt::format("{}: class = '{}', is that of another <default>", document.place(element), mjcf_shown(name)));
   const auto children = document.children(element);
   for (const auto* child : children) {
     const auto kind = std::ranges::find(kMjcfKinds, std::string_view(child->Name()));
@@ -107,8 +107,7 @@ const char* MjcfView::find(std::string_view name) const {
 
 Error MjcfView::refused(std::string_view name, std::string_view rule) const {
   const char* text = find(name);
-  return bad_input(
-      fmt::format("{}: {} = '{}', {}", place(), name, mjcf_shown(text != nullptr ? text : ""), rule));
+  return bad_input(fmt::format("{}: {} = '{}', {}", place(), name, mjcf_shown(text != nullptr ? text : ""), rule));
 }
 
 Status MjcfView::numbers(std::string_view name, std::size_t least, std::span<double> numbers,
@@ -127,8 +126,8 @@ Status MjcfView::numbers(std::string_view name, std::size_t least, std::span<dou
   if (sound) return Done{};
   const std::string wanted =
       least == numbers.size() ? fmt::format("{}", least) : fmt::format("{} to {}", least, numbers.size());
-  return refused(name, fmt::format("must be {} number{} within {}", wanted, numbers.size() == 1 ? "" : "s",
-                                   kMostMjcfNumber));
+  return refused(name,
+                 fmt::format("must be {} number{} within {}", wanted, numbers.size() == 1 ? "" : "s", kMostMjcfNumber));
 }
 
 Status MjcfView::numbers(std::string_view name, std::span<double> into) const {

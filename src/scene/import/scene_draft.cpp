@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -51,7 +52,11 @@ class DraftWriter {
         settings_(settings),
         folder_(file.parent_path()),
         mesh_folder_(file.stem().string() + "-meshes"),
-        told_(draft.meshes.size(), false) {}
+        told_(draft.meshes.size(), false) {
+    std::error_code unknown;
+    for (const DraftMesh& mesh : draft.meshes)
+      if (!mesh.file.empty()) inputs_.insert(fs::weakly_canonical(mesh.file, unknown).string());
+  }
 
   Status add(const DraftBody& body) {
     const Result<UsedShape> shape = shape_of(body);
@@ -89,8 +94,7 @@ class DraftWriter {
   std::string material_of(const DraftBody& body) {
     const auto [found, added] = material_names_.try_emplace({body.friction, body.density_kgpm3},
                                                             fmt::format("material-{}", material_names_.size() + 1));
-    if (added)
-      materials_[found->second] = {{"friction", body.friction}, {"density_kgpm3", body.density_kgpm3}};
+    if (added) materials_[found->second] = {{"friction", body.friction}, {"density_kgpm3", body.density_kgpm3}};
     return found->second;
   }
 
@@ -116,7 +120,8 @@ class DraftWriter {
       return named(plane, {});
     }
     if (body.solids.size() == 1) return single(body.solids.front());
-    const bool balls = std::ranges::all_of(body.solids, [](const DraftSolid& s) { return s.kind == SolidKind::Sphere; });
+    const bool balls =
+        std::ranges::all_of(body.solids, [](const DraftSolid& s) { return s.kind == SolidKind::Sphere; });
     // Bodies that are alike share their shape.
     std::string key = "union";
     for (const DraftSolid& s : body.solids) key += key_of(s);
@@ -194,8 +199,8 @@ class DraftWriter {
     if (mesh.file.empty() || !(scale > 0) || mesh.linear != Mat3(scale * Mat3::Identity()))
       return saved_mesh(read.value().mesh, name, read.value().shell);
     std::error_code failure;
-    const fs::path relative =
-        fs::proximate(fs::absolute(mesh.file, failure), fs::absolute(folder_.empty() ? "." : folder_, failure), failure);
+    const fs::path relative = fs::proximate(fs::absolute(mesh.file, failure),
+                                            fs::absolute(folder_.empty() ? "." : folder_, failure), failure);
     DraftJson json = {{"file", (failure ? mesh.file : relative).string()}, {"scale", scale}};
     return mesh_json(std::move(json), read.value().shell);
   }
@@ -207,6 +212,9 @@ class DraftWriter {
     std::error_code failure;
     fs::create_directories(folder_ / mesh_folder_, failure);
     const fs::path file = fs::path(mesh_folder_) / (name + ".obj");
+    if (inputs_.contains(fs::weakly_canonical(folder_ / file, failure).string()))
+      return bad_input(
+          fmt::format("would overwrite its mesh {}, the scene needs another name", (folder_ / file).string()));
     const Status saved = geometry::write_file(folder_ / file, exact_obj_text(mesh));
     if (!saved) return saved.error();
     ++written.mesh_files;
@@ -281,8 +289,9 @@ class DraftWriter {
   const DraftSettings& settings_;
   fs::path folder_;
   std::string mesh_folder_;
-  std::vector<bool> told_;  ///< beside draft_.meshes: a warning says that it is a shell
-  std::size_t triangles_ = 0;  ///< that were written
+  std::set<std::string> inputs_;  ///< mesh files of the model, which are not overwritten
+  std::vector<bool> told_;        ///< beside draft_.meshes: a warning says that it is a shell
+  std::size_t triangles_ = 0;     ///< that were written
   std::map<std::pair<double, double>, std::string> material_names_;
   std::map<std::string, std::string> shape_names_;
   std::map<std::string, std::size_t> counts_;

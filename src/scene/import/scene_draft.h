@@ -12,8 +12,8 @@
 #include "poise/result.h"
 #include "poise/types.h"
 
-// A scene of another format on its way to a scene file of this project: bodies of solids, whose meshes are made when the
-// file is written, so that a draft takes memory in proportion to what it was read from.
+// A scene of another format on its way to a scene file of this project: bodies of solids, whose meshes are made when
+// the file is written, so that a draft takes memory in proportion to what it was read from.
 namespace poise::io {
 
 enum class SolidKind : std::uint8_t {
@@ -36,8 +36,8 @@ struct DraftSolid {
 
 /// A mesh that solids share.
 struct DraftMesh {
-  std::string name;                                  ///< for messages
-  std::filesystem::path file;                        ///< empty: `mesh`
+  std::string name;                                    ///< for messages
+  std::filesystem::path file;                          ///< empty: `mesh`
   std::shared_ptr<const TriangleMesh> mesh = nullptr;  ///< may be that of others; not cleaned
   Mat3 linear = Mat3::Identity();  ///< from units of the file to metres: scales, and mirrors and shears if need be
 };
@@ -81,8 +81,8 @@ struct WrittenDraft {
 double volume_of(const DraftSolid& solid);
 
 /// Writes the scene file, and beside it a folder STEM-meshes of the meshes that had to be made, if any. The scene file
-/// is written last. Refused: a mesh that read_mesh refuses, more than 20 million triangles to be written, what cannot be
-/// written, a draft without bodies.
+/// is written last. Refused: a mesh that read_mesh refuses, more than 20 million triangles to be written, what cannot
+/// be written, a draft without bodies.
 Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings,
                                  const std::filesystem::path& file);
 
