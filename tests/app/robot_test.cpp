@@ -73,8 +73,8 @@ TEST(RobotCommand, FindsPackagesWhereItIsTold) {
   EXPECT_EQ(robot({file, "--package", "parts=" POISE_SOURCE_DIR "/scenes/meshes", "--quiet"}).exit_code, 0);
   const CommandResult missing = robot({file, "--package", "parts=" + folder.path().string()});
   EXPECT_EQ(missing.exit_code, 3);
-  EXPECT_EQ(missing.error,
-            "poise tree: " + file + ": line 2: link 'a': " + folder.file("slab.obj") + ": no such file\n");
+  EXPECT_EQ(missing.error, "poise tree: " + file + ": line 2: link 'a': " + folder.file("slab.obj") +
+                               ": cannot be read: no such file\n");
   std::filesystem::create_directory(folder.file("parts"));
   std::filesystem::copy_file(POISE_SOURCE_DIR "/scenes/meshes/slab.obj", folder.file("parts/slab.obj"));
   EXPECT_EQ(robot({file, "--quiet"}).exit_code, 0) << "beside the file";
