@@ -48,16 +48,18 @@ Quat rotation_by(const Vec3& angle_rad) {
   return {half.cos, part.x(), part.y(), part.z()};
 }
 
-Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn) {
+Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn, TurnKeeps keeps) {
   const Quat after = (turn * start.orientation).normalized();
   if (moments_kgm2.x() == moments_kgm2.y() && moments_kgm2.y() == moments_kgm2.z()) return {after, start.spin_radps};
   const Vec3 spin = start.orientation.conjugate() * start.spin_radps;
   const Vec3 momentum = after.conjugate() * (start.orientation * moments_kgm2.cwiseProduct(spin));
   const Vec3 kept = momentum.cwiseQuotient(moments_kgm2);
-  // Without this, a needle that is tilted against its momentum would spin up about its thin axis.
+  // A needle that is tilted against its momentum would spin up about its thin axis.
   const double before = spin.dot(moments_kgm2.cwiseProduct(spin));
   const double energy = kept.dot(momentum);
-  return {after, (energy > before ? std::sqrt(before / energy) : 1.0) * (after * kept)};
+  if (energy <= before) return {after, after * kept};
+  if (keeps == TurnKeeps::Momentum) return start;
+  return {after, std::sqrt(before / energy) * (after * kept)};
 }
 
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+
 #include "poise/types.h"
 
 namespace poise::dynamics {
@@ -19,10 +21,15 @@ struct Rotation {
 /// Geometric Numerical Integration, VII.5). A body with equal moments is rotated by the exact exponential. Any thread.
 Rotation turned_freely(const Rotation& start, const Vec3& moments_kgm2, double time_s);
 
+/// What stays where a turn needs energy.
+enum class TurnKeeps : std::uint8_t {
+  Momentum,  ///< the angular momentum vector: the body is not turned
+  Turn,      ///< the turn and the energy, of the momentum only its direction
+};
+
 /// Rotates a body by `turn` (world) without torque and time. The angular momentum vector is conserved, and the angular
-/// velocity follows. Where that would need energy, the energy is conserved and only the direction of the momentum. Any
-/// thread.
-Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn);
+/// velocity follows. Where that would need energy, `keeps` decides. Any thread.
+Rotation turned_by(const Rotation& start, const Vec3& moments_kgm2, const Quat& turn, TurnKeeps keeps);
 
 /// The rotation by a vector (axis times angle, rad) as a unit quaternion.
 Quat rotation_by(const Vec3& angle_rad);

@@ -42,9 +42,10 @@ MovedBody moved_for(double h_s, const Velocities& velocities, const dynamics::Bo
   rotation = dynamics::turned_freely(rotation, bodies.principal_kgm2[i], h_s);
   if (solved.solved) {
     // What contacts turned the body beyond its spin, as where they pushed it out of an overlap. Its angular momentum
-    // stays.
+    // stays; under gravity that of the heap does not, and what lies must not sink into what it lies on.
     const Quat turn = dynamics::rotation_by(solved.turned_rad - h_s * solved.spin_radps);
-    rotation = dynamics::turned_by(rotation, bodies.principal_kgm2[i], turn);
+    const auto keeps = solved.pulled ? dynamics::TurnKeeps::Turn : dynamics::TurnKeeps::Momentum;
+    rotation = dynamics::turned_by(rotation, bodies.principal_kgm2[i], turn, keeps);
   }
   const Quat after = (rotation.orientation * axes.conjugate()).normalized();
   // A point of the surface moves along a chord of its turn.

@@ -66,9 +66,10 @@ void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlo
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
   const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
   if (block.count < kLanes) shared = {};
+  std::ranges::fill(std::as_writable_bytes(std::span(shared.shift)), std::byte{0});
   std::ranges::fill(std::as_writable_bytes(manifold_points), std::byte{0});
   StartLanes<T> start;
-  block.dynamic_a = block.dynamic_b = block.pushed = 0;
+  block.dynamic_a = block.dynamic_b = block.pushed = block.shifted = 0;
   block.frictional = false;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     // Lanes that are not in use read what nobody else writes, and write nothing.
@@ -105,14 +106,25 @@ void add_totals(const ContactBlock& block, bool first, Lanes<T>& lanes) {
   }
 }
 
+// As add_late_impulses (angular_balance.h), of the last substep.
 template <class T>
-void write_back_block(const ContactSystem& system, double substep_s, const ContactBlock& block,
-                      const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
-                      std::span<const TotalLanes<T>> totals) {
+void add_late_impulse(double late_s, std::span<const PointLanes<T>> points, std::size_t lane, PairLanes<T>& shared) {
+  for (const PointLanes<T>& point : points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const T given = point.impulse[lane] * point.normal[k][lane] + point.friction_impulse[k][lane];
+      shared.shift[k][lane] -= static_cast<T>(late_s) * given;
+    }
+  }
+}
+
+template <class T>
+void write_back_block(const ContactSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
+                      std::span<const PointLanes<T>> manifold_points, std::span<const TotalLanes<T>> totals) {
+  const double still_square = times.still_mps * times.still_mps;
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
     const double unit_ns = static_cast<double>(shared.reduced_mass[lane]);
-    const double unit_n = unit_ns / substep_s;
+    const double unit_n = unit_ns / times.substep_s;
     // Number by number: vectors would be written in parts and read whole, which waits.
     double impulse[3] = {};
     double moment[3] = {};
@@ -144,6 +156,12 @@ void write_back_block(const ContactSystem& system, double substep_s, const Conta
     if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
     SolverBody& a = system.bodies[pair.a];
     SolverBody& b = system.bodies[pair.b];
+    // Where something pulls, angular momentum is not that of the bodies alone.
+    const bool free = a.inverse_mass > 0 && b.inverse_mass > 0 && !a.pulled && !b.pulled;
+    if (free && (b.velocity_mps - a.velocity_mps).squaredNorm() > still_square) {
+      add_late_impulse(times.late_s, manifold_points.first(pair.point_count), lane, shared);
+      block.shifted = static_cast<std::uint8_t>(block.shifted | 1U << lane);
+    }
     if (a.inverse_mass > 0) {
       add_impulse(-a.inverse_mass, a.velocity_mps);
       a.spin_radps -= system.inverse_inertia[pair.a] * moment_a;
@@ -164,9 +182,9 @@ template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&,
 template void fill_block(const ContactSystem&, const BlockTerms&, ContactBlock&, PairLanes<double>&, Lanes<double>&);
 template void add_totals(const ContactBlock&, bool, Lanes<float>&);
 template void add_totals(const ContactBlock&, bool, Lanes<double>&);
-template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<float>&,
+template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<float>&,
                                std::span<const PointLanes<float>>, std::span<const TotalLanes<float>>);
-template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<double>&,
+template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<double>&,
                                std::span<const PointLanes<double>>, std::span<const TotalLanes<double>>);
 
 }  // namespace poise::solver

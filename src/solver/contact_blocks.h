@@ -34,6 +34,13 @@ struct Lanes {
 template <class T>
 ScaledInverseInertia<T> scaled_inverse_inertia(const SolverBody& body, const Mat3& inverse_inertia);
 
+/// The substeps of a step.
+struct SubstepTimes {
+  double substep_s = 0;
+  double late_s = 0;     ///< by which the last substep begins later than the step
+  double still_mps = 0;  ///< what moves against each other more slowly does not slide
+};
+
 /// What all blocks of a step share.
 struct BlockTerms {
   double still_mps = 0;  ///< what closes more slowly does not rebound
@@ -50,11 +57,11 @@ template <class T>
 void add_totals(const ContactBlock& block, bool first, Lanes<T>& lanes);
 
 /// Applies the total impulses of the step to the bodies of a block, in double precision and at one point for both
-/// bodies, and stores the forces of the last substep, which warm start the next step.
+/// bodies, and stores the forces of the last substep, which warm start the next step. Completes the shifts of pairs
+/// that slide, and notes them in `block`.
 template <class T>
-void write_back_block(const ContactSystem& system, double substep_s, const ContactBlock& block,
-                      const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
-                      std::span<const TotalLanes<T>> totals);
+void write_back_block(const ContactSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
+                      std::span<const PointLanes<T>> manifold_points, std::span<const TotalLanes<T>> totals);
 
 extern template ScaledInverseInertia<float> scaled_inverse_inertia(const SolverBody&, const Mat3&);
 extern template ScaledInverseInertia<double> scaled_inverse_inertia(const SolverBody&, const Mat3&);
@@ -64,9 +71,9 @@ extern template void fill_block(const ContactSystem&, const BlockTerms&, Contact
                                 Lanes<double>&);
 extern template void add_totals(const ContactBlock&, bool, Lanes<float>&);
 extern template void add_totals(const ContactBlock&, bool, Lanes<double>&);
-extern template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<float>&,
+extern template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<float>&,
                                       std::span<const PointLanes<float>>, std::span<const TotalLanes<float>>);
-extern template void write_back_block(const ContactSystem&, double, const ContactBlock&, const PairLanes<double>&,
+extern template void write_back_block(const ContactSystem&, const SubstepTimes&, ContactBlock&, PairLanes<double>&,
                                       std::span<const PointLanes<double>>, std::span<const TotalLanes<double>>);
 
 }  // namespace poise::solver

@@ -263,7 +263,7 @@ HWY_INLINE void begin_total(D d, const PointLanes<T>& point, const Triple<V>& n,
 }
 
 template <class T>
-IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
+IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
                          std::span<TotalLanes<T>> totals, const SubstepTerms<T>& terms, bool push,
                          const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
@@ -323,7 +323,9 @@ IterationChange<T> solve(ContactBlock& block, const PairLanes<T>& shared, std::s
           hn::And(hn::And(hn::Gt(overlap, zero), hn::Gt(mass, zero)), hn::Gt(closing, hn::Set(d, -terms.still_mps)));
       if (hn::AllFalse(d, may)) continue;
       const V length = hn::Min(hn::Mul(overlap, hn::Set(d, terms.push_share)), hn::Set(d, terms.most_push_m));
-      give<true>(arms, scaled(hn::IfThenElseZero(may, hn::Mul(mass, length)), n), pairs);
+      const Triple<V> moves = scaled(hn::IfThenElseZero(may, hn::Mul(mass, length)), n);
+      give<true>(arms, moves, pairs);
+      store(d, sum(load(d, shared.shift, lane), moves), shared.shift, lane);
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(d, may, bits);
       block.pushed = static_cast<std::uint8_t>(block.pushed | (bits[0] << lane));
@@ -359,12 +361,12 @@ void warm_double(const ContactBlock& block, const PairLanes<double>& pairs,
                  std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
   warm(block, pairs, manifold_points, bodies);
 }
-IterationChange<float> solve_float(ContactBlock& block, const PairLanes<float>& pairs,
+IterationChange<float> solve_float(ContactBlock& block, PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
                                    const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
   return solve(block, pairs, manifold_points, totals, terms, push, bodies);
 }
-IterationChange<double> solve_double(ContactBlock& block, const PairLanes<double>& pairs,
+IterationChange<double> solve_double(ContactBlock& block, PairLanes<double>& pairs,
                                      std::span<PointLanes<double>> manifold_points,
                                      std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms, bool push,
                                      const BodyLanes<double>& bodies) {
@@ -402,12 +404,12 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
                       std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
   HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, manifold_points, bodies);
 }
-IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
+IterationChange<float> solve_block(ContactBlock& block, PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
                                    const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, totals, terms, push, bodies);
 }
-IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
+IterationChange<double> solve_block(ContactBlock& block, PairLanes<double>& pairs,
                                     std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
                                     const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies) {
   return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, totals, terms, push, bodies);

@@ -63,6 +63,8 @@ struct alignas(64) PairLanes {
   T dynamic_a[kLanes] = {}, dynamic_b[kLanes] = {};  ///< inverse mass as a share of that of both
   T friction[kLanes] = {};
   T reduced_mass[kLanes] = {};  ///< 1 / (sum of inverse masses); 0 for a lane that is not in use
+  T shift[3][kLanes] = {};      ///< out: what moved b beyond its velocity so far, and a the opposite way, as a position
+                                ///< impulse divided by the reduced mass, m
 };
 
 /// Further input of prepare_block.
@@ -84,6 +86,7 @@ struct ContactBlock {
   std::uint8_t dynamic_a = 0, dynamic_b = 0;  ///< bit by lane
   bool frictional = true;                     ///< a pair has friction
   std::uint8_t pushed = 0;                    ///< bit by lane: something certainly penetrates and was pushed
+  std::uint8_t shifted = 0;  ///< bit by lane: its shift changed the angular momentum (angular_balance.h)
 };
 
 /// One substep.
@@ -133,10 +136,10 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
 /// Solves the contact points of a block one after another, the normal impulse before friction. With `push`, certain
 /// penetration is corrected by moving the bodies apart. Without terms.watch this is the only iteration of the substep,
 /// and the totals, one an entry of `manifold_points`, are those of terms.totals.
-IterationChange<float> solve_block(ContactBlock& block, const PairLanes<float>& pairs,
+IterationChange<float> solve_block(ContactBlock& block, PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
                                    const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies);
-IterationChange<double> solve_block(ContactBlock& block, const PairLanes<double>& pairs,
+IterationChange<double> solve_block(ContactBlock& block, PairLanes<double>& pairs,
                                     std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
                                     const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies);
 

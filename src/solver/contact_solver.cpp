@@ -11,6 +11,7 @@
 #include "collision/manifold/manifold_point.h"
 #include "parallel/ranges.h"
 #include "solver/anderson_mixing.h"
+#include "solver/angular_balance.h"
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
 #include "solver/flight.h"
@@ -428,10 +429,11 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
   });
   if (limit.mixed) energy.begin(system, blocks);
+  const SubstepTimes times = {h_s, settings.dt_s - h_s, still_mps(settings)};
   const auto give = [&](std::size_t i, std::span<const TotalLanes<T>> totals) {
     if (distant && i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
     if (distant && i + kAhead < blocks.size()) prefetch_results(system, blocks[i + kAhead]);
-    write_back_block(system, h_s, blocks[i], all.pairs[i],
+    write_back_block(system, times, blocks[i], all.pairs[i],
                      std::span<const PointLanes<T>>(all.manifold_points_of(blocks[i])), totals);
   };
   SubstepTerms<T> terms = terms_of<T>(settings, watch);
@@ -450,6 +452,10 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     const Iterated done = iterate(Iterating<T>{system, settings, limit, terms}, last, give, ended, executor);
     if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
     if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });
+    if (substep > 0 && !last)
+      for_blocks([&](std::size_t i) {
+        add_late_impulses<T>(blocks[i], substep * h_s, all.pairs[i], all.manifold_points_of(blocks[i]));
+      });
     ended.reached = ended.reached && done.reached;
     ended.cut_short = ended.cut_short || (!done.settled && limit.iterations(done.far) < full.iterations(done.far));
   }
@@ -459,6 +465,10 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
     land(all.motions[i], system.bodies[i]);
   });
   if (watch) iteration(executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
+  if (std::ranges::any_of(blocks, [](const ContactBlock& block) { return block.shifted != 0; })) {
+    for_blocks([&](std::size_t i) { measure_angular_change(system, blocks[i], all.pairs[i]); });
+    iteration(executor, [&](std::size_t i) { return_angular_momentum(system, blocks[i], all.pairs[i]); });
+  }
   return ended;
 }
 

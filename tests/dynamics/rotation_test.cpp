@@ -92,10 +92,13 @@ TEST(TurnedBy, KeepsAngularMomentumAndNeverAddsEnergy) {
   const auto energy = [&](const Vec3& of, const Rotation& r) { return 0.5 * r.spin_radps.dot(momentum(of, r)); };
   int kept = 0;
   for (const Vec3& tilt : {Vec3(0.01, 0, 0), Vec3(-0.01, 0, 0), Vec3(0, 0.02, 0.01), Vec3(0, -0.02, -0.01)}) {
-    const Rotation after = turned_by(start, moments, rotation_by(tilt));
+    const Rotation after = turned_by(start, moments, rotation_by(tilt), TurnKeeps::Turn);
     EXPECT_LE(energy(moments, after), energy(moments, start) * (1 + 1e-14));
     const Vec3 change = momentum(moments, after) - momentum(moments, start);
     kept += change.norm() < 1e-14 ? 1 : 0;
+    const Rotation calm = turned_by(start, moments, rotation_by(tilt), TurnKeeps::Momentum);
+    EXPECT_LE(energy(moments, calm), energy(moments, start) * (1 + 1e-14));
+    EXPECT_LT((momentum(moments, calm) - momentum(moments, start)).norm(), 1e-14) << "all of it stays";
     EXPECT_LT(momentum(moments, after).cross(momentum(moments, start)).norm(), 1e-13)
         << "the direction stays in any case";
   }
@@ -104,7 +107,7 @@ TEST(TurnedBy, KeepsAngularMomentumAndNeverAddsEnergy) {
   const Vec3 needle(1e-4, 1, 1);
   Rotation tumbling;
   tumbling.spin_radps = Vec3(0, 0, 5);
-  EXPECT_LE(energy(needle, turned_by(tumbling, needle, rotation_by(Vec3(0, 0.9, 0)))),
+  EXPECT_LE(energy(needle, turned_by(tumbling, needle, rotation_by(Vec3(0, 0.9, 0)), TurnKeeps::Turn)),
             energy(needle, tumbling) * (1 + 1e-14));
 }
 

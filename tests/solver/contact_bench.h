@@ -72,12 +72,22 @@ struct Bench {
     }
     return sum;
   }
+  // About the origin, of the bodies where they are after the step.
   Vec3 angular_momentum() const {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (bodies[i].inverse_mass == 0) continue;
-      sum += poses[i].position_m.cross(bodies[i].velocity_mps) / bodies[i].inverse_mass +
+      sum += (poses[i].position_m + bodies[i].moved_m).cross(bodies[i].velocity_mps) / bodies[i].inverse_mass +
              inverse_inertia[i].inverse() * bodies[i].spin_radps;
+    }
+    return sum;
+  }
+  double energy_j() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i].inverse_mass == 0) continue;
+      sum += 0.5 * bodies[i].velocity_mps.squaredNorm() / bodies[i].inverse_mass +
+             0.5 * bodies[i].spin_radps.dot(inverse_inertia[i].inverse() * bodies[i].spin_radps);
     }
     return sum;
   }
