@@ -43,14 +43,16 @@ bool read_obj(std::string_view bytes) { return checked_mesh(geometry::parse_obj(
 bool read_off(std::string_view bytes) { return checked_mesh(geometry::parse_off(bytes)); }
 bool read_stl(std::string_view bytes) { return checked_mesh(geometry::parse_stl(bytes)); }
 bool read_ply(std::string_view bytes) { return checked_mesh(geometry::parse_ply(bytes)); }
-bool read_gltf(std::string_view bytes) {
+void check_gltf_nodes(std::string_view bytes) {
   const Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes, "/nowhere");
-  checked(nodes);
-  if (nodes) {
-    for (const TriangleMesh& mesh : nodes.value().meshes) checked_mesh(mesh);
-    for (const geometry::GltfNode& node : nodes.value().nodes)
-      require(node.mesh < nodes.value().meshes.size() && !node.name.empty(), "a node has a name and a mesh");
-  }
+  if (!checked(nodes)) return;
+  for (const TriangleMesh& mesh : nodes.value().meshes) checked_mesh(mesh);
+  for (const geometry::GltfNode& node : nodes.value().nodes)
+    require(node.mesh < nodes.value().meshes.size() && !node.name.empty(), "a node has a name and a mesh");
+}
+
+bool read_gltf(std::string_view bytes) {
+  check_gltf_nodes(bytes);
   return checked_mesh(geometry::parse_gltf(bytes, "/nowhere"));
 }
 
