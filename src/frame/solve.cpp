@@ -139,8 +139,8 @@ class PairRows final : public solver::RowSource {
     for (std::uint32_t p = manifold.point_begin; p < manifold.point_begin + manifold.point_count; ++p) {
       const solver::PlacedPoint point = solver::placed_point(a, b, points_.points[p]);
       if (point.certain_separation_m > 0) continue;
-      velocities_.overlaps[row.overlap_begin + row.overlap_count++] = {point.normal, point.arm_m.cross(point.normal),
-                                                 (point.arm_m - row.a_to_b_m).cross(point.normal)};
+      velocities_.overlaps[row.overlap_begin + row.overlap_count++] = {
+          point.normal, point.arm_m.cross(point.normal), (point.arm_m - row.a_to_b_m).cross(point.normal)};
     }
   }
 

@@ -120,7 +120,8 @@ HWY_INLINE void prefetch_row(const System& system, const RowActivation& gate, st
   hwy::Prefetch(&system.bodies[gate.b]);
 }
 HWY_INLINE void prefetch_overlaps(const System& system, const ContactRow& row) {
-  for (std::uint32_t p = row.overlap_begin; p < row.overlap_begin + row.overlap_count; ++p) parallel::prefetch(system.overlaps[p]);
+  for (std::uint32_t p = row.overlap_begin; p < row.overlap_begin + row.overlap_count; ++p)
+    parallel::prefetch(system.overlaps[p]);
 }
 
 void note_rebound(const System& system, ContactRow& row, double still_mps) {
