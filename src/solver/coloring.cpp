@@ -39,10 +39,13 @@ void begin_bins(std::vector<std::array<std::uint32_t, kCount>>& counts, std::arr
 
 }  // namespace
 
-// The bin of an edge: the first colour that is free at both bodies, where it is then used, and the rank, the highest
-// first. Edges without a colour keep their order.
+// The bin of an edge: the first colour of its kind that is free at both bodies, where it is then used, and the rank,
+// the highest first. Edges without a colour keep their order.
 std::uint16_t Coloring::pick(const Edge& edge) {
-  const std::uint64_t used = (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0);
+  constexpr std::uint64_t kGrounded = ~std::uint64_t{0} << (kColors - kGroundColors);
+  const bool grounded = !(edge.dynamic_a && edge.dynamic_b);
+  const std::uint64_t used =
+      (edge.dynamic_a ? used_[edge.a] : 0) | (edge.dynamic_b ? used_[edge.b] : 0) | (grounded ? ~kGrounded : kGrounded);
   const auto color = static_cast<std::uint32_t>(std::countr_one(used));
   if (color == kColors) return kColors * kRanks;
   const std::uint64_t mark = std::uint64_t{1} << color;

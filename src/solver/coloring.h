@@ -17,12 +17,16 @@ namespace poise::solver {
 /// Deterministic for the rows' order, whatever the number of threads. Invariant: begin has one more entry than there
 /// are colours; rows of the last stretch, if any, share bodies.
 ///
-/// Each row gets the first colour that is free at both bodies. Many rows are coloured in parallel: bodies are divided
+/// Each row gets the first colour that is free at both bodies, rows with a body that is not dynamic one of the last
+/// colours. Many rows are coloured in parallel: bodies are divided
 /// into ranges of slots and rows into tiles, those between the same two ranges. Tiles without a range in common share
 /// no body. They make up a phase, whose tiles are coloured at the same time; phases follow each other.
 class Coloring {
  public:
   static constexpr std::uint32_t kColors = 64;
+  /// The last of them, for rows with a body that is not dynamic: an iteration ends with them, so that what does not
+  /// yield holds whatever the rows before them left.
+  static constexpr std::uint32_t kGroundColors = 8;
   static constexpr std::uint32_t kRanks = 8;
   /// Fewer are one tile. Chosen: 40 us of work, about the cost of the loops that more tiles need.
   static constexpr std::size_t kTiledEdges = 4096;

@@ -41,14 +41,28 @@ RC_GTEST_PROP(Coloring, NoTwoRowsOfAColourShareABodyThatYields, ()) {
 }
 
 TEST(Coloring, RowsBeyondTheLastColourGoToTheEndInOrder) {
-  // A hub with more neighbours than there are colours.
+  // A hub with more neighbours than there are colours for pairs of dynamic bodies.
+  constexpr std::uint32_t kFree = Coloring::kColors - Coloring::kGroundColors;
   std::vector<Coloring::Edge> edges;
   for (std::uint32_t i = 1; i <= Coloring::kColors + 10; ++i) edges.push_back({0, i, true, true});
   Coloring coloring;
   coloring.color(edges, Coloring::kColors + 11);
-  EXPECT_EQ(coloring.colors(), Coloring::kColors);
-  EXPECT_EQ(coloring.serial_begin(), Coloring::kColors);
-  for (std::size_t k = Coloring::kColors; k < edges.size(); ++k) EXPECT_EQ(coloring.order()[k], k);
+  EXPECT_EQ(coloring.colors(), kFree);
+  EXPECT_EQ(coloring.serial_begin(), kFree);
+  for (std::size_t k = kFree; k < edges.size(); ++k) EXPECT_EQ(coloring.order()[k], k);
+}
+
+TEST(Coloring, RowsOnTheGroundComeAfterAllOthers) {
+  // A column whose ground is named first, and a body with more such rows than there are colours for them.
+  std::vector<Coloring::Edge> edges = {
+      {0, 1, false, true}, {1, 2, true, true}, {2, 3, true, true}, {3, 0, true, false}};
+  for (std::uint32_t i = 0; i < Coloring::kGroundColors + 3; ++i) edges.push_back({0, 4, false, true});
+  Coloring coloring;
+  coloring.color(edges, 5);
+  ASSERT_EQ(coloring.order().size(), edges.size());
+  EXPECT_EQ(coloring.order()[0], 1U);
+  EXPECT_EQ(coloring.order()[1], 2U);
+  EXPECT_EQ(coloring.serial_begin(), edges.size() - 3);
 }
 
 // Pairs of bodies that are `near` slots apart at most, or of any.

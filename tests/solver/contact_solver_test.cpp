@@ -146,6 +146,21 @@ TEST(Rest, WhatIsLeftToTheImpactPhaseIsNotRubbedEither) {
   EXPECT_NEAR(bench.bodies[ball].velocity_mps.z(), -5 - 10.0 / 60, 1e-12);
 }
 
+TEST(Rest, TheGroundHoldsALightBodyUnderAHeavyOneThoughIterationsAreFew) {
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  bench.settings.point_iterations = 1;
+  const auto ground = bench.add_body(0);
+  const auto light = bench.add_body(1e-3, Vec3(0, 0, 0.5));
+  const auto heavy = bench.add_body(1e3, Vec3(0, 0, 1.5));
+  bench.add_pair(ground, light, Vec3::UnitZ(), {Vec3::Zero()});
+  bench.add_pair(light, heavy, Vec3::UnitZ(), {Vec3(0, 0, 1)});
+  bench.solve();
+  EXPECT_LT(bench.bodies[heavy].velocity_mps.z(), -0.1) << "one iteration cannot carry it";
+  EXPECT_GT(bench.bodies[light].velocity_mps.z(), -1e-6);
+  EXPECT_GT(bench.bodies[light].moved_m.z(), -2e-4) << "2.7 mm if nothing held it";
+}
+
 // Seven bodies that move anyhow, and pairs between all of them.
 Bench tangle(std::mt19937& random) {
   const auto number = [&] { return 1e-3 * (static_cast<double>(random() % 2000) - 1000); };
