@@ -38,6 +38,10 @@ struct Pile {
   const char* file;
   std::uint64_t bodies;
   double friction;
+  // What it may do. Without friction a heap still rearranges after 15 s: the largest figures of heaps with other seeds
+  // at full levels (docs/accuracy.md, "Bounds that were measured").
+  double excess_at_most = 1e-3;
+  double speed_at_most_mps = 0.2;
 };
 
 struct Found {
@@ -116,9 +120,9 @@ Status change_levels(Context& context, const Pile& pile) {
     ++done;
     const Found& found = run.value();
     const std::string with = fmt::format(", {}", name_of(way));
-    context.add("energy over its running minimum, a body in m g R" + with, "1", found.excess, 1e-3);
+    context.add("energy over its running minimum, a body in m g R" + with, "1", found.excess, pile.excess_at_most);
     context.add("bodies out of the tray" + with, "", static_cast<double>(found.outside), 0);
-    context.add("largest speed" + with, "m/s", found.largest_mps, 0.2);
+    context.add("largest speed" + with, "m/s", found.largest_mps, pile.speed_at_most_mps);
     if (way == Way::Full) {
       full_m = found.height_m;
       context.add("mean height" + with, "m", full_m, {});
@@ -132,9 +136,9 @@ Status change_levels(Context& context, const Pile& pile) {
 
 }  // namespace
 
-Status jacks_change_levels(Context& context) { return change_levels(context, {"jacks.json", 300, 0}); }
+Status jacks_change_levels(Context& context) { return change_levels(context, {"jacks.json", 300, 0, 0.016, 1.5}); }
 Status jacks_change_levels_with_friction(Context& context) { return change_levels(context, {"jacks.json", 300, 0.5}); }
-Status meshes_change_levels(Context& context) { return change_levels(context, {"pile.json", 100, 0}); }
+Status meshes_change_levels(Context& context) { return change_levels(context, {"pile.json", 100, 0, 1e-3, 0.9}); }
 Status meshes_change_levels_with_friction(Context& context) { return change_levels(context, {"pile.json", 100, 0.5}); }
 
 }  // namespace poise::accuracy
