@@ -83,7 +83,7 @@ Result<TriangleMesh> mesh_of_link(const geometry::UrdfLink& link, const RobotFol
       return bad_input(
           fmt::format("line {}: link '{}': {}", part.line, geometry::shown_text(link.name, 80), mesh.error().message));
     const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
-    for (const Vec3& v : mesh.value().vertices_m) all.vertices_m.push_back(part.rotation * v + part.position_m);
+    for (const Vec3& v : mesh.value().vertices_m) all.vertices_m.emplace_back(part.rotation * v + part.position_m);
     for (const auto& t : mesh.value().triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});
   }
   return all;
