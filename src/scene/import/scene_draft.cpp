@@ -184,7 +184,7 @@ class DraftWriter {
         part = solid_mesh(solid);
       }
       const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
-      for (const Vec3& v : part.vertices_m) all.vertices_m.push_back(solid.orientation * v + solid.position_m);
+      for (const Vec3& v : part.vertices_m) all.vertices_m.emplace_back(solid.orientation * v + solid.position_m);
       for (const auto& t : part.triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});
     }
     return saved_mesh(all, name, shell);
