@@ -129,7 +129,8 @@ void refine(const RefineInput& input, const RefineResources& resources, Complete
             parallel::Executor& executor);
 
 /// After refinement: the manifold points of the pairs that the budget left before their deepest level. Work that the
-/// frame must do.
+/// frame must do. Writes these and nothing else of what was found: workers that are not waited for may still read the
+/// rest.
 void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
                       parallel::Executor& executor);
 

@@ -28,6 +28,14 @@ std::uint64_t solved_of(double share, std::int64_t present) {
   return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
+// What the next level reads of the last one. Not its contact points: of a pair in the hand of a worker that is not
+// waited for, the caller makes them at the same time (make_points_left).
+void copy_for_next_level(const collision::LevelContact& found, collision::LevelContact& into) {
+  into.contact = found.contact;
+  into.reach_m = found.reach_m;
+  into.narrowed = found.narrowed;
+}
+
 // What was found of a pair; of one that is apart nobody asks more than how far it was looked.
 void copy_found(const OpenRefinement::Hand& hand, collision::LevelContact& into) {
   if (hand.progress.level.apart) {
@@ -176,7 +184,7 @@ class OpenRefinement::Job {
   // Levels of the pair, in this worker's own memory.
   void refine(Hand& hand) {
     const RefineInput& input = run_.input;
-    if (hand.progress.level.level > 0) hand.found = run_.levels.found[hand.item];
+    if (hand.progress.level.level > 0) copy_for_next_level(run_.levels.found[hand.item], hand.found);
     if (in_order() && batch_.looks) {
       scheduler::PairCues looked;
       open_.cues->fill(hand.item, looked);
