@@ -17,7 +17,7 @@
 #include "app/output_files.h"
 #include "app/refusal.h"
 #include "assets/files/text_file.h"
-#include "poise/scene/scene.h"
+#include "poise/types.h"
 #include "scene/import/gltf_import.h"
 #include "scene/import/mjcf_import.h"
 #include "scene/import/scene_draft.h"
@@ -93,9 +93,6 @@ int import_scene(const ImportOptions& options) {
                                 ? error
                                 : Error{error.kind, fmt::format("{}: {}", options.file, error.message)});
   }
-  // What was written is a scene like any other, with its limits.
-  const Result<Scene> read = read_scene(options.output);
-  if (!read) return refuse("import", read.error());
   d.warnings.insert(d.warnings.end(), written.value().warnings.begin(), written.value().warnings.end());
   for (const std::string& warning : d.warnings) fmt::print(stderr, "poise import: warning: {}\n", warning);
   if (options.quiet) return kExitDone;

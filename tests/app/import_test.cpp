@@ -68,6 +68,19 @@ TEST(ImportCommand, MakesASceneOfGltfNodesThatRuns) {
   EXPECT_NEAR(last_heights(folder.file("states.csv"), 3).at(0), 1.25, 0.005);
 }
 
+TEST(ImportCommand, ASceneBeyondTheLimitsOfScenesReplacesNothing) {
+  const TemporaryFolder folder;
+  const std::string model = folder.file("far.xml");
+  std::ofstream(model)
+      << R"(<mujoco><worldbody><body pos="1e300 0 0"><freejoint/><geom type="sphere" size="0.1"/></body>
+</worldbody></mujoco>)";
+  const std::string scene = folder.file("far.json");
+  std::ofstream(scene) << "mine";
+  const CommandResult refused = poise_command({"import", model, "-o", scene});
+  EXPECT_EQ(refused.exit_code, 3) << refused.error;
+  EXPECT_EQ(contents(scene), "mine");
+}
+
 TEST(ImportCommand, RefusesOrLeavesOutWhatIsNotModelled) {
   const TemporaryFolder folder;
   const std::string model = folder.file("arm.xml");

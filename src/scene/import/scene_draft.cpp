@@ -16,6 +16,7 @@
 #include "assets/files/atomic_file.h"
 #include "geometry/mesh/solids.h"
 #include "poise/assets/mesh_file.h"
+#include "poise/scene/scene.h"
 
 namespace poise::io {
 namespace {
@@ -327,7 +328,11 @@ Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& s
     const Status added = writer.add(body);
     if (!added) return added.error();
   }
-  const Status saved = geometry::write_file(file, writer.text());
+  // It is a scene like any other, with its limits, before it takes the place of what was there.
+  const std::string text = writer.text();
+  const Result<Scene> sound = parse_scene(text, file.string(), file.parent_path());
+  if (!sound) return sound.error();
+  const Status saved = geometry::write_file(file, text);
   if (!saved) return saved.error();
   return std::move(writer.written);
 }

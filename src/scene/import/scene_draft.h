@@ -82,7 +82,7 @@ double volume_of(const DraftSolid& solid);
 
 /// Writes the scene file, and beside it a folder STEM-meshes of the meshes that had to be made, if any. The scene file
 /// is written last. Refused: a mesh that read_mesh refuses, more than 20 million triangles to be written, what cannot
-/// be written, a draft without bodies.
+/// be written, a draft without bodies, what is no scene (parse_scene): then no scene file is written.
 Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings,
                                  const std::filesystem::path& file);
 
