@@ -52,7 +52,9 @@ TEST(RobotCommand, GivesTreesOfAllLinksAndWritesThemBack) {
   // link.
   double lowest = 1;
   double highest = 0;
-  for (const Sphere& s : read_spheres(written, {"upper", {}}).value()) {
+  const auto upper = read_spheres(written, {"upper", {}});
+  ASSERT_TRUE(upper.ok()) << upper.error().message;
+  for (const Sphere& s : upper.value()) {
     lowest = std::min(lowest, s.center_m.z() - s.radius_m);
     highest = std::max(highest, s.center_m.z() + s.radius_m);
   }
