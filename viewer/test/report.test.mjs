@@ -271,20 +271,20 @@ test("a click on a body shows its facts in this frame; Escape closes them", { sk
     const place = await page.evaluate(() => {
       const { replay } = window.poise;
       const { cursor, file } = replay.views[0];
-      const box = replay.canvas.getBoundingClientRect();
-      const eye = replay.cameras.camera.position;
-      const near = [...cursor.rows]
+      const { camera } = replay.cameras;
+      // The nearest of those well inside of the picture: nothing hides it.
+      const [near] = [...cursor.rows]
         .filter((row) => file.bodies.motion[row] === 2)
-        .map((row) => ({ row, place: eye.clone().fromArray(cursor.position, 3 * row) }))
-        .sort((a, b) => a.place.distanceTo(eye) - b.place.distanceTo(eye))[0];
-      const seen = near.place.clone().project(replay.cameras.camera);
+        .map((row) => ({ row, seen: camera.position.clone().fromArray(cursor.position, 3 * row).project(camera) }))
+        .filter(({ seen }) => Math.max(Math.abs(seen.x), Math.abs(seen.y)) < 0.8)
+        .sort((a, b) => a.seen.z - b.seen.z);
       return {
         number: file.bodies.number[near.row],
-        x: box.x + (0.5 + 0.5 * seen.x) * box.width,
-        y: box.y + (0.5 - 0.5 * seen.y) * box.height,
+        x: (0.5 + 0.5 * near.seen.x) * replay.canvas.clientWidth,
+        y: (0.5 - 0.5 * near.seen.y) * replay.canvas.clientHeight,
       };
     });
-    await page.mouse.click(place.x, place.y);
+    await page.click("#view", { position: { x: place.x, y: place.y } });
     await page.waitForSelector("#facts:not([hidden])");
     const facts = await page.textContent("#facts");
     assert.match(facts, new RegExp(`Body ${place.number}[^0-9]`));
@@ -295,9 +295,11 @@ test("a click on a body shows its facts in this frame; Escape closes them", { sk
     await page.keyboard.press("Escape");
     await page.waitForSelector("#facts", { state: "hidden" });
     // Where the gaze rests, bodies fall past.
+    const draw = (row) => page.evaluate((at) => (window.poise.player.goTo(at), window.poise.replay.drawNow()), row);
     for (let frame = 40; frame < 90 && (await page.isHidden("#facts")); ++frame) {
-      await page.evaluate((row) => window.poise.player.goTo(row), frame);
+      await draw(frame);
       await page.keyboard.press("b");
+      await draw(frame);
     }
     await page.waitForSelector("#facts:not([hidden])");
     assert.match(await page.textContent("#facts h3"), /^Body \d+/);
