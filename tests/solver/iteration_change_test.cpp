@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "solver/iteration_change.h"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+
+#include "solver/contact_bench.h"
+
+namespace poise::solver {
+namespace {
+
+constexpr double kStillMps = 0.1;
+
+MeanChange after(std::initializer_list<double> changes_of_still) {
+  MeanChange mean;
+  for (const double change : changes_of_still) mean.add(change * kStillMps, kStillMps);
+  return mean;
+}
+
+TEST(MeanChange, SettlesWhereNextToNothingChanges) {
+  EXPECT_TRUE(after({2e-4}).settled());
+  EXPECT_FALSE(after({4e-4}).settled());
+  EXPECT_TRUE(after({0}).settled());
+}
+
+TEST(MeanChange, OfBodiesInMotionSettlesAtAShareOfTheFirst) {
+  EXPECT_FALSE(after({3, 1, 0.2}).settled());
+  EXPECT_TRUE(after({3, 1, 0.14}).settled());
+}
+
+TEST(MeanChange, SettlesWhereMoreIterationsChangeNothingMoreUnlessItIsFarFromTheSolution) {
+  EXPECT_TRUE(after({0.09, 0.009, 0.0089}).settled());
+  EXPECT_FALSE(after({0.09, 0.009, 0.008}).settled());
+  EXPECT_FALSE(after({0.09, 0.02, 0.0199}).settled()) << "far from it";
+}
+
+TEST(MeanChange, AHeapAtRestStallsWhereItHasNotSettledSoon) {
+  EXPECT_FALSE(after({0.09, 0.05, 0.03, 0.02, 0.015}).stalled());
+  EXPECT_TRUE(after({0.09, 0.05, 0.03, 0.02, 0.015, 0.012}).stalled());
+  EXPECT_FALSE(after({0.09, 0.05, 0.03, 0.02, 0.015, 0.004}).stalled()) << "it has settled";
+  EXPECT_FALSE(after({2, 1.9, 1.8, 1.7, 1.6, 1.5}).stalled()) << "in motion";
+}
+
+TEST(MeanChange, WhatIsFarFromTheSolutionStallsAtTheLastPlainIterationOnly) {
+  MeanChange slow;
+  MeanChange fast;
+  for (std::uint32_t round = 1; round < kMixedIterations; ++round) {
+    EXPECT_FALSE(slow.stalled()) << round;
+    slow.add(kStillMps * (2 - 0.05 * round), kStillMps);
+    fast.add(kStillMps * (2 - 0.09 * round), kStillMps);
+  }
+  EXPECT_TRUE(slow.stalled());
+  EXPECT_FALSE(fast.stalled()) << "on its way";
+}
+
+// Columns of boxes of 1 kg, with a box of `top_kg` on each.
+Bench columns(double top_kg) {
+  Bench bench;
+  bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  const auto floor = bench.add_body(0);
+  for (int column = 0; column < 20; ++column) {
+    auto below = floor;
+    for (int i = 0; i < 6; ++i) {
+      const double x_m = 3 * column;
+      const double z_m = i;
+      const auto box = bench.add_body(i < 5 ? 1 : top_kg, Vec3(x_m, 0, z_m + 0.5));
+      bench.add_pair(below, box, Vec3(0, 0, 1),
+                     {{x_m + 0.4, 0.4, z_m}, {x_m - 0.4, 0.4, z_m}, {x_m - 0.4, -0.4, z_m}, {x_m + 0.4, -0.4, z_m}},
+                     0.5);
+      below = box;
+    }
+  }
+  return bench;
+}
+double fastest_mps(const Bench& bench) {
+  double fastest = 0;
+  for (const SolverBody& body : bench.bodies) fastest = std::max(fastest, body.velocity_mps.norm());
+  return fastest;
+}
+
+TEST(Rest, ManyColumnsThatCarryATonneEachStandBecausePlainIterationsStall) {
+  Bench heavy = columns(1000);
+  ASSERT_GT(heavy.points.size(), kExactPoints);
+  const Convergence ended = heavy.solve();
+  EXPECT_GT(ended.point_iterations, kMixedIterations * 2 * heavy.points.size());
+  const double held_mps = fastest_mps(heavy);
+  RecordProperty("held_mps", std::to_string(held_mps));
+  // With plain iterations alone: as many as were tried first.
+  Bench plain = columns(1000);
+  plain.settings.point_iterations = (kMixedIterations - 1) * static_cast<std::uint32_t>(plain.points.size());
+  plain.solve();
+  EXPECT_LT(held_mps, 0.2 * fastest_mps(plain));
+}
+
+TEST(Rest, ManyEqualBoxesNeedNoExtrapolation) {
+  Bench equal = columns(1);
+  const Convergence ended = equal.solve();
+  EXPECT_LT(ended.point_iterations, kMixedIterations * 2 * equal.points.size());
+  EXPECT_FALSE(ended.cut_short);
+  EXPECT_LT(fastest_mps(equal), 0.05 * 9.81 / 60);
+}
+
+}  // namespace
+}  // namespace poise::solver
