@@ -45,13 +45,11 @@ class MeanChange {
     settled_ =
         change_mps <= kSettledOfStill * still_mps || change_mps <= kSettledOfFirst * first_mps_ || (slow && !far);
     ++rounds_;
-    stalled_ = !settled_ && ((resting_ && rounds_ >= kTrialIterations) ||
-                             (far && rounds_ + 1 >= kMixedIterations && change_mps > kStalledOfFirst * first_mps_));
+    stalled_ = resting_ && !settled_ && rounds_ >= kTrialIterations;
     last_mps_ = change_mps;
   }
   [[nodiscard]] bool settled() const { return settled_; }
-  /// Plain iterations lead nowhere: a heap at rest has not settled by now, or bodies are far from the solution and not
-  /// on the way to it (heavy ones on light ones).
+  /// Bodies at rest have not settled by now: plain iterations are too few.
   [[nodiscard]] bool stalled() const { return stalled_; }
 
  private:
@@ -61,7 +59,6 @@ class MeanChange {
   static constexpr double kSlow = 0.98;
   static constexpr double kFarOfStill = 0.01;
   static constexpr double kRestOfStill = 0.1;
-  static constexpr double kStalledOfFirst = 0.5;
   static constexpr std::uint32_t kTrialIterations = 6;
   double first_mps_ = 0, last_mps_ = 0;
   std::uint32_t rounds_ = 0;

@@ -17,10 +17,22 @@ inline constexpr std::uint32_t kMaxHardIterations = 600;
 /// ones need thousands of plain ones. Plain ones in single precision are fewer than that.
 inline constexpr std::uint32_t kMixedIterations = 20;
 
-/// Scenes with more contact points than this iterate until the mean over their points has settled (MeanChange), and
-/// extrapolate only where plain iterations stall. Chosen: up to here the limits above cost 1.4 ms a substep at most,
-/// and what stands is exact.
+/// Scenes with more contact points than this, whose bodies in contact have like masses, iterate until the mean over
+/// their points has settled (MeanChange), and extrapolate only where plain iterations stall. Chosen: up to here the
+/// limits above cost 1.4 ms a substep at most, and what stands is exact.
 inline constexpr std::uint64_t kExactPoints = 256;
+/// Masses are alike up to this ratio. Chosen: a heavy body on light ones changes little in each plain iteration
+/// although it is far from the solution, so changes do not tell when these are enough.
+inline constexpr double kLikeMasses = 32;
+
+/// Have the two bodies of each pair masses that are alike?
+inline bool alike(const ContactSystem& system) {
+  return std::ranges::all_of(system.pairs, [&](const Manifold& pair) {
+    const double a = system.bodies[pair.a].inverse_mass;
+    const double b = system.bodies[pair.b].inverse_mass;
+    return a == 0 || b == 0 || std::max(a, b) <= kLikeMasses * std::min(a, b);
+  });
+}
 
 /// Limits of the iterations of a substep.
 struct IterationLimit {
@@ -28,7 +40,7 @@ struct IterationLimit {
   std::uint32_t hard = 1;      ///< while they are far from the solution
   bool mixed = false;          ///< extrapolated
   bool by_mean = false;        ///< none more once the mean over the contact points has settled
-  bool until_stalled = false;  ///< the step is given up where plain iterations of its first substep stall
+  bool until_stalled = false;  ///< the step is given up where those of its first substep stall
   [[nodiscard]] std::uint32_t iterations(bool far) const { return far ? hard : most; }
 };
 
@@ -41,7 +53,7 @@ inline IterationLimit limit_of(const ContactSystem& system, const SolveSettings&
   const std::uint32_t sped_up = std::min(point_iterations / kMixedIterationCost, kMixedPointIterations) / points;
   const std::uint32_t plain =
       std::clamp(std::min(point_iterations, kPlainPointIterations) / points, 1U, kMixedIterations - 1);
-  const bool by_mean = system.point_count > kExactPoints;
+  const bool by_mean = system.point_count > kExactPoints && plain > 1 && alike(system);
   if (sped_up < kMixedIterations) return {plain, plain, false, by_mean};
   const std::uint32_t most = std::min(sped_up, kMaxIterations);
   // Without gravity nothing rests on anything, and still is no measure.
