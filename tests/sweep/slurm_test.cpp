@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
@@ -155,8 +156,10 @@ TEST(SlurmSiteScript, RunsACommandWithASlurmThatEndsBehindIt) {
   const TemporaryFolder folder;
   const std::string script = POISE_SOURCE_DIR "/tests/sweep/slurm_site.sh";
   // An array of two tasks, the second of which fails: the command's exit code is that of sbatch.
-  const std::string line = "'" + script + R"(' run sh -c 'echo "$SLURM_CONF"; exec sbatch --wait --output=/dev/null )" +
-                           R"(--array=0-1 --wrap "exit \$((5 * SLURM_ARRAY_TASK_ID))"' >')" + folder.file("said") +
+  std::ofstream(folder.file("command")) << "echo $SLURM_CONF\n"
+                                           "exec sbatch --wait --output=/dev/null --array=0-1 "
+                                           "--wrap 'exit $((5 * SLURM_ARRAY_TASK_ID))'\n";
+  const std::string line = "'" + script + "' run sh '" + folder.file("command") + "' >'" + folder.file("said") +
                            "' 2>'" + folder.file("error") + "'";
   const int status = std::system(line.c_str());
   ASSERT_TRUE(WIFEXITED(status));
