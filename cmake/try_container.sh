@@ -23,6 +23,11 @@ if ! engine inspect --type image debian:12 >/dev/null 2>&1; then
 fi
 rm -rf -- "$folder/sources"
 git clone --quiet "file://$root" "$folder/sources"
+report=()
+if [[ -f "$root/viewer/build/figures.html" ]]; then
+  cp -r -- "$root/viewer/build" "$folder/sources/viewer/build"
+  report=(--report /results/report)
+fi
 engine build --isolation chroot --pull-never --file "$folder/sources/cmake/Containerfile" --tag poise "$folder/sources"
 
 container=$(engine from --pull-never localhost/poise)
@@ -32,6 +37,6 @@ inside poise run two-body --frames 60 --quiet
 cat >"$folder/results/spec.json" <<'SPEC'
 {"schema": "poise.sweep/1", "scenes": ["gas"], "settings": {"frames": 20, "clock": "work", "threads": 1}, "axes": {"bodies": [20, 40]}}
 SPEC
-inside poise sweep /results/spec.json --out /results/sweep
+inside poise sweep /results/spec.json --out /results/sweep "${report[@]}"
 engine push --quiet localhost/poise "oci-archive:$folder/poise.tar"
-ls -l "$folder/poise.tar" "$folder/results/sweep"
+ls -l "$folder/poise.tar" "$folder"/results/*

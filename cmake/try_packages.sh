@@ -45,28 +45,32 @@ rm -rf -- "$folder/debs"
 mkdir -- "$folder/debs"
 cp -- "${debs[@]}" "$folder/debs/"
 names=()
-for deb in "${debs[@]}"; do names+=("$(dpkg-deb -f "$deb" Package)"); done
+declare -A deb_of
+for deb in "${debs[@]}"; do
+  names+=("$(dpkg-deb -f "$deb" Package)")
+  deb_of[${names[-1]}]=/debs/$(basename -- "$deb")
+done
 
 # The programs and the module, in a Debian that has nothing but what they bring.
 files >"$folder/tmp/before"
 bare=$(inside dpkg-query -f '.\n' -W | wc -l)
-install /debs/poise_*.deb
+install "${deb_of[poise]}"
 as_user 'poise --version && poise run jacks --bodies 100 --frames 60 --quiet --json run.json'
 as_user 'printf %s "{\"schema\": \"poise.sweep/1\", \"scenes\": [\"gas\"], \"settings\": {\"frames\": 20, \"clock\": \"work\"},
   \"axes\": {\"bodies\": [20, 40]}}" >spec.json && poise sweep spec.json'
 as_user 'poise import /usr/share/poise/scenes/robots/table.xml -o table.json && poise check table.json'
 as_user 'poise tree /usr/share/poise/scenes/robots/arm.urdf --depth 1 --quiet -o spheres.urdf'
-install /debs/poise-study_*.deb
+install "${deb_of[poise-study]}"
 as_user 'poise study order --help >/dev/null'
-install /debs/python3-poise_*.deb
+install "${deb_of[python3-poise]}"
 as_user 'python3 -c "import poise; poise.World().step(); print(poise.read_run(\"run.json\")[\"schema\"], poise.SceneRun(\"jacks\", bodies=20).run(5)[-1].total_ms > 0)"'
-install /debs/libpoise-dev_*.deb
+install "${deb_of[libpoise-dev]}"
 purge_all
 
 # What is for people at a terminal, and for programs that are built against it.
 install man-db bash-completion g++ cmake make pkg-config
 files >"$folder/tmp/before"
-install /debs/*.deb
+install "${deb_of[@]}"
 has_page poise
 while read -r name; do has_page "poise-$name"; done < <(
   as_user 'poise --help' | sed -n '/^Subcommands:/,/^$/p' | sed -En 's/^  ([a-z][a-z-]*) .*/\1/p')
