@@ -41,6 +41,20 @@ git tag --force "v$version" HEAD~ >/dev/null
 says "v$version is commit $(git rev-parse HEAD~ | head -c 12)" 1
 [[ ! -e build ]] || fail "what was refused has left build"
 
+# With packages that take no time to make: what becomes of the tag, and what is in the folder.
+printf '#!/bin/sh\nmkdir -p build/packages && echo "$(git describe --exact-match --tags)" >build/packages/poise.deb && [ ! -e ../fails ]\n' >cmake/package.sh
+git commit --quiet --all --message "packages"
+git tag --delete "v$version" >/dev/null
+touch ../fails
+says "Deleted tag 'v$version'" 1
+[[ -z $(git tag) ]] || fail "a release that failed has left a tag"
+rm -- ../fails
+says "git push origin v$version" 0
+(cd -- "build/v$version" && sha256sum --check --quiet SHA256SUMS) || fail "checksums"
+[[ $(<"build/v$version/poise.deb") == "v$version" && $(wc -l <"build/v$version/SHA256SUMS") -eq 3 ]] || fail "$(ls -l "build/v$version")"
+tar -xOf "build/v$version/poise-$version.tar.gz" "poise-$version/cmake/commit.txt" | grep -qx "$(git rev-parse HEAD)" || fail "sources"
+says "git push origin v$version" 0
+
 # The version stands in one place.
 ! git grep -nE "\"version\": *\"$version\"" -- '*package.json' || fail "the version stands twice"
 
