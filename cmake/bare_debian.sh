@@ -6,10 +6,10 @@
 #
 #   cmake/bare_debian.sh FOLDER [MIRROR]
 set -euo pipefail
-folder="${1:?bare_debian.sh FOLDER [MIRROR]}" mirror="${2:-http://deb.debian.org/debian}"
+folder="${1:?bare_debian.sh FOLDER [MIRROR]}"
 if [[ ! -x "$folder/bin/bash" ]]; then
   command -v debootstrap >/dev/null || { echo "bare_debian.sh: debootstrap is missing (package debootstrap)" >&2; exit 1; }
-  debootstrap --variant=minbase bookworm "$folder" "$mirror" >&2
+  debootstrap --variant=minbase bookworm "$folder" ${2:+"$2"} >&2
 fi
 for file in /etc/resolv.conf /etc/hosts; do
   if [[ -e "$file" ]]; then cp -L -- "$file" "$folder$file"; fi

@@ -25,7 +25,7 @@ inside() { env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/
 # as_user LINE: by a user with a home of its own, in that.
 as_user() { inside su tester -c "cd && $1"; }
 # Files of the system: neither those of people nor those that Debian itself writes when packages come and go.
-files() { (cd -- "$folder" && find . -xdev -type f -o -xdev -type l) | grep -Ev '^\./(var|tmp|root|home|proc|dev|debs|etc/ld\.so\.cache)' | sort; }
+files() { (cd -- "$folder" && find . -xdev -type f -o -xdev -type l) | grep -Ev '^\./(var|tmp|root|srv|proc|dev|debs|etc/ld\.so\.cache)' | sort; }
 
 has_page() { [[ $(as_user "man $1 | head -n 1") == *Poise* ]] || fail "man $1"; }
 install() { inside apt-get -q install -y --no-install-recommends "$@"; }
@@ -40,7 +40,7 @@ purge_all() {
 }
 
 inside apt-get -q update
-inside id tester >/dev/null 2>&1 || inside useradd --create-home --shell /bin/bash tester
+inside id tester >/dev/null 2>&1 || inside useradd --create-home --home-dir /srv/tester --shell /bin/bash tester
 rm -rf -- "$folder/debs"
 mkdir -- "$folder/debs"
 cp -- "${debs[@]}" "$folder/debs/"
@@ -77,9 +77,9 @@ while read -r name; do has_page "poise-$name"; done < <(
 # bash-completion finds the package's file by the name of the command.
 as_user 'bash -c ". /usr/share/bash-completion/bash_completion && _completion_loader poise
   COMP_WORDS=(poise run av) COMP_CWORD=2 && _poise && echo \${COMPREPLY[*]}"' | grep -qw avalanche || fail "completion"
-rm -rf -- "$folder"/home/tester/hello
-cp -r -- "$root/examples/hello" "$folder/home/tester/hello"
-inside chown -R tester: /home/tester/hello
+rm -rf -- "$folder"/srv/tester/hello
+cp -r -- "$root/examples/hello" "$folder/srv/tester/hello"
+inside chown -R tester: /srv/tester/hello
 as_user 'cmake -S hello -B hello/build >/dev/null && cmake --build hello/build >/dev/null && hello/build/hello'
 as_user 'c++ -std=c++20 hello/hello.cpp -o by-pkg-config $(pkg-config --cflags --libs poise) && ./by-pkg-config >/dev/null'
 purge_all
