@@ -44,7 +44,7 @@ if(POISE_PYTHON)
   math(EXPR POISE_NEXT_PYTHON "${Python_VERSION_MINOR} + 1")
   list(APPEND CPACK_COMPONENTS_ALL python python-doc)
   poise_package(python python3-poise python "rigid bodies inside a time budget, Python module"
-    "Worlds of rigid bodies stepped inside a time budget, from Python: shapes, steps,\nstates as NumPy arrays, contacts, cues and policies, scenes, replay of records,\nresults as data frames."
+    "Worlds of rigid bodies stepped inside a time budget, from Python: shapes,\nsteps, states as NumPy arrays, contacts, cues and policies, scenes, replay of\nrecords, results as data frames."
     python python-doc)
   # The module is that of one version of Python.
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS

@@ -1,39 +1,42 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Goes through cmake/Containerfile without a container engine: a bare Debian 12 of Debian's own packages (mmdebstrap) in
-# FOLDER, the committed sources copied into it, each RUN by chroot, and then the command with a run and a sweep. Needs root,
-# the network, mmdebstrap and git; six minutes of processor time. FOLDER must not exist, or be a bare Debian that an earlier call
-# made.
+# Builds the image of cmake/Containerfile by Debian's buildah and uses it: a run, and a sweep whose folder is outside of it. The
+# base image `debian:12` is a bare Debian that is made here from Debian's packages, so no registry of images is asked. Needs root,
+# the network, buildah, debootstrap and git; some minutes of processor time and 4 GB. All that it makes is in FOLDER, and the
+# image is left there as FOLDER/poise.tar.
 #
 #   cmake/try_container.sh FOLDER
 set -euo pipefail
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)"
 folder="$(realpath -m -- "${1:?try_container.sh FOLDER}")"
-recipe="$root/cmake/Containerfile"
 
-# Mounts are seen by this process and its children alone, and end with them.
-if [[ -z "${POISE_IN_MOUNTS:-}" ]]; then
-  POISE_IN_MOUNTS=1 exec unshare --mount -- "$0" "$@"
+mkdir -p -- "$folder/results"
+engine() { buildah --root "$folder/images" --runroot "$folder/run" "$@"; }
+inside() { engine run --isolation chroot --volume "$folder/results:/results" "$container" -- "$@"; }
+
+if ! engine inspect --type image debian:12 >/dev/null 2>&1; then
+  "$root/cmake/bare_debian.sh" "$folder/debian"
+  container=$(engine from scratch)
+  tar -C "$folder/debian" -cf "$folder/debian.tar" .
+  engine add --quiet "$container" "$folder/debian.tar" / >/dev/null
+  engine commit --quiet --rm "$container" debian:12 >/dev/null
 fi
-[[ "$(sed -n 's/^FROM //p' "$recipe")" == debian:12 ]] || { echo "try_container.sh: $recipe is not FROM debian:12" >&2; exit 2; }
-target="$(sed -n 's/^COPY \. //p' "$recipe")"
-if [[ ! -x "$folder/bin/bash" ]]; then mmdebstrap --variant=minbase bookworm "$folder"; fi
-mkdir -p -- "$(dirname -- "$folder$target")"
-git clone --quiet "file://$root" "$folder$target"
-mount --bind /proc "$folder/proc"
-mount --bind /dev "$folder/dev"
-cp -L /etc/resolv.conf "$folder/etc/resolv.conf"
+rm -rf -- "$folder/sources"
+git clone --quiet "file://$root" "$folder/sources"
+report=()
+if [[ -f "$root/viewer/build/figures.html" ]]; then
+  cp -r -- "$root/viewer/build" "$folder/sources/viewer/build"
+  report=(--report /results/report)
+fi
+engine build --isolation chroot --pull-never --file "$folder/sources/cmake/Containerfile" --tag poise "$folder/sources"
 
-inside() { env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root chroot "$folder" /bin/sh -c "$1"; }
-while IFS= read -r step; do
-  echo "try_container.sh: $step" >&2
-  inside "$step" </dev/null
-done < <(sed -n 's/^RUN //p' "$recipe")
-
-command="$(sed -En 's/^ENTRYPOINT \["(.*)"\]$/\1/p' "$recipe")"
-inside "$command --version"
-inside "$command run two-body --frames 60 --quiet"
-cat >"$folder/opt/spec.json" <<'SPEC'
+container=$(engine from --pull-never localhost/poise)
+trap 'engine rm "$container" >/dev/null' EXIT
+inside poise --version
+inside poise run two-body --frames 60 --quiet
+cat >"$folder/results/spec.json" <<'SPEC'
 {"schema": "poise.sweep/1", "scenes": ["gas"], "settings": {"frames": 20, "clock": "work", "threads": 1}, "axes": {"bodies": [20, 40]}}
 SPEC
-inside "$command sweep /opt/spec.json --out /opt/results"
+inside poise sweep /results/spec.json --out /results/sweep "${report[@]}"
+engine push --quiet localhost/poise "oci-archive:$folder/poise.tar"
+ls -l "$folder/poise.tar" "$folder"/results/*

@@ -42,7 +42,7 @@ def main():
     times.stackplot(frames["frame"], [frames[stage + "_ms"] for stage in STAGES], labels=STAGES)
     times.axhline(asked.deadline_ms, color="black", linewidth=1, label="deadline")
     times.set_ylabel("ms")
-    times.legend(loc="upper left", ncol=3, fontsize=8)
+    times.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=5, fontsize=8, frameon=False)
     columns = ["level_%d" % level for level in range(7) if sum(frames["level_%d" % level]) > 0]
     if columns:
         levels.stackplot(frames["frame"], [frames[column] for column in columns],

@@ -22,6 +22,7 @@ poise.Error, which has the library's message with field, value and rule; a value
 Threads: a step releases the global lock, so other Python threads run meanwhile; they must leave this World alone
 until the step has returned (poise.Error otherwise). Several Worlds may step at once.
 """
+from . import _needs  # first: what it says is clearer than what the compiled part would say
 from . import _at_exit, results
 from ._core import (
     BodyId,

@@ -33,7 +33,7 @@ struct ImportOptions {
   std::vector<std::string> fixed;
   bool all_fixed = false;
   bool floor = false;
-  std::optional<double> dt_s, friction, shell_thickness_m;
+  std::optional<double> dt_s, friction, scale, shell_thickness_m;
   std::optional<std::uint64_t> depth;
   bool quiet = false;
 };
@@ -46,13 +46,15 @@ bool is_gltf(const ImportOptions& options) {
 Status check_import_options(const ImportOptions& o) {
   const std::string ending = lower_case_ending(o.file);
   if (!is_gltf(o) && ending != ".xml" && ending != ".mjcf")
-    return bad_input(fmt::format("{}: the ending must be .xml or .mjcf (MuJoCo), .gltf or .glb", o.file));
+    return bad_input(fmt::format("{}: the ending must be .xml or .mjcf (MuJoCo), .gltf or .glb{}", o.file,
+                                 ending == ".urdf" ? "; `poise tree` reads robots" : ""));
   if (lower_case_ending(o.output) != ".json")
     return bad_input(fmt::format("-o {}: the ending must be .json", o.output));
   const std::pair<const char*, bool> of_gltf[] = {{"--static", !o.fixed.empty()},
                                                   {"--all-static", o.all_fixed},
                                                   {"--floor", o.floor},
-                                                  {"--friction", o.friction.has_value()}};
+                                                  {"--friction", o.friction.has_value()},
+                                                  {"--scale", o.scale.has_value()}};
   for (const auto& [name, given] : of_gltf)
     if (given && !is_gltf(o)) return bad_input(fmt::format("{} has no meaning but with glTF", name));
   if (o.skip_unmodelled && is_gltf(o)) return bad_input("--skip-unmodelled has no meaning with glTF");
@@ -67,6 +69,7 @@ Result<io::SceneDraft> read_model(const ImportOptions& options) {
     settings.all_fixed = options.all_fixed;
     settings.floor = options.floor;
     settings.friction = options.friction.value_or(settings.friction);
+    settings.scale = options.scale.value_or(settings.scale);
     return io::import_gltf(options.file, settings);
   }
   const Result<std::string> text = geometry::read_text_file(options.file, kMostModelFileBytes);
@@ -124,6 +127,9 @@ void add_import_command(CLI::App& app, int& exit_code) {
   command->add_flag("--floor", options->floor, "Of glTF: a floor at the lowest point");
   add_number(*command, "--friction", options->friction, 0, false, 1e6, "Of glTF: of all bodies (default 0.5)")
       ->type_name("MU");
+  add_number(*command, "--scale", options->scale, 1e-9, false, 1e9,
+             "Of glTF: metres per unit of the file (default 1), such as 0.001 for millimetres")
+      ->type_name("M");
   add_number(*command, "--dt", options->dt_s, 0, true, 1,
              "Time step in seconds (default that of the model, for glTF 1/60)")
       ->type_name("S");

@@ -105,9 +105,12 @@ TEST(ImportCommand, RefusesOrLeavesOutWhatIsNotModelled) {
 TEST(ImportCommand, RefusesWhatHasNoMeaning) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"a.obj", "-o", "a.json"}, "a.obj: the ending must be .xml or .mjcf (MuJoCo), .gltf or .glb"},
+      {{"a.urdf", "-o", "a.json"}, ".gltf or .glb; `poise tree` reads robots"},
       {{"a.xml", "-o", "a.txt"}, "-o a.txt: the ending must be .json"},
       {{"a.xml", "-o", "a.json", "--floor"}, "--floor has no meaning but with glTF"},
       {{"a.xml", "-o", "a.json", "--static", "b"}, "--static has no meaning but with glTF"},
+      {{"a.xml", "-o", "a.json", "--scale", "2"}, "--scale has no meaning but with glTF"},
+      {{"a.gltf", "-o", "a.json", "--scale", "0"}, "--scale = 0, must be"},
       {{"a.glb", "-o", "a.json", "--skip-unmodelled"}, "--skip-unmodelled has no meaning with glTF"},
       {{"a.xml", "-o", "a.json", "--dt", "0"}, "--dt = 0, must be a number > 0"},
   };

@@ -43,6 +43,8 @@ Program::Program(Streams streams, const std::vector<std::string>& arguments, con
   redirect(streams_.in, O_RDONLY, STDIN_FILENO);
   redirect(streams_.out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(streams_.error, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  // A shell that starts the tests in the background ignores SIGINT for them, and what they start would too.
+  ::signal(SIGINT, SIG_DFL);
   if (before) before();
   ::execv(argv[0], argv.data());
   ::_exit(kNotStarted);

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: MIT
 """What is refused, and what its exception says."""
 import math
+import os
+import pathlib
 import pickle
+import shutil
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -9,6 +14,7 @@ import pytest
 import poise
 from conftest import falling_ball
 
+PACKAGE = pathlib.Path(poise.__file__).absolute().parent
 WORLD, BALL = falling_ball()
 MATERIAL = WORLD.add_material()
 SPHERE = poise.Shape.sphere(0.5)
@@ -148,3 +154,27 @@ def test_an_error_takes_the_message_apart_and_can_be_pickled():
         "pile.json", "bodies[3].mass_kg", "-1", "must be > 0", "capacity_full")
     plain = poise.Error("nothing is said of any field")
     assert (plain.where, plain.field, plain.value, plain.rule) == (None, None, None, None)
+
+
+def import_error(line, path):
+    """What Python says of an import that fails."""
+    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(path), "PYTHONDONTWRITEBYTECODE": "1"})
+    assert done.returncode == 1
+    return done.stderr.splitlines()[-1]
+
+
+def test_without_numpy_it_is_said_what_to_install():
+    said = import_error("import sys; sys.modules['numpy'] = None; import poise", PACKAGE.parent)
+    assert said == ("ImportError: poise needs NumPy, which %s has not; "
+                    "Debian's package is python3-numpy, for /usr/bin/python3" % sys.executable)
+
+
+def test_another_python_is_told_for_which_one_it_was_built(tmp_path):
+    (tmp_path / "poise").mkdir()
+    for file in PACKAGE.glob("*.py"):
+        shutil.copy(file, tmp_path / "poise")
+    (tmp_path / "poise" / "_core.cpython-38-other.so").touch()
+    said = import_error("import poise", tmp_path)
+    assert said == "ImportError: poise is not built for %s, Python %d.%d (built: _core.cpython-38-other.so)" % (
+        sys.executable, sys.version_info[0], sys.version_info[1])

@@ -2,6 +2,7 @@
 """Every example runs, with small sizes, and gives what it says."""
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -18,6 +19,9 @@ SMALL = {
 
 
 MODULE = {**os.environ, "PYTHONPATH": str(pathlib.Path(poise.__file__).absolute().parents[1])}
+
+
+PAGE = (EXAMPLES.parents[1] / "docs" / "python.md").read_text()
 
 
 def run(name, *arguments, folder=None):
@@ -53,3 +57,15 @@ def test_plots_say_so_where_matplotlib_is_missing(tmp_path):
 def test_wrong_options_are_refused(name):
     done = run(name, "--frames", "-1")
     assert done.returncode == 2 and "--frames" in done.stderr
+
+
+def test_the_code_of_the_page_runs(capsys):
+    first, cue, records = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    names = {"HERO": 7}
+    exec(compile(first, "docs/python.md", "exec"), names)
+    assert names["world"].state(names["ball"]).position_m[2] == pytest.approx(0.5, abs=0.02), "at rest on its plane"
+    assert capsys.readouterr().out
+    for block in (cue, records):
+        exec(compile(block, "docs/python.md", "exec"), names)
+    names["world"].step(poise.Budget.work(10))
+    assert len(names["reports"]) == len(names["frames"]["frame"]) == 300

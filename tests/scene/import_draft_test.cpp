@@ -93,6 +93,22 @@ TEST(ImportGltf, MakesABodyOfEachNodeWithAMesh) {
   EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 0.2, 1e-7);
 }
 
+TEST(ImportGltf, ScalesPlacesFloorAndMeshesAlike) {
+  io::GltfImportSettings settings;
+  settings.fixed = {"plank"};
+  settings.floor = true;
+  settings.scale = 0.001;
+  const auto draft = io::import_gltf(kShelf, settings);
+  ASSERT_TRUE(draft.ok()) << draft.error().message;
+  EXPECT_LE((draft.value().bodies[0].position_m - Vec3(0, 0, 0.002)).norm(), 1e-15);
+  EXPECT_NEAR(draft.value().bodies[2].position_m.z(), 0.00095, 1e-10);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_draft(draft.value(), {}, folder.file("s.json")).ok());
+  const auto mesh = read_mesh(folder.file("s-meshes/mesh-2.obj"), {});
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 0.2e-9, 1e-16);
+}
+
 TEST(ImportGltf, TakesMirrorsAndShearsIntoTheMesh) {
   const TemporaryFolder folder;
   std::string text = contents(kShelf);

@@ -202,6 +202,20 @@ TEST(Sweep, BindsEachTimedTrialToProcessorsOfItsOwn) {
   }
 }
 
+TEST(Sweep, TellsInWhichCombinationsTheRequirementsDoNotHold) {
+  Json spec = short_trials(3);
+  // With the floor and five walls of the scene.
+  spec["requirements"] = {"bodies <= 27"};
+  const SweepFolder sweep(spec);
+  const SweepFolder::Ended ended = sweep.run();
+  EXPECT_EQ(ended.exit_code, 0) << ended.error;
+  EXPECT_TRUE(says(ended.out,
+                   "3 done\nbodies <= 27: the requirements hold in 2 of 3 combinations, and not in\n"
+                   "  bodies=22\nresults: "))
+      << ended.out;
+  EXPECT_EQ(sweep.column("requirements_hold"), (std::vector<std::string>{"1", "1", "0"}));
+}
+
 TEST(Sweep, WritesAReportWhereThePageIsBuilt) {
   Json spec = short_trials(3);
   spec["axes"]["budget_work"] = {50, 500};
@@ -216,6 +230,8 @@ TEST(Sweep, WritesAReportWhereThePageIsBuilt) {
   const std::string page = contents(folder + "/report.html");
   EXPECT_TRUE(says(page, "levels.mean: gas"));
   EXPECT_TRUE(says(page, "6 of 6 trials are done"));
+  EXPECT_TRUE(says(page, "0 are pending; the requirements hold in 6 of 6 combinations."));
+  EXPECT_TRUE(says(ended.out, "report:  " + folder + "/report.html\n")) << ended.out;
   EXPECT_TRUE(fs::exists(folder + "/frontier.svg"));
   EXPECT_TRUE(fs::exists(folder + "/levels-mean-along-bodies-gas.svg"));
   EXPECT_TRUE(fs::exists(folder + "/heat-map-levels-mean-gas.svg"));

@@ -4,10 +4,18 @@
 # Slurm or munge is touched, and no systemd is needed.
 #   slurm_site.sh start FOLDER    writes FOLDER/slurm.conf and starts munged, slurmctld and slurmd; waits for the node
 #   slurm_site.sh stop FOLDER     ends all three and what they started
+#   slurm_site.sh run COMMAND...  runs a command with such a Slurm, ends it behind the command, and returns its exit code
 # Exit code 77: Slurm or munge is not installed, this user is not root, or its daemons do not start on this machine.
 set -euo pipefail
 
-action="$1" folder="$(realpath -- "$2")"
+usage() {
+  echo "slurm_site.sh start|stop FOLDER, or slurm_site.sh run COMMAND..." >&2
+  exit 2
+}
+
+if (($# < 2)); then usage; fi
+action="$1"
+if [[ "$action" == run ]]; then folder="$(mktemp -d)"; else folder="$(realpath -- "$2")"; fi
 export SLURM_CONF="$folder/slurm.conf"
 
 stop() {
@@ -99,8 +107,15 @@ CONF
   cannot "the node did not become idle here:"
 }
 
+run() {
+  trap 'stop; rm -rf -- "$folder"' EXIT
+  start
+  "$@"
+}
+
 case "$action" in
   start) start ;;
   stop) stop ;;
-  *) echo "slurm_site.sh start|stop FOLDER" >&2; exit 2 ;;
+  run) shift; run "$@" ;;
+  *) usage ;;
 esac

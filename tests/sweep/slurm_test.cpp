@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 #include <sys/mount.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
@@ -147,6 +150,25 @@ TEST_F(SlurmSweep, OnAFullDiskTheTasksEndAndTheSameCommandGoesOn) {
   EXPECT_EQ(ended.exit_code, 0) << ended.error;
   EXPECT_EQ(sweep.done(), 30U);
   ::umount2(sweep.results().c_str(), MNT_DETACH);
+}
+
+TEST(SlurmSiteScript, RunsACommandWithASlurmThatEndsBehindIt) {
+  const TemporaryFolder folder;
+  const std::string script = POISE_SOURCE_DIR "/tests/sweep/slurm_site.sh";
+  // An array of two tasks, the second of which fails: the command's exit code is that of sbatch.
+  std::ofstream(folder.file("command")) << "echo $SLURM_CONF\n"
+                                           "exec sbatch --wait --output=/dev/null --array=0-1 "
+                                           "--wrap 'exit $((5 * SLURM_ARRAY_TASK_ID))'\n";
+  const std::string line = "'" + script + "' run sh '" + folder.file("command") + "' >'" + folder.file("said") +
+                           "' 2>'" + folder.file("error") + "'";
+  const int status = std::system(line.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << contents(folder.file("error"));
+  EXPECT_EQ(WEXITSTATUS(status), 5) << contents(folder.file("error"));
+  const std::string said = contents(folder.file("said"));
+  const fs::path config = said.substr(0, said.find('\n'));
+  EXPECT_EQ(config.filename(), "slurm.conf");
+  EXPECT_FALSE(fs::exists(config.parent_path()));
 }
 
 }  // namespace

@@ -91,8 +91,9 @@ Status write_joined(const SweepOptions& options, const SweepPlan& plan, const sw
               written);
   if (report) add_failure(write_report(options, plan, results.value(), groups, *report), written);
   if (!options.quiet) {
-    std::string text = result_text(plan.spec, counts, sweep::frontier_of(plan.spec, groups));
+    std::string text = result_text(plan.spec, counts, groups);
     if (written) text += fmt::format("results: {}, sweep.sqlite\n", (store.folder() / "trials.csv").string());
+    if (written && report) text += fmt::format("report:  {}\n", (fs::path(options.report) / "report.html").string());
     add_failure(io::write_stdout(text), written);
   }
   return written;

@@ -234,12 +234,16 @@ FiguresDocument sweep_figures(const sweep::SweepSpec& spec, const sweep::Results
   FiguresDocument page;
   const sweep::StateCounts counts = sweep::count_states(results);
   page.title = spec.name;
-  page.subtitle = fmt::format("{} trials · {} scenes · {} combinations of settings", results.trials.size(),
-                              spec.scenes.size(), groups.size());
+  const auto ending = [](std::size_t count) { return count == 1 ? "" : "s"; };
+  page.subtitle = fmt::format("{} trial{} · {} scene{} · {} combination{} of settings", results.trials.size(),
+                              ending(results.trials.size()), spec.scenes.size(), ending(spec.scenes.size()),
+                              groups.size(), ending(groups.size()));
   const std::vector<sweep::FrontierLine> frontier = sweep::frontier_of(spec, groups);
   page.headline = fmt::format("{} of {} trials are done", counts.done, results.trials.size());
-  page.headline_text = fmt::format("{} failed, {} were ended at their time limit, {} are pending.", counts.failed,
+  page.headline_text = fmt::format("{} failed, {} were ended at their time limit, {} are pending", counts.failed,
                                    counts.timed_out, counts.pending);
+  const std::string holds = holds_text(groups);
+  page.headline_text += holds.empty() ? "." : fmt::format("; {}.", holds);
   if (counts.failed + counts.timed_out > 0) page.mark = FiguresDocument::Mark::Bad;
   if (std::optional<LineChart> chart = frontier_chart(spec, frontier)) page.charts.push_back(std::move(*chart));
   std::size_t left_out = 0;

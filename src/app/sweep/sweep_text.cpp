@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace poise::app {
 namespace {
 
 constexpr std::size_t kShownTrials = 20;
+constexpr std::size_t kShownGroups = 10;
 
 std::string values_text(const sweep::Axis& axis) {
   std::string text;
@@ -37,7 +39,30 @@ std::string point_text(const sweep::FrontierPoint& point) {
   return fmt::format("{}{:g}", point.open ? ">= " : "", *point.largest);
 }
 
+/// Where the requirements hold, and the first combinations in which they do not.
+std::string requirements_text(const sweep::SweepSpec& spec, const std::vector<sweep::Group>& groups) {
+  const std::string holds = holds_text(groups);
+  if (holds.empty()) return {};
+  std::string text = fmt::format("{}: {}", fmt::join(spec.requirements, " and "), holds);
+  std::size_t missed = 0;
+  for (const sweep::Group& group : groups) {
+    if (group.holds.value_or(true)) continue;
+    if (missed < kShownGroups)
+      text += fmt::format("{}\n  {}", missed == 0 ? ", and not in" : "", sweep::group_label(spec, group, {}));
+    ++missed;
+  }
+  if (missed > kShownGroups) text += fmt::format("\n  and {} more", missed - kShownGroups);
+  return text + "\n";
+}
+
 }  // namespace
+
+std::string holds_text(const std::vector<sweep::Group>& groups) {
+  const auto known = std::ranges::count_if(groups, [](const sweep::Group& group) { return group.holds.has_value(); });
+  const auto held = std::ranges::count(groups, std::optional(true), &sweep::Group::holds);
+  if (known == 0) return {};
+  return fmt::format("the requirements hold in {} of {} combination{}", held, known, known == 1 ? "" : "s");
+}
 
 std::string plan_text(const SweepPlan& plan, const sweep::TrialStore& store, const std::vector<sweep::Trial>& pending,
                       const SweepOptions& options, const RunnerSettings& runner) {
@@ -85,16 +110,15 @@ std::string frontier_table(const sweep::SweepSpec& spec, const std::vector<sweep
 }
 
 std::string result_text(const sweep::SweepSpec& spec, const sweep::StateCounts& counts,
-                        const std::vector<sweep::FrontierLine>& frontier) {
+                        const std::vector<sweep::Group>& groups) {
   std::string text = fmt::format("{}: {} done", spec.name, counts.done);
   if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
   if (counts.timed_out > 0) text += fmt::format(", {} past their time limit", counts.timed_out);
   if (counts.pending > 0) text += fmt::format(", {} pending", counts.pending);
   text += "\n";
-  const std::string table = frontier_table(spec, frontier);
-  if (!table.empty())
-    text += fmt::format("{} where {}\n{}", spec.frontier->largest, fmt::join(spec.requirements, " and "), table);
-  return text;
+  const std::string table = frontier_table(spec, sweep::frontier_of(spec, groups));
+  if (table.empty()) return text + requirements_text(spec, groups);
+  return text + fmt::format("{} where {}\n{}", spec.frontier->largest, fmt::join(spec.requirements, " and "), table);
 }
 
 }  // namespace poise::app

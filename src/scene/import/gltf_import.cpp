@@ -106,8 +106,9 @@ Result<SceneDraft> import_gltf(const std::filesystem::path& file, const GltfImpo
   const auto refused = [&](const Error& error) { return bad_input(file.string() + ": " + error.message); };
   const Result<std::string> bytes = geometry::read_text_file(file, kMostGltfBytes);
   if (!bytes) return bytes.error();
-  const Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes.value(), file.parent_path());
+  Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes.value(), file.parent_path());
   if (!nodes) return refused(nodes.error());
+  for (geometry::GltfNode& node : nodes.value().nodes) node.transform.topRows<3>() *= settings.scale;
   for (const std::string& name : settings.fixed) {
     if (std::ranges::find(nodes.value().nodes, name, &geometry::GltfNode::name) == nodes.value().nodes.end())
       return refused(bad_input(fmt::format("--static = '{}', must be the name of a node with a mesh", name)));

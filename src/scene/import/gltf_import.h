@@ -15,6 +15,7 @@ struct GltfImportSettings {
   bool all_fixed = false;
   bool floor = false;  ///< a half-space whose surface is at the lowest point
   double friction = 0.5;
+  double scale = 1;  ///< metres per unit of the file, > 0; glTF has metres, but not everyone who writes it
 };
 
 /// Reads a glTF or GLB file as bodies: each node that places a mesh with triangles becomes one. glTF has y upward; the
