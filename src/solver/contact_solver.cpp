@@ -52,8 +52,8 @@ struct Iterating {
 struct Iterated {
   bool reached = false;  // the share of change that was asked for
   bool settled = false;
-  bool far = true;       // from still
-  bool stalled = false;  // plain iterations lead nowhere
+  bool far = true;         // from still
+  bool collision = false;  // bodies collide
 };
 
 }  // namespace
@@ -96,7 +96,7 @@ struct ContactSolver::Buffers {
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
-  // Nothing where the limit says until_stalled, and they did: then nothing was changed either.
+  // Nothing where the limit says only_collisions, and there are none: then nothing was changed either.
   template <class T>
   std::optional<Convergence> solve(const ContactSystem& system, const SolveSettings& settings,
                                    const IterationLimit& limit, parallel::Executor& executor);
@@ -369,8 +369,8 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       mean.add(sum.impulse_sum_ns > 0 ? sum.residual_j / sum.impulse_sum_ns : 0.0, still_mps(settings));
       result.settled = sum.change_mps <= kSettledOfStill * still_mps(settings) || (limit.by_mean && mean.settled());
     }
-    result.stalled = mean.stalled();
-    if (limit.until_stalled && result.stalled) break;
+    result.collision = mean.collides();
+    if (limit.only_collisions && !result.collision) break;
     // A plain iteration comes last.
     if (limit.mixed && !result.settled && round + 1 < limit.iterations(result.far)) mix(executor);
   }
@@ -382,7 +382,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
                                                          const IterationLimit& limit, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   constexpr std::size_t kBlocksAtOnce = 16;
-  const IterationLimit full = limit.until_stalled ? limit : limit_of(system, settings, kMaxPointIterations);
+  const IterationLimit full = limit.only_collisions ? limit : limit_of(system, settings, kMaxPointIterations);
   const double h_s = settings.dt_s / settings.substeps;
   const bool watch = limit.most > 1;
   reserve<T>(system, limit.mixed, watch || settings.substeps > 2, executor);
@@ -438,9 +438,9 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
       if (last) fly(system, i, settings.dt_s);
     });
     IterationLimit limit_here = limit;
-    limit_here.until_stalled = limit.until_stalled && substep == 0;
+    limit_here.only_collisions = limit.only_collisions && substep == 0;
     const Iterated done = iterate(Iterating<T>{system, settings, limit_here, terms}, last, give, ended, executor);
-    if (limit_here.until_stalled && done.stalled) return std::nullopt;
+    if (limit_here.only_collisions && !done.collision) return std::nullopt;
     if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
     if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });
     if (substep > 0 && !last)
@@ -472,7 +472,7 @@ Convergence ContactSolver::solve(const ContactSystem& system, const SolveSetting
                                  parallel::Executor& executor) {
   const IterationLimit limit = limit_of(system, settings, std::min(settings.point_iterations, kMaxPointIterations));
   if (limit.mixed && limit.by_mean && settings.substeps > 1) {
-    const std::optional<Convergence> ended = buffers_->solve<float>(system, settings, plain_first(limit), executor);
+    const std::optional<Convergence> ended = buffers_->solve<float>(system, settings, of_collisions(limit), executor);
     if (ended) return *ended;
   }
   const bool twofold = settings.stopping.converges() || limit.mixed;
