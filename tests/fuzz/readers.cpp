@@ -48,12 +48,16 @@ bool read_stl(std::string_view bytes) { return checked_mesh(geometry::parse_stl(
 bool read_ply(std::string_view bytes) { return checked_mesh(geometry::parse_ply(bytes)); }
 
 /// A scene of what was imported: its text is read as a scene, or it is refused. Meshes are made and not kept.
-void check_scene_of(io::SceneDraft draft) {
+void check_scene_of(const io::SceneDraft& imported) {
   // More are as these, and take the time of a hundred other cases.
-  constexpr std::size_t kMostSolids = 20;
+  constexpr std::size_t kMostSolids = 20, kMostVertices = 10'000;
   std::size_t solids = 0;
-  for (const io::DraftBody& body : draft.bodies) solids += body.solids.size();
-  if (solids > kMostSolids) return;
+  std::size_t vertices = 0;
+  for (const io::DraftBody& body : imported.bodies) solids += body.solids.size();
+  for (const io::DraftMesh& mesh : imported.meshes)
+    if (mesh.mesh != nullptr) vertices += mesh.mesh->vertices_m.size() + mesh.mesh->triangles.size();
+  if (solids > kMostSolids || vertices > kMostVertices) return;
+  io::SceneDraft draft = imported;
   draft.name = "scene";
   io::WrittenDraft written;
   const auto save = [](const std::filesystem::path&, const std::string&) { return Status(Done{}); };
@@ -71,8 +75,8 @@ void check_gltf_nodes(std::string_view bytes) {
     require(node.mesh < nodes.value().meshes.size() && !node.name.empty(), "a node has a name and a mesh");
   io::GltfImportSettings settings;
   settings.floor = true;
-  Result<io::SceneDraft> draft = io::gltf_draft(std::move(nodes).value(), settings);
-  if (checked(draft)) check_scene_of(std::move(draft).value());
+  const Result<io::SceneDraft> draft = io::gltf_draft(std::move(nodes).value(), settings);
+  if (checked(draft)) check_scene_of(draft.value());
 }
 
 bool read_gltf(std::string_view bytes) {
