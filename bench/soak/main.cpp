@@ -26,7 +26,8 @@ struct Options {
   std::string scene = POISE_SOURCE_DIR "/scenes/pour.json", json;
   double minutes = 60;
   std::optional<std::uint64_t> cycles;
-  std::uint64_t warm_up = 4, leak_bytes = 0;
+  std::optional<std::uint64_t> warm_up;
+  std::uint64_t leak_bytes = 0;
   double deadline_ms = 8;
   SoakSettings soak;
   bool quiet = false;
@@ -36,7 +37,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--minutes", options.minutes, "How long, in wall time (default 60)")->check(CLI::PositiveNumber);
   app.add_option("--cycles", options.cycles, fmt::format("Instead: so many cycles of {} frames", kCycle))
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000}));
-  app.add_option("--warm-up", options.warm_up, "Cycles before those that are compared (default 4)")
+  app.add_option("--warm-up", options.warm_up, "Cycles before those that are compared (default 4, or a third)")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000}));
   app.add_option("--per-second", options.soak.per_second, "Bodies that come while the tray is filled (default 1000)")
       ->check(CLI::Range(1.0, 1e5));
@@ -51,14 +52,14 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 nlohmann::ordered_json document(const Options& options, const SoakCounts& counts, const SoakFigures& figures,
-                                const std::vector<Check>& checks, double seconds) {
+                                std::uint64_t warm_up, const std::vector<Check>& checks, double seconds) {
   nlohmann::ordered_json json;
   json["format"] = "poise.soak/1";
   json["machine"] = io::this_machine();
   json["build"] = io::this_build();
   json["seconds"] = seconds;
   json["frames"] = counts.frames;
-  json["warm_up_cycles"] = options.warm_up;
+  json["warm_up_cycles"] = warm_up;
   json["per_second"] = options.soak.per_second;
   json["deadline_ms"] = options.deadline_ms;
   json["threads"] = options.soak.threads;
@@ -122,7 +123,8 @@ int run(const Options& options) {
     return 3;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  const std::vector<Check> checks = figures.checks(options.warm_up, counts.value());
+  const std::uint64_t warm_up = options.warm_up.value_or(usual_warm_up(figures.cycles().size()));
+  const std::vector<Check> checks = figures.checks(warm_up, counts.value());
   bool all = true;
   std::string table = fmt::format("{} frames in {:.0f} s, {} bodies came, at most {} at once\n", counts.value().frames,
                                   seconds, counts.value().added, counts.value().most_at_once);
@@ -133,7 +135,7 @@ int run(const Options& options) {
   }
   if (!options.quiet || !all) fmt::print(options.json == "-" ? stderr : stdout, "{}", table);
   if (!options.json.empty()) {
-    const std::string text = document(options, counts.value(), figures, checks, seconds).dump(2) + "\n";
+    const std::string text = document(options, counts.value(), figures, warm_up, checks, seconds).dump(2) + "\n";
     const Status written = options.json == "-" ? io::write_stdout(text) : io::write_file(options.json, text);
     if (!written) {
       fmt::print(stderr, "poise-soak: {}\n", written.error().message);

@@ -27,6 +27,11 @@ struct Check {
   std::string value, bound;
 };
 
+/// Cycles before those that are compared with each other: four, or a third of all where that is more. A list grows when
+/// a frame has more contacts than any before it, and of n cycles as many as ln(n / m) in the mean do after the first m:
+/// so after a third of them one does, however long a soak is.
+std::uint64_t usual_warm_up(std::uint64_t cycles);
+
 /// Collects frames, and says whether what they must keep was kept. Memory: what it begins with holds 4096 cycles.
 class SoakFigures {
  public:

@@ -17,19 +17,23 @@ using Kind = JsonValue::Kind;
 
 constexpr std::uint64_t kMostResultBytes = 1U << 28U;
 
+std::string part_of(const std::string& path, std::string_view name) {
+  return path.empty() ? std::string(name) : fmt::format("{}.{}", path, name);
+}
+
 void flatten(const JsonValue& value, const std::string& path, std::vector<io::NamedFigure>& out) {
+  if (path.size() > kLongestFigureName || out.size() > kMostFigures) return;
   if (value.is_number()) {
     out.push_back({path, value.number()});
   } else if (value.kind() == Kind::Null) {
     out.push_back({path, std::nullopt});
   } else if (value.is_object()) {
     const JsonValue::Keys keys = value.keys();
-    for (std::size_t i = 0; i < keys.size(); ++i)
-      flatten(value.items()[i], path.empty() ? std::string(keys[i]) : fmt::format("{}.{}", path, keys[i]), out);
+    for (std::size_t i = 0; i < keys.size() && out.size() <= kMostFigures; ++i)
+      if (keys[i].size() <= kLongestFigureName) flatten(value.items()[i], part_of(path, keys[i]), out);
   } else if (value.is_array()) {
-    for (std::size_t i = 0; i < value.items().size(); ++i) {
-      if (!value.items()[i].is_object()) flatten(value.items()[i], fmt::format("{}.{}", path, i), out);
-    }
+    for (std::size_t i = 0; i < value.items().size() && out.size() <= kMostFigures; ++i)
+      if (!value.items()[i].is_object()) flatten(value.items()[i], part_of(path, std::to_string(i)), out);
   }
 }
 
@@ -43,15 +47,23 @@ std::string text_at(const JsonValue& root, std::string_view first, std::string_v
 Result<std::vector<io::NamedFigure>> read_result(const std::filesystem::path& file, TrialResult& result) {
   const Result<std::string> text = geometry::read_text_file(file, kMostResultBytes);
   if (!text) return text.error();
-  const Result<JsonValue> root = io::parse_json(text.value(), file.string());
+  return parse_run_result(text.value(), file.string(), result);
+}
+
+}  // namespace
+
+Result<std::vector<io::NamedFigure>> parse_run_result(std::string_view text, const std::string& name,
+                                                      TrialResult& result) {
+  const Result<JsonValue> root = io::parse_json(text, name);
   if (!root) return root.error();
   if (!text_at(root.value(), "schema").starts_with("poise.run/"))
-    return bad_input(file.string() + ": must be the result of a run (poise.run); remove it to run the trial again");
+    return bad_input(name + ": must be the result of a run (poise.run); remove it to run the trial again");
   result.state_hash = text_at(root.value(), "state_hash");
   result.processor = text_at(root.value(), "machine", "processor");
   result.commit = text_at(root.value(), "build", "commit");
   std::vector<io::NamedFigure> figures;
   flatten(root.value(), "", figures);
+  if (figures.size() > kMostFigures) return bad_input(fmt::format("{}: has more than {} figures", name, kMostFigures));
   const auto rate = std::ranges::find(figures, "misses.rate", &io::NamedFigure::name);
   if (rate != figures.end()) {
     const std::optional<double> value = rate->value;
@@ -59,8 +71,6 @@ Result<std::vector<io::NamedFigure>> read_result(const std::filesystem::path& fi
   }
   return figures;
 }
-
-}  // namespace
 
 std::optional<double> Results::figure(const TrialResult& trial, std::string_view name) const {
   const auto found = std::ranges::find(figures, name);

@@ -42,6 +42,15 @@ StateCounts count_states(const Results& results);
 /// The requirements of a specification together.
 io::Requirement requirement_of(const SweepSpec& spec);
 
+/// Figures that one run may have; longer names than this are none. Chosen: several times what a run has, and together
+/// with the settings what an SQLite table has room for.
+inline constexpr std::size_t kMostFigures = 1'800, kLongestFigureName = 200;
+
+/// Reads the result of a run (`poise.run`): its figures are returned, its texts go into `result`. Refused: another
+/// text, more figures than kMostFigures; messages begin with `name`.
+Result<std::vector<io::NamedFigure>> parse_run_result(std::string_view text, const std::string& name,
+                                                      TrialResult& result);
+
 /// Reads what is stored of every trial. Figures are all numbers of the run's JSON but those of lists of objects.
 /// Refused: a result that cannot be read.
 Result<Results> join(const SweepSpec& spec, const std::vector<Trial>& trials, const TrialStore& store);

@@ -66,6 +66,8 @@ const RunSetting* find_run_setting(std::string_view name) {
 Result<Setting> read_setting(const RunSetting& setting, std::string_view name, const io::JsonValue& value) {
   const bool number = value.kind() == Kind::Number;
   const bool text = value.kind() == Kind::String;
+  if (text && value.text().size() > kLongestSetting)
+    return bad_input(fmt::format("must have at most {} bytes", kLongestSetting));
   switch (setting.kind) {
     case SettingKind::Number:
       if (number) return Setting{std::string(name), number_text(value), value.number()};

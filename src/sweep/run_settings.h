@@ -39,6 +39,9 @@ const std::vector<RunSetting>& run_settings();
 /// The setting of this name; `weight.CUE` too. Null: there is none.
 const RunSetting* find_run_setting(std::string_view name);
 
+/// The longest text of a setting, in bytes: each trial has its own. That of the longest path of a file.
+inline constexpr std::size_t kLongestSetting = 4096;
+
 /// A value of a setting. Refused, without file and path: the rule that the value breaks by its kind alone. Ranges are
 /// those of `poise run`, whose options the caller lets check them.
 Result<Setting> read_setting(const RunSetting& setting, std::string_view name, const io::JsonValue& value);

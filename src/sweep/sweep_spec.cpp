@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "scene/run/requirement.h"
 #include "scene/run/run_document.h"
@@ -31,15 +32,18 @@ void read_texts(const ObjectReader& top, std::string_view key, std::size_t least
     problems.refuse(path, *value, least > 0 ? "must be a list of texts that is not empty" : "must be a list of texts");
     return;
   }
+  std::set<std::string_view> seen;
   for (std::size_t i = 0; i < value->items().size(); ++i) {
     const JsonValue& item = value->items()[i];
-    const std::string text(item.is_string() ? item.text() : std::string_view());
+    const std::string_view text = item.is_string() ? item.text() : std::string_view();
     if (text.empty()) {
       problems.refuse(io::item_path(path, i), item, "must be a text that is not empty");
-    } else if (std::ranges::find(target, text) != target.end()) {
+    } else if (text.size() > kLongestSetting) {
+      problems.refuse(io::item_path(path, i), item, fmt::format("must have at most {} bytes", kLongestSetting));
+    } else if (!seen.insert(text).second) {
       problems.refuse(io::item_path(path, i), item, "is given twice");
     } else {
-      target.push_back(text);
+      target.emplace_back(text);
     }
   }
 }
@@ -54,11 +58,16 @@ const RunSetting* known_setting(const std::string& path, std::string_view name, 
   return nullptr;
 }
 
+void refuse_count(const std::string& path, std::size_t count, Problems& problems) {
+  problems.refuse(path, fmt::format("{} settings, must be at most {} with all axes", count, kMostSettings));
+}
+
 void read_settings(const ObjectReader& top, SweepSpec& spec) {
   const JsonValue* value = top.find("settings");
   if (value == nullptr) return;
   Problems& problems = top.problems();
   if (!value->is_object()) return problems.refuse(top.path("settings"), *value, "must be an object");
+  if (value->keys().size() > kMostSettings) return refuse_count(top.path("settings"), value->keys().size(), problems);
   for (std::size_t i = 0; i < value->keys().size(); ++i) {
     const std::string_view name = value->keys()[i];
     const std::string path = io::member_path(top.path("settings"), name);
@@ -85,12 +94,13 @@ void read_axis(const std::string& path, std::string_view name, const JsonValue& 
     return problems.refuse(path, "is in settings too; a setting has one value or is an axis");
   if (std::ranges::any_of(spec.axes, named)) return problems.refuse(path, "is given twice: `seeds` is the axis `seed`");
   Axis axis{std::string(name), {}};
+  std::set<std::string> seen;
   for (std::size_t i = 0; i < list.items().size(); ++i) {
     const std::string at = io::item_path(path, i);
     const Result<Setting> setting = read_setting(*known, name, list.items()[i]);
     if (!setting) {
       problems.refuse(at, list.items()[i], setting.error().message);
-    } else if (std::ranges::find(axis.values, setting.value()) != axis.values.end()) {
+    } else if (!seen.insert(setting.value().text).second) {
       problems.refuse(at, list.items()[i], "is given twice");
     } else {
       axis.values.push_back(setting.value());
@@ -103,6 +113,8 @@ void read_axes(const ObjectReader& top, SweepSpec& spec) {
   Problems& problems = top.problems();
   if (const JsonValue* value = top.find("axes"); value != nullptr) {
     if (!value->is_object()) return problems.refuse(top.path("axes"), *value, "must be an object");
+    if (value->keys().size() + spec.settings.size() > kMostSettings)
+      return refuse_count(top.path("axes"), value->keys().size() + spec.settings.size(), problems);
     for (std::size_t i = 0; i < value->keys().size(); ++i)
       read_axis(io::member_path(top.path("axes"), value->keys()[i]), value->keys()[i], value->items()[i], problems,
                 spec);

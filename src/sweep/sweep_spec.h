@@ -17,6 +17,10 @@ namespace poise::sweep {
 /// The most trials of one sweep. Chosen: each has files of its own in one folder.
 inline constexpr std::uint64_t kMostTrials = 100'000;
 
+/// The most settings and axes of a specification together. Chosen: more than twice as many as there are, since each
+/// trial has all of them; weights of cues may have any name.
+inline constexpr std::size_t kMostSettings = 64;
+
 /// A setting that takes several values; trials are made for each of them.
 struct Axis {
   std::string name;

@@ -9,6 +9,7 @@
 
 #include "assets/files/text_file.h"
 #include "scene/field_reader.h"
+#include "sweep/sweep_spec.h"
 
 namespace poise::sweep {
 namespace {
@@ -96,21 +97,28 @@ std::string batch_json(const TrialBatch& batch) {
 Result<TrialBatch> read_batch(const std::filesystem::path& file) {
   const Result<std::string> text = geometry::read_text_file(file, kMostBatchBytes);
   if (!text) return text.error();
-  const Result<JsonValue> root = io::parse_json(text.value(), file.string());
+  return parse_batch(text.value(), file.string());
+}
+
+Result<TrialBatch> parse_batch(std::string_view text, const std::string& name) {
+  const Result<JsonValue> root = io::parse_json(text, name);
   if (!root) return root.error();
-  Problems problems(file.string());
+  Problems problems(name);
   const ObjectReader top(root.value(), "", problems, {"schema", "per_task", "exclusive", "trials"});
   TrialBatch batch;
   std::string schema;
   top.require_text("schema", schema);
   if (!schema.empty() && schema != kBatchSchema) problems.refuse("schema", fmt::format("must be \"{}\"", kBatchSchema));
-  top.require_whole("per_task", 1, kMany, batch.per_task);
+  top.require_whole("per_task", 1, kMostTrials, batch.per_task);
   top.require_flag("exclusive", batch.exclusive);
   const JsonValue* trials = top.require("trials");
   if (trials != nullptr && !trials->is_array()) problems.refuse("trials", *trials, "must be a list");
   if (trials != nullptr && trials->is_array()) {
-    for (std::size_t i = 0; i < trials->items().size(); ++i)
-      batch.trials.push_back(read_trial(trials->items()[i], io::item_path("trials", i), problems));
+    // One that is refused takes many times what it is written with.
+    for (std::size_t i = 0; i < trials->items().size(); ++i) {
+      Trial trial = read_trial(trials->items()[i], io::item_path("trials", i), problems);
+      if (problems.count() == 0) batch.trials.push_back(std::move(trial));
+    }
   }
   if (const auto first = problems.first()) return *first;
   return batch;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "poise/result.h"
@@ -28,6 +29,8 @@ std::string batch_json(const TrialBatch& batch);
 
 /// Reads what batch_json made. Refused with file, field, value and rule.
 Result<TrialBatch> read_batch(const std::filesystem::path& file);
+/// The same from text; messages begin with `name`.
+Result<TrialBatch> parse_batch(std::string_view text, const std::string& name);
 
 /// As many tasks as there may be, each with as many trials as it must have, so that there are at most `most_tasks`.
 std::uint64_t trials_per_task(std::size_t trials, std::uint64_t most_tasks);

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -28,6 +30,12 @@ Error failed(const fs::path& file, const std::error_code& reason) {
 double number_of(const io::JsonValue& object, std::string_view key) {
   const io::JsonValue* found = object.find(key);
   return found == nullptr ? 0 : found->number();
+}
+
+/// A file that somebody else wrote may say any number.
+int whole_of(double number) {
+  constexpr double kMost = std::numeric_limits<int>::max();
+  return static_cast<int>(std::clamp(number, -kMost, kMost));
 }
 
 std::string text_of(const io::JsonValue& object, std::string_view key) {
@@ -78,27 +86,32 @@ fs::path TrialStore::work_file(const std::string& key, const std::string& writer
   return folder_ / "work" / fmt::format("{}.{}.json", key, writer);
 }
 
-Outcome TrialStore::outcome_of(const Trial& trial) const {
+Outcome parse_outcome(std::string_view text) {
   Outcome outcome;
-  std::error_code none;
-  if (!fs::exists(outcome_file(trial.key), none)) return outcome;
-  const Result<std::string> text = geometry::read_bytes(outcome_file(trial.key), kMostOutcomeBytes);
-  if (!text) return outcome;
-  const Result<io::JsonValue> json = io::parse_json(text.value(), outcome_file(trial.key).string());
+  const Result<io::JsonValue> json = io::parse_json(text, "outcome");
   if (!json) return outcome;
   const std::string state = text_of(json.value(), "state");
   for (const TrialState known : kStates) {
     if (state == state_name(known)) outcome.state = known;
   }
-  outcome.exit_code = static_cast<int>(number_of(json.value(), "exit_code"));
+  outcome.exit_code = whole_of(number_of(json.value(), "exit_code"));
   outcome.seconds = number_of(json.value(), "seconds");
   outcome.time_limit_s = number_of(json.value(), "time_limit_s");
   outcome.host = text_of(json.value(), "host");
   outcome.engine = text_of(json.value(), "engine");
   if (const io::JsonValue* affinity = json.value().find("affinity"); affinity != nullptr && affinity->is_array()) {
     for (std::size_t i = 0; i < affinity->items().size(); ++i)
-      outcome.affinity.push_back(static_cast<int>(affinity->items()[i].number()));
+      outcome.affinity.push_back(whole_of(affinity->items()[i].number()));
   }
+  return outcome;
+}
+
+Outcome TrialStore::outcome_of(const Trial& trial) const {
+  std::error_code none;
+  if (!fs::exists(outcome_file(trial.key), none)) return {};
+  const Result<std::string> text = geometry::read_bytes(outcome_file(trial.key), kMostOutcomeBytes);
+  if (!text) return {};
+  const Outcome outcome = parse_outcome(text.value());
   const bool lost = outcome.state == TrialState::Done && !fs::exists(result_file(trial.key), none);
   const bool longer = outcome.state == TrialState::TimedOut && outcome.time_limit_s < trial.time_limit_s;
   return lost || longer ? Outcome{} : outcome;

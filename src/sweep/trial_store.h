@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "poise/result.h"
@@ -32,6 +33,9 @@ struct Outcome {
   std::string engine;         ///< `local`, or `slurm JOB_TASK`
   std::vector<int> affinity;  ///< processors that it was bound to; empty: none
 };
+
+/// Reads `poise.trial/1`. What is no such text counts as pending, and a number out of its range as the nearest within.
+Outcome parse_outcome(std::string_view text);
 
 /// The folder of a sweep: the results of trials under their keys, and the logs of those that said something. Results
 /// appear complete or not at all, so that other machines that share the folder may write it too.

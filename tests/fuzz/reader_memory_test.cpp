@@ -101,7 +101,8 @@ double multiple(std::string_view name, const std::string& bytes) {
 
 TEST(ReaderMemory, OfJsonIsAtMost20TimesTheFile) {
   const std::string zeros = repeated("[0", ",0", "]");
-  for (const char* reader : {"scene", "foam", "gltf", "priors", "policy", "capture", "record"}) {
+  for (const char* reader :
+       {"scene", "foam", "gltf", "priors", "policy", "capture", "record", "sweep", "trials", "outcome", "result"}) {
     const std::string part = reader == std::string_view("capture") || reader == std::string_view("record") ? "H" : "";
     EXPECT_LE(multiple(reader, part + zeros), 20) << reader;
   }
@@ -113,6 +114,23 @@ TEST(ReaderMemory, OfJsonIsAtMost20TimesTheFile) {
   EXPECT_LE(multiple("scene", members("{\"shapes\": {", "}}")), 40) << "with the shapes that it names";
   EXPECT_LE(multiple("gltf", members("{\"nodes\": {", "}}")), 20);
   EXPECT_LE(multiple("gltf", repeated("{\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{}", ",{}", "]}")), 20);
+}
+
+// What a sweep reads: lists of scenes, of trials, and figures under long names.
+TEST(ReaderMemory, OfSweepsIsAtMost40TimesTheFile) {
+  const std::string spec = R"({"schema":"poise.sweep/1","scenes":[)";
+  EXPECT_LE(multiple("sweep", repeated(spec + R"("a")", R"(,"a")", "]}")), 40);
+  std::string scenes = spec + R"("a")";
+  for (int i = 0; scenes.size() < kBytes; ++i) scenes += fmt::format(",\"{:x}\"", i);
+  EXPECT_LE(multiple("sweep", scenes + "]}"), 40);
+  EXPECT_LE(multiple("sweep", repeated(spec + R"("a"],"axes":{"seed":[1)", ",1", "]}}")), 40);
+  EXPECT_LE(multiple("sweep", repeated(spec + R"("a"],"settings":{"a":1)", R"(,"a":1)", "}}")), 40);
+  EXPECT_LE(multiple("sweep", repeated(spec + R"("a"],"requirements":["alpha<1)", "&&alpha<1", "\"]}")), 40);
+  EXPECT_LE(multiple("trials", repeated(R"({"schema":"poise.sweep-batch/1","trials":[{})", ",{}", "]}")), 40);
+  EXPECT_LE(multiple("outcome", repeated(R"({"state":"done","affinity":[0)", ",0", "]}")), 40);
+  const std::string name(1'000'000, 'n');
+  EXPECT_LE(multiple("result", repeated(R"({"schema":"poise.run/2",")" + name + "\":[0", ",0", "]}")), 40);
+  EXPECT_LE(multiple("result", repeated(R"({"schema":"poise.run/2","a":[[0])", ",[0]", "]}")), 40);
 }
 
 TEST(ReaderMemory, OfMeshesIsAtMost20TimesTheFile) {

@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/live/live_message.h"
@@ -21,6 +23,7 @@
 #include "poise/scene/scene.h"
 #include "record/record_bytes.h"
 #include "record/record_file.h"
+#include "scene/import/gltf_import.h"
 #include "scene/import/mjcf_import.h"
 #include "scene/import/scene_draft.h"
 #include "scene/policy_file.h"
@@ -43,12 +46,37 @@ bool read_obj(std::string_view bytes) { return checked_mesh(geometry::parse_obj(
 bool read_off(std::string_view bytes) { return checked_mesh(geometry::parse_off(bytes)); }
 bool read_stl(std::string_view bytes) { return checked_mesh(geometry::parse_stl(bytes)); }
 bool read_ply(std::string_view bytes) { return checked_mesh(geometry::parse_ply(bytes)); }
+
+/// A scene of what was imported: its text is read as a scene, or it is refused. Meshes are made and not kept.
+void check_scene_of(const io::SceneDraft& imported) {
+  // More are as these, and take the time of a hundred other cases.
+  constexpr std::size_t kMostSolids = 20, kMostVertices = 10'000;
+  std::size_t solids = 0;
+  std::size_t vertices = 0;
+  for (const io::DraftBody& body : imported.bodies) solids += body.solids.size();
+  for (const io::DraftMesh& mesh : imported.meshes)
+    if (mesh.mesh != nullptr) vertices += mesh.mesh->vertices_m.size() + mesh.mesh->triangles.size();
+  if (solids > kMostSolids || vertices > kMostVertices) return;
+  io::SceneDraft draft = imported;
+  draft.name = "scene";
+  io::WrittenDraft written;
+  const auto save = [](const std::filesystem::path&, const std::string&) { return Status(Done{}); };
+  const Result<std::string> text = io::draft_text(draft, {}, "scene.json", save, written);
+  if (!checked(text)) return;
+  require(parse_scene(text.value(), "scene", ".").ok(), "an imported scene is a scene");
+  for (const std::string& warning : written.warnings) checked(bad_input(warning));
+}
+
 void check_gltf_nodes(std::string_view bytes) {
-  const Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes, "/nowhere");
+  Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes, "/nowhere");
   if (!checked(nodes)) return;
   for (const TriangleMesh& mesh : nodes.value().meshes) checked_mesh(mesh);
   for (const geometry::GltfNode& node : nodes.value().nodes)
     require(node.mesh < nodes.value().meshes.size() && !node.name.empty(), "a node has a name and a mesh");
+  io::GltfImportSettings settings;
+  settings.floor = true;
+  const Result<io::SceneDraft> draft = io::gltf_draft(std::move(nodes).value(), settings);
+  if (checked(draft)) check_scene_of(draft.value());
 }
 
 bool read_gltf(std::string_view bytes) {
@@ -111,6 +139,7 @@ bool read_mjcf(std::string_view bytes) {
   for (const io::DraftMesh& mesh : draft.value().meshes)
     if (mesh.mesh != nullptr) checked_mesh(*mesh.mesh);
   for (const std::string& warning : draft.value().warnings) checked(bad_input(warning));
+  check_scene_of(draft.value());
   return true;
 }
 
@@ -166,6 +195,10 @@ constexpr std::array kReaders{
     Reader{"robot", read_robot},       Reader{"mjcf", read_mjcf},
 #ifdef POISE_FUZZ_CAPTURE
     Reader{"capture", read_capture},
+#endif
+#ifdef POISE_FUZZ_SWEEP
+    Reader{"sweep", read_sweep_spec},  Reader{"trials", read_trials},
+    Reader{"outcome", read_outcome},   Reader{"result", read_run_result},
 #endif
 };
 

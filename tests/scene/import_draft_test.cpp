@@ -16,6 +16,13 @@
 namespace poise::testing {
 namespace {
 
+/// Why a draft is no scene; empty if it is one.
+std::string refusal(const io::SceneDraft& draft, const io::DraftSettings& settings, const io::SaveMesh& save) {
+  io::WrittenDraft written;
+  const Result<std::string> text = io::draft_text(draft, settings, "s.json", save, written);
+  return text ? std::string() : text.error().message;
+}
+
 const std::string kShelf = POISE_SOURCE_DIR "/scenes/robots/shelf.gltf";
 
 TEST(ImportDraft, BodiesThatAreAlikeShareAShapeAndAFile) {
@@ -49,6 +56,52 @@ TEST(ImportDraft, TwoBoxesFaceToFaceAreASolid) {
   ASSERT_TRUE(mesh.ok()) << mesh.error().message;
   EXPECT_TRUE(check_closed(mesh.value()).closed());
   EXPECT_NEAR(mesh_mass_properties(mesh.value()).value().volume_m3, 0.016, 1e-12);
+}
+
+// A model of 20 bytes a solid, each of a mesh of its own: what is made of it is counted before it is held.
+TEST(ImportDraft, RefusesMoreTrianglesThanItWrites) {
+  io::SceneDraft draft;
+  draft.name = "made";
+  io::DraftSolid solid;
+  solid.kind = io::SolidKind::Ellipsoid;
+  solid.half_m = {1, 2, 3};
+  io::DraftBody body;
+  body.solids.assign(3, solid);
+  draft.bodies.push_back(body);
+  std::size_t saved = 0;
+  const auto save = [&](const std::filesystem::path&, const std::string&) {
+    ++saved;
+    return Status(Done{});
+  };
+  io::DraftSettings settings;
+  settings.most_written = 3 * 960;
+  EXPECT_EQ(refusal(draft, settings, save), "");
+  EXPECT_EQ(saved, 1U);
+  --settings.most_written;
+  EXPECT_EQ(refusal(draft, settings, save), "needs meshes of more than 2879 triangles");
+  EXPECT_EQ(saved, 1U);
+}
+
+// A mesh of the model is read for each solid that it is a part of.
+TEST(ImportDraft, RefusesMeshesThatAreReadTooOften) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->vertices_m = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh->triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  io::SceneDraft draft;
+  draft.name = "made";
+  draft.meshes.push_back({"pyramid", {}, mesh, Mat3::Identity()});
+  io::DraftSolid solid;
+  solid.kind = io::SolidKind::Mesh;
+  io::DraftBody body;
+  body.solids.assign(10, solid);
+  draft.bodies.push_back(body);
+  io::DraftSettings settings;
+  settings.most_read = 80;
+  const auto save = [](const std::filesystem::path&, const std::string&) { return Status(Done{}); };
+  EXPECT_EQ(refusal(draft, settings, save), "");
+  settings.most_read = 79;
+  EXPECT_EQ(refusal(draft, settings, save),
+            "its meshes have more than 79 vertices and triangles together, each as often as it is used");
 }
 
 TEST(ImportDraft, OverwritesNoMeshOfTheModel) {

@@ -52,6 +52,32 @@ TEST(ReleaseGrid, LatenessDoesNotAddUpOverThousandsOfFrames) {
   EXPECT_GE(grid.release(), now - milliseconds(10));
 }
 
+// The release that is served is the first one that can be met, whatever the ratio of times; it is not looked for one by
+// one, which took ten minutes for the second of these steps.
+TEST(ReleaseGrid, FindsTheFirstReleaseThatCanBeMetForAnyStep) {
+  for (const double dt_s : {1e-7, 1e-12, 1e-300, 1.0}) {
+    for (const Nanoseconds deadline : {Nanoseconds(3), Nanoseconds(milliseconds(1)), Nanoseconds(milliseconds(2000))}) {
+      ReleaseGrid grid(kStart, dt_s, deadline);
+      const SteadyClock::time_point now = kStart + milliseconds(1500);
+      const std::uint64_t skipped = grid.advance(now);
+      if (dt_s < 1e-200) {
+        EXPECT_EQ(grid.release(), kStart) << "all releases are at the begin";
+        continue;
+      }
+      EXPECT_GT(grid.deadline(), now);
+      // The one before would have been late, or its period was over.
+      const double before_s = dt_s * static_cast<double>(skipped);
+      const bool first =
+          skipped == 0 || before_s + 1e-9 * static_cast<double>(deadline.count()) <= 1.5 || before_s + dt_s <= 1.5;
+      EXPECT_TRUE(first) << dt_s << ' ' << deadline.count() << ' ' << skipped;
+      EXPECT_EQ(grid.advance(now), 0U) << "it moves on by one";
+    }
+  }
+  ReleaseGrid grid(kStart, 1e-7, Nanoseconds(50));
+  EXPECT_EQ(grid.advance(kStart + microseconds(10)), 99U);
+  EXPECT_EQ(grid.release(), kStart + microseconds(10)) << "the deadline of the one before is 50 ns ago";
+}
+
 TEST(RenderLoad, IsTheSameForAFrameAndStaysWithinItsJitter) {
   const RenderLoad load{milliseconds(4), milliseconds(1), 7};
   Nanoseconds least = milliseconds(9);

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,16 @@ TEST(TrialStore, CountsOnlyWhatIsComplete) {
   EXPECT_EQ(sweep.store.outcome_of(trial).state, TrialState::Pending) << "its result is lost";
   std::ofstream(sweep.store.outcome_file(trial.key)) << "{\"state\": \"fail";
   EXPECT_EQ(sweep.store.outcome_of(trial).state, TrialState::Pending) << "cut short";
+}
+
+TEST(TrialStore, TakesNumbersOutOfRangeAsTheNearestWithin) {
+  const Outcome outcome =
+      sweep::parse_outcome(R"({"state": "failed", "exit_code": 1e300, "affinity": [-1e300, 1, "x"], "seconds": 2})");
+  EXPECT_EQ(outcome.state, TrialState::Failed);
+  EXPECT_EQ(outcome.exit_code, std::numeric_limits<int>::max());
+  EXPECT_EQ(outcome.affinity, (std::vector<int>{-std::numeric_limits<int>::max(), 1, 0}));
+  EXPECT_EQ(outcome.seconds, 2);
+  EXPECT_EQ(sweep::parse_outcome("[").state, TrialState::Pending);
 }
 
 TEST(TrialStore, AHigherTimeLimitMakesATrialPendingThatWasEndedAtALowerOne) {
@@ -189,6 +200,26 @@ TEST(Results, RefuseAFileThatIsNoRun) {
   const Result<sweep::Results> joined = sweep::join(sweep.spec, sweep.trials, sweep.store);
   ASSERT_FALSE(joined);
   EXPECT_NE(joined.error().message.find("must be the result of a run"), std::string::npos);
+}
+
+// Names are as long as their path, so that a long one above many numbers would take their product.
+TEST(Results, LimitTheFiguresOfARun) {
+  const auto figures = [](const std::string& members) {
+    sweep::TrialResult result;
+    return sweep::parse_run_result(R"({"schema": "poise.run/2", )" + members + "}", "r.json", result);
+  };
+  const auto numbers = [](std::size_t count) {
+    std::string list = "0";
+    for (std::size_t i = 1; i < count; ++i) list += ",0";
+    return "[" + list + "]";
+  };
+  EXPECT_EQ(figures("\"a\": " + numbers(sweep::kMostFigures)).value_or({}).size(), sweep::kMostFigures);
+  const auto refused = figures("\"a\": " + numbers(sweep::kMostFigures + 1));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, "r.json: has more than 1800 figures");
+  const std::string name(sweep::kLongestFigureName, 'n');
+  EXPECT_EQ(figures("\"" + name + "\": 1, \"b\": 2").value_or({}).size(), 2U);
+  EXPECT_EQ(figures("\"" + name + "n\": 1, \"b\": 2").value_or({}).size(), 1U) << "too long to be one";
 }
 
 // Trials in the order of the specification: (300, 8) (300, 4) (100, 8) (100, 4) (200, 8) (200, 4).

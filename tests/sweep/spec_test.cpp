@@ -107,6 +107,26 @@ TEST(SweepSpec, RefusesWithPlaceValueAndRule) {
   }
 }
 
+// Each trial has every setting: neither their number nor their length may grow with the file.
+TEST(SweepSpec, LimitsWhatEachTrialHolds) {
+  std::string weights;
+  for (std::size_t i = 0; i < sweep::kMostSettings; ++i)
+    weights += (i == 0 ? "\"weight.c" : ", \"weight.c") + std::to_string(i) + "\": 1";
+  const std::string begin = R"({"schema": "poise.sweep/1", "scenes": ["a"], "settings": {)";
+  EXPECT_EQ(spec_refusals(begin + weights + "}}"), "accepted");
+  EXPECT_NE(spec_refusals(begin + weights + R"(, "frames": 1}})").find("settings: 65 settings, must be at most 64"),
+            std::string::npos);
+  EXPECT_NE(spec_refusals(begin + weights + R"(}, "axes": {"frames": [1]}})").find("axes: 65 settings"),
+            std::string::npos);
+  const std::string longest(sweep::kLongestSetting, 'p');
+  const auto with_policy = [&](const std::string& policy) { return begin + R"("policy": ")" + policy + "\"}}"; };
+  EXPECT_EQ(spec_refusals(with_policy(longest)), "accepted");
+  EXPECT_NE(spec_refusals(with_policy(longest + "p")).find("must have at most 4096 bytes"), std::string::npos);
+  EXPECT_NE(spec_refusals(R"({"schema": "poise.sweep/1", "scenes": [")" + longest + "p\"]}")
+                .find("must have at most 4096 bytes"),
+            std::string::npos);
+}
+
 TEST(SweepSpec, RefusesAFileOfAnotherKind) {
   EXPECT_NE(spec_refusals("[1]").find("s.json: must be an object"), std::string::npos);
   EXPECT_NE(spec_refusals("{").find("s.json:"), std::string::npos);

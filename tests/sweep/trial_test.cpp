@@ -192,6 +192,20 @@ TEST(TrialBatch, RefusesWhatItDoesNotKnow) {
   EXPECT_NE(refusal(sweep::batch_json(batch)).find("trials[0].key: must be 32 hexadecimal digits"), std::string::npos);
 }
 
+// 2^64 - 1 trials a task overflowed the number of tasks, and a task then had trials up to before its first.
+TEST(TrialBatch, RefusesMoreTrialsATaskThanASweepMayHave) {
+  sweep::TrialBatch batch;
+  batch.trials = {expanded(small_spec())[0]};
+  batch.per_task = sweep::kMostTrials;
+  EXPECT_TRUE(sweep::parse_batch(sweep::batch_json(batch), "b.json"));
+  batch.per_task = ~std::uint64_t{0};
+  const Result<sweep::TrialBatch> read = sweep::parse_batch(sweep::batch_json(batch), "b.json");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("per_task = 18446744073709551615, must be a whole number from 1 to 100000"),
+            std::string::npos)
+      << read.error().message;
+}
+
 TEST(TrialBatch, HasAtMostAsManyTasksAsThereMayBe) {
   EXPECT_EQ(sweep::trials_per_task(40, 1001), 1U);
   EXPECT_EQ(sweep::trials_per_task(40, 40), 1U);

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -67,10 +68,10 @@ Result<double> lowest_point(const geometry::GltfNodes& nodes) {
   return lowest;
 }
 
-/// Adds the bodies. Each mesh with each linear part is a mesh of the draft.
-Status add_gltf_bodies(const geometry::GltfNodes& nodes, const GltfImportSettings& settings, SceneDraft& draft) {
+/// Adds the bodies. Each mesh with each linear part is a mesh of the draft; the nodes lose theirs to it.
+Status add_gltf_bodies(geometry::GltfNodes& nodes, const GltfImportSettings& settings, SceneDraft& draft) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
-  for (const TriangleMesh& mesh : nodes.meshes) meshes.push_back(std::make_shared<const TriangleMesh>(mesh));
+  for (TriangleMesh& mesh : nodes.meshes) meshes.push_back(std::make_shared<const TriangleMesh>(std::move(mesh)));
   std::map<std::pair<std::size_t, std::array<double, 9>>, std::size_t> sized;
   for (const geometry::GltfNode& node : nodes.nodes) {
     const Mat3 whole = node.transform.topLeftCorner<3, 3>();
@@ -102,30 +103,40 @@ Status add_gltf_bodies(const geometry::GltfNodes& nodes, const GltfImportSetting
 
 }  // namespace
 
+Result<SceneDraft> gltf_draft(geometry::GltfNodes nodes, const GltfImportSettings& settings) {
+  for (geometry::GltfNode& node : nodes.nodes) node.transform.topRows<3>() *= settings.scale;
+  for (const std::string& name : settings.fixed) {
+    if (std::ranges::find(nodes.nodes, name, &geometry::GltfNode::name) == nodes.nodes.end())
+      return bad_input(fmt::format("--static = '{}', must be the name of a node with a mesh", name));
+  }
+  SceneDraft draft;
+  std::optional<double> lowest_m;
+  if (settings.floor) {
+    const Result<double> lowest = lowest_point(nodes);
+    if (!lowest) return lowest.error();
+    lowest_m = lowest.value();
+  }
+  const Status added = add_gltf_bodies(nodes, settings, draft);
+  if (!added) return added.error();
+  if (lowest_m && !draft.bodies.empty()) {
+    DraftBody floor;
+    floor.name = "floor";
+    floor.position_m = {0, 0, *lowest_m};
+    floor.friction = settings.friction;
+    draft.bodies.push_back(std::move(floor));
+  }
+  return draft;
+}
+
 Result<SceneDraft> import_gltf(const std::filesystem::path& file, const GltfImportSettings& settings) {
   const auto refused = [&](const Error& error) { return bad_input(file.string() + ": " + error.message); };
   const Result<std::string> bytes = geometry::read_text_file(file, kMostGltfBytes);
   if (!bytes) return bytes.error();
   Result<geometry::GltfNodes> nodes = geometry::parse_gltf_nodes(bytes.value(), file.parent_path());
   if (!nodes) return refused(nodes.error());
-  for (geometry::GltfNode& node : nodes.value().nodes) node.transform.topRows<3>() *= settings.scale;
-  for (const std::string& name : settings.fixed) {
-    if (std::ranges::find(nodes.value().nodes, name, &geometry::GltfNode::name) == nodes.value().nodes.end())
-      return refused(bad_input(fmt::format("--static = '{}', must be the name of a node with a mesh", name)));
-  }
-  SceneDraft draft;
-  draft.name = file.stem().string();
-  const Status added = add_gltf_bodies(nodes.value(), settings, draft);
-  if (!added) return refused(added.error());
-  if (settings.floor && !draft.bodies.empty()) {
-    const Result<double> lowest = lowest_point(nodes.value());
-    if (!lowest) return refused(lowest.error());
-    DraftBody floor;
-    floor.name = "floor";
-    floor.position_m = {0, 0, lowest.value()};
-    floor.friction = settings.friction;
-    draft.bodies.push_back(std::move(floor));
-  }
+  Result<SceneDraft> draft = gltf_draft(std::move(nodes).value(), settings);
+  if (!draft) return refused(draft.error());
+  draft.value().name = file.stem().string();
   return draft;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/mesh/gltf_nodes.h"
 #include "poise/result.h"
 #include "scene/import/scene_draft.h"
 
@@ -17,6 +18,9 @@ struct GltfImportSettings {
   double friction = 0.5;
   double scale = 1;  ///< metres per unit of the file, > 0; glTF has metres, but not everyone who writes it
 };
+
+/// The bodies of what parse_gltf_nodes has read. Refused as import_gltf, without the file.
+Result<SceneDraft> gltf_draft(geometry::GltfNodes nodes, const GltfImportSettings& settings);
 
 /// Reads a glTF or GLB file as bodies: each node that places a mesh with triangles becomes one. glTF has y upward; the
 /// scene is turned so that z is. Any thread. Refused with the file: what read_mesh refuses, a name in `fixed` that no

@@ -24,9 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using DraftJson = nlohmann::ordered_json;
 
-constexpr std::size_t kMostWrittenTriangles = 20'000'000;
 constexpr double kMostCoordinate_m = 1e9;
 constexpr double kLeastDiagonal_m = 1e-9;
+
+std::string line_of(const DraftJson& json) { return json.dump(-1, ' ', false, DraftJson::error_handler_t::replace); }
 
 DraftJson vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -48,9 +49,12 @@ struct UsedShape {
 /// Makes the scene file's members one body after the other. Invariant: `shapes_` has each shape once.
 class DraftWriter {
  public:
-  DraftWriter(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file)
+  DraftWriter(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file, const SaveMesh& save,
+              WrittenDraft& written)
       : draft_(draft),
         settings_(settings),
+        save_(save),
+        written_(written),
         folder_(file.parent_path()),
         mesh_folder_(file.stem().string() + "-meshes"),
         told_(draft.meshes.size(), false) {
@@ -73,29 +77,36 @@ class DraftWriter {
     if (body.dynamic && body.mass_kg > 0) json["mass_kg"] = body.mass_kg;
     if (body.group != 1) json["group"] = body.group;
     if (body.collides_with != 0xffffffffU) json["collides_with"] = body.collides_with;
-    bodies_.push_back(std::move(json));
+    add_line(line_of(json), bodies_);
     return Done{};
   }
 
+  /// A line for each material, shape and body.
   [[nodiscard]] std::string text() const {
-    DraftJson json;
-    json["name"] = draft_.name;
-    json["dt_s"] = draft_.dt_s;
-    json["gravity_mps2"] = vector_json(draft_.gravity_mps2);
     // Five seconds.
-    json["frames"] = static_cast<std::uint64_t>(std::clamp(std::ceil(5 / draft_.dt_s), 1.0, 1e6));
-    json["materials"] = materials_;
-    json["shapes"] = shapes_;
-    json["bodies"] = bodies_;
-    return json.dump(1, ' ', false, DraftJson::error_handler_t::replace) + "\n";
+    const auto frames = static_cast<std::uint64_t>(std::clamp(std::ceil(5 / draft_.dt_s), 1.0, 1e6));
+    return fmt::format(
+        "{{\n \"name\": {},\n \"dt_s\": {},\n \"gravity_mps2\": {},\n \"frames\": {},\n"
+        " \"materials\": {{\n{}\n }},\n \"shapes\": {{\n{}\n }},\n \"bodies\": [\n{}\n ]\n}}\n",
+        line_of(draft_.name), line_of(draft_.dt_s), line_of(vector_json(draft_.gravity_mps2)), frames, materials_,
+        shapes_, bodies_);
   }
-  WrittenDraft written;
 
  private:
+  static void add_line(const std::string& line, std::string& lines) {
+    if (!lines.empty()) lines += ",\n";
+    lines += "  ";
+    lines += line;
+  }
+  static void add_member(const std::string& name, const DraftJson& json, std::string& lines) {
+    add_line(line_of(name) + ": " + line_of(json), lines);
+  }
+
   std::string material_of(const DraftBody& body) {
     const auto [found, added] = material_names_.try_emplace({body.friction, body.density_kgpm3},
                                                             fmt::format("material-{}", material_names_.size() + 1));
-    if (added) materials_[found->second] = {{"friction", body.friction}, {"density_kgpm3", body.density_kgpm3}};
+    if (added)
+      add_member(found->second, {{"friction", body.friction}, {"density_kgpm3", body.density_kgpm3}}, materials_);
     return found->second;
   }
 
@@ -105,10 +116,10 @@ class DraftWriter {
     const auto found = shape_names_.find(key);
     if (found != shape_names_.end()) return found->second;
     const std::string name = fmt::format("{}-{}", kind, ++counts_[std::string(kind)]);
-    Result<DraftJson> made = make(name);
+    const Result<DraftJson> made = make(name);
     if (!made) return made.error();
-    shapes_[name] = std::move(made).value();
-    ++written.shapes;
+    add_member(name, made.value(), shapes_);
+    ++written_.shapes;
     shape_names_[key] = name;
     return name;
   }
@@ -184,6 +195,7 @@ class DraftWriter {
       } else {
         part = solid_mesh(solid);
       }
+      if (!room_for(all.triangles.size() + part.triangles.size())) return too_many();
       const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
       for (const Vec3& v : part.vertices_m) all.vertices_m.emplace_back(solid.orientation * v + solid.position_m);
       for (const auto& t : part.triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});
@@ -206,19 +218,22 @@ class DraftWriter {
     return mesh_json(std::move(json), read.value().shell);
   }
 
+  [[nodiscard]] bool room_for(std::size_t triangles) const { return triangles_ + triangles <= settings_.most_written; }
+  [[nodiscard]] Error too_many() const {
+    return bad_input(fmt::format("needs meshes of more than {} triangles", settings_.most_written));
+  }
+
   Result<DraftJson> saved_mesh(const TriangleMesh& mesh, const std::string& name, bool shell) {
+    if (!room_for(mesh.triangles.size())) return too_many();
     triangles_ += mesh.triangles.size();
-    if (triangles_ > kMostWrittenTriangles)
-      return bad_input(fmt::format("needs meshes of more than {} triangles", kMostWrittenTriangles));
     std::error_code failure;
-    fs::create_directories(folder_ / mesh_folder_, failure);
     const fs::path file = fs::path(mesh_folder_) / (name + ".obj");
     if (inputs_.contains(fs::weakly_canonical(folder_ / file, failure).string()))
       return bad_input(
           fmt::format("would overwrite its mesh {}, the scene needs another name", (folder_ / file).string()));
-    const Status saved = geometry::write_file(folder_ / file, exact_obj_text(mesh));
+    const Status saved = save_(folder_ / file, exact_obj_text(mesh));
     if (!saved) return saved.error();
-    ++written.mesh_files;
+    ++written_.mesh_files;
     return mesh_json({{"file", file.string()}}, shell);
   }
 
@@ -248,6 +263,11 @@ class DraftWriter {
       if (!file) return refused(file.error().message);
       read.mesh = std::move(file).value();
     }
+    read_ += read.mesh.vertices_m.size() + read.mesh.triangles.size();
+    if (read_ > settings_.most_read)
+      return bad_input(
+          fmt::format("its meshes have more than {} vertices and triangles together, each as often as it is used",
+                      settings_.most_read));
     for (Vec3& v : read.mesh.vertices_m) {
       v = draft.linear * v;
       if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMostCoordinate_m)
@@ -262,8 +282,8 @@ class DraftWriter {
     if (!report) return refused(report.error().message);
     read.shell = report.value().solidity == Solidity::Shell;
     if (read.shell && !told_[index])
-      written.warnings.push_back(fmt::format("mesh '{}' encloses no volume: it is its surface, {} m thick", draft.name,
-                                             settings_.shell_thickness_m));
+      written_.warnings.push_back(fmt::format("mesh '{}' encloses no volume: it is its surface, {} m thick", draft.name,
+                                              settings_.shell_thickness_m));
     told_[index] = told_[index] || read.shell;
     return read;
   }
@@ -288,15 +308,18 @@ class DraftWriter {
 
   const SceneDraft& draft_;
   const DraftSettings& settings_;
+  const SaveMesh& save_;
+  WrittenDraft& written_;
   fs::path folder_;
   std::string mesh_folder_;
   std::set<std::string> inputs_;  ///< mesh files of the model, which are not overwritten
   std::vector<bool> told_;        ///< beside draft_.meshes: a warning says that it is a shell
   std::size_t triangles_ = 0;     ///< that were written
+  std::size_t read_ = 0;          ///< vertices and triangles
   std::map<std::pair<double, double>, std::string> material_names_;
   std::map<std::string, std::string> shape_names_;
   std::map<std::string, std::size_t> counts_;
-  DraftJson materials_ = DraftJson::object(), shapes_ = DraftJson::object(), bodies_ = DraftJson::array();
+  std::string materials_, shapes_, bodies_;  ///< a line each; members of JSON objects are found one by one
 };
 
 }  // namespace
@@ -321,20 +344,33 @@ double volume_of(const DraftSolid& solid) {
   return 0;
 }
 
-Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file) {
+Result<std::string> draft_text(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file,
+                               const SaveMesh& save, WrittenDraft& written) {
   if (draft.bodies.empty()) return bad_input("has no body with a shape that collides");
-  DraftWriter writer(draft, settings, file);
+  DraftWriter writer(draft, settings, file, save, written);
   for (const DraftBody& body : draft.bodies) {
     const Status added = writer.add(body);
     if (!added) return added.error();
   }
   // It is a scene like any other, with its limits, before it takes the place of what was there.
-  const std::string text = writer.text();
+  std::string text = writer.text();
   const Result<Scene> sound = parse_scene(text, file.string(), file.parent_path());
   if (!sound) return sound.error();
-  const Status saved = geometry::write_file(file, text);
+  return text;
+}
+
+Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings, const fs::path& file) {
+  WrittenDraft written;
+  const auto save = [](const fs::path& mesh, const std::string& text) {
+    std::error_code failure;
+    fs::create_directories(mesh.parent_path(), failure);
+    return geometry::write_file(mesh, text);
+  };
+  const Result<std::string> text = draft_text(draft, settings, file, save, written);
+  if (!text) return text.error();
+  const Status saved = geometry::write_file(file, text.value());
   if (!saved) return saved.error();
-  return std::move(writer.written);
+  return written;
 }
 
 }  // namespace poise::io

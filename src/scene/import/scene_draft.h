@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -68,6 +69,9 @@ struct SceneDraft {
 struct DraftSettings {
   std::uint64_t depth = 3;           ///< of sphere trees
   double shell_thickness_m = 0.001;  ///< of meshes that enclose nothing
+  /// Vertices and triangles of all meshes together, each as often as it is read, and triangles that are written.
+  /// Chosen: a minute or two.
+  std::size_t most_read = 100'000'000, most_written = 20'000'000;
 };
 
 /// What was written.
@@ -80,9 +84,17 @@ struct WrittenDraft {
 /// Volume of a solid that is not a mesh, m^3.
 double volume_of(const DraftSolid& solid);
 
+/// Saves the text of a mesh as a file, which is named from where the scene is named from.
+using SaveMesh = std::function<Status(const std::filesystem::path&, const std::string&)>;
+
+/// The text of the scene that write_draft writes to `file`; its meshes are handed to `save`. Refused likewise.
+Result<std::string> draft_text(const SceneDraft& draft, const DraftSettings& settings,
+                               const std::filesystem::path& file, const SaveMesh& save, WrittenDraft& written);
+
 /// Writes the scene file, and beside it a folder STEM-meshes of the meshes that had to be made, if any. The scene file
-/// is written last. Refused: a mesh that read_mesh refuses, more than 20 million triangles to be written, what cannot
-/// be written, a draft without bodies, what is no scene (parse_scene): then no scene file is written.
+/// is written last. Refused: a mesh that read_mesh refuses, more triangles to be written than most_written or most_read
+/// to be read, what cannot be written, a draft without bodies, what is no scene (parse_scene): then no scene file is
+/// written.
 Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings,
                                  const std::filesystem::path& file);
 
