@@ -8,6 +8,7 @@
 #include "frame/manifolds.h"
 #include "parallel/prefetch.h"
 #include "parallel/shared_counters.h"
+#include "world/renew_points.h"
 
 namespace poise::simulation {
 namespace {
@@ -43,64 +44,27 @@ bool makes_points(const ManifoldsInput& input, std::size_t i) {
   return (!progress.held || progress.fresh()) && count_points(input, i) > 0;
 }
 
-std::span<const solver::ContactPoint> manifold_of(std::span<const solver::ContactPoint> points) {
-  return points.subspan(PointCache::before_manifold(points.size()));
-}
-
-// Warm starting: new points take over the forces of the old ones that are nearest to them and have nearly the same
-// normal.
-void take_over_forces(std::span<const solver::ContactPoint> old, std::span<const solver::ContactForce> old_forces,
-                      double size_m, std::span<const solver::ContactPoint> points,
-                      std::span<solver::ContactForce> forces) {
-  constexpr double kLike = 0.7;
-  std::array<bool, kPointsOfPair> taken{};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double least = size_m * size_m;
-    std::size_t nearest = old.size();
-    for (std::size_t k = 0; k < old.size(); ++k) {
-      const double square = (old[k].on_a_m - points[i].on_a_m).squaredNorm();
-      if (taken[k] || square >= least || old[k].normal.dot(points[i].normal) < kLike) continue;
-      least = square;
-      nearest = k;
-    }
-    if (nearest == old.size()) continue;
-    taken[nearest] = true;
-    forces[i] = old_forces[nearest];
-  }
-}
-
-// Points that this frame has found, fixed to the bodies of their pair.
-void place_points(const ManifoldsInput& input, std::size_t i, std::span<solver::ContactPoint> points) {
+// Points that this frame has found take the place of those that are cached.
+void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& made, PointCache& cache) {
+  // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
+  constexpr double kSameOfSkin = 50;
   const ActivePair& pair = input.table.pairs[i];
   const collision::LevelContact& found = input.levels.found[i];
   const PlacedPair where = placed_pair(input, pair);
   collision::PairContact coarsest;
   const collision::PairContact& contact =
       contact_of(input.scene, input.motion, pair, input.levels.progress[i], found, coarsest);
-  points[0] = keep(where, collision::impact_point(contact, where.a.rotation));
-  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.point[k - 1]);
-}
-
-void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& made, PointCache& cache) {
-  // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
-  constexpr double kSameOfSkin = 50;
-  const ActivePair& pair = input.table.pairs[i];
-  const std::span<solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
-  const std::span<solver::ContactForce> forces = cache.forces_of(made.slot, made.point_count);
-  const std::size_t olds = pair.cached.point_count;
-  if (olds == 0) {
-    place_points(input, i, points);
-    std::fill(forces.begin(), forces.end(), solver::ContactForce{});
-    return;
-  }
-  std::array<solver::ContactPoint, kPointsOfPair> old;
-  std::array<solver::ContactForce, kForcesOfPair> old_forces;
-  std::ranges::copy(cache.points_of(made.slot, olds), old.begin());
-  std::ranges::copy(cache.forces_of(made.slot, olds), old_forces.begin());
-  place_points(input, i, points);
-  std::fill(forces.begin(), forces.end(), solver::ContactForce{});
-  take_over_forces(manifold_of(std::span(old).first(olds)), old_forces, kSameOfSkin * pair.skin_m, manifold_of(points),
-                   forces);
+  const collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
+  RenewedPoints renewed;
+  renewed.found[0] = &impact;
+  for (std::size_t k = 1; k < made.point_count; ++k) renewed.found[k] = &found.manifold_points.point[k - 1];
+  renewed.count = made.point_count;
+  renewed.points = &cache.points[PointCache::begin(made.slot)];
+  renewed.forces = &cache.forces[PointCache::forces_begin(made.slot)];
+  renewed.old_count = pair.cached.point_count;
+  renewed.alike_m = kSameOfSkin * pair.skin_m;
+  std::array<double, kPointsOfPair> gaps_m;
+  renew_points(where, renewed, gaps_m);
 }
 
 // May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says
