@@ -5,6 +5,7 @@
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
+#include <cstdint>
 #include <limits>
 
 #include "solver/lane_math_inl.h"
@@ -30,43 +31,70 @@ HWY_INLINE lanes::Columns<V> quads(Doubles d, const S* const* of, std::size_t of
   return lanes::columns_of(d, [&](std::size_t k) { return lanes::figures_at<const double>(of[k], 0, offset); });
 }
 
+constexpr std::size_t kLanes = hn::MaxLanes(Doubles());
+constexpr std::size_t kParts = kForcesOfPair / kLanes;
+
 // The old points of a manifold, one a lane.
 struct OldPoints {
-  alignas(32) double normal[3][kForcesOfPair];
-  alignas(32) double on_a_m[3][kForcesOfPair];
+  Three normal[kParts], on_a_m[kParts];
+  V barrier[kParts];  // of those that are taken larger than any square of a distance, else 0
 };
 HWY_INLINE void read(Doubles d, const solver::ContactPoint* points, std::size_t count, OldPoints& into) {
   const solver::ContactPoint* rows[kForcesOfPair];
   for (std::size_t k = 0; k < kForcesOfPair; ++k) rows[k] = points + (k < count ? k : 0);
-  for (std::size_t lane = 0; lane < count; lane += hn::Lanes(d)) {
-    const lanes::Columns<V> first = quads(d, rows + lane, 0);
-    const lanes::Columns<V> second = quads(d, rows + lane, 4);
-    for (std::size_t k = 0; k < 3; ++k) {
-      hn::Store(first.at[k], d, into.normal[k] + lane);
-      hn::Store(second.at[k], d, into.on_a_m[k] + lane);
-    }
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const lanes::Columns<V> first = quads(d, rows + part * kLanes, 0);
+    const lanes::Columns<V> second = quads(d, rows + part * kLanes, 4);
+    into.normal[part] = {first.at[0], first.at[1], first.at[2]};
+    into.on_a_m[part] = {second.at[0], second.at[1], second.at[2]};
+    const auto absent = hn::Ge(hn::Iota(d, static_cast<double>(part * kLanes)), hn::Set(d, static_cast<double>(count)));
+    into.barrier[part] = hn::IfThenElseZero(absent, hn::Set(d, std::numeric_limits<double>::max()));
   }
 }
 
-// Squares of the distances of the old points from a new one; of those that face elsewhere what is larger than any.
-HWY_INLINE void measure(Doubles d, const OldPoints& old, std::size_t count, const solver::ContactPoint& point,
-                        double (&squares)[kForcesOfPair]) {
+// The old point that is nearest to a new one, if it is within the distance, faces alike and is not taken; it is then.
+// kForcesOfPair if there is none.
+HWY_INLINE std::size_t take_nearest(Doubles d, const solver::ContactPoint& point, double square_m2, OldPoints& old) {
   constexpr double kLike = 0.7;
   const Three normal = all(d, point.normal.data());
   const Three on_a = all(d, point.on_a_m.data());
   const V most = hn::Set(d, std::numeric_limits<double>::max());
-  for (std::size_t lane = 0; lane < count; lane += hn::Lanes(d)) {
-    const Three away = lanes::difference(lanes::load(d, old.on_a_m, lane), on_a);
-    const auto alike = hn::Ge(lanes::dot(lanes::load(d, old.normal, lane), normal), hn::Set(d, kLike));
-    hn::Store(hn::IfThenElse(alike, lanes::dot(away, away), most), d, squares + lane);
+  V squares[kParts];
+  V least = most;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const Three away = lanes::difference(old.on_a_m[part], on_a);
+    const auto alike = hn::Ge(lanes::dot(old.normal[part], normal), hn::Set(d, kLike));
+    squares[part] = hn::IfThenElse(alike, hn::Max(lanes::dot(away, away), old.barrier[part]), most);
+    least = hn::Min(least, squares[part]);
   }
+  least = hn::MinOfLanes(d, least);
+  if (!(hn::GetLane(least) < square_m2)) return kForcesOfPair;
+  std::size_t nearest = 0;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const std::intptr_t lane = hn::FindFirstTrue(d, hn::Eq(squares[part], least));
+    if (lane < 0) continue;
+    nearest = part * kLanes + static_cast<std::size_t>(lane);
+    break;
+  }
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const auto here = hn::Eq(hn::Iota(d, static_cast<double>(part * kLanes)), hn::Set(d, static_cast<double>(nearest)));
+    old.barrier[part] = hn::IfThenElse(here, most, old.barrier[part]);
+  }
+  return nearest;
 }
+
+// A force, as four numbers.
+HWY_INLINE void copy_force(Doubles d, const double* from, double* to) {
+  for (std::size_t k = 0; k < 4; k += hn::Lanes(d)) hn::Store(hn::Load(d, from + k), d, to + k);
+}
+HWY_INLINE double* numbers(solver::ContactForce& force) { return lanes::figures_at<double>(&force, 0, 0); }
 
 // Fixes all points to the bodies.
 HWY_INLINE void place(Doubles d, const PlacedPair& pair, const RenewedPoints& renewed,
                       std::array<double, kPointsOfPair>& gaps_m) {
   const collision::ManifoldPoint* rows[kRows];
-  for (std::size_t k = 0; k < kRows; ++k) rows[k] = renewed.found[k < renewed.count ? k : 0];
+  for (std::size_t k = 0; k < kRows; ++k) rows[k] = renewed.found[0];
+  for (std::size_t k = 1; k < renewed.count; ++k) rows[k] = renewed.found[k];
   const double* const a = pair.a.rotation.data();
   const double* const b = pair.b.rotation.data();
   const lanes::Turn<V> to_world = {{all(d, a), all(d, a + 3), all(d, a + 6)}};
@@ -121,22 +149,14 @@ void renew(const PlacedPair& pair, const RenewedPoints& renewed, std::array<doub
   OldPoints old;
   read(d, renewed.points + PointCache::before_manifold(renewed.old_count), old_count, old);
   // The last is for points that are new.
-  std::array<solver::ContactForce, kForcesOfPair + 1> old_forces;
-  for (std::size_t k = 0; k < old_count; ++k) old_forces[k] = forces[k];
+  alignas(32) double old_forces[kForcesOfPair + 1][4];
+  for (std::size_t k = 0; k < old_count; ++k) copy_force(d, numbers(forces[k]), old_forces[k]);
+  for (double& none : old_forces[kForcesOfPair]) none = 0;
   place(d, pair, renewed, gaps_m);
-  std::uint32_t taken = 0;
+  const double square_m2 = renewed.alike_m * renewed.alike_m;
   for (std::size_t i = 0; i < count; ++i) {
-    alignas(32) double squares[kForcesOfPair];
-    measure(d, old, old_count, renewed.points[before + i], squares);
-    double least = renewed.alike_m * renewed.alike_m;
-    std::size_t nearest = kForcesOfPair;
-    for (std::size_t k = 0; k < old_count; ++k) {
-      const bool nearer = squares[k] < least && (taken >> k & 1U) == 0;
-      least = nearer ? squares[k] : least;
-      nearest = nearer ? k : nearest;
-    }
-    taken |= 1U << nearest;
-    forces[i] = old_forces[nearest];
+    const std::size_t nearest = take_nearest(d, renewed.points[before + i], square_m2, old);
+    copy_force(d, old_forces[nearest], numbers(forces[i]));
   }
 }
 
