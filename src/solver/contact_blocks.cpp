@@ -10,11 +10,14 @@ namespace {
 
 // What the lanes of a block are filled from; names its pairs and bodies in it.
 void gather_sources(const ContactSystem& system, double substep_s, ContactBlock& block, LaneSources& sources) {
+  static const Manifold no_pair;
   static const SolverBody nothing;
   static const collision::Pose nowhere;
   const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
   block.dynamic_a = block.dynamic_b = block.pushed = block.shifted = 0;
   block.frictional = false;
+  sources.warm = 0;
+  sources.substep_s = substep_s;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     // Lanes that are not in use read what nobody else writes, and write nothing.
     const bool used = lane < block.count;
@@ -32,14 +35,12 @@ void gather_sources(const ContactSystem& system, double substep_s, ContactBlock&
     sources.points[lane] = system.points.data() + pair.point_begin;
     sources.forces[lane] = system.forces.data() + pair.force_begin;
     sources.point_count[lane] = used ? pair.point_count : std::uint8_t{0};
-    sources.friction[lane] = used ? pair.friction : 0.0;
-    sources.restitution[lane] = pair.restitution;
-    sources.slop_m[lane] = pair.slop_m;
+    sources.pairs[lane] = used ? &pair : &no_pair;
     // Without an external acceleration a warm start would add energy.
-    sources.warm_s[lane] = a.pulled || b.pulled ? substep_s : 0.0;
+    if (a.pulled || b.pulled) sources.warm = static_cast<std::uint8_t>(sources.warm | 1U << lane);
     if (a.inverse_mass > 0) block.dynamic_a = static_cast<std::uint8_t>(block.dynamic_a | 1U << lane);
     if (b.inverse_mass > 0) block.dynamic_b = static_cast<std::uint8_t>(block.dynamic_b | 1U << lane);
-    block.frictional = block.frictional || sources.friction[lane] > 0;
+    block.frictional = block.frictional || (used && pair.friction > 0);
   }
 }
 

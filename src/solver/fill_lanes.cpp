@@ -14,8 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace poise::solver::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Some pairs at a time, in double precision; lanes of either precision are beside them.
-using Doubles = hn::CappedTag<double, 4>;
+// Pairs in double precision; lanes of either precision are beside them.
+using Doubles = hn::CappedTag<double, kLanes>;
 using V = hn::Vec<Doubles>;
 
 HWY_INLINE void put(Doubles d, const V& value, double* to) { hn::Store(value, d, to); }
@@ -59,6 +59,13 @@ HWY_INLINE Poses poses_of(Doubles d, const collision::Pose* const* of) {
             {three.at[1], three.at[2], three.at[3]}}}};
 }
 
+// The lanes of a register whose bits are set, from a lane of the block on.
+HWY_INLINE hn::Mask<Doubles> lanes_of(Doubles d, std::uint32_t bits, std::size_t lane) {
+  // Bytes, from which Highway may read more than there are lanes.
+  const std::uint8_t some[8] = {static_cast<std::uint8_t>(bits >> lane)};
+  return hn::LoadMaskBits(d, some);
+}
+
 struct Bodies {
   Triple<V> velocity, spin;
   V inverse_mass;
@@ -71,6 +78,11 @@ HWY_INLINE Bodies bodies_of(Doubles d, const SolverBody* const* of) {
   const Columns<V> two = quad(4);
   return {{one.at[0], one.at[1], one.at[2]}, {one.at[3], two.at[0], two.at[1]}, two.at[2]};
 }
+
+// Four numbers of a pair end with its friction, restitution and slop.
+constexpr std::size_t kBeforeFriction = 2;
+static_assert(offsetof(Manifold, friction) == (kBeforeFriction + 1) * sizeof(double) &&
+              sizeof(Manifold) == (kBeforeFriction + 4) * sizeof(double));
 
 template <class T>
 void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start,
@@ -90,8 +102,11 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
     put(d, hn::Mul(unit_kg, a.inverse_mass), shared.dynamic_a + lane);
     put(d, hn::Mul(unit_kg, b.inverse_mass), shared.dynamic_b + lane);
     put(d, unit_kg, shared.reduced_mass + lane);
-    put(d, hn::Load(d, sources.friction + lane), shared.friction + lane);
-    put(d, hn::Load(d, sources.restitution + lane), start.restitution + lane);
+    const Columns<V> pair = columns_of(
+        d, [&](std::size_t k) { return figures_at<const double>(sources.pairs[lane + k], 0, kBeforeFriction); });
+    put(d, pair.at[1], shared.friction + lane);
+    put(d, pair.at[2], start.restitution + lane);
+    const V slop = pair.at[3];
     put(d, difference(a.velocity, b.velocity), start.velocity, lane);
     put(d, a.spin, start.spin_a, lane);
     put(d, b.spin, start.spin_b, lane);
@@ -100,17 +115,16 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
     const Poses pose_b = poses_of(d, sources.pose_b + lane);
     const Triple<V> a_to_b = difference(pose_b.position, pose_a.position);
     put(d, a_to_b, shared.a_to_b, lane);
-    const V slop = hn::Load(d, sources.slop_m + lane);
-    // Without an external acceleration a warm start would add energy.
-    const V per_newton = hn::Mul(hn::Load(d, sources.warm_s + lane), inverse_mass);
+    const V per_newton =
+        hn::IfThenElseZero(lanes_of(d, sources.warm, lane), hn::Mul(hn::Set(d, sources.substep_s), inverse_mass));
     for (std::size_t p = 0; p < manifold_points.size(); ++p) {
       PointLanes<T>& into = manifold_points[p];
-      alignas(32) double present[kLanes];
+      std::uint32_t present = 0;
       const ContactPoint* point[kLanes];
       const ContactForce* force[kLanes];
       for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
         const bool there = p < sources.point_count[lane + k];
-        present[k] = there ? 1.0 : 0.0;
+        present |= (there ? 1U : 0U) << k;
         point[k] = there ? sources.points[lane + k] + p : &no_point;
         force[k] = there ? sources.forces[lane + k] + p : &no_force;
       }
@@ -127,7 +141,7 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
       put(d, sum(arm_a, scaled(hn::Mul(half, gap), normal)), into.arm, lane);
       put(d, gap, into.gap + lane);
       put(d, hn::Add(hn::Add(gap, on_a.at[3]), slop), into.certain + lane);
-      put(d, hn::Load(d, present), into.mass + lane);
+      put(d, hn::IfThenElseZero(lanes_of(d, present, 0), one), into.mass + lane);
       put(d, hn::Mul(per_newton, load.at[0]), into.impulse + lane);
       put(d, scaled(per_newton, Triple<V>{load.at[1], load.at[2], load.at[3]}), into.friction_impulse, lane);
     }

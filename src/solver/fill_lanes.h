@@ -10,6 +10,7 @@ namespace poise::solver {
 
 /// What the lanes of a block are filled from. Lanes that are not in use name what is at rest, and have no points.
 struct LaneSources {
+  const Manifold* pairs[kLanes];
   const SolverBody* a[kLanes];
   const SolverBody* b[kLanes];
   const collision::Pose* pose_a[kLanes];
@@ -17,10 +18,8 @@ struct LaneSources {
   const ContactPoint* points[kLanes];  ///< of each pair the first, and its force
   const ContactForce* forces[kLanes];
   std::uint8_t point_count[kLanes];
-  alignas(64) double friction[kLanes];
-  alignas(64) double restitution[kLanes];
-  alignas(64) double slop_m[kLanes];
-  alignas(64) double warm_s[kLanes];  ///< for so long the forces act at once: a substep, or 0
+  std::uint8_t warm;     ///< bit by lane: its contact points start from their forces
+  double substep_s = 0;  ///< for so long
 };
 
 /// Fills the lanes of a block but for what prepare_block() completes: contact points placed at the poses of their
