@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "solver/contact_blocks.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "solver/fill_lanes.h"
@@ -17,6 +18,7 @@ void gather_sources(const ContactSystem& system, double substep_s, ContactBlock&
   block.dynamic_a = block.dynamic_b = block.pushed = block.shifted = 0;
   block.frictional = false;
   sources.warm = 0;
+  sources.least_points = 0xff;
   sources.substep_s = substep_s;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     // Lanes that are not in use read what nobody else writes, and write nothing.
@@ -35,6 +37,7 @@ void gather_sources(const ContactSystem& system, double substep_s, ContactBlock&
     sources.points[lane] = system.points.data() + pair.point_begin;
     sources.forces[lane] = system.forces.data() + pair.force_begin;
     sources.point_count[lane] = used ? pair.point_count : std::uint8_t{0};
+    sources.least_points = std::min(sources.least_points, sources.point_count[lane]);
     sources.pairs[lane] = used ? &pair : &no_pair;
     // Without an external acceleration a warm start would add energy.
     if (a.pulled || b.pulled) sources.warm = static_cast<std::uint8_t>(sources.warm | 1U << lane);

@@ -5,8 +5,10 @@
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
+#include <array>
 #include <cstddef>
 
+#include "collision/manifold/manifold_point.h"
 #include "solver/fill_lanes.h"
 #include "solver/lane_math_inl.h"
 
@@ -84,11 +86,19 @@ constexpr std::size_t kBeforeFriction = 2;
 static_assert(offsetof(Manifold, friction) == (kBeforeFriction + 1) * sizeof(double) &&
               sizeof(Manifold) == (kBeforeFriction + 4) * sizeof(double));
 
+// What pairs have where others have more contact points.
+struct NoPoints {
+  NoPoints() {
+    for (ContactPoint& point : points) point.normal.setZero();
+  }
+  std::array<ContactPoint, collision::kMaxManifoldPoints> points;
+  std::array<ContactForce, collision::kMaxManifoldPoints> forces;
+};
+
 template <class T>
 void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start,
           std::span<PointLanes<T>> manifold_points) {
-  static const ContactPoint no_point = {Vec3::Zero(), 0, Vec3::Zero(), 0};
-  static const ContactForce no_force;
+  static const NoPoints none;
   const Doubles d;
   const V zero = hn::Zero(d);
   const V one = hn::Set(d, 1.0);
@@ -117,19 +127,23 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
     put(d, a_to_b, shared.a_to_b, lane);
     const V per_newton =
         hn::IfThenElseZero(lanes_of(d, sources.warm, lane), hn::Mul(hn::Set(d, sources.substep_s), inverse_mass));
+    const ContactPoint* point[kLanes];
+    const ContactForce* force[kLanes];
+    for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+      point[k] = sources.points[lane + k];
+      force[k] = sources.forces[lane + k];
+    }
+    std::uint32_t present = (1U << hn::Lanes(d)) - 1U;
     for (std::size_t p = 0; p < manifold_points.size(); ++p) {
       PointLanes<T>& into = manifold_points[p];
-      std::uint32_t present = 0;
-      const ContactPoint* point[kLanes];
-      const ContactForce* force[kLanes];
-      for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-        const bool there = p < sources.point_count[lane + k];
-        present |= (there ? 1U : 0U) << k;
-        point[k] = there ? sources.points[lane + k] + p : &no_point;
-        force[k] = there ? sources.forces[lane + k] + p : &no_force;
+      for (std::size_t k = 0; k < hn::Lanes(d) && p >= sources.least_points; ++k) {
+        if (p < sources.point_count[lane + k]) continue;
+        point[k] = none.points.data();
+        force[k] = none.forces.data();
+        present &= ~(1U << k);
       }
       const auto quad = [&](const auto* of, std::size_t offset) HWY_ATTR {
-        return columns_of(d, [&](std::size_t k) { return figures_at<const double>(of[k], 0, offset); });
+        return columns_of(d, [&](std::size_t k) { return figures_at<const double>(of[k], p, offset); });
       };
       const Columns<V> on_b = quad(point, 0);
       const Columns<V> on_a = quad(point, 4);

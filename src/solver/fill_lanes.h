@@ -18,8 +18,9 @@ struct LaneSources {
   const ContactPoint* points[kLanes];  ///< of each pair the first, and its force
   const ContactForce* forces[kLanes];
   std::uint8_t point_count[kLanes];
-  std::uint8_t warm;     ///< bit by lane: its contact points start from their forces
-  double substep_s = 0;  ///< for so long
+  std::uint8_t least_points;  ///< of these
+  std::uint8_t warm;          ///< bit by lane: its contact points start from their forces
+  double substep_s = 0;       ///< for so long
 };
 
 /// Fills the lanes of a block but for what prepare_block() completes: contact points placed at the poses of their
