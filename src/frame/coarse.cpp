@@ -235,7 +235,7 @@ double coarsest_separation_m(const PredictedMotion& motion, const ActivePair& pa
 bool coarsest_near(const PredictedMotion& motion, const ActivePair& pair) {
   const BodyBounds& a = motion.body_bounds[pair.a];
   const BodyBounds& b = motion.body_bounds[pair.b];
-  // What rests on a plane is held by its root sphere too (keep() in contact_cache.cpp): few pairs, computed one by one.
+  // What rests on a plane is held by its root sphere too (renew_points.h): few pairs, computed one by one.
   if (b.plane) return true;
   const double reach = a.estimated_radius_m + b.estimated_radius_m + pair.margin_m;
   return reach > 0 && (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;

@@ -8,6 +8,7 @@
 #include "frame/manifolds.h"
 #include "parallel/prefetch.h"
 #include "parallel/shared_counters.h"
+#include "world/renew_points.h"
 
 namespace poise::simulation {
 namespace {
@@ -43,64 +44,31 @@ bool makes_points(const ManifoldsInput& input, std::size_t i) {
   return (!progress.held || progress.fresh()) && count_points(input, i) > 0;
 }
 
-std::span<const solver::ContactPoint> manifold_of(std::span<const solver::ContactPoint> points) {
-  return points.subspan(PointCache::before_manifold(points.size()));
-}
-
-// Warm starting: new points take over the forces of the old ones that are nearest to them and have nearly the same
-// normal.
-void take_over_forces(std::span<const solver::ContactPoint> old, std::span<const solver::ContactForce> old_forces,
-                      double size_m, std::span<const solver::ContactPoint> points,
-                      std::span<solver::ContactForce> forces) {
-  constexpr double kLike = 0.7;
-  std::array<bool, kPointsOfPair> taken{};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double least = size_m * size_m;
-    std::size_t nearest = old.size();
-    for (std::size_t k = 0; k < old.size(); ++k) {
-      const double square = (old[k].on_a_m - points[i].on_a_m).squaredNorm();
-      if (taken[k] || square >= least || old[k].normal.dot(points[i].normal) < kLike) continue;
-      least = square;
-      nearest = k;
-    }
-    if (nearest == old.size()) continue;
-    taken[nearest] = true;
-    forces[i] = old_forces[nearest];
-  }
-}
-
-// Points that this frame has found, fixed to the bodies of their pair.
-void place_points(const ManifoldsInput& input, std::size_t i, std::span<solver::ContactPoint> points) {
+// Points that this frame has found take the place of those that are cached. Their separations are those found.
+void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, PointCache& cache) {
+  // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
+  constexpr double kSameOfSkin = 50;
   const ActivePair& pair = input.table.pairs[i];
   const collision::LevelContact& found = input.levels.found[i];
   const PlacedPair where = placed_pair(input, pair);
   collision::PairContact coarsest;
   const collision::PairContact& contact =
       contact_of(input.scene, input.motion, pair, input.levels.progress[i], found, coarsest);
-  points[0] = keep(where, collision::impact_point(contact, where.a.rotation));
-  for (std::size_t k = 1; k < points.size(); ++k) points[k] = keep(where, found.manifold_points.point[k - 1]);
-}
-
-void write_points(const ManifoldsInput& input, std::size_t i, const PairPoints& made, PointCache& cache) {
-  // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
-  constexpr double kSameOfSkin = 50;
-  const ActivePair& pair = input.table.pairs[i];
-  const std::span<solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
-  const std::span<solver::ContactForce> forces = cache.forces_of(made.slot, made.point_count);
-  const std::size_t olds = pair.cached.point_count;
-  if (olds == 0) {
-    place_points(input, i, points);
-    std::fill(forces.begin(), forces.end(), solver::ContactForce{});
-    return;
-  }
-  std::array<solver::ContactPoint, kPointsOfPair> old;
-  std::array<solver::ContactForce, kForcesOfPair> old_forces;
-  std::ranges::copy(cache.points_of(made.slot, olds), old.begin());
-  std::ranges::copy(cache.forces_of(made.slot, olds), old_forces.begin());
-  place_points(input, i, points);
-  std::fill(forces.begin(), forces.end(), solver::ContactForce{});
-  take_over_forces(manifold_of(std::span(old).first(olds)), old_forces, kSameOfSkin * pair.skin_m, manifold_of(points),
-                   forces);
+  const collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
+  RenewedPoints renewed;
+  renewed.found[0] = &impact;
+  for (std::size_t k = 1; k < made.point_count; ++k) renewed.found[k] = &found.manifold_points.point[k - 1];
+  renewed.count = made.point_count;
+  renewed.points = &cache.points[PointCache::begin(made.slot)];
+  renewed.forces = &cache.forces[PointCache::forces_begin(made.slot)];
+  renewed.old_count = pair.cached.point_count;
+  renewed.alike_m = kSameOfSkin * pair.skin_m;
+  std::array<double, kPointsOfPair> gaps_m;
+  renew_points(where, renewed, gaps_m);
+  made.impact_gap_m = gaps_m[0];
+  made.nearest_m = gaps_m[0];
+  for (std::size_t k = 1; k < renewed.count; ++k) made.nearest_m = std::min(made.nearest_m, gaps_m[k]);
+  made.looked_m = 0;
 }
 
 // May the bodies of a pair close so fast that it is an impact, at any of their points? What its margin was made of says
@@ -138,33 +106,26 @@ HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, P
   }
 }
 
-// Is one of its points nearer than the margin?
-void update_separations(const ManifoldsInput& input, std::size_t i, PairPoints& made, PointCache& cache) {
-  const ActivePair& pair = input.table.pairs[i];
-  const bool from_cache = input.levels.progress[i].from_cache();
-  if (!knows_separations(pair, input.levels.progress[i])) {
-    const collision::Pose& a = input.motion.poses[pair.a];
-    const collision::Pose& b = input.motion.poses[pair.b];
-    const std::span<const solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
-    const Mat3 a_in_b = b.rotation.transpose() * a.rotation;
-    const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
-    made.nearest_m = std::numeric_limits<double>::max();
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const double gap_m = points[k].plane_b_m - points[k].normal.dot(from_b + a_in_b * points[k].on_a_m);
-      made.nearest_m = std::min(made.nearest_m, gap_m);
-      if (k == 0) made.impact_gap_m = gap_m;
-    }
-    made.looked_m = from_cache ? pair.cached.moved_m : 0.0;
+// Separations of cached points at the poses of this frame.
+void update_separations(const ManifoldsInput& input, const ActivePair& pair, PairPoints& made, PointCache& cache) {
+  const collision::Pose& a = input.motion.poses[pair.a];
+  const collision::Pose& b = input.motion.poses[pair.b];
+  const std::span<const solver::ContactPoint> points = cache.points_of(made.slot, made.point_count);
+  const Mat3 a_in_b = b.rotation.transpose() * a.rotation;
+  const Vec3 from_b = b.rotation.transpose() * (a.position_m - b.position_m);
+  made.nearest_m = std::numeric_limits<double>::max();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double gap_m = points[k].plane_b_m - points[k].normal.dot(from_b + a_in_b * points[k].on_a_m);
+    made.nearest_m = std::min(made.nearest_m, gap_m);
+    if (k == 0) made.impact_gap_m = gap_m;
   }
-  made.solved = made.nearest_m < pair.margin_m;
-  if (made.solved || (from_cache && !pair.cached.solved)) return;
-  // It is not solved: no force to start from.
-  for (solver::ContactForce& force : cache.forces_of(made.slot, made.point_count)) force = {};
+  made.looked_m = pair.cached.moved_m;
 }
 
 Material mixed(const SceneView& scene, const ActivePair& pair) {
   const Material& a = scene.materials[scene.bodies.material[pair.a]];
   const Material& b = scene.materials[scene.bodies.material[pair.b]];
+  if (&a == &b) return a;
   Material both;
   both.restitution = std::max(a.restitution, b.restitution);
   both.friction = std::sqrt(a.friction * b.friction);
@@ -187,25 +148,47 @@ void fill_manifold(const ManifoldsInput& input, std::size_t i, const PairPoints&
   manifold.slop_m = kSlopOfSkin * pair.skin_m;
 }
 
+// Points of one pair, and whether the solver takes them: one of them is nearer than the margin.
+void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made, PointCache& cache,
+                    SolvedCount& count) {
+  const ActivePair& pair = input.table.pairs[i];
+  const PairProgress& progress = input.levels.progress[i];
+  const bool from_cache = progress.from_cache();
+  if (made.slot == kNoSlot) made.slot = cache.free_slot(count.new_slots++);
+  if (!from_cache) {
+    write_points(input, i, made, cache);
+  } else if (!knows_separations(pair, progress)) {
+    update_separations(input, pair, made, cache);
+  }
+  made.solved = made.nearest_m < pair.margin_m;
+  if (made.solved || (from_cache && !pair.cached.solved)) return;
+  // It is not solved: no force to start from.
+  for (solver::ContactForce& force : cache.forces_of(made.slot, made.point_count)) force = {};
+}
+
 // Points of one pair, and its manifold if the solver takes it.
 void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_chunk, PointCache& cache,
                SolvedCount& count, Manifolds& manifolds) {
   const PairProgress& progress = input.levels.progress[i];
   const CachedPair& cached = input.table.pairs[i].cached;
   PairPoints& made = manifolds.points[i];
-  made = {cached.slot, count_points(input, i), false, cached.nearest_m, cached.impact_gap_m, cached.looked_m};
+  made.slot = cached.slot;
+  made.solved = false;
+  made.nearest_m = cached.nearest_m;
+  made.impact_gap_m = cached.impact_gap_m;
+  made.looked_m = cached.looked_m;
+  if (progress.refinable()) ++count.left;
+  if (progress.cached == CacheUse::Separated) ++count.cached_separations;
   // Of what waits, only what refinement has found out is new.
   if (progress.held && !progress.fresh()) {
     made.point_count = cached.point_count;
     made.solved = cached.solved;
-  } else if (made.point_count > 0) {
-    if (made.slot == kNoSlot) made.slot = cache.free_slot(count.new_slots++);
-    if (!progress.from_cache()) write_points(input, i, made, cache);
-    if (progress.held) ++count.held_found;
-    update_separations(input, i, made, cache);
+    return;
   }
-  if (progress.refinable()) ++count.left;
-  if (progress.cached == CacheUse::Separated) ++count.cached_separations;
+  made.point_count = count_points(input, i);
+  if (made.point_count == 0) return;
+  make_points_of(input, i, made, cache, count);
+  if (progress.held) ++count.held_found;
   if (!made.solved || progress.held) return;
   solver::Manifold& manifold = manifolds.of_chunk[begin_of_chunk + count.solved++];
   fill_manifold(input, i, made, manifold);

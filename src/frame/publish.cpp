@@ -25,6 +25,15 @@ HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::size_t i) {
   if (input.levels.progress[i].level.level > 0) hwy::Prefetch(&input.levels.found[i].reach_m);
 }
 
+// Prefetches what touches() reads of impacts of a manifold whose contact points got no impulse.
+HWY_INLINE void prefetch_row_of(const PublishInput& input, std::size_t m) {
+  if (!input.manifolds.impacts || !input.velocities.applied_impulse_ns[m].isZero(0)) return;
+  const std::uint32_t at = input.velocities.row_of[m];
+  hwy::Prefetch(&input.velocities.scratch.activations[at]);
+  hwy::Prefetch(&input.velocities.rows[at].total_ns);
+  hwy::Prefetch(&input.velocities.rows[at].point_impulse_ns.z());
+}
+
 // What a pair takes to the next frame, the motion of this step counted. Made in its place.
 void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cached) {
   const ActivePair& pair = input.table.pairs[i];
@@ -255,6 +264,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   parallel::parallel_for(executor, manifolds.manifolds.size(), kPairGrain,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t m = begin; m < end; ++m) {
+                             if (distant && m + kMotionsAhead < end) prefetch_row_of(input, m + kMotionsAhead);
                              if (!touches(input, cache.points, m)) continue;
                              const std::uint32_t i = manifolds.manifolds[m].pair;
                              next[i].touching = true;

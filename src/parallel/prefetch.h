@@ -22,7 +22,7 @@ HWY_INLINE void prefetch(const T& object) {
   const auto* bytes = reinterpret_cast<const std::byte*>(&object);
   for (std::size_t at = 0; at < sizeof(T); at += kLine) hwy::Prefetch(bytes + at);
   // One that begins within a line may reach into another.
-  if constexpr (alignof(T) % kLine != 0 && sizeof(T) % kLine != 1) hwy::Prefetch(bytes + sizeof(T) - 1);
+  if constexpr ((sizeof(T) - 1) % kLine >= alignof(T)) hwy::Prefetch(bytes + sizeof(T) - 1);
 }
 
 }  // namespace poise::parallel

@@ -4,47 +4,47 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "solver/fill_lanes.h"
+
 namespace poise::solver {
 namespace {
 
-template <class T>
-void set(const Vec3& from, std::size_t lane, T (&into)[3][kLanes]) {
-  for (std::size_t k = 0; k < 3; ++k) into[k][lane] = static_cast<T>(from[static_cast<Eigen::Index>(k)]);
-}
-
-// The part of a pair that all its contact points share.
-template <class T>
-void fill_pair(const ContactSystem& system, const Manifold& pair, std::size_t lane, ContactBlock& block,
-               PairLanes<T>& shared, StartLanes<T>& start) {
-  const SolverBody& a = system.bodies[pair.a];
-  const SolverBody& b = system.bodies[pair.b];
-  const double unit_kg = 1.0 / (a.inverse_mass + b.inverse_mass);
-  set(Vec3(system.poses[pair.b].position_m - system.poses[pair.a].position_m), lane, shared.a_to_b);
-  shared.dynamic_a[lane] = static_cast<T>(unit_kg * a.inverse_mass);
-  shared.dynamic_b[lane] = static_cast<T>(unit_kg * b.inverse_mass);
-  shared.friction[lane] = static_cast<T>(pair.friction);
-  shared.reduced_mass[lane] = static_cast<T>(unit_kg);
-  set(Vec3(a.velocity_mps - b.velocity_mps), lane, start.velocity);
-  set(a.spin_radps, lane, start.spin_a);
-  set(b.spin_radps, lane, start.spin_b);
-  start.restitution[lane] = static_cast<T>(pair.restitution);
-  if (a.inverse_mass > 0) block.dynamic_a = static_cast<std::uint8_t>(block.dynamic_a | 1U << lane);
-  if (b.inverse_mass > 0) block.dynamic_b = static_cast<std::uint8_t>(block.dynamic_b | 1U << lane);
-  block.frictional = block.frictional || pair.friction > 0;
-}
-
-template <class T>
-void fill_point(const ContactSystem& system, const Manifold& pair, double per_newton, std::size_t p, std::size_t lane,
-                PointLanes<T>& into) {
-  const PlacedPoint now = placed_point(system.poses[pair.a], system.poses[pair.b], system.points[pair.point_begin + p]);
-  set(now.normal, lane, into.normal);
-  set(now.arm_m, lane, into.arm);
-  into.gap[lane] = static_cast<T>(now.gap_m);
-  into.certain[lane] = static_cast<T>(now.certain_separation_m + pair.slop_m);
-  into.mass[lane] = 1;
-  const ContactForce& force = system.forces[pair.force_begin + p];
-  into.impulse[lane] = static_cast<T>(per_newton * force.normal_n);
-  set(Vec3(per_newton * force.friction_n), lane, into.friction_impulse);
+// What the lanes of a block are filled from; names its pairs and bodies in it.
+void gather_sources(const ContactSystem& system, double substep_s, ContactBlock& block, LaneSources& sources) {
+  static const Manifold no_pair;
+  static const SolverBody nothing;
+  static const collision::Pose nowhere;
+  const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
+  block.dynamic_a = block.dynamic_b = block.pushed = block.shifted = 0;
+  block.frictional = false;
+  sources.warm = 0;
+  sources.least_points = 0xff;
+  sources.substep_s = substep_s;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    // Lanes that are not in use read what nobody else writes, and write nothing.
+    const bool used = lane < block.count;
+    const std::uint32_t name = order[used ? lane : block.count - 1U];
+    const Manifold& pair = system.pairs[name];
+    const SolverBody& a = used ? system.bodies[pair.a] : nothing;
+    const SolverBody& b = used ? system.bodies[pair.b] : nothing;
+    block.pair[lane] = name;
+    block.a[lane] = pair.a;
+    block.b[lane] = pair.b;
+    sources.a[lane] = &a;
+    sources.b[lane] = &b;
+    sources.pose_a[lane] = used ? &system.poses[pair.a] : &nowhere;
+    sources.pose_b[lane] = used ? &system.poses[pair.b] : &nowhere;
+    sources.points[lane] = system.points.data() + pair.point_begin;
+    sources.forces[lane] = system.forces.data() + pair.force_begin;
+    sources.point_count[lane] = used ? pair.point_count : std::uint8_t{0};
+    sources.least_points = std::min(sources.least_points, sources.point_count[lane]);
+    sources.pairs[lane] = used ? &pair : &no_pair;
+    // Without an external acceleration a warm start would add energy.
+    if (a.pulled || b.pulled) sources.warm = static_cast<std::uint8_t>(sources.warm | 1U << lane);
+    if (a.inverse_mass > 0) block.dynamic_a = static_cast<std::uint8_t>(block.dynamic_a | 1U << lane);
+    if (b.inverse_mass > 0) block.dynamic_b = static_cast<std::uint8_t>(block.dynamic_b | 1U << lane);
+    block.frictional = block.frictional || (used && pair.friction > 0);
+  }
 }
 
 }  // namespace
@@ -64,29 +64,10 @@ template <class T>
 void fill_block(const ContactSystem& system, const BlockTerms& terms, ContactBlock& block, PairLanes<T>& shared,
                 Lanes<T>& lanes) {
   const std::span<PointLanes<T>> manifold_points = lanes.manifold_points_of(block);
-  const std::span<const std::uint32_t> order = system.coloring.order().subspan(block.begin, block.count);
-  if (block.count < kLanes) shared = {};
-  std::ranges::fill(std::as_writable_bytes(std::span(shared.shift)), std::byte{0});
-  std::ranges::fill(std::as_writable_bytes(manifold_points), std::byte{0});
+  LaneSources sources;
   StartLanes<T> start;
-  block.dynamic_a = block.dynamic_b = block.pushed = block.shifted = 0;
-  block.frictional = false;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    // Lanes that are not in use read what nobody else writes, and write nothing.
-    const std::uint32_t name = order[std::min<std::size_t>(lane, block.count - 1U)];
-    const Manifold& pair = system.pairs[name];
-    block.pair[lane] = name;
-    block.a[lane] = pair.a;
-    block.b[lane] = pair.b;
-    if (lane >= block.count) continue;
-    fill_pair(system, pair, lane, block, shared, start);
-    const SolverBody& a = system.bodies[pair.a];
-    const SolverBody& b = system.bodies[pair.b];
-    // Without an external acceleration a warm start would add energy.
-    const double per_newton = a.pulled || b.pulled ? terms.substep_s * (a.inverse_mass + b.inverse_mass) : 0.0;
-    for (std::size_t p = 0; p < pair.point_count; ++p)
-      fill_point(system, pair, per_newton, p, lane, manifold_points[p]);
-  }
+  gather_sources(system, terms.substep_s, block, sources);
+  fill_lanes(sources, shared, start, manifold_points);
   prepare_block(block, shared, start, static_cast<T>(terms.still_mps), manifold_points,
                 lanes.scaled_inverse_inertias.data());
 }
@@ -121,56 +102,39 @@ template <class T>
 void write_back_block(const ContactSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
                       std::span<const PointLanes<T>> manifold_points, std::span<const TotalLanes<T>> totals) {
   const double still_square = times.still_mps * times.still_mps;
+  ContactForce* forces[kLanes] = {};
+  std::uint8_t point_count[kLanes] = {};
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
-    const double unit_ns = static_cast<double>(shared.reduced_mass[lane]);
-    const double unit_n = unit_ns / times.substep_s;
-    // Number by number: vectors would be written in parts and read whole, which waits.
-    double impulse[3] = {};
-    double moment[3] = {};
-    for (std::size_t p = 0; p < pair.point_count; ++p) {
-      const PointLanes<T>& point = manifold_points[p];
-      ContactForce& force = system.forces[pair.force_begin + p];
-      force.normal_n = unit_n * static_cast<double>(point.impulse[lane]);
-      double given[3];
-      double arm[3];
-      for (std::size_t k = 0; k < 3; ++k) {
-        force.friction_n[static_cast<Eigen::Index>(k)] = unit_n * static_cast<double>(point.friction_impulse[k][lane]);
-        given[k] = unit_ns * static_cast<double>(totals[p].total[k][lane]);
-        arm[k] = static_cast<double>(point.arm[k][lane]);
-        impulse[k] += given[k];
-      }
-      moment[0] += arm[1] * given[2] - arm[2] * given[1];
-      moment[1] += arm[2] * given[0] - arm[0] * given[2];
-      moment[2] += arm[0] * given[1] - arm[1] * given[0];
-    }
-    const Vec3 sum(impulse[0], impulse[1], impulse[2]);
-    const Vec3 moment_a(moment[0], moment[1], moment[2]);
-    const auto add_impulse = [&](double share, Vec3& into) {
-      for (std::size_t k = 0; k < 3; ++k) into[static_cast<Eigen::Index>(k)] += share * impulse[k];
-    };
-    Vec3& applied_impulse_ns = system.applied_impulse_ns[block.pair[lane]];
-    applied_impulse_ns.setZero();
-    add_impulse(1, applied_impulse_ns);
+    forces[lane] = system.forces.data() + pair.force_begin;
+    point_count[lane] = pair.point_count;
+  }
+  LaneImpulses impulses;
+  collect_lanes(shared, manifold_points, totals, times.substep_s, forces, point_count, impulses);
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    const auto vector = [&](const double(&of)[3][kLanes]) { return Vec3(of[0][lane], of[1][lane], of[2][lane]); };
+    const Vec3 sum = vector(impulses.impulse_ns);
+    const Vec3 moment_a = vector(impulses.moment_a_nms);
+    system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
     if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
-    SolverBody& a = system.bodies[pair.a];
-    SolverBody& b = system.bodies[pair.b];
+    SolverBody& a = system.bodies[block.a[lane]];
+    SolverBody& b = system.bodies[block.b[lane]];
     // Where something pulls, angular momentum is not that of the bodies alone.
     const bool free = a.inverse_mass > 0 && b.inverse_mass > 0 && !a.pulled && !b.pulled;
     if (free && (b.velocity_mps - a.velocity_mps).squaredNorm() > still_square) {
-      add_late_impulse(times.late_s, manifold_points.first(pair.point_count), lane, shared);
+      add_late_impulse(times.late_s, manifold_points.first(point_count[lane]), lane, shared);
       block.shifted = static_cast<std::uint8_t>(block.shifted | 1U << lane);
     }
     if (a.inverse_mass > 0) {
-      add_impulse(-a.inverse_mass, a.velocity_mps);
-      a.spin_radps -= system.inverse_inertia[pair.a] * moment_a;
+      a.velocity_mps -= a.inverse_mass * sum;
+      a.spin_radps -= system.inverse_inertia[block.a[lane]] * moment_a;
       a.solved = true;
     }
     if (b.inverse_mass > 0) {
-      const Vec3 a_to_b = system.poses[pair.b].position_m - system.poses[pair.a].position_m;
-      add_impulse(b.inverse_mass, b.velocity_mps);
-      b.spin_radps += system.inverse_inertia[pair.b] * (moment_a - a_to_b.cross(sum));
+      const Vec3 a_to_b = system.poses[block.b[lane]].position_m - system.poses[block.a[lane]].position_m;
+      b.velocity_mps += b.inverse_mass * sum;
+      b.spin_radps += system.inverse_inertia[block.b[lane]] * (moment_a - a_to_b.cross(sum));
       b.solved = true;
     }
   }

@@ -41,10 +41,11 @@ struct alignas(64) PointLanes {
   T friction_impulse[3][kLanes] = {};  ///< across it
 };
 
-/// Normal and friction impulse of such contact points, summed over the substeps; likewise in m/s.
+/// Normal and friction impulse of such contact points, summed over the substeps; likewise in m/s. Not set by itself:
+/// each iteration of a block has some at hand that few write.
 template <class T>
 struct alignas(64) TotalLanes {
-  T total[3][kLanes] = {};
+  T total[3][kLanes];
 };
 
 /// What one iteration a substep adds to the totals. The impulses of a substep are those that the next one begins with,
@@ -67,12 +68,12 @@ struct alignas(64) PairLanes {
                                 ///< impulse divided by the reduced mass, m
 };
 
-/// Further input of prepare_block.
+/// Further input of prepare_block. Not set by itself, likewise.
 template <class T>
 struct alignas(64) StartLanes {
-  T velocity[3][kLanes] = {};  ///< of a against b
-  T spin_a[3][kLanes] = {}, spin_b[3][kLanes] = {};
-  T restitution[kLanes] = {};
+  T velocity[3][kLanes];  ///< of a against b
+  T spin_a[3][kLanes], spin_b[3][kLanes];
+  T restitution[kLanes];
 };
 
 /// Up to eight pairs of one colour, which share no dynamic body.

@@ -14,18 +14,6 @@
 /// The contact cache: what pairs of bodies take from one frame to the next. Part of the state.
 namespace poise::simulation {
 
-/// Two bodies where they are now. Where b is a plane, `height_m` is that of its surface along its normal.
-struct PlacedPair {
-  const collision::Pose& a;
-  const collision::Pose& b;
-  bool plane = false;
-  double height_m = 0;
-};
-
-/// Fixes a contact point that is given in the frame of a to the two bodies. On a plane its separation becomes that of
-/// the plane itself.
-solver::ContactPoint keep(const PlacedPair& pair, const collision::ManifoldPoint& manifold_point);
-
 /// Contact points of one pair: that of the impact, and those of its manifold, which have forces.
 inline constexpr std::size_t kForcesOfPair = collision::kMaxManifoldPoints;
 inline constexpr std::size_t kPointsOfPair = kForcesOfPair + 1;

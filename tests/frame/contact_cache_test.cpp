@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "dynamics/rotation.h"
 #include "frame/run_frame.h"
 #include "scenes.h"
 #include "verify/world_access.h"
+#include "world/renew_points.h"
 
 namespace poise {
 namespace {
@@ -20,7 +22,12 @@ TEST(CachedPoint, FollowsBothBodies) {
   const Pose a{Vec3(1, 2, 3), dynamics::rotation_by(Vec3(0.3, -0.2, 0.5)).toRotationMatrix()};
   const Pose b{Vec3(1.5, 2.2, 4), dynamics::rotation_by(Vec3(-0.1, 0.4, 0.2)).toRotationMatrix()};
   const ManifoldPoint manifold_point{a.rotation.transpose() * Vec3::UnitZ(), Vec3(0.1, 0.2, 0.3), 0.01, 0.03};
-  const solver::ContactPoint cached = simulation::keep({a, b}, manifold_point);
+  std::array<solver::ContactPoint, simulation::kPointsOfPair> points;
+  std::array<solver::ContactForce, simulation::kForcesOfPair> forces;
+  std::array<double, simulation::kPointsOfPair> gaps_m{};
+  simulation::renew_points({a, b}, {{&manifold_point}, 1, points.data(), forces.data(), 0, 0}, gaps_m);
+  const solver::ContactPoint& cached = points[0];
+  EXPECT_DOUBLE_EQ(gaps_m[0], 0.01);
   const solver::PlacedPoint here = solver::placed_point(a, b, cached);
   EXPECT_NEAR(here.gap_m, 0.01, 1e-14);
   EXPECT_NEAR(here.certain_separation_m, 0.03, 1e-14);

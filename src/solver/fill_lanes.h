@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "solver/contact_blocks.h"
+
+/// The ways between the records of pairs, in double precision and one after another, and the lanes of the solver.
+namespace poise::solver {
+
+/// What the lanes of a block are filled from. Lanes that are not in use name what is at rest, and have no points.
+struct LaneSources {
+  const Manifold* pairs[kLanes];
+  const SolverBody* a[kLanes];
+  const SolverBody* b[kLanes];
+  const collision::Pose* pose_a[kLanes];
+  const collision::Pose* pose_b[kLanes];
+  const ContactPoint* points[kLanes];  ///< of each pair the first, and its force
+  const ContactForce* forces[kLanes];
+  std::uint8_t point_count[kLanes];
+  std::uint8_t least_points;  ///< of these
+  std::uint8_t warm;          ///< bit by lane: its contact points start from their forces
+  double substep_s = 0;       ///< for so long
+};
+
+/// Fills the lanes of a block but for what prepare_block() completes: contact points placed at the poses of their
+/// bodies (placed_point in contact_point.h, with the same bits), forces as impulses.
+void fill_lanes(const LaneSources& sources, PairLanes<float>& shared, StartLanes<float>& start,
+                std::span<PointLanes<float>> manifold_points);
+void fill_lanes(const LaneSources& sources, PairLanes<double>& shared, StartLanes<double>& start,
+                std::span<PointLanes<double>> manifold_points);
+
+/// The total impulse that the b of each pair received in the step, and its moment about the centre of mass of a.
+struct LaneImpulses {
+  alignas(64) double impulse_ns[3][kLanes];
+  alignas(64) double moment_a_nms[3][kLanes];
+};
+
+/// Adds up the totals of the points of a block, and stores the forces of the last substep: of each lane in use so many,
+/// one after another from where its first one is.
+void collect_lanes(const PairLanes<float>& shared, std::span<const PointLanes<float>> manifold_points,
+                   std::span<const TotalLanes<float>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
+                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses);
+void collect_lanes(const PairLanes<double>& shared, std::span<const PointLanes<double>> manifold_points,
+                   std::span<const TotalLanes<double>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
+                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses);
+
+}  // namespace poise::solver
