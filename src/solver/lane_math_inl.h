@@ -102,69 +102,85 @@ HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t dyna
   scatter_singly(d, from, dynamic, of, bodies, offset);
 }
 #else
+// Four rows of four numbers turned into columns, or columns into rows.
 template <class D>
 HWY_INLINE Columns<hn::Vec<D>> transposed(D d, const Columns<hn::Vec<D>>& rows) {
-  const hn::RepartitionToWide<hn::RebindToUnsigned<D>> wide;
-  const auto low = [&](const auto& a, const auto& b)
-                       HWY_ATTR { return hn::BitCast(wide, hn::InterleaveLower(d, a, b)); };
-  const auto up = [&](const auto& a, const auto& b)
-                      HWY_ATTR { return hn::BitCast(wide, hn::InterleaveUpper(d, a, b)); };
-  const auto ab_low = low(rows.at[0], rows.at[1]);
-  const auto ab_up = up(rows.at[0], rows.at[1]);
-  const auto cd_low = low(rows.at[2], rows.at[3]);
-  const auto cd_up = up(rows.at[2], rows.at[3]);
-  return {{hn::BitCast(d, hn::InterleaveLower(wide, ab_low, cd_low)),
-           hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, cd_low)),
-           hn::BitCast(d, hn::InterleaveLower(wide, ab_up, cd_up)),
-           hn::BitCast(d, hn::InterleaveUpper(wide, ab_up, cd_up))}};
+  const auto ab_low = hn::InterleaveLower(d, rows.at[0], rows.at[1]);
+  const auto ab_up = hn::InterleaveUpper(d, rows.at[0], rows.at[1]);
+  const auto cd_low = hn::InterleaveLower(d, rows.at[2], rows.at[3]);
+  const auto cd_up = hn::InterleaveUpper(d, rows.at[2], rows.at[3]);
+  if constexpr (sizeof(hn::TFromD<D>) == sizeof(double)) {
+    return {{hn::ConcatLowerLower(d, cd_low, ab_low), hn::ConcatLowerLower(d, cd_up, ab_up),
+             hn::ConcatUpperUpper(d, cd_low, ab_low), hn::ConcatUpperUpper(d, cd_up, ab_up)}};
+  } else {
+    const hn::RepartitionToWide<hn::RebindToUnsigned<D>> wide;
+    const auto low = [&](const auto& a, const auto& b) HWY_ATTR {
+      return hn::BitCast(d, hn::InterleaveLower(wide, hn::BitCast(wide, a), hn::BitCast(wide, b)));
+    };
+    const auto up = [&](const auto& a, const auto& b) HWY_ATTR {
+      return hn::BitCast(d, hn::InterleaveUpper(wide, hn::BitCast(wide, a), hn::BitCast(wide, b)));
+    };
+    return {{low(ab_low, cd_low), up(ab_low, cd_low), low(ab_up, cd_up), up(ab_up, cd_up)}};
+  }
 }
 
-// Four bodies at a time: their figures are read whole and transposed in registers.
+// Four structures at a time, or two where a register holds two numbers: their figures are read whole and transposed in
+// registers.
 template <class D, class S>
-HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* bodies, std::size_t offset) {
+HWY_INLINE Columns<hn::Vec<D>> gather(D d, const S* of, const std::uint32_t* which, std::size_t offset) {
   using T = hn::TFromD<D>;
-  if constexpr (sizeof(T) == sizeof(float)) {
+  const auto row = [&](auto part, std::size_t lane, std::size_t from) HWY_ATTR {
+    return hn::LoadU(part, reinterpret_cast<const T*>(of + which[lane]) + offset + from);
+  };
+  if constexpr (hn::MaxLanes(D()) == 8) {
     const hn::FixedTag<T, 4> four;
-    const auto row = [&](std::size_t lane)
-                         HWY_ATTR { return hn::Load(four, reinterpret_cast<const T*>(of + bodies[lane]) + offset); };
-    const auto first = transposed(four, {{row(0), row(1), row(2), row(3)}});
-    if constexpr (hn::MaxLanes(D()) == 8) {
-      const auto second = transposed(four, {{row(4), row(5), row(6), row(7)}});
-      return {{hn::Combine(d, second.at[0], first.at[0]), hn::Combine(d, second.at[1], first.at[1]),
-               hn::Combine(d, second.at[2], first.at[2]), hn::Combine(d, second.at[3], first.at[3])}};
-    } else {
-      return first;
-    }
+    const auto low = gather(four, of, which, offset);
+    const auto up = gather(four, of, which + 4, offset);
+    return {{hn::Combine(d, up.at[0], low.at[0]), hn::Combine(d, up.at[1], low.at[1]),
+             hn::Combine(d, up.at[2], low.at[2]), hn::Combine(d, up.at[3], low.at[3])}};
+  } else if constexpr (hn::MaxLanes(D()) == 4) {
+    return transposed(d, {{row(d, 0, 0), row(d, 1, 0), row(d, 2, 0), row(d, 3, 0)}});
+  } else if constexpr (hn::MaxLanes(D()) == 2) {
+    return {{hn::InterleaveLower(d, row(d, 0, 0), row(d, 1, 0)), hn::InterleaveUpper(d, row(d, 0, 0), row(d, 1, 0)),
+             hn::InterleaveLower(d, row(d, 0, 2), row(d, 1, 2)), hn::InterleaveUpper(d, row(d, 0, 2), row(d, 1, 2))}};
   } else {
-    return gather_singly(d, of, bodies, offset);
+    return gather_singly(d, of, which, offset);
   }
 }
 template <class D, class S>
-HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t dynamic, S* of, const std::uint32_t* bodies,
+HWY_INLINE void scatter(D d, const Columns<hn::Vec<D>>& from, std::uint32_t dynamic, S* of, const std::uint32_t* which,
                         std::size_t offset) {
   using T = hn::TFromD<D>;
-  if constexpr (sizeof(T) == sizeof(float)) {
+  const auto put = [&](auto part, const auto& value, std::size_t lane, std::size_t at)
+                       HWY_ATTR { hn::StoreU(value, part, reinterpret_cast<T*>(of + which[lane]) + offset + at); };
+  const auto yields = [&](std::size_t lane) { return (dynamic >> lane & 1U) != 0; };
+  if constexpr (hn::MaxLanes(D()) == 8) {
     const hn::FixedTag<T, 4> four;
     using Four = Columns<hn::Vec<decltype(four)>>;
-    const auto quad = [&](const Four& columns, std::size_t lane) HWY_ATTR {
-      const Four rows = transposed(four, columns);
-      for (std::size_t k = 0; k < 4; ++k) {
-        if ((dynamic >> (lane + k) & 1U) != 0)
-          hn::Store(rows.at[k], four, reinterpret_cast<T*>(of + bodies[lane + k]) + offset);
-      }
-    };
-    if constexpr (hn::MaxLanes(D()) == 8) {
-      quad(Four{{hn::LowerHalf(four, from.at[0]), hn::LowerHalf(four, from.at[1]), hn::LowerHalf(four, from.at[2]),
-                 hn::LowerHalf(four, from.at[3])}},
-           0);
-      quad(Four{{hn::UpperHalf(four, from.at[0]), hn::UpperHalf(four, from.at[1]), hn::UpperHalf(four, from.at[2]),
-                 hn::UpperHalf(four, from.at[3])}},
-           4);
-    } else {
-      quad(from, 0);
+    scatter(four,
+            Four{{hn::LowerHalf(four, from.at[0]), hn::LowerHalf(four, from.at[1]), hn::LowerHalf(four, from.at[2]),
+                  hn::LowerHalf(four, from.at[3])}},
+            dynamic, of, which, offset);
+    scatter(four,
+            Four{{hn::UpperHalf(four, from.at[0]), hn::UpperHalf(four, from.at[1]), hn::UpperHalf(four, from.at[2]),
+                  hn::UpperHalf(four, from.at[3])}},
+            dynamic >> 4U, of, which + 4, offset);
+  } else if constexpr (hn::MaxLanes(D()) == 4) {
+    const Columns<hn::Vec<D>> rows = transposed(d, from);
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      if (yields(lane)) put(d, rows.at[lane], lane, 0);
+    }
+  } else if constexpr (hn::MaxLanes(D()) == 2) {
+    if (yields(0)) {
+      put(d, hn::InterleaveLower(d, from.at[0], from.at[1]), 0, 0);
+      put(d, hn::InterleaveLower(d, from.at[2], from.at[3]), 0, 2);
+    }
+    if (yields(1)) {
+      put(d, hn::InterleaveUpper(d, from.at[0], from.at[1]), 1, 0);
+      put(d, hn::InterleaveUpper(d, from.at[2], from.at[3]), 1, 2);
     }
   } else {
-    scatter_singly(d, from, dynamic, of, bodies, offset);
+    scatter_singly(d, from, dynamic, of, which, offset);
   }
 }
 #endif
