@@ -102,25 +102,22 @@ class PairRows final : public solver::RowSource {
     row.restitution = manifold.restitution;
     row.friction = manifold.friction;
     row.a_to_b_m = input_.motion.poses[pair.b].position_m - input_.motion.poses[pair.a].position_m;
-    if (points.point_count > 1 && row.restitution > 0) list_overlaps(pair, manifold, k, row);
+    if (points.point_count > 1 && row.restitution > 0 && may_overlap(pair, progress, points))
+      list_overlaps(pair, manifold, k, row);
     if (progress.from_cache()) {
-      row.direction = single.normal;
       row.arm_m = single.arm_m;
-      row.moment_a_m = row.arm_m.cross(row.direction);
-      row.moment_b_m = (row.arm_m - row.a_to_b_m).cross(row.direction);
+      row.wrench = {single.normal, row.arm_m.cross(single.normal), (row.arm_m - row.a_to_b_m).cross(single.normal)};
     } else {
       collision::PairContact coarsest;
       const collision::PairContact& contact =
           contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found[manifold.pair], coarsest);
-      row.direction = contact.direction;
       row.arm_m = contact.arm_m;
-      row.moment_a_m = contact.moment_a_m;
-      row.moment_b_m = contact.moment_b_m;
+      row.wrench = {contact.direction, contact.moment_a_m, contact.moment_b_m};
     }
     const auto& inverse_mass = input_.scene.bodies.inverse_mass;
     const auto& inverse_inertia = input_.motion.inverse_inertia;
-    if (!solver::prepare_row(row, inverse_mass[pair.a], inverse_inertia[pair.a], inverse_mass[pair.b],
-                             inverse_inertia[pair.b])) {
+    if (!solver::prepare_wrench(inverse_mass[pair.a], inverse_inertia[pair.a], inverse_mass[pair.b],
+                                inverse_inertia[pair.b], row.wrench, row.turns)) {
       degenerate_.take(1);
     }
     if (input_.terms.contact == ContactModel::Paper) {
@@ -130,18 +127,29 @@ class PairRows final : public solver::RowSource {
   }
 
  private:
+  // May a point of the pair penetrate, by the separations that *manifolds* knows and how far they can have changed?
+  static bool may_overlap(const ActivePair& pair, const PairProgress& progress, const PairPoints& points) {
+    constexpr double kRoundingOfSkin = 1e-6;
+    const double changed_m = progress.from_cache() ? 2.0 * (pair.cached.moved_m - points.looked_m) : 0.0;
+    return points.nearest_m <= changed_m + kRoundingOfSkin * pair.skin_m;
+  }
+
   // The points of the manifold that certainly penetrate.
   void list_overlaps(const ActivePair& pair, const solver::Manifold& manifold, std::size_t k,
                      solver::ContactRow& row) const {
     const collision::Pose& a = input_.motion.poses[pair.a];
     const collision::Pose& b = input_.motion.poses[pair.b];
-    row.overlap_begin = static_cast<std::uint32_t>(k * collision::kMaxManifoldPoints);
+    std::uint32_t count = 0;
     for (std::uint32_t p = manifold.point_begin; p < manifold.point_begin + manifold.point_count; ++p) {
       const solver::PlacedPoint point = solver::placed_point(a, b, points_.points[p]);
       if (point.certain_separation_m > 0) continue;
-      velocities_.overlaps[row.overlap_begin + row.overlap_count++] = {
-          point.normal, point.arm_m.cross(point.normal), (point.arm_m - row.a_to_b_m).cross(point.normal)};
+      velocities_.overlaps[k * solver::kOverlapsOfRow + count] = {point.normal, point.arm_m.cross(point.normal),
+                                                                  (point.arm_m - row.a_to_b_m).cross(point.normal),
+                                                                  row.restitution};
+      ++count;
+      row.overlap_reach_m = std::max(row.overlap_reach_m, point.arm_m.norm());
     }
+    velocities_.scratch.activations[k].overlap_count = count;
   }
 
   // Sphere contacts of the paper's model, from the front of the pair.
@@ -172,7 +180,7 @@ class PairRows final : public solver::RowSource {
 void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::Executor& executor) {
   const Manifolds& manifolds = input.manifolds;
   velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
-  velocities.overlaps.resize(collision::kMaxManifoldPoints * velocities.rows.size());
+  velocities.overlaps.resize(solver::kOverlapsOfRow * velocities.rows.size());
   velocities.scratch.activations.resize(manifolds.manifolds.size());
   velocities.row_of.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> order = manifolds.coloring.order();
@@ -198,7 +206,7 @@ void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velociti
                              if (!manifolds.manifolds[m].fast) continue;
                              const std::uint32_t row = velocities.row_of[m];
                              source.fill(row);
-                             velocities.scratch.activations[row].ready = true;
+                             solver::activate(velocities.rows[row], velocities.scratch.activations[row]);
                            }
                          });
 }
@@ -209,9 +217,7 @@ void leave_bouncing(const Manifolds& all, Velocities& velocities, parallel::Exec
   velocities.bounced = false;
   if (!all.impacts) return;
   const std::size_t count = all.manifolds.size();
-  const auto bounces = [&](std::size_t row) {
-    return velocities.scratch.activations[row].ready && velocities.rows[row].bounces;
-  };
+  const auto bounces = [&](std::size_t row) { return velocities.scratch.activations[row].bounces; };
   parallel::Tickets rows;
   parallel::Tickets points;
   const std::span<const std::uint32_t> order = all.coloring.order();
@@ -281,7 +287,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   velocities.applied_impulse_ns.reserve(most);
   velocities.rows.reserve(most);
   velocities.row_of.reserve(most);
-  velocities.overlaps.reserve(collision::kMaxManifoldPoints * most);
+  velocities.overlaps.reserve(solver::kOverlapsOfRow * most);
   velocities.scratch.activations.reserve(most);
   velocities.not_bouncing.reserve(most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());

@@ -32,42 +32,51 @@ struct Wrench {
   Vec3 direction = Vec3::Zero();                              ///< l
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< t_a, t_b
   double effective_mass = 0;                                  ///< 1 / K; 0 when degenerate: it is inactive
-  Vec3 turn_a = Vec3::Zero(), turn_b = Vec3::Zero();          ///< I_a^-1 t_a, I_b^-1 t_b
+};
+
+/// What a unit impulse along a wrench adds to the spins: I_a^-1 t_a, I_b^-1 t_b.
+struct Turns {
+  Vec3 a = Vec3::Zero(), b = Vec3::Zero();
 };
 
 /// The constraint row of one pair: a single constraint along the wrench. Four cache lines: what says whether an impulse
-/// is needed stands in the first three, because most looks at a row end with that.
-struct alignas(64) ContactRow : Wrench {
-  std::uint32_t a = 0, b = 0;       ///< solver bodies; a pair's order, not that of slots
-  std::uint32_t overlap_begin = 0;  ///< of the contact points that certainly penetrate, if the manifold has several
-  std::uint8_t overlap_count = 0;   ///< of these
-  bool bounces = false;             ///< closes fast enough to rebound: left to the impact phase
-  double gap_m = 0;                 ///< estimated separation of the two surfaces
+/// is needed stands in the first two, because most looks at a row end with that. Lanes read it in fours of numbers
+/// (impact_lanes.cpp), so its order is fixed.
+struct alignas(64) ContactRow {
+  Wrench wrench;
+  double gap_m = 0;  ///< estimated separation of the two surfaces
   double restitution = 0;
-  std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
+  Vec3 a_to_b_m = Vec3::Zero();  ///< between the centres of mass
+  double overlap_reach_m = 0;    ///< from the centre of mass of a to the farthest of its OverlapPoints
+
+  Turns turns;
+  Vec3 arm_m = Vec3::Zero();                       ///< mean contact point, from the centre of mass of a
   double total_ns = 0;                             ///< all that b received along l from impacts
   double friction = 0;                             ///< Coulomb's coefficient
+  std::uint32_t a = 0, b = 0;                      ///< solver bodies; a pair's order, not that of slots
   Vec3 point_impulse_ns = Vec3::Zero();            ///< what point contacts and friction gave to b from impacts
-  Vec3 arm_m = Vec3::Zero();                       ///< mean contact point, from the centre of mass of a
-  Vec3 a_to_b_m = Vec3::Zero();                    ///< between the centres of mass
+  std::uint32_t points_begin = 0, points_end = 0;  ///< of the point contacts, when the model needs them
 
   /// What impacts gave to b, N s. A row that was never filled has no direction, and gave nothing along it.
   [[nodiscard]] Vec3 impact_ns() const {
-    return total_ns == 0 ? point_impulse_ns : Vec3(total_ns * direction + point_impulse_ns);
+    return total_ns == 0 ? point_impulse_ns : Vec3(total_ns * wrench.direction + point_impulse_ns);
   }
 };
 static_assert(sizeof(ContactRow) == 256);
 
-/// A contact point of a manifold that certainly penetrates, at the start of the step.
+/// A contact point of a manifold that certainly penetrates, at the start of the step. Lanes read it in fours of numbers
+/// too.
 struct OverlapPoint {
   Vec3 normal = Vec3::UnitZ();                                ///< from a to b
   Vec3 moment_a_m = Vec3::Zero(), moment_b_m = Vec3::Zero();  ///< r x n about each centre of mass
+  double restitution = 0;                                     ///< of the row
 };
+static_assert(sizeof(OverlapPoint) == 80);
 
-/// Fills turn and effective mass from l and t; true unless K is not positive and finite (then the wrench is left
-/// without effect).
-bool prepare_row(Wrench& wrench, double inverse_mass_a, const Mat3& inverse_inertia_a, double inverse_mass_b,
-                 const Mat3& inverse_inertia_b);
+/// Fills the effective mass of a wrench and its turns; true unless K is not positive and finite (then the wrench is
+/// left without effect).
+bool prepare_wrench(double inverse_mass_a, const Mat3& inverse_inertia_a, double inverse_mass_b,
+                    const Mat3& inverse_inertia_b, Wrench& wrench, Turns& turns);
 
 /// Approach speed along a wrench or at a point: positive when the two close.
 inline double approach_mps(const Vec3& direction, const Vec3& moment_a_m, const Vec3& moment_b_m, const SolverBody& a,
@@ -80,14 +89,14 @@ inline double approach_mps(const Wrench& wrench, const SolverBody& a, const Solv
 
 /// Applies the impulse lambda along the wrench to b and its opposite to a. Bodies that are not dynamic stay as they
 /// are.
-inline void apply_impulse(const Wrench& wrench, double lambda_ns, SolverBody& a, SolverBody& b) {
+inline void apply_impulse(const Wrench& wrench, const Turns& turns, double lambda_ns, SolverBody& a, SolverBody& b) {
   if (a.inverse_mass > 0) {
     a.velocity_mps -= (lambda_ns * a.inverse_mass) * wrench.direction;
-    a.spin_radps -= lambda_ns * wrench.turn_a;
+    a.spin_radps -= lambda_ns * turns.a;
   }
   if (b.inverse_mass > 0) {
     b.velocity_mps += (lambda_ns * b.inverse_mass) * wrench.direction;
-    b.spin_radps += lambda_ns * wrench.turn_b;
+    b.spin_radps += lambda_ns * turns.b;
   }
 }
 

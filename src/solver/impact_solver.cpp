@@ -1,28 +1,39 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 #include "parallel/prefetch.h"
 #include "parallel/shared_counters.h"
+#include "solver/impact_lanes.h"
 #include "solver/solver.h"
 #include "solver/solver_iteration.h"
 
 namespace poise::solver {
 namespace {
 
-// True if the start of this step is nearer to the time of impact than that of the next one. Waiting for overlap would
-// answer half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
+// True if the start of this step is nearer to the time of impact than that of the next one, as of rows in lanes.
 bool meets_now(double gap_m, double closing_mps, double dt_s) { return gap_m <= 0.5 * closing_mps * dt_s; }
 
-// Fills a wrench between the bodies of a row.
-bool prepared(const System& system, const ContactRow& row, Wrench& wrench) {
-  return prepare_row(wrench, system.bodies[row.a].inverse_mass, system.inverse_inertia[row.a],
-                     system.bodies[row.b].inverse_mass, system.inverse_inertia[row.b]);
+// Applies an impulse along a wrench between the bodies of a row that is new: what removes the approach speed, times one
+// and the restitution.
+bool answer_single(const System& system, ContactRow& row, double closing_mps, double restitution, Wrench& single) {
+  SolverBody& a = system.bodies[row.a];
+  SolverBody& b = system.bodies[row.b];
+  Turns turns;
+  if (!prepare_wrench(a.inverse_mass, system.inverse_inertia[row.a], b.inverse_mass, system.inverse_inertia[row.b],
+                      single, turns))
+    return false;
+  const double lambda_ns = (1.0 + restitution) * closing_mps * single.effective_mass;
+  apply_impulse(single, turns, lambda_ns, a, b);
+  row.point_impulse_ns += lambda_ns * single.direction;
+  return true;
 }
 
 // DO eq. 1-3, contact by contact in canonical order, each with the approach speed taken anew.
 bool answer_points(const System& system, ContactRow& row, double dt_s, double still_mps) {
-  SolverBody& a = system.bodies[row.a];
-  SolverBody& b = system.bodies[row.b];
+  const SolverBody& a = system.bodies[row.a];
+  const SolverBody& b = system.bodies[row.b];
   bool solved = false;
   for (std::uint32_t p = row.points_begin; p < row.points_end; ++p) {
     const PointContact& point = system.points[p];
@@ -31,170 +42,231 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
         a.velocity_mps + a.spin_radps.cross(point.arm_a_m) - b.velocity_mps - b.spin_radps.cross(point.arm_b_m);
     const double closing = n.dot(velocity);
     if (closing <= still_mps || !meets_now(point.gap_m, closing, dt_s)) continue;
-    Wrench single;
-    single.direction = n;
-    single.moment_a_m = point.arm_a_m.cross(n);
-    single.moment_b_m = point.arm_b_m.cross(n);
-    if (!prepared(system, row, single)) continue;
+    Wrench single{n, point.arm_a_m.cross(n), point.arm_b_m.cross(n)};
     const double e = row.restitution * closing > still_mps ? row.restitution : 0.0;
-    const double lambda = (1.0 + e) * closing * single.effective_mass;
-    apply_impulse(single, lambda, a, b);
-    row.point_impulse_ns += lambda * n;
-    solved = true;
+    solved = answer_single(system, row, closing, e, single) || solved;
   }
   return solved;
-}
-
-// Coulomb friction of one impulse along the wrench: what stops the slip at the contact point, or as much as the cone
-// allows.
-void apply_friction(const System& system, ContactRow& row, double lambda_ns) {
-  SolverBody& a = system.bodies[row.a];
-  SolverBody& b = system.bodies[row.b];
-  const Vec3 arm_b = row.arm_m - row.a_to_b_m;
-  const Vec3 normal = row.direction.normalized();
-  Vec3 slip = b.velocity_mps + b.spin_radps.cross(arm_b) - a.velocity_mps - a.spin_radps.cross(row.arm_m);
-  slip -= slip.dot(normal) * normal;
-  const double speed = slip.norm();
-  if (!(speed > 0)) return;
-  Wrench across;
-  across.direction = -slip / speed;
-  across.moment_a_m = row.arm_m.cross(across.direction);
-  across.moment_b_m = arm_b.cross(across.direction);
-  if (!prepared(system, row, across)) return;
-  const double applied_impulse_ns =
-      std::min(speed * across.effective_mass, row.friction * lambda_ns * row.direction.norm());
-  apply_impulse(across, applied_impulse_ns, a, b);
-  row.point_impulse_ns += applied_impulse_ns * across.direction;
-}
-
-bool answer_wrench(const System& system, ContactRow& row, double dt_s, double still_mps) {
-  SolverBody& a = system.bodies[row.a];
-  SolverBody& b = system.bodies[row.b];
-  const double closing = approach_mps(row, a, b);
-  if (closing <= still_mps) return false;
-  const bool rebounds = row.restitution * closing > still_mps;
-  double lambda = 0;
-  if (meets_now(row.gap_m, closing, dt_s)) {
-    lambda = (1.0 + (rebounds ? row.restitution : 0.0)) * closing * row.effective_mass;
-  } else if (!rebounds && closing * dt_s > row.gap_m) {
-    lambda = (closing - row.gap_m / dt_s) * row.effective_mass;
-  }
-  if (lambda <= 0) return false;
-  apply_impulse(row, lambda, a, b);
-  row.total_ns += lambda;
-  if (row.friction > 0) apply_friction(system, row, lambda);
-  return true;
 }
 
 // Solves contact points of the pair that certainly penetrate and would rebound: resting contact has no restitution.
-bool answer_overlaps(const System& system, ContactRow& row, double still_mps) {
-  SolverBody& a = system.bodies[row.a];
-  SolverBody& b = system.bodies[row.b];
+bool answer_overlaps(const System& system, std::size_t i, double still_mps) {
+  ContactRow& row = system.rows[i];
   bool solved = false;
-  for (std::uint32_t p = row.overlap_begin; p < row.overlap_begin + row.overlap_count; ++p) {
-    const OverlapPoint& point = system.overlaps[p];
-    const double closing = approach_mps(point.normal, point.moment_a_m, point.moment_b_m, a, b);
+  for (const OverlapPoint& point :
+       system.overlaps.subspan(i * kOverlapsOfRow, system.scratch.activations[i].overlap_count)) {
+    Wrench single{point.normal, point.moment_a_m, point.moment_b_m};
+    const double closing = approach_mps(single, system.bodies[row.a], system.bodies[row.b]);
     if (row.restitution * closing <= still_mps) continue;
-    Wrench single;
-    single.direction = point.normal;
-    single.moment_a_m = point.moment_a_m;
-    single.moment_b_m = point.moment_b_m;
-    if (!prepared(system, row, single)) continue;
-    const double lambda = (1.0 + row.restitution) * closing * single.effective_mass;
-    apply_impulse(single, lambda, a, b);
-    row.point_impulse_ns += lambda * point.normal;
-    solved = true;
+    solved = answer_single(system, row, closing, row.restitution, single) || solved;
   }
   return solved;
 }
 
-// Rows that an iteration needs, and their bodies, lie anywhere in memory: prefetched some rows ahead, and then what
-// the rows name.
-constexpr std::size_t kRowsAhead = 4;
-constexpr std::size_t kOverlapsAhead = 2;
-HWY_INLINE void prefetch_row(const System& system, const RowActivation& gate, std::size_t i) {
-  constexpr std::size_t kLine = 64;
-  const auto* const row = reinterpret_cast<const std::byte*>(&system.rows[i]);
-  for (std::size_t line = 0; line < 3; ++line) hwy::Prefetch(row + line * kLine);
-  hwy::Prefetch(&system.bodies[gate.a]);
-  hwy::Prefetch(&system.bodies[gate.b]);
-}
-HWY_INLINE void prefetch_overlaps(const System& system, const ContactRow& row) {
-  for (std::uint32_t p = row.overlap_begin; p < row.overlap_begin + row.overlap_count; ++p)
-    parallel::prefetch(system.overlaps[p]);
+template <class Use>
+void for_each_bit(std::uint64_t bits, Use&& use) {
+  for (; bits != 0; bits &= bits - 1U) use(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
-void note_rebound(const System& system, ContactRow& row, double still_mps) {
-  row.bounces = row.restitution * approach_mps(row, system.bodies[row.a], system.bodies[row.b]) > still_mps;
-}
+// The rounds of impacts over the rows of a step.
+class Rounds {
+ public:
+  Rounds(const System& system, const SolveSettings& settings)
+      : system_(system),
+        dt_s_(settings.dt_s),
+        converges_(settings.stopping.converges()),
+        lanes_{system.rows.data(), system.overlaps.data(), system.bodies.data(), system.inverse_inertia.data(), dt_s_,
+               still_mps(settings)},
+        changed_(system.scratch.changed),
+        activations_(system.scratch.activations),
+        distant_(system.rows.size() > parallel::kPairsAtHand),
+        steps_(system.coloring.colors() + 1) {
+    changed_.assign(system.bodies.size(), 0);
+  }
+
+  // Looks at all rows that may need an impulse; true if one did.
+  bool go(std::uint32_t round, parallel::Executor& executor) {
+    if (converges_) system_.scratch.change_ns.assign(system_.rows.size(), 0.0);
+    parallel::Shared<int> solved(0);
+    for_each_run(system_, ImpactBatch::kRows, executor, [&](std::uint32_t step, std::size_t begin, std::size_t end) {
+      const Turn turn{round == 1, round * steps_ + step};
+      if (answer(turn, begin, end) && solved.get() == 0) solved.set(1);
+    });
+    return solved.get() != 0;
+  }
+
+  // After the last round. A pair that closes fast enough to rebound keeps its speed until it meets, in this step or the
+  // next. Each look has noted it; rows that impulses changed since are looked at again.
+  void note_rebounds(std::uint32_t last_round, parallel::Executor& executor) {
+    for_each_run(system_, ImpactBatch::kRows, executor, [&](std::uint32_t step, std::size_t begin, std::size_t end) {
+      const Turn turn{false, (last_round + 1) * steps_ + step};
+      ImpactBatch batch;
+      for (std::size_t i = begin; i < end; ++i) {
+        const RowActivation& gate = activations_[i];
+        if (gate.ready && (gate.kind != RowKind::Wrench || !skips(turn, gate))) add(i, batch);
+      }
+      look(batch);
+    });
+  }
+
+ private:
+  // When a colour has its turn in a round.
+  struct Turn {
+    bool first = true;      // round
+    std::uint32_t now = 0;  // counts the turns of all rounds
+  };
+
+  // Some of the rows of a run.
+  struct RowList {
+    std::uint32_t row[ImpactBatch::kRows];
+    std::size_t count = 0;
+    void add(std::size_t i) { row[count++] = static_cast<std::uint32_t>(i); }
+    [[nodiscard]] std::span<const std::uint32_t> all() const { return std::span(row).first(count); }
+  };
+
+  // No impulse has changed the velocities of its bodies since it was last looked at, or in the first round, at all and
+  // they are not fast.
+  [[nodiscard]] bool skips(const Turn& turn, const RowActivation& gate) const {
+    const std::uint32_t last = std::max(changed_[gate.a], changed_[gate.b]);
+    return turn.first ? !gate.fast && last == 0 : last + steps_ < turn.now;
+  }
+
+  void add(std::size_t i, ImpactBatch& batch) const {
+    const RowActivation& gate = activations_[i];
+    batch.add(static_cast<std::uint32_t>(i), gate.a, gate.b);
+    if (!distant_) return;
+    prefetch_lines(&system_.rows[i], 2);
+    hwy::Prefetch(&system_.bodies[gate.a]);
+    hwy::Prefetch(&system_.bodies[gate.b]);
+  }
+
+  HWY_INLINE static void prefetch_lines(const void* from, std::size_t lines) {
+    constexpr std::size_t kLine = 64;
+    for (std::size_t line = 0; line < lines; ++line) hwy::Prefetch(static_cast<const std::byte*>(from) + line * kLine);
+  }
+
+  void look(ImpactBatch& batch) {
+    look_at_rows(lanes_, batch);
+    for (std::size_t k = 0; k < batch.count; ++k) activations_[batch.row[k]].bounces = (batch.rebounds >> k & 1U) != 0;
+  }
+
+  void note_change(const Turn& turn, std::uint32_t a, std::uint32_t b) {
+    if (system_.bodies[a].inverse_mass > 0) changed_[a] = turn.now;
+    if (system_.bodies[b].inverse_mass > 0) changed_[b] = turn.now;
+  }
+
+  // Rows of one colour; true if one needed an impulse.
+  bool answer(const Turn& turn, std::size_t begin, std::size_t end) {
+    ImpactBatch batch;
+    RowList by_points, overlapping;
+    for (std::size_t i = begin; i < end; ++i) {
+      RowActivation& gate = activations_[i];
+      if (skips(turn, gate)) continue;
+      if (!gate.ready) {
+        system_.source->fill(i);
+        activate(system_.rows[i], gate);
+      }
+      if (gate.kind == RowKind::Degenerate) continue;
+      if (gate.kind == RowKind::Wrench) {
+        add(i, batch);
+      } else {
+        if (turn.first) by_points.add(i);
+        if (gate.overlap_count > 0) overlapping.add(i);
+      }
+    }
+    look(batch);
+    bool solved = give(turn, batch);
+    for_each_bit(batch.needs | batch.overlaps_rebound, [&](std::size_t k) {
+      if (activations_[batch.row[k]].overlap_count == 0) return;
+      overlapping.add(batch.row[k]);
+      if (distant_) prefetch_lines(&system_.overlaps[batch.row[k] * kOverlapsOfRow], 3);
+    });
+    for (const std::uint32_t i : by_points.all()) {
+      if (!answer_points(system_, system_.rows[i], dt_s_, lanes_.still_mps)) continue;
+      note_change(turn, system_.rows[i].a, system_.rows[i].b);
+      solved = true;
+    }
+    return answer_overlapping(turn, overlapping.all()) || solved;
+  }
+
+  // Contact points that certainly penetrate. Few close so fast that they rebound: first all are looked at.
+  bool answer_overlapping(const Turn& turn, std::span<const std::uint32_t> rows) {
+    bool solved = false;
+    for (std::size_t next = 0; next < rows.size();) {
+      ImpactBatch batch;
+      for (; next < rows.size() && batch.count + kOverlapsOfRow <= ImpactBatch::kRows; ++next) {
+        const RowActivation& gate = activations_[rows[next]];
+        const auto first = static_cast<std::uint32_t>(rows[next] * kOverlapsOfRow);
+        for (std::uint32_t p = first; p < first + gate.overlap_count; ++p) batch.add(p, gate.a, gate.b);
+      }
+      look_at_overlaps(lanes_, batch);
+      std::size_t done = system_.rows.size();
+      for_each_bit(batch.rebounds, [&](std::size_t k) {
+        const std::size_t i = batch.row[k] / kOverlapsOfRow;
+        if (std::exchange(done, i) == i || !answer_overlaps(system_, i, lanes_.still_mps)) return;
+        note_change(turn, activations_[i].a, activations_[i].b);
+        solved = true;
+      });
+    }
+    return solved;
+  }
+
+  // The impulses that rows need along their wrenches.
+  bool give(const Turn& turn, const ImpactBatch& batch) {
+    ImpactBatch needed;
+    for_each_bit(batch.needs, [&](std::size_t k) {
+      needed.lambda_ns[needed.count] = batch.lambda_ns[k];
+      needed.add(batch.row[k], batch.a[k], batch.b[k]);
+    });
+    give_impulses(lanes_, needed);
+    for (std::size_t k = 0; k < needed.count; ++k) {
+      double& total_ns = system_.rows[needed.row[k]].total_ns;
+      const double before_ns = std::exchange(total_ns, total_ns + needed.lambda_ns[k]);
+      if (converges_) system_.scratch.change_ns[needed.row[k]] = total_ns - before_ns;
+      note_change(turn, needed.a[k], needed.b[k]);
+    }
+    return needed.count > 0;
+  }
+
+  const System& system_;
+  double dt_s_;
+  bool converges_;
+  ImpactLanes lanes_;
+  std::vector<std::uint32_t>& changed_;
+  std::vector<RowActivation>& activations_;
+  bool distant_;  // rows lie beyond the cache of a core
+  std::uint32_t steps_;
+};
 
 }  // namespace
 
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor) {
-  const double still_mps = solver::still_mps(settings);
   const Stopping& stopping = settings.stopping;
   const std::uint32_t most = stopping.converges() ? stopping.max_iterations : kImpactIterations;
-  std::vector<double>& change_ns = system.scratch.change_ns;
   Convergence ended{!stopping.converges(), 0};
-  std::vector<std::uint32_t>& changed = system.scratch.changed;
   std::vector<RowActivation>& activations = system.scratch.activations;
   if (system.source == nullptr) {
-    activations.clear();
-    for (const ContactRow& row : system.rows) activations.push_back({row.a, row.b, true, true});
+    activations.resize(system.rows.size());
+    for (std::size_t i = 0; i < system.rows.size(); ++i) {
+      const ContactRow& row = system.rows[i];
+      activations[i] = {row.a, row.b, true, true, RowKind::Wrench, false, activations[i].overlap_count};
+      activate(row, activations[i]);
+    }
   } else if (std::none_of(activations.begin(), activations.end(),
                           [](const RowActivation& gate) { return gate.fast; })) {
     ended.reached = true;
     return ended;
   }
-  const bool distant = system.rows.size() > parallel::kPairsAtHand;
-  changed.assign(system.bodies.size(), 0);
+  Rounds rounds(system, settings);
   for (std::uint32_t round = 1; round <= most; ++round) {
     ++ended.iterations;
-    if (stopping.converges()) change_ns.assign(system.rows.size(), 0.0);
-    parallel::Shared<int> solved(0);
-    // Skips rows whose bodies kept their velocities since the last round, and in the first round those that are not
-    // fast.
-    const auto skips = [&](const RowActivation& gate) {
-      const bool touched = std::max(changed[gate.a], changed[gate.b]) + 1 >= round;
-      return round == 1 ? !gate.fast && changed[gate.a] == 0 && changed[gate.b] == 0 : !touched;
-    };
-    const auto needs = [&](std::size_t i, std::size_t end) {
-      return i < end && activations[i].ready && !skips(activations[i]);
-    };
-    for_each_row(system, executor, [&](std::size_t i, std::size_t end) {
-      if (distant && needs(i + kRowsAhead, end)) prefetch_row(system, activations[i + kRowsAhead], i + kRowsAhead);
-      if (distant && needs(i + kOverlapsAhead, end)) prefetch_overlaps(system, system.rows[i + kOverlapsAhead]);
-      RowActivation& gate = activations[i];
-      if (skips(gate)) return;
-      ContactRow& row = system.rows[i];
-      if (!gate.ready) {
-        system.source->fill(i);
-        gate.ready = true;
-      }
-      if (round == 1) note_rebound(system, row, still_mps);
-      if (row.effective_mass == 0) return;
-      const double before_ns = row.total_ns;
-      const bool here = row.points_begin < row.points_end
-                            ? round == 1 && answer_points(system, row, settings.dt_s, still_mps)
-                            : answer_wrench(system, row, settings.dt_s, still_mps);
-      const bool there = answer_overlaps(system, row, still_mps);
-      if (!here && !there) return;
-      if (system.bodies[row.a].inverse_mass > 0) changed[row.a] = round;
-      if (system.bodies[row.b].inverse_mass > 0) changed[row.b] = round;
-      if (solved.get() == 0) solved.set(1);
-      if (stopping.converges()) change_ns[i] = row.total_ns - before_ns;
-    });
-    if (solved.get() == 0 || (stopping.converges() && settled(system, stopping, &ContactRow::total_ns))) {
+    const bool solved = rounds.go(round, executor);
+    if (!solved || (stopping.converges() && settled(system, stopping, &ContactRow::total_ns))) {
       ended.reached = true;
       break;
     }
   }
-  // A pair that closes fast enough to rebound keeps its speed until it meets, in this step or the next. The first
-  // iteration has noted it; rows that impulses changed since are checked again.
-  for_each_row(system, executor, [&](std::size_t i, std::size_t) {
-    if (changed[activations[i].a] == 0 && changed[activations[i].b] == 0) return;
-    if (activations[i].ready) note_rebound(system, system.rows[i], still_mps);
-  });
+  rounds.note_rebounds(ended.iterations, executor);
   return ended;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "collision/manifold/manifold_point.h"
 #include "parallel/executor.h"
 #include "solver/coloring.h"
 #include "solver/contact_point.h"
@@ -66,12 +67,30 @@ struct Acceleration {
   [[nodiscard]] bool none() const { return linear_mps2.isZero(0) && angular_radps2.isZero(0); }
 };
 
-/// What an iteration reads before it touches a row: small, because most iterations skip most rows.
+/// How a row answers when its bodies close.
+enum class RowKind : std::uint8_t {
+  Degenerate,  ///< not at all
+  Wrench,      ///< by one impulse along its wrench
+  Points,      ///< by point contacts one by one
+};
+
+/// What an iteration reads before it touches a row: small, because many looks end here.
 struct RowActivation {
   std::uint32_t a = 0, b = 0;
   bool fast = true;   ///< its bodies move fast enough relative to each other that it may need an impulse
   bool ready = true;  ///< the row holds what an impact needs
+  RowKind kind = RowKind::Wrench;
+  bool bounces = false;             ///< out: it closes fast enough to rebound, and is left to the impact phase
+  std::uint32_t overlap_count = 0;  ///< contact points that certainly penetrate, if the manifold has several; set by
+                                    ///< who fills the row
 };
+
+/// Notes that a row has been filled.
+inline void activate(const ContactRow& row, RowActivation& gate) {
+  gate.ready = true;
+  gate.kind = row.points_begin < row.points_end ? RowKind::Points : RowKind::Wrench;
+  if (row.wrench.effective_mass == 0) gate.kind = RowKind::Degenerate;
+}
 
 /// Fills a row with what an impact needs when it is first looked at. Called by any worker, once a row.
 class RowSource {
@@ -83,13 +102,16 @@ class RowSource {
 /// Buffers of the solver. Invariant: they only grow.
 struct SolveScratch {
   std::vector<RowActivation> activations;  ///< one a row; made by solve_impacts where there is no RowSource
-  std::vector<std::uint32_t> changed;      ///< one a body: the last round of impacts that changed its velocity, from 1
+  std::vector<std::uint32_t> changed;      ///< one a body: when impacts last changed its velocity; 0: never
   std::vector<double>
       change_ns;  ///< one a row, where iterations converge: by how much the last one changed its impulse
 };
 
+/// Contact points that certainly penetrate, of a row at most.
+inline constexpr std::size_t kOverlapsOfRow = collision::kMaxManifoldPoints;
+
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `overlaps` are those of
-/// the rows.
+/// the rows, the latter kOverlapsOfRow places for each row.
 struct System {
   std::span<SolverBody> bodies;
   std::span<ContactRow> rows;

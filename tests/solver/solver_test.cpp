@@ -33,12 +33,10 @@ struct Bench {
     ContactRow row;
     row.a = a;
     row.b = b;
-    row.direction = l;
-    row.moment_a_m = ta;
-    row.moment_b_m = tb;
+    row.wrench = {l, ta, tb};
     row.restitution = e;
-    EXPECT_TRUE(
-        prepare_row(row, bodies[a].inverse_mass, inverse_inertia[a], bodies[b].inverse_mass, inverse_inertia[b]));
+    EXPECT_TRUE(prepare_wrench(bodies[a].inverse_mass, inverse_inertia[a], bodies[b].inverse_mass, inverse_inertia[b],
+                               row.wrench, row.turns));
     rows.push_back(row);
     return rows.back();
   }

@@ -249,12 +249,10 @@ class Events {
     const dynamics::BodyStore& bodies = input_.scene.bodies;
     const PairRefiner refiner{input_.scene, input_.terms.contact};
     const collision::PairContact contact = contact_where_met(refiner, pair, impact, scratch_);
-    solver::ContactRow row;
-    row.direction = contact.direction;
-    row.moment_a_m = contact.moment_a_m;
-    row.moment_b_m = contact.moment_b_m;
-    if (!solver::prepare_row(row, bodies.inverse_mass[pair.a], inverse_inertia(a), bodies.inverse_mass[pair.b],
-                             inverse_inertia(b))) {
+    solver::Wrench wrench{contact.direction, contact.moment_a_m, contact.moment_b_m};
+    solver::Turns turns;
+    if (!solver::prepare_wrench(bodies.inverse_mass[pair.a], inverse_inertia(a), bodies.inverse_mass[pair.b],
+                                inverse_inertia(b), wrench, turns)) {
       ++report_.degenerate;
       return;
     }
@@ -266,14 +264,14 @@ class Events {
     body_a.spin_radps = a.stands.rotation.spin_radps;
     body_b.velocity_mps = b.velocity_mps;
     body_b.spin_radps = b.stands.rotation.spin_radps;
-    const double closing = solver::approach_mps(row, body_a, body_b);
+    const double closing = solver::approach_mps(wrench, body_a, body_b);
     // A body that stands since it was hit may have a velocity away from what has reached it: that one then only stops.
     if (closing <= 0) return;
     const double restitution = std::max(input_.scene.materials[bodies.material[pair.a]].restitution,
                                         input_.scene.materials[bodies.material[pair.b]].restitution);
     const double still = solver::still_mps(input_.settings());
-    const double lambda = (1.0 + (restitution * closing > still ? restitution : 0.0)) * closing * row.effective_mass;
-    solver::apply_impulse(row, lambda, body_a, body_b);
+    const double lambda = (1.0 + (restitution * closing > still ? restitution : 0.0)) * closing * wrench.effective_mass;
+    solver::apply_impulse(wrench, turns, lambda, body_a, body_b);
     take(a, body_a);
     take(b, body_b);
     const double length = contact.direction.norm();
