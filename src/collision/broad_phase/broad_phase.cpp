@@ -8,21 +8,36 @@
 #include <utility>
 
 #include "collision/broad_phase/broad_phase_cells.h"
-#include "collision/broad_phase/resting_grid.h"
+#include "collision/broad_phase/order_kernel.h"
 #include "geometry/primitives/bounds.h"
 #include "parallel/ranges.h"
-#include "parallel/shared_counters.h"
 
 namespace poise::collision {
 namespace {
 
 constexpr std::size_t kBoundGrain = 256;
 constexpr double kLeastCellM = 1e-6;
-// A search that tells crowds first looks at so many others for each of the least number of partners that tells one.
-// Chosen: a body that is in one has most of those in the cells around it as partners.
-constexpr std::uint32_t kTestsOfPartner = 8;
 
 }  // namespace
+
+void BroadPhase::NearArrays::resize(std::size_t n) {
+  for (std::vector<float>* values : {&x, &y, &z, &most_m, &least_m}) values->resize(n + NearBalls::kPast);
+  tag.resize(n + NearBalls::kPast);
+  slot.resize(n);
+}
+
+void BroadPhase::NearArrays::set(std::size_t at, const Entry& entry) {
+  // Two of these meet, whatever their groups.
+  const bool plain = entry.dynamic && entry.group != 0 && entry.collides_with == 0xffffffffU;
+  const NearBall ball = near_ball(entry.center_m, entry.radius_m, plain);
+  x[at] = ball.x;
+  y[at] = ball.y;
+  z[at] = ball.z;
+  most_m[at] = ball.most_m;
+  least_m[at] = ball.least_m;
+  tag[at] = block_key(entry.cell.x, entry.cell.y, entry.cell.z, entry.cell.grid).tag;
+  slot[at] = entry.slot;
+}
 
 // The grids in use, and the size of their cells.
 void BroadPhase::find_grids(std::span<const MotionBound> bounds, parallel::Executor& executor) {
@@ -100,8 +115,13 @@ void BroadPhase::fill_buckets(std::span<const MotionBound> bounds, std::size_t s
   for (const std::uint32_t i : members) ++bucket_begin_[bucket_of_[i]];
   const auto start = static_cast<std::uint32_t>(segment_begin_[segment]);
   std::exclusive_scan(begins, ends, begins, start);
-  for (const std::uint32_t i : members)
-    entries_[bucket_begin_[bucket_of_[i]]++] = {bounds[i].center_m, bounds[i].radius_m, cell_of_[i], i};
+  for (const std::uint32_t i : members) {
+    const MotionBound& bound = bounds[i];
+    const std::uint32_t at = bucket_begin_[bucket_of_[i]]++;
+    entries_[at] = {bound.center_m, bound.radius_m,      cell_of_[i],  bound.slot,
+                    bound.group,    bound.collides_with, bound.dynamic};
+    near_.set(at, entries_[at]);
+  }
   // Each begin has moved on to its bucket's end, which is the next one's begin.
   std::copy_backward(begins, ends - 1, ends);
   *begins = start;
@@ -112,6 +132,7 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, std::uint3
   const std::size_t n = bounds.size();
   cell_of_.resize(n);
   entries_.resize(n);
+  near_.resize(n);
   bucket_of_.resize(n);
   by_segment_.resize(n);
   const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(4 * n, kBlockCells));
@@ -161,6 +182,7 @@ void BroadPhase::sort_crowd(std::size_t bucket) {
   std::sort(places.begin(), places.end());
   const std::vector<Entry> unsorted(begin, end);
   std::transform(places.begin(), places.end(), begin, [&](const auto& at) { return unsorted[at.second]; });
+  for (std::uint32_t e = bucket_begin_[bucket]; e < bucket_begin_[bucket + 1]; ++e) near_.set(e, entries_[e]);
 }
 
 // The cells that each grid uses.
@@ -179,132 +201,6 @@ void BroadPhase::find_ranges() {
   }
 }
 
-std::size_t BroadPhase::find_partners(std::size_t entry, std::span<const MotionBound> bounds, std::uint32_t& room,
-                                      const RestingGrid* resting, std::vector<Partner>& partners) const {
-  const Entry& self = entries_[entry];
-  const MotionBound& bound = bounds[self.bound];
-  partners.clear();
-  std::size_t left = 0;
-  const auto test = [&](std::uint32_t e) {
-    const Entry& other = entries_[e];
-    const double reach = self.radius_m + other.radius_m;
-    const double beyond_m2 = (other.center_m - self.center_m).squaredNorm() - reach * reach;
-    if (beyond_m2 >= 0) return;
-    const MotionBound& partner = bounds[other.bound];
-    if (!bound.dynamic && !partner.dynamic) return;
-    if (!meet(bound.group, bound.collides_with, partner.group, partner.collides_with)) return;
-    partners.push_back({beyond_m2, partner.slot});
-  };
-  // Own grid: half of the neighbourhood, and of the own cell the entries behind this one, so that a pair is found once.
-  // The next cell of the row mostly follows in the same block.
-  const Cell own = self.cell;
-  const auto shifted = [](const Cell& cell, int dx, int dy, int dz) {
-    return Cell{cell.x + dx, cell.y + dy, cell.z + dz, cell.grid};
-  };
-  const auto behind = static_cast<std::uint32_t>(entry + 1);
-  const bool next_follows = (own.x & (kBlockRow - 1)) != kBlockRow - 1;
-  const std::uint32_t own_end = bucket_begin_[bucket(own) + (next_follows ? 2 : 1)];
-  const std::uint32_t looked_at = std::min(own_end - behind, room);
-  for (std::uint32_t e = behind; e < behind + looked_at; ++e) {
-    const Cell& cell = entries_[e].cell;
-    const std::int32_t next = cell.x - own.x;
-    if (cell.y == own.y && cell.z == own.z && cell.grid == own.grid && (next == 0 || next == 1)) test(e);
-  }
-  room -= looked_at;
-  left += own_end - behind - looked_at;
-  const auto visit = [&](const Cell& first, std::int32_t count) { left += visit_row(first, count, room, test); };
-  if (!next_follows) visit(shifted(own, 1, 0, 0), 1);
-  visit(shifted(own, -1, 1, 0), 3);
-  for (int dy = -1; dy <= 1; ++dy) visit(shifted(own, -1, dy, 1), 3);
-  // Coarser grids: the cells that hold the centre of any ball that it can meet. Rounding must lose none of them.
-  constexpr double kRounding = 1e-15;
-  for (const int g : used_grids_) {
-    if (g <= own.grid) continue;
-    const Grid& grid = grids_[static_cast<std::size_t>(g)];
-    const double reach = self.radius_m + 0.5 * grid.widest_m;
-    const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * self.center_m.cwiseAbs();
-    const Vec3 low = self.center_m - around;
-    const Vec3 high = self.center_m + around;
-    const std::int32_t first_x = cell_of(low.x(), grid.cells_per_m);
-    const std::int32_t count = cell_of(high.x(), grid.cells_per_m) - first_x + 1;
-    const std::int32_t last_y = cell_of(high.y(), grid.cells_per_m);
-    const std::int32_t last_z = cell_of(high.z(), grid.cells_per_m);
-    for (std::int32_t z = cell_of(low.z(), grid.cells_per_m); z <= last_z; ++z) {
-      for (std::int32_t y = cell_of(low.y(), grid.cells_per_m); y <= last_y; ++y) visit({first_x, y, z, g}, count);
-    }
-  }
-  if (resting != nullptr && bound.dynamic) {
-    left += resting->visit_near(
-        self.center_m, self.radius_m, room, [&](std::uint32_t slot, const RestingGrid::Entry& other) {
-          const double reach = self.radius_m + other.radius_m;
-          const double beyond_m2 = (other.center_m - self.center_m).squaredNorm() - reach * reach;
-          if (beyond_m2 < 0 && meet(bound.group, bound.collides_with, other.group, other.collides_with))
-            partners.push_back({beyond_m2, slot});
-        });
-  }
-  return left;
-}
-
-void BroadPhase::search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                        const PartnerLimits& limits, const RestingGrid* resting, Collector& found) const {
-  const Entry& self = entries_[entry];
-  const MotionBound& bound = bounds[self.bound];
-  std::uint32_t most = most_tests(limits.of_body);
-  std::uint32_t partners = limits.of_body;
-  if (limits.crowds != nullptr) most = std::min(most, kTestsOfPartner * CrowdedBodies::kLeast);
-  std::uint32_t room = most;
-  std::size_t left = find_partners(entry, bounds, room, resting, found.partners);
-  if (limits.crowds != nullptr && (left > 0 || found.partners.size() > CrowdedBodies::kLeast)) {
-    const std::uint32_t outside = limits.crowds->most_partners(bound.slot);
-    if (left > 0 && found.partners.size() <= outside) {
-      // What it looked at tells of no crowd.
-      found.looked_at += most - room;
-      most = room = most_tests(limits.of_body);
-      left = find_partners(entry, bounds, room, resting, found.partners);
-    }
-    if (found.partners.size() > outside) partners = std::min(partners, std::max(limits.of_crowded, outside / 4));
-  }
-  found.discarded += left;
-  found.looked_at += most - room;
-  found.keep_nearest(bound.slot, partners);
-  if (!bound.dynamic) return;
-  for (const PlaneBound& plane : planes) {
-    if (plane.normal.dot(self.center_m) - plane.height_m >= self.radius_m) continue;
-    if (meet(bound.group, bound.collides_with, plane.group, plane.collides_with)) found.add(bound.slot, plane.slot);
-  }
-}
-
-std::size_t BroadPhase::collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                                std::span<const SweptBound> swept, const PartnerLimits& limits,
-                                const RestingGrid* resting, parallel::Executor& executor, Result& result) {
-  parallel::Tickets points;
-  parallel::Tickets lost;
-  parallel::Tickets looked_at;
-  scratch_.resize(static_cast<std::size_t>(executor.concurrency()));
-  const auto collector = [&](int worker) {
-    return Collector{found_, points, scratch_[static_cast<std::size_t>(worker)].partners};
-  };
-  parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int worker) {
-    Collector found = collector(worker);
-    for (std::size_t entry = begin; entry < end; ++entry) search(entry, bounds, planes, limits, resting, found);
-    found.flush();
-    if (found.discarded > 0) lost.take(found.discarded);
-    looked_at.take(found.looked_at);
-  });
-  if (!swept.empty()) {
-    find_ranges();
-    sort_swept(swept);
-    parallel::parallel_for(executor, swept.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
-      Collector found = collector(worker);
-      for (std::size_t place = begin; place < end; ++place) search_along(place, bounds, planes, swept, found);
-      found.flush();
-    });
-  }
-  result.discarded = lost.take(0);
-  result.looked_at = looked_at.take(0);
-  return points.take(0);
-}
-
 // The pairs of one segment by the lower slot, and each lower slot's few partners by comparison.
 void BroadPhase::sort_segment(std::size_t segment, std::uint32_t slots) {
   const std::size_t first = std::min<std::size_t>(segment << segment_shift_, slots);
@@ -316,12 +212,35 @@ void BroadPhase::sort_segment(std::size_t segment, std::uint32_t slots) {
   const auto members = std::span(in_segments_).subspan(segment_begin_[segment], count);
   std::fill(begins, ends, 0U);
   for (const CandidatePair& pair : members) ++low_begin_[pair.low];
-  auto from = static_cast<std::uint32_t>(segment_begin_[segment]);
+  const auto from = static_cast<std::uint32_t>(segment_begin_[segment]);
   std::exclusive_scan(begins, ends, begins, from);
-  for (const CandidatePair& pair : members) sorted_[low_begin_[pair.low]++] = pair;
-  for (auto end = begins; end != ends; from = *end++) {
-    std::sort(sorted_.begin() + from, sorted_.begin() + *end,
-              [](const CandidatePair& x, const CandidatePair& y) { return x.high < y.high; });
+  for (const CandidatePair& pair : members) high_[low_begin_[pair.low]++] = pair.high;
+  // Each begin has moved on to its list's end.
+  if (order_partners({static_cast<std::uint32_t>(first), from, {begins, ends}, high_.data()}, sorted_.data())) return;
+  std::uint32_t begin = from;
+  for (std::size_t low = first; low < past; begin = low_begin_[low++]) {
+    if (low_begin_[low] - begin > kLongestOrdered) order_long(static_cast<std::uint32_t>(low), begin, low_begin_[low]);
+  }
+}
+
+// The many partners of a plane, which are a good part of all slots: a bit for each, and then the bits in order.
+void BroadPhase::order_long(std::uint32_t low, std::uint32_t begin, std::uint32_t end) {
+  const auto high = std::span(high_).subspan(begin, end - begin);
+  const auto [least, most] = std::minmax_element(high.begin(), high.end());
+  const std::size_t first = *least / 64;
+  const std::size_t past = *most / 64 + 1;
+  CandidatePair* next = sorted_.data() + begin;
+  if (past - first > high.size()) {
+    std::sort(high.begin(), high.end());
+    for (const std::uint32_t slot : high) *next++ = {low, slot};
+    return;
+  }
+  const auto marks = std::span(marks_).subspan(begin, past - first);
+  std::fill(marks.begin(), marks.end(), 0);
+  for (const std::uint32_t slot : high) marks[slot / 64 - first] |= std::uint64_t{1} << slot % 64;
+  for (std::size_t word = first; word < past; ++word) {
+    for (std::uint64_t left = marks[word - first]; left != 0; left &= left - 1)
+      *next++ = {low, static_cast<std::uint32_t>(64 * word) + static_cast<std::uint32_t>(std::countr_zero(left))};
   }
 }
 
@@ -338,6 +257,8 @@ void BroadPhase::sort_pairs(std::size_t count, parallel::Executor& executor) {
   low_begin_.resize(slots);
   sorted_.resize(found_.size());
   in_segments_.resize(found_.size());
+  marks_.resize(found_.size());
+  high_.resize(found_.size() + PartnerLists::kPast);
   segment_shift_ = std::max(static_cast<int>(std::bit_width(slots)) - std::countr_zero(kSegments), 0);
   into_segments(
       executor, count, [&](std::size_t i) { return found_[i].low >> segment_shift_; },
@@ -354,17 +275,17 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
   Result result;
   PartnerLimits used = limits;
   if (bounds.empty() && swept.empty()) return result;
-  sort_into_cells(bounds, limits.crowds != nullptr ? kTestsOfPartner * CrowdedBodies::kLeast : most_tests(0), executor);
+  sort_into_cells(bounds, limits.crowds != nullptr ? most_tests_of_crowded() : most_tests(0), executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
-  std::size_t count = collect(bounds, planes, swept, used, resting, executor, result);
+  std::size_t count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   if (count > limits.of_all && !bounds.empty()) {
     used.of_body =
         std::min(used.of_body, static_cast<std::uint32_t>(std::max<std::size_t>(1, limits.of_all / bounds.size())));
-    count = collect(bounds, planes, swept, used, resting, executor, result);
+    count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   }
   if (count > found_.size()) {
     found_.resize(count + count / 2);
-    count = collect(bounds, planes, swept, used, resting, executor, result);
+    count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   }
   sort_pairs(count, executor);
   result.pairs = std::span<const CandidatePair>(sorted_).first(count);

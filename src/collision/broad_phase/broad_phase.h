@@ -9,7 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "collision/broad_phase/candidate_pair.h"
+#include "collision/broad_phase/grid_blocks.h"
+#include "collision/broad_phase/near_kernel.h"
 #include "parallel/executor.h"
+#include "parallel/large_pages.h"
 #include "poise/types.h"
 
 namespace poise::collision {
@@ -37,13 +41,6 @@ struct PlaneBound {
   std::uint32_t slot = 0;
   std::uint32_t group = 1;
   std::uint32_t collides_with = 0xffffffffU;
-};
-
-/// Two bodies that may touch in the step; low < high are their slots.
-struct CandidatePair {
-  std::uint32_t low = 0;
-  std::uint32_t high = 0;
-  friend bool operator==(const CandidatePair&, const CandidatePair&) = default;
 };
 
 class RestingGrid;
@@ -92,6 +89,9 @@ class BroadPhase {
               const RestingGrid* resting = nullptr);
   /// Bounds that the search of one looks at, at most. Far more than cells hold where bounds do not overlap.
   static std::uint32_t most_tests(std::uint32_t max_partners) { return std::max(4096U, 16 * max_partners); }
+  /// That the search of one looks at, at most, before it is told whether it is in a crowd. Chosen: a body that is in
+  /// one has most of those in the cells around it as partners.
+  static constexpr std::uint32_t most_tests_of_crowded() { return 8 * CrowdedBodies::kLeast; }
 
  private:
   struct Cell {
@@ -99,11 +99,25 @@ class BroadPhase {
     std::int32_t grid = 0;
     friend bool operator==(const Cell&, const Cell&) = default;
   };
-  struct Entry {
+  // What a search asks of a bound, in one cache line.
+  struct alignas(64) Entry {
     Vec3 center_m = Vec3::Zero();
     double radius_m = 0;
     Cell cell;
-    std::uint32_t bound = 0;
+    std::uint32_t slot = 0;
+    std::uint32_t group = 0, collides_with = 0;
+    bool dynamic = false;
+  };
+  // What a search asks of all entries that it looks at, an array each.
+  struct NearArrays {
+    std::vector<float> x, y, z, most_m, least_m;
+    std::vector<std::uint32_t> tag, slot;
+    void resize(std::size_t n);
+    void set(std::size_t at, const Entry& entry);
+    [[nodiscard]] NearBall ball(std::size_t at) const { return {x[at], y[at], z[at], most_m[at], least_m[at]}; }
+    [[nodiscard]] NearBalls balls() const {
+      return {x.data(), y.data(), z.data(), most_m.data(), least_m.data(), tag.data()};
+    }
   };
   struct Grid {
     double widest_m = 0;
@@ -115,9 +129,22 @@ class BroadPhase {
     double beyond_m2 = 0;  // squared distance of the centres less that at which the balls would touch
     std::uint32_t slot = 0;
   };
+  struct RangeList {
+    std::vector<NearRange> list;
+    std::size_t count = 0;  // how many of these are set
+    void make_room(std::size_t more) {
+      if (list.size() < count + more) list.resize(2 * (count + more));
+    }
+  };
   // Of one worker; workers write into no cache line of another.
   struct alignas(64) Scratch {
-    std::vector<Partner> partners;
+    RangeList ranges;                 // what a search looks at: first its own cell and the next
+    std::size_t of_own_grid = 0;      // how many of them are in its own grid; 0: none are listed
+    Cell around;                      // the cell around which these lie
+    std::vector<std::uint32_t> hits;  // entries; the first `partners` are its partners
+    std::size_t partners = 0;
+    std::vector<Partner> resting;  // those among the bounds at rest
+    [[nodiscard]] std::size_t found() const { return partners + resting.size(); }
   };
   struct Collector;
   struct Way;
@@ -135,25 +162,30 @@ class BroadPhase {
   void sort_crowd(std::size_t bucket);
   void find_ranges();
   void sort_swept(std::span<const SweptBound> swept);
-  void search(std::size_t entry, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-              const PartnerLimits& limits, const RestingGrid* resting, Collector& found) const;
+  void search(std::uint32_t entry, std::span<const PlaneBound> planes, const PartnerLimits& limits,
+              const RestingGrid* resting, Scratch& scratch, Collector& found) const;
   // Partners of an entry among those that `room` allows to look at; how many it did not look at.
-  std::size_t find_partners(std::size_t entry, std::span<const MotionBound> bounds, std::uint32_t& room,
-                            const RestingGrid* resting, std::vector<Partner>& partners) const;
-  void search_along(std::size_t place, std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                    std::span<const SweptBound> swept, Collector& found) const;
+  std::size_t find_partners(std::uint32_t entry, std::uint32_t& room, const RestingGrid* resting,
+                            Scratch& scratch) const;
+  void keep_nearest(const Entry& self, std::uint32_t max_partners, Scratch& scratch, Collector& found) const;
+  void list_own_grid(const Cell& own, Scratch& scratch) const;
+  void list_coarser_grids(const Entry& self, RangeList& ranges) const;
+  struct RowPieces;
+  void list_rows(const RowPieces& along, std::int32_t first_y, std::int32_t last_y, const BlockKey& layer,
+                 RangeList& ranges) const;
+  void search_along(std::size_t place, std::span<const PlaneBound> planes, std::span<const SweptBound> swept,
+                    Collector& found) const;
   template <class Visit>
   void visit_along(const Way& way, int grid, Visit&& visit) const;
-  // Calls visit for the entries of `count` cells in a row along x, for at most `room`, which it lowers; how many more
-  // there may be.
   template <class Visit>
-  std::size_t visit_row(const Cell& first, std::int32_t count, std::uint32_t& room, Visit&& visit) const;
+  void visit_row(const Cell& first, std::int32_t count, Visit&& visit) const;
   [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
-  std::size_t collect(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes,
-                      std::span<const SweptBound> swept, const PartnerLimits& limits, const RestingGrid* resting,
-                      parallel::Executor& executor, Result& result);
+  std::size_t collect(std::size_t bounds, std::span<const PlaneBound> planes, std::span<const SweptBound> swept,
+                      const PartnerLimits& limits, const RestingGrid* resting, parallel::Executor& executor,
+                      Result& result);
   void sort_pairs(std::size_t count, parallel::Executor& executor);
   void sort_segment(std::size_t segment, std::uint32_t slots);
+  void order_long(std::uint32_t low, std::uint32_t begin, std::uint32_t end);
   template <class SegmentOf, class Write>
   void into_segments(parallel::Executor& executor, std::size_t n, SegmentOf&& segment_of, Write&& write);
 
@@ -166,6 +198,7 @@ class BroadPhase {
   std::vector<int> used_grids_;
   std::vector<Cell> cell_of_;
   std::vector<Entry> entries_;
+  NearArrays near_;
   std::vector<std::uint32_t> bucket_of_;
   std::vector<std::uint32_t> bucket_begin_;
   std::vector<std::array<double, kGrids>> widest_of_range_;  // scratch: per range of bounds and grid; negative: unused
@@ -177,7 +210,9 @@ class BroadPhase {
   std::vector<Scratch> scratch_;    // one a worker
   std::vector<Stretch> stretches_;  // of the swept bodies, by low_m
   std::vector<CandidatePair> found_;
-  std::vector<CandidatePair> in_segments_;  // scratch: found pairs, segment by segment of their lower slots
+  std::vector<CandidatePair> in_segments_;      // scratch: found pairs, segment by segment of their lower slots
+  std::vector<std::uint32_t> high_;             // scratch: higher slots, by lower slots
+  parallel::UnsetVector<std::uint64_t> marks_;  // scratch: a bit a slot, for each list as many words as it is long
   std::vector<CandidatePair> sorted_;
   std::vector<std::uint32_t> low_begin_;
   std::vector<std::uint32_t> slots_of_range_;  // scratch

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "collision/broad_phase/broad_phase.h"
 #include "collision/broad_phase/broad_phase_cells.h"
@@ -35,6 +34,26 @@ struct BroadPhase::Way {
   }
 };
 
+// Calls visit for the entries of `count` cells in a row along x.
+template <class Visit>
+void BroadPhase::visit_row(const Cell& first, std::int32_t count, Visit&& visit) const {
+  Cell from = first;
+  const std::int32_t end = first.x + count;
+  while (from.x < end) {
+    const std::int32_t next = std::min(end, (from.x | (kBlockRow - 1)) + 1);
+    const std::uint64_t begin = bucket(from);
+    const std::uint32_t past = bucket_begin_[begin + static_cast<std::uint64_t>(next - from.x)];
+    for (std::uint32_t e = bucket_begin_[begin]; e < past; ++e) {
+      const Cell& cell = entries_[e].cell;
+      // Blocks may share a place: the cell itself decides.
+      if (cell.grid != first.grid || cell.y != first.y || cell.z != first.z) continue;
+      if (cell.x < from.x || cell.x >= next) continue;
+      visit(e);
+    }
+    from.x = next;
+  }
+}
+
 // Calls visit for the entries of a grid that may meet the way: layer after layer of cells along its longest axis, in
 // each of them the cells around the part of the way that is near. Every entry if that is fewer.
 template <class Visit>
@@ -63,7 +82,6 @@ void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) cons
     }
     return;
   }
-  std::uint32_t room = std::numeric_limits<std::uint32_t>::max();
   for (std::int64_t layer = first_layer; layer <= last_layer; ++layer) {
     // The part of the way from which a ball with its centre in this layer can be met.
     double begin = 0;
@@ -87,7 +105,7 @@ void BroadPhase::visit_along(const Way& way, int grid_index, Visit&& visit) cons
       for (std::int64_t y = first[1]; y <= last[1]; ++y) {
         visit_row({static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z),
                    grid_index},
-                  static_cast<std::int32_t>(last[0] - first[0] + 1), room, visit);
+                  static_cast<std::int32_t>(last[0] - first[0] + 1), visit);
       }
     }
   }
@@ -108,19 +126,18 @@ void BroadPhase::sort_swept(std::span<const SweptBound> swept) {
   });
 }
 
-void BroadPhase::search_along(std::size_t place, std::span<const MotionBound> bounds,
-                              std::span<const PlaneBound> planes, std::span<const SweptBound> swept,
+void BroadPhase::search_along(std::size_t place, std::span<const PlaneBound> planes, std::span<const SweptBound> swept,
                               Collector& found) const {
   const std::uint32_t own = stretches_[place].swept;
   const MotionBound& self = swept[own].start;
   const Way way(swept[own]);
-  const auto offer = [&](const MotionBound& other) {
+  const auto offer = [&](const auto& other) {
     if (!self.dynamic && !other.dynamic) return;
     if (meet(self.group, self.collides_with, other.group, other.collides_with)) found.add(self.slot, other.slot);
   };
   for (const int grid : used_grids_) {
     visit_along(way, grid, [&](std::uint32_t e) {
-      if (way.meets(entries_[e].center_m, entries_[e].radius_m)) offer(bounds[entries_[e].bound]);
+      if (way.meets(entries_[e].center_m, entries_[e].radius_m)) offer(entries_[e]);
     });
   }
   for (std::size_t k = place + 1; k < stretches_.size() && stretches_[k].low_m < stretches_[place].high_m; ++k) {
