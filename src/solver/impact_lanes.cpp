@@ -167,8 +167,9 @@ HWY_INLINE Triple<V> turned(D d, const Mat3* inverse_inertia, const std::uint32_
 // Coulomb friction of the impulses lambda along l: what stops the slip at the contact point, or as much as the cone
 // allows.
 template <class D, class V>
-HWY_INLINE void rub(D d, const ImpactLanes& lanes, const ImpactBatch& batch, std::size_t k, const V& lambda,
-                    const V& friction, const Triple<V>& l, const Triple<V>& arm_a, Motions<V>& a, Motions<V>& b) {
+HWY_INLINE void add_friction(D d, const ImpactLanes& lanes, const ImpactBatch& batch, std::size_t k, const V& lambda,
+                             const V& friction, const Triple<V>& l, const Triple<V>& arm_a, Motions<V>& a,
+                             Motions<V>& b) {
   const V zero = hn::Zero(d);
   const V one = hn::Set(d, 1.0);
   const auto place = gather(d, lanes.rows, batch.row + k, kPlaceOfRow);
@@ -192,13 +193,13 @@ HWY_INLINE void rub(D d, const ImpactLanes& lanes, const ImpactBatch& batch, std
       hn::Add(hn::Add(hn::Mul(dot(across, across), moving), dot(moment_a, turn_a)), dot(moment_b, turn_b));
   // As in prepare_wrench.
   const auto sound = hn::And(hn::IsFinite(per_mass), hn::Gt(per_mass, hn::Mul(hn::Set(d, 1e-7), moving)));
-  const auto rubs = hn::And(slides, sound);
-  const V stops = hn::Mul(speed, hn::Div(one, hn::IfThenElse(rubs, per_mass, one)));
+  const auto holds_back = hn::And(slides, sound);
+  const V stops = hn::Mul(speed, hn::Div(one, hn::IfThenElse(holds_back, per_mass, one)));
   const V most = hn::Mul(hn::Mul(friction, lambda), length);
-  const V impulse = hn::IfThenElseZero(rubs, hn::IfThenElse(hn::Lt(most, stops), most, stops));
+  const V impulse = hn::IfThenElseZero(holds_back, hn::IfThenElse(hn::Lt(most, stops), most, stops));
   push(d, impulse, across, turn_a, turn_b, a, b);
   const Triple<V> total = sum(Triple<V>{given.at[0], given.at[1], given.at[2]}, scaled(impulse, across));
-  scatter(d, {{total.x, total.y, total.z, given.at[3]}}, bits_of(d, rubs), lanes.rows, batch.row + k,
+  scatter(d, {{total.x, total.y, total.z, given.at[3]}}, bits_of(d, holds_back), lanes.rows, batch.row + k,
           kPointImpulseOfRow);
 }
 
@@ -218,7 +219,7 @@ void give(const ImpactLanes& lanes, ImpactBatch& batch) {
     Motions<V> b = motions(d, lanes.bodies, batch.b + k);
     push(d, lambda, l, {turns.at[0], turns.at[1], turns.at[2]}, {turns.at[3], more.at[0], more.at[1]}, a, b);
     if (!hn::AllFalse(d, hn::Gt(friction, hn::Zero(d))))
-      rub(d, lanes, batch, k, lambda, friction, l, {more.at[2], more.at[3], terms.at[0]}, a, b);
+      add_friction(d, lanes, batch, k, lambda, friction, l, {more.at[2], more.at[3], terms.at[0]}, a, b);
     store_motions(d, a, lanes.bodies, batch.a + k);
     store_motions(d, b, lanes.bodies, batch.b + k);
   }

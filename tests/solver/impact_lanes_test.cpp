@@ -99,14 +99,14 @@ TEST(ImpactLanes, GiveWhatTheFormulasSay) {
     Turns turns;
     ASSERT_TRUE(prepare_wrench(a.inverse_mass, before.inverse_inertia[row.a], b.inverse_mass,
                                before.inverse_inertia[row.b], across, turns));
-    const double rubbed =
+    const double across_ns =
         std::min(slip.norm() * across.effective_mass, row.friction * lambda * row.wrench.direction.norm());
-    apply_impulse(across, turns, rubbed, a, b);
+    apply_impulse(across, turns, across_ns, a, b);
     EXPECT_LT((pairs.bodies[row.a].velocity_mps - a.velocity_mps).norm(), 1e-13) << i;
     EXPECT_LT((pairs.bodies[row.a].spin_radps - a.spin_radps).norm(), 1e-13) << i;
     EXPECT_LT((pairs.bodies[row.b].velocity_mps - b.velocity_mps).norm(), 1e-13) << i;
     EXPECT_LT((pairs.bodies[row.b].spin_radps - b.spin_radps).norm(), 1e-13) << i;
-    EXPECT_LT((pairs.rows[i].point_impulse_ns - rubbed * along).norm(), 1e-13) << i;
+    EXPECT_LT((pairs.rows[i].point_impulse_ns - across_ns * along).norm(), 1e-13) << i;
   }
   EXPECT_GT(given, 16);
   EXPECT_LT(given, 48);
