@@ -52,8 +52,8 @@ struct Block {
       ContactRow row;
       row.a = edges[i].a;
       row.b = edges[i].b;
-      row.direction = directions[i];
-      prepare_row(row, bodies[row.a].inverse_mass, Mat3::Identity(), 1, Mat3::Identity());
+      row.wrench.direction = directions[i];
+      prepare_wrench(bodies[row.a].inverse_mass, Mat3::Identity(), 1, Mat3::Identity(), row.wrench, row.turns);
       rows.push_back(row);
     }
     for (std::size_t i = 0; i < edges.size(); ++i) {

@@ -17,7 +17,7 @@ namespace poise::testing {
 namespace {
 
 /// Why a draft is no scene; empty if it is one.
-std::string refusal(const io::SceneDraft& draft, const io::DraftSettings& settings, const io::SaveMesh& save) {
+std::string draft_refusal(const io::SceneDraft& draft, const io::DraftSettings& settings, const io::SaveMesh& save) {
   io::WrittenDraft written;
   const Result<std::string> text = io::draft_text(draft, settings, "s.json", save, written);
   return text ? std::string() : text.error().message;
@@ -75,10 +75,10 @@ TEST(ImportDraft, RefusesMoreTrianglesThanItWrites) {
   };
   io::DraftSettings settings;
   settings.most_written = 3 * 960;
-  EXPECT_EQ(refusal(draft, settings, save), "");
+  EXPECT_EQ(draft_refusal(draft, settings, save), "");
   EXPECT_EQ(saved, 1U);
   --settings.most_written;
-  EXPECT_EQ(refusal(draft, settings, save), "needs meshes of more than 2879 triangles");
+  EXPECT_EQ(draft_refusal(draft, settings, save), "needs meshes of more than 2879 triangles");
   EXPECT_EQ(saved, 1U);
 }
 
@@ -98,9 +98,9 @@ TEST(ImportDraft, RefusesMeshesThatAreReadTooOften) {
   io::DraftSettings settings;
   settings.most_read = 80;
   const auto save = [](const std::filesystem::path&, const std::string&) { return Status(Done{}); };
-  EXPECT_EQ(refusal(draft, settings, save), "");
+  EXPECT_EQ(draft_refusal(draft, settings, save), "");
   settings.most_read = 79;
-  EXPECT_EQ(refusal(draft, settings, save),
+  EXPECT_EQ(draft_refusal(draft, settings, save),
             "its meshes have more than 79 vertices and triangles together, each as often as it is used");
 }
 
