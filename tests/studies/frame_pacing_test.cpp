@@ -65,10 +65,11 @@ TEST(ReleaseGrid, FindsTheFirstReleaseThatCanBeMetForAnyStep) {
         continue;
       }
       EXPECT_GT(grid.deadline(), now);
-      // The one before would have been late, or its period was over.
+      // The one before would have been late, or its period was over; releases are whole nanoseconds.
       const double before_s = dt_s * static_cast<double>(skipped);
+      const double now_s = 1.5 + 1e-9;
       const bool first =
-          skipped == 0 || before_s + 1e-9 * static_cast<double>(deadline.count()) <= 1.5 || before_s + dt_s <= 1.5;
+          skipped == 0 || before_s + 1e-9 * static_cast<double>(deadline.count()) <= now_s || before_s + dt_s <= now_s;
       EXPECT_TRUE(first) << dt_s << ' ' << deadline.count() << ' ' << skipped;
       EXPECT_EQ(grid.advance(now), 0U) << "it moves on by one";
     }
