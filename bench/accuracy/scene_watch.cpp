@@ -17,7 +17,8 @@ SceneWatch::SceneWatch(Scene scene, SceneRun run) : scene_(std::move(scene)), ru
 }
 
 Result<SceneWatch> SceneWatch::start(const Context& context, const std::string& file,
-                                     const std::function<void(Scene&)>& change, std::optional<std::uint64_t> bodies) {
+                                     const std::function<void(Scene&)>& change, std::optional<std::uint64_t> bodies,
+                                     std::optional<std::uint64_t> seed) {
   Result<Scene> scene = read_scene(context.scenes / file);
   if (!scene) return scene.error();
   if (change) change(scene.value());
@@ -25,6 +26,7 @@ Result<SceneWatch> SceneWatch::start(const Context& context, const std::string& 
   options.world = context.world_settings();
   options.world.policy = scene.value().policy;
   options.bodies = bodies;
+  options.seed = seed;
   options.tree_cache = context.tree_cache;
   Result<SceneRun> run = SceneRun::create(scene.value(), options);
   if (!run) return run.error();

@@ -16,7 +16,7 @@ class SceneWatch {
   /// SceneRun::create.
   static Result<SceneWatch> start(const Context& context, const std::string& file,
                                   const std::function<void(Scene&)>& change = {},
-                                  std::optional<std::uint64_t> bodies = {});
+                                  std::optional<std::uint64_t> bodies = {}, std::optional<std::uint64_t> seed = {});
 
   StepInput input;  ///< of the next step; the scene's time step, levels and an unlimited budget by default
   FrameReport step();

@@ -68,6 +68,7 @@ Result<accuracy::Context> make_context(const StudyAccuracyOptions& options, cons
   accuracy::Context context;
   context.threads = static_cast<int>(options.threads.value_or(1));
   context.executor = executor_for(context.threads);
+  context.heaps = options.heaps.value_or(context.heaps);
   context.scenes = scenes.front().parent_path();
   context.tree_cache = tree_cache_settings(options.tree_cache).value();
   context.stop = interrupt.token();
@@ -142,6 +143,10 @@ void add_study_accuracy_options(CLI::App& command, StudyAccuracyOptions& o) {
       ->type_name("PATTERN");
   command.add_flag("--list", o.list, "List the cases with what is expected of them, and run none");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 1)");
+  add_whole(
+      command, "--heaps", o.heaps, 1, 1000,
+      "Heaps of each kind that fall and settle in 'levels change' (default 8): that of the scene, and those of its "
+      "seeds 1, 2, ...");
   add_path(command, "--json", o.json, "Write the rows as JSON (poise.accuracy/1), - for the standard output");
   add_path(command, "--markdown", o.markdown, "Write the table for docs, - for the standard output");
   add_plot_files(command, o.picture, "Draw drift and kinetic energy of what stands over time as a PNG (needs gnuplot)");

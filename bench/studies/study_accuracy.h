@@ -18,7 +18,7 @@ struct StudyAccuracyOptions {
   std::vector<std::string> only;
   std::string json, markdown;
   PlotFiles picture;
-  std::optional<std::uint64_t> threads;
+  std::optional<std::uint64_t> threads, heaps;
   TreeCacheOptions tree_cache;
   bool list = false;
   std::vector<LineChart>* page_charts = nullptr;  ///< receives what the page of the study shows
