@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <string_view>
@@ -16,6 +17,8 @@
 #include "assets/files/atomic_file.h"
 #include "fuzz/readers.h"
 #include "poise/assets/mesh_file.h"
+#include "scene/import/mjcf_import.h"
+#include "scene/import/scene_draft.h"
 #include "scene/temporary_folder.h"
 
 // What readers hold at most while they read, beside the bytes themselves: a small multiple of these
@@ -251,6 +254,55 @@ TEST(ReaderMemory, OfModelsOfMuJoCoIsAtMost40TimesTheFile) {
   EXPECT_LE(
       multiple("mjcf", "<mujoco><asset><mesh name='m' face='0' vertex='" + repeated("", "0 ") + "'/></asset></mujoco>"),
       40);
+}
+
+// What makes a scene of a model: the draft, each mesh and its text, the text of the scene and that scene. A line of the
+// model may stand for a thousand triangles, so there is a constant beside the multiple: that of the largest mesh which
+// is made of solids.
+TEST(ReaderMemory, OfAWholeImportIsAtMost60TimesTheFileAnd400MB) {
+  const testing::TemporaryFolder folder;
+  std::string pyramids;
+  for (int i = 0; pyramids.size() < kBytes; ++i)
+    pyramids += fmt::format(
+        "v {0} 0 0\nv {0}.5 0 0\nv {0} 1 0\nv {0} 0 1\nf -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n", i);
+  ASSERT_TRUE(geometry::write_file(folder.file("pyramids.obj"), pyramids).ok());
+  const auto bodies = [](const char* geom) {
+    std::string text = "<mujoco><asset><mesh name='m' file='pyramids.obj'/></asset><worldbody>";
+    for (int i = 1; text.size() < kBytes; ++i)
+      text += "<body><freejoint/>" + fmt::format(fmt::runtime(geom), 1e-3 * i) + "</body>";
+    return text + "</worldbody></mujoco>";
+  };
+  const std::string begin = "<mujoco><worldbody><body><freejoint/>";
+  const std::string end = "</body></worldbody></mujoco>";
+  double most_share = 0;
+  for (const std::string& model :
+       {repeated(begin, "<geom type='ellipsoid' size='1 2 3'/>", end, 2'083 * 37 + begin.size() - 36),
+        repeated(begin, "<geom type='ellipsoid' size='1 2 3'/>", end), repeated(begin, "<geom size='1'/>", end),
+        bodies("<geom type='ellipsoid' size='1 2 {}'/>"), bodies("<geom size='{}'/>"),
+        bodies("<geom type='mesh' mesh='m'/>"), bodies("<geom type='mesh' mesh='m'/><geom size='{}'/>")}) {
+    std::size_t written = 0;
+    std::string refused;
+    const std::size_t peak = peak_of([&] {
+      const Result<io::SceneDraft> draft = io::import_mjcf(model, "model.xml", folder.path(), false);
+      ASSERT_TRUE(draft.ok()) << draft.error().message;
+      io::DraftSettings settings;
+      settings.most_written = 5'000'000;  // in this test's time
+      io::WrittenDraft made;
+      const auto save = [&](const std::filesystem::path&, const std::string& text) {
+        written += text.size();
+        return Status(Done{});
+      };
+      const Result<std::string> text = io::draft_text(draft.value(), settings, folder.file("s.json"), save, made);
+      refused = text ? "" : text.error().message;
+    });
+    const std::size_t bound = 400'000'000 + 60 * model.size();
+    EXPECT_LE(peak, bound) << model.substr(0, 100);
+    most_share = std::max(most_share, static_cast<double>(peak) / static_cast<double>(bound));
+    fmt::print("import: {:.1f} MB of {} bytes, {:.1f} MB of meshes written; {:.60}; {:.90}...\n",
+               static_cast<double>(peak) / 1e6, model.size(), static_cast<double>(written) / 1e6, refused,
+               model.substr(begin.size()));
+  }
+  EXPECT_GE(most_share, 0.5) << "the bound is not far from what is needed";
 }
 
 TEST(ReaderMemory, OfTreesIsAtMost40TimesTheFile) {

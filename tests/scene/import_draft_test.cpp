@@ -79,6 +79,11 @@ TEST(ImportDraft, RefusesMoreTrianglesThanItWrites) {
   EXPECT_EQ(saved, 1U);
   --settings.most_written;
   EXPECT_EQ(draft_refusal(draft, settings, save), "needs meshes of more than 2879 triangles");
+  settings.most_of_mesh = settings.most_written;
+  ++settings.most_written;
+  draft.bodies.front().name = "crowd";
+  EXPECT_EQ(draft_refusal(draft, settings, save),
+            "body 'crowd' needs a mesh of more than 2879 triangles for its 3 solids");
   EXPECT_EQ(saved, 1U);
 }
 

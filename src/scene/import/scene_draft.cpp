@@ -195,7 +195,11 @@ class DraftWriter {
       } else {
         part = solid_mesh(solid);
       }
-      if (!room_for(all.triangles.size() + part.triangles.size())) return too_many();
+      const std::size_t triangles = all.triangles.size() + part.triangles.size();
+      if (!room_for(triangles)) return too_many();
+      if (triangles > settings_.most_of_mesh)
+        return bad_input(fmt::format("body '{}' needs a mesh of more than {} triangles for its {} solids", body.name,
+                                     settings_.most_of_mesh, body.solids.size()));
       const auto base = static_cast<std::uint32_t>(all.vertices_m.size());
       for (const Vec3& v : part.vertices_m) all.vertices_m.emplace_back(solid.orientation * v + solid.position_m);
       for (const auto& t : part.triangles) all.triangles.push_back({base + t[0], base + t[1], base + t[2]});

@@ -72,6 +72,8 @@ struct DraftSettings {
   /// Vertices and triangles of all meshes together, each as often as it is read, and triangles that are written.
   /// Chosen: a minute or two.
   std::size_t most_read = 100'000'000, most_written = 20'000'000;
+  /// Triangles of a mesh that is made of several solids, which is held whole, with its text. Chosen: 0.4 GB.
+  std::size_t most_of_mesh = 2'000'000;
 };
 
 /// What was written.
@@ -93,8 +95,8 @@ Result<std::string> draft_text(const SceneDraft& draft, const DraftSettings& set
 
 /// Writes the scene file, and beside it a folder STEM-meshes of the meshes that had to be made, if any. The scene file
 /// is written last. Refused: a mesh that read_mesh refuses, more triangles to be written than most_written or most_read
-/// to be read, what cannot be written, a draft without bodies, what is no scene (parse_scene): then no scene file is
-/// written.
+/// to be read, a body of more than most_of_mesh, what cannot be written, a draft without bodies, what is no scene
+/// (parse_scene): then no scene file is written.
 Result<WrittenDraft> write_draft(const SceneDraft& draft, const DraftSettings& settings,
                                  const std::filesystem::path& file);
 
