@@ -72,7 +72,7 @@ struct DraftSettings {
   /// Vertices and triangles of all meshes together, each as often as it is read, and triangles that are written.
   /// Chosen: a minute or two.
   std::size_t most_read = 100'000'000, most_written = 20'000'000;
-  /// Triangles of a mesh that is made of several solids, which is held whole, with its text. Chosen: 0.4 GB.
+  /// Triangles of a mesh that is made of several solids, which is held whole, with its text. Chosen: 0.25 GB.
   std::size_t most_of_mesh = 2'000'000;
 };
 
