@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
 #include "solver/flight.h"
+#include "solver/iteration_change.h"
 #include "solver/iteration_limit.h"
 #include "solver/prefetch_blocks.h"
 #include "solver/settling.h"
@@ -50,7 +52,8 @@ struct Iterating {
 struct Iterated {
   bool reached = false;  // the share of change that was asked for
   bool settled = false;
-  bool far = true;  // from still
+  bool far = true;         // from still
+  bool collision = false;  // bodies collide
 };
 
 }  // namespace
@@ -93,9 +96,10 @@ struct ContactSolver::Buffers {
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
+  // Nothing where the limit says only_collisions, and there are none: then nothing was changed either.
   template <class T>
-  Convergence solve(const ContactSystem& system, const SolveSettings& settings, const IterationLimit& limit,
-                    parallel::Executor& executor);
+  std::optional<Convergence> solve(const ContactSystem& system, const SolveSettings& settings,
+                                   const IterationLimit& limit, parallel::Executor& executor);
 };
 
 // Calls visit(block has friction, lanes of the pairs, lanes of the contact point, lane) for every contact point of
@@ -299,26 +303,6 @@ SubstepTotals totals_in(int substep, int substeps) {
   return {substep > (left == 0 ? 1 : 0), left == 0 && substep > 0, left != 1};
 }
 
-template <class T>
-IterationChange<double> widened(const IterationChange<T>& change) {
-  return {static_cast<double>(change.largest_ns), static_cast<double>(change.change_ns),
-          static_cast<double>(change.change_mps), static_cast<double>(change.impulse_sum_ns),
-          static_cast<double>(change.residual_j)};
-}
-
-// Of all blocks: the largest of what is a measure of one, and the sums of the rest, block after block.
-IterationChange<double> sum_of(const std::vector<IterationChange<double>>& changes) {
-  IterationChange<double> sum;
-  for (const IterationChange<double>& change : changes) {
-    sum.largest_ns = std::max(sum.largest_ns, change.largest_ns);
-    sum.change_ns = std::max(sum.change_ns, change.change_ns);
-    sum.change_mps = std::max(sum.change_mps, change.change_mps);
-    sum.impulse_sum_ns += change.impulse_sum_ns;
-    sum.residual_j += change.residual_j;
-  }
-  return sum;
-}
-
 }  // namespace
 
 template <class T>
@@ -352,6 +336,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
   const BodyLanes<T> bodies = all.bodies();
   Iterated result;
   result.reached = !settings.stopping.converges();
+  MeanChange mean;
   settling.begin();
   if (limit.mixed) {
     mixing.begin(read_impulses(before));
@@ -381,8 +366,11 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
            settling.settled(system, twofold.motions, twofold.begun, static_cast<double>(terms.h_s), round + 1,
                             stopping.settled_share));
     } else {
-      result.settled = sum.change_mps <= kSettledOfStill * still_mps(settings);
+      mean.add(sum.impulse_sum_ns > 0 ? sum.residual_j / sum.impulse_sum_ns : 0.0, still_mps(settings));
+      result.settled = sum.change_mps <= kSettledOfStill * still_mps(settings) || (limit.by_mean && mean.settled());
     }
+    result.collision = mean.collides();
+    if (limit.only_collisions && !result.collision) break;
     // A plain iteration comes last.
     if (limit.mixed && !result.settled && round + 1 < limit.iterations(result.far)) mix(executor);
   }
@@ -390,11 +378,11 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
 }
 
 template <class T>
-Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const SolveSettings& settings,
-                                          const IterationLimit& limit, parallel::Executor& executor) {
+std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& system, const SolveSettings& settings,
+                                                         const IterationLimit& limit, parallel::Executor& executor) {
   constexpr std::size_t kGrain = 512;
   constexpr std::size_t kBlocksAtOnce = 16;
-  const IterationLimit full = limit_of(system, settings, kMaxPointIterations);
+  const IterationLimit full = limit.only_collisions ? limit : limit_of(system, settings, kMaxPointIterations);
   const double h_s = settings.dt_s / settings.substeps;
   const bool watch = limit.most > 1;
   reserve<T>(system, limit.mixed, watch || settings.substeps > 2, executor);
@@ -449,7 +437,10 @@ Convergence ContactSolver::Buffers::solve(const ContactSystem& system, const Sol
       }
       if (last) fly(system, i, settings.dt_s);
     });
-    const Iterated done = iterate(Iterating<T>{system, settings, limit, terms}, last, give, ended, executor);
+    IterationLimit limit_here = limit;
+    limit_here.only_collisions = limit.only_collisions && substep == 0;
+    const Iterated done = iterate(Iterating<T>{system, settings, limit_here, terms}, last, give, ended, executor);
+    if (limit_here.only_collisions && !done.collision) return std::nullopt;
     if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
     if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });
     if (substep > 0 && !last)
@@ -480,9 +471,13 @@ ContactSolver& ContactSolver::operator=(ContactSolver&&) noexcept = default;
 Convergence ContactSolver::solve(const ContactSystem& system, const SolveSettings& settings,
                                  parallel::Executor& executor) {
   const IterationLimit limit = limit_of(system, settings, std::min(settings.point_iterations, kMaxPointIterations));
+  if (limit.mixed && limit.by_mean && settings.substeps > 1) {
+    const std::optional<Convergence> ended = buffers_->solve<float>(system, settings, of_collisions(limit), executor);
+    if (ended) return *ended;
+  }
   const bool twofold = settings.stopping.converges() || limit.mixed;
-  return twofold ? buffers_->solve<double>(system, settings, limit, executor)
-                 : buffers_->solve<float>(system, settings, limit, executor);
+  return twofold ? *buffers_->solve<double>(system, settings, limit, executor)
+                 : *buffers_->solve<float>(system, settings, limit, executor);
 }
 
 }  // namespace poise::solver
