@@ -36,6 +36,8 @@ constexpr double kFarOfStill = 0.01;
 // An extrapolation step diverged if the bodies in contact then have this many times the energy that they had, or would
 // have without contacts.
 constexpr double kDiverged = 2;
+// How many blocks ahead what they read is prefetched.
+constexpr std::size_t kPairsAhead = 3, kAhead = 1;
 
 Vec3 normal_of(const PointLanes<double>& point, std::size_t lane) {
   return {point.normal[0][lane], point.normal[1][lane], point.normal[2][lane]};
@@ -93,6 +95,8 @@ struct ContactSolver::Buffers {
   void take_back(const ContactSystem& system, double h_s);
   template <class T>
   void reserve(const ContactSystem& system, bool mixed, bool keeps, parallel::Executor& executor);
+  template <class T>
+  void fill(const ContactSystem& system, const BlockTerms& terms, Lanes<T>& all, parallel::Executor& executor);
   template <class T, class Apply>
   Iterated iterate(const Iterating<T>& how, bool last_substep, Apply&& apply, Convergence& ended,
                    parallel::Executor& executor);
@@ -326,6 +330,19 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   changes.resize(blocks.size());
 }
 
+// Brings the contact points to the lanes, and their impulses of the last step to the bodies.
+template <class T>
+void ContactSolver::Buffers::fill(const ContactSystem& system, const BlockTerms& terms, Lanes<T>& all,
+                                  parallel::Executor& executor) {
+  const BodyLanes<T> bodies = all.bodies();
+  iteration(executor, [&](std::size_t i) {
+    if (distant && i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
+    if (distant && i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
+    fill_block(system, terms, blocks[i], all.pairs[i], all);
+    warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
+  });
+}
+
 // The iterations of one substep. `apply` hands a block's impulses over: here in the last substep, while its lanes are
 // at hand, where nothing is watched.
 template <class T, class Apply>
@@ -401,21 +418,13 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
       for (std::size_t i = begin; i < end; ++i) visit(i);
     });
   };
-  const BodyLanes<T> bodies = all.bodies();
   for_bodies([&](std::size_t i) {
     all.motions[i] = MotionChange<T>{};
     all.scaled_inverse_inertias[i] = scaled_inverse_inertia<T>(system.bodies[i], system.inverse_inertia[i]);
     system.bodies[i].pulled = !system.accelerations[i].none();
     begin_substep(system, i, h_s, true, all);
   });
-  constexpr std::size_t kPairsAhead = 3;
-  constexpr std::size_t kAhead = 1;
-  iteration(executor, [&](std::size_t i) {
-    if (distant && i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
-    if (distant && i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
-    fill_block(system, {still_mps(settings), h_s}, blocks[i], all.pairs[i], all);
-    warm_start_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), bodies);
-  });
+  fill(system, {still_mps(settings), h_s}, all, executor);
   if (limit.mixed) energy.begin(system, blocks);
   const SubstepTimes times = {h_s, settings.dt_s - h_s, still_mps(settings)};
   const auto give = [&](std::size_t i, std::span<const TotalLanes<T>> totals) {

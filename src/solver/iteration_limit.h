@@ -40,7 +40,7 @@ struct IterationLimit {
   std::uint32_t hard = 1;        ///< while they are far from the solution
   bool mixed = false;            ///< extrapolated
   bool by_mean = false;          ///< none more once the mean over the contact points has settled
-  bool only_collisions = false;  ///< given up after the first iteration where bodies do not collide
+  bool only_collisions = false;  ///< abandoned after the first iteration where bodies do not collide
   [[nodiscard]] std::uint32_t iterations(bool far) const { return far ? hard : most; }
 };
 
