@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "app/exit_codes.h"
+#include "app/standard_streams.h"
 #include "app/suggestions.h"
 #include "scene/made_by.h"
 #include "studies/study_list.h"
@@ -45,6 +46,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  poise::app::open_standard_streams();
   // A reader that closes the pipe must lead to exit code 4, not to a signal.
   std::signal(SIGPIPE, SIG_IGN);
   // So must a file that reaches the limit of `ulimit -f`.

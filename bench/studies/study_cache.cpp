@@ -9,6 +9,7 @@
 #include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "frame/stage_list.h"
 #include "parallel/interrupt.h"
 #include "scene/run/percentiles.h"
@@ -45,7 +46,7 @@ struct TimedCache {
 
 int study_cache(const StudyTimingOptions& o) {
   const auto refuse_cache = [](const Error& error) {
-    fmt::print(stderr, "poise study cache: {}\n", error.message);
+    print_error("poise study cache: {}\n", error.message);
     return exit_code_of(error);
   };
   const Status sound = check_timing_options(o);

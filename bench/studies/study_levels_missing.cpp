@@ -4,13 +4,14 @@
 #include <cstdio>
 
 #include "app/exit_codes.h"
+#include "app/standard_streams.h"
 #include "studies/study_levels.h"
 
 namespace poise::app {
 
 // Replaces study_levels_run.cpp if the oracle could not be built.
 int study_levels(const StudyLevelsOptions&) {
-  fmt::print(stderr, "poise study levels: this program was built without libfcl-dev, the exact oracle\n");
+  print_error("poise study levels: this program was built without libfcl-dev, the exact oracle\n");
   return kExitBadUsage;
 }
 

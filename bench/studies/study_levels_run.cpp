@@ -10,6 +10,7 @@
 #include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "scene/result_file.h"
 #include "studies/gnuplot.h"
 #include "studies/level_trial.h"
@@ -47,7 +48,7 @@ Result<Shapes> make_shapes(const StudyLevelsOptions& options, const LevelsPlan& 
   }
   if (!kept) {
     progress.end();
-    fmt::print(stderr, "poise study levels: {}\n", tree_cache_warning(cache.value()));
+    print_error("poise study levels: {}\n", tree_cache_warning(cache.value()));
   }
   return shapes;
 }
@@ -123,7 +124,7 @@ int study_levels(const StudyLevelsOptions& options) {
                                      options.picture.png_dark, options.picture.svg});
   if (!writable) return refuse("study levels", writable.error());
   for (const std::string& name : plan.value().missing)
-    fmt::print(stderr, "poise study levels: not installed, left out: {}\n", name);
+    print_error("poise study levels: not installed, left out: {}\n", name);
   Progress progress(!options.quiet);
   const parallel::Interrupt interrupt;
   return study(options, plan.value(), progress, interrupt);

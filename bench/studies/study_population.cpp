@@ -9,6 +9,7 @@
 #include "app/exit_codes.h"
 #include "app/option_values.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "studies/child_command.h"
 
 namespace poise::app {
@@ -149,10 +150,10 @@ Result<io::StudyTable> measured(const StudyPopulationOptions& o, const StudyScen
   // Null where every population was run.
   table.facts.emplace_back("stopped_after_bodies", last ? io::StudyCell(*last) : io::StudyCell());
   if (last)
-    fmt::print(stderr,
-               "poise study population: with {} bodies the median frame is more than {:g} deadlines late; larger "
-               "populations were left out\n",
-               *last, kTooManyLate);
+    print_error(
+        "poise study population: with {} bodies the median frame is more than {:g} deadlines late; larger "
+        "populations were left out\n",
+        *last, kTooManyLate);
   return table;
 }
 

@@ -16,6 +16,7 @@
 #include "app/output_files.h"
 #include "app/refusal.h"
 #include "app/report/figures_page.h"
+#include "app/standard_streams.h"
 #include "assets/files/text_file.h"
 #include "studies/child_command.h"
 
@@ -42,7 +43,7 @@ void name_files(const std::string& folder, const StudyFiles& files) {
   name(files.markdown, "study.md");
   if (files.picture == nullptr) return;
   if (files.picture_needs_gnuplot && !has_gnuplot()) {
-    fmt::print(stderr, "poise study: warning: the report has its charts, but no picture: that needs gnuplot-nox\n");
+    print_error("poise study: warning: the report has its charts, but no picture: that needs gnuplot-nox\n");
     return;
   }
   name(files.picture, "study.png");

@@ -11,6 +11,7 @@
 #include "app/refusal.h"
 #include "app/run/run_options.h"
 #include "app/scene_files.h"
+#include "app/standard_streams.h"
 #include "scene/result_file.h"
 
 namespace poise::app {
@@ -181,7 +182,7 @@ int write_timing(const StudyTimingOptions& o, const char* study, const std::stri
   add_failure(write_to(o.markdown, markdown), written);
   if (o.json != "-" && o.markdown != "-" && !o.quiet) add_failure(io::write_stdout(markdown), written);
   if (written) return kExitDone;
-  fmt::print(stderr, "poise study {}: {}\n", study, written.error().message);
+  print_error("poise study {}: {}\n", study, written.error().message);
   return exit_code_of(written.error());
 }
 

@@ -12,6 +12,7 @@
 #include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "parallel/interrupt.h"
 #include "poise/types.h"
 #include "scene/result_file.h"
@@ -158,7 +159,7 @@ int study_trees(const StudyTreesOptions& options) {
   if (!options.meshes.empty()) return study(options, named_study_meshes(options.meshes), progress, interrupt);
   std::vector<std::string> missing;
   const std::vector<StudyMesh> meshes = default_study_meshes(missing);
-  for (const std::string& name : missing) fmt::print(stderr, "poise study trees: not installed, left out: {}\n", name);
+  for (const std::string& name : missing) print_error("poise study trees: not installed, left out: {}\n", name);
   return study(options, meshes, progress, interrupt);
 }
 

@@ -16,6 +16,7 @@
 #include "app/option_values.h"
 #include "app/output_files.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "assets/files/text_file.h"
 #include "poise/types.h"
 #include "scene/import/gltf_import.h"
@@ -97,7 +98,7 @@ int import_scene(const ImportOptions& options) {
                                 : Error{error.kind, fmt::format("{}: {}", options.file, error.message)});
   }
   d.warnings.insert(d.warnings.end(), written.value().warnings.begin(), written.value().warnings.end());
-  for (const std::string& warning : d.warnings) fmt::print(stderr, "poise import: warning: {}\n", warning);
+  for (const std::string& warning : d.warnings) print_error("poise import: warning: {}\n", warning);
   if (options.quiet) return kExitDone;
   const auto moving = std::ranges::count_if(d.bodies, [](const io::DraftBody& body) { return body.dynamic; });
   const Status told =

@@ -18,6 +18,7 @@
 #include "app/run/run_command.h"
 #include "app/scenes_command.h"
 #include "app/shape_command.h"
+#include "app/standard_streams.h"
 #include "app/study_command.h"
 #include "app/suggestions.h"
 #include "app/sweep/job_array_command.h"
@@ -71,6 +72,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  poise::app::open_standard_streams();
   // Before anything else is read, so that every word behind it, --help too, is the study's or the search's.
   if (argc > 1 && std::string_view(argv[1]) == "study") return poise::app::start_study(argc, argv);
   if (argc > 1 && std::string_view(argv[1]) == "tune") return poise::app::start_tune(argc, argv);

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/standard_streams.h"
+
 namespace poise::app {
 namespace {
 
@@ -59,10 +61,10 @@ void Progress::show(SteadyClock::time_point now, double share, std::string_view 
   last_ = now;
   tenth_ = static_cast<int>(10 * share);
   if (!terminal_) {
-    fmt::print(stderr, "poise: {}\n", text);
+    print_error("poise: {}\n", text);
   } else {
     // One column stays free: some terminals begin a new line when the last is written.
-    fmt::print(stderr, "\r\x1b[K{}", fitted_to(text, columns_of_terminal() - 1));
+    print_error("\r\x1b[K{}", fitted_to(text, columns_of_terminal() - 1));
     shown_ = true;
   }
   std::fflush(stderr);
@@ -100,7 +102,7 @@ void Progress::frame(std::uint64_t done, std::uint64_t total, std::uint64_t miss
 
 void Progress::end() {
   if (!shown_) return;
-  fmt::print(stderr, "\r\x1b[K");
+  print_error("\r\x1b[K");
   std::fflush(stderr);
   shown_ = false;
 }

@@ -6,11 +6,12 @@
 #include <cstdio>
 
 #include "app/exit_codes.h"
+#include "app/standard_streams.h"
 
 namespace poise::app {
 
 int refuse(std::string_view command, int code, const std::string& message) {
-  fmt::print(stderr, "poise {}: {}\n", command, message);
+  print_error("poise {}: {}\n", command, message);
   return code;
 }
 

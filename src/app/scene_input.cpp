@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/scene_files.h"
+#include "app/standard_streams.h"
 #include "scene/scene_parse.h"
 
 namespace poise::app {
@@ -24,7 +25,7 @@ Result<SceneText> read_scene_argument(const std::string& scene, std::string_view
   if (scene == "-") {
     pollfd input{STDIN_FILENO, POLLIN, 0};
     if (!quiet && ::poll(&input, 1, ::isatty(STDIN_FILENO) == 1 ? 0 : kSilentMs) == 0)
-      fmt::print(stderr, "poise {}: waiting for a scene on the standard input\n", command);
+      print_error("poise {}: waiting for a scene on the standard input\n", command);
     Result<std::string> text = io::read_scene_stream(std::cin, "standard input");
     if (!text) return text.error();
     return SceneText{std::move(text).value(), "standard input", "."};

@@ -11,6 +11,7 @@
 
 #include "app/exit_codes.h"
 #include "app/scene_files.h"
+#include "app/standard_streams.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
 
@@ -53,7 +54,7 @@ int list_scenes(bool json) {
   for (const std::filesystem::path& file : shipped_scenes()) {
     const Result<Scene> scene = read_scene(file);
     if (!scene) {
-      fmt::print(stderr, "poise scenes: {}\n", scene.error().message);
+      print_error("poise scenes: {}\n", scene.error().message);
       code = kExitBadInput;
       continue;
     }
@@ -63,7 +64,7 @@ int list_scenes(bool json) {
   }
   const Status written = io::write_stdout(json ? as_json(scenes) : as_table(scenes));
   if (!written) {
-    fmt::print(stderr, "poise scenes: {}\n", written.error().message);
+    print_error("poise scenes: {}\n", written.error().message);
     return kExitOutputFailed;
   }
   return code;

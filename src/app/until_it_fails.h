@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/progress.h"
+#include "app/standard_streams.h"
 #include "poise/result.h"
 
 namespace poise::app {
@@ -23,7 +24,7 @@ Sink until_it_fails(const char* command, Sink sink, Progress& progress) {
     if (written || written.error().kind != ErrorKind::OutputFailed) return written;
     failed = true;
     progress.end();
-    fmt::print(stderr, "poise {}: warning: {}; the run goes on without it\n", command, written.error().message);
+    print_error("poise {}: warning: {}; the run goes on without it\n", command, written.error().message);
     return Done{};
   };
 }

@@ -81,6 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"src/scene/a.cpp", "std::cout << 1;", "neither prints"},
         Planted{"src/geometry/a.cpp", "if (bad) abort();", "neither prints"},
         Planted{"src/geometry/a.cpp", "std::fprintf(stderr, \"bad\");", "neither prints"},
+        Planted{"src/app/a.cpp", "fmt::print(stderr, \"{}\", why);", "print_error prints"},
         Planted{"src/assets/cache/a.cpp", "const int file = ::open(name, O_RDONLY);", "opens what is read"},
         Planted{"src/scene/a.cpp", "std::FILE* file = std::fopen(name, how);", "opens what is read"},
         Planted{"src/solver/a.h", "inline void prefetch_rows(const Rows& rows);", "only prefetches"},

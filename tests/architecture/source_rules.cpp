@@ -151,6 +151,9 @@ std::optional<std::string> wrong_code(const Room& room, std::string_view path, s
   if (!may_read_clock && found(clocks, code))
     return "time is an argument; only parallel, frame, verify and programs read a clock";
   if (!is_program && found(prints, code)) return "the library neither prints nor ends the program";
+  static const std::regex throws(R"(\bfmt::print\(\s*stderr\b)");
+  if (room.name == "app" && found(throws, code))
+    return "print_error prints: fmt::print throws where the standard error takes nothing";
   static const std::regex opens(R"(\b(O_RDONLY|O_RDWR)\b|\bfopen\s*\()");
   // part_file.cpp opens to lock, and reads nothing.
   const bool may_open = path == "src/assets/files/open_file.cpp" || path == "src/assets/files/part_file.cpp";

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mount.h>
@@ -8,7 +9,11 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "app/program.h"
 #include "faults/left_files.h"
@@ -79,6 +84,52 @@ TEST(Disk, ADeviceThatIsFullTakesNothingFromTheOthers) {
   const LeftFiles left = read_left_files(folder.path());
   EXPECT_EQ(left.json_frames, 20U);
   EXPECT_TRUE(left.record_whole);
+}
+
+/// A scene with a warning: its mesh is open.
+std::string scene_that_warns(const TemporaryFolder& folder) {
+  std::ofstream(folder.file("open.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+  std::ofstream(folder.file("warns.json"))
+      << R"({"name":"w","dt_s":0.0166667,"frames":3,"materials":{"m":{}},"shapes":{"b":{"mesh":{"file":"open.obj","depth":1}}},)"
+      << R"("bodies":[{"shape":"b","material":"m"}]})";
+  return folder.file("warns.json");
+}
+
+// What is printed may be lost, results are not; and no file gets what was to be printed.
+TEST(Disk, AStandardErrorThatTakesNothingTakesNoResult) {
+  const std::pair<const char*, void (*)()> streams[] = {
+      {"full", [] { ::dup2(::open("/dev/full", O_WRONLY | O_CLOEXEC), STDERR_FILENO); }},
+      {"closed", [] { ::close(STDERR_FILENO); }},
+      {"its neighbour closed too",
+       [] {
+         ::close(STDOUT_FILENO);
+         ::close(STDERR_FILENO);
+       }},
+      {"all closed", [] {
+         for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::close(stream);
+       }}};
+  for (const auto& [name, spoil] : streams) {
+    const TemporaryFolder folder;
+    std::vector<std::string> words{"run", scene_that_warns(folder), "--quiet"};
+    const std::vector<std::string> outputs = all_outputs(folder.path());
+    words.insert(words.end(), outputs.begin(), outputs.end());
+    Program program(folder.path(), words, spoil);
+    EXPECT_EQ(program.wait(), 0) << name;
+    const LeftFiles left = read_left_files(folder.path());
+    EXPECT_TRUE(left.problems.empty()) << name << ": " << left.problems.front();
+    EXPECT_EQ(left.json_frames, 3U) << name;
+    EXPECT_TRUE(left.record_whole && left.capture_whole) << name;
+  }
+}
+
+TEST(Disk, AStandardErrorThatIsFullKeepsTheExitCode) {
+  const TemporaryFolder folder;
+  Program program(
+      folder.path(),
+      {"run", "two-body", "--frames", "5", "--quiet", "--json", "/dev/full", "--states", folder.file("states.csv")},
+      [] { ::dup2(::open("/dev/full", O_WRONLY | O_CLOEXEC), STDERR_FILENO); });
+  EXPECT_EQ(program.wait(), 4);
+  EXPECT_EQ(read_left_files(folder.path()).states, 6U);
 }
 
 TEST(Disk, ARecordOrACaptureThatTakesNotEvenItsBeginningTakesNothingFromTheOthers) {

@@ -22,6 +22,7 @@
 #include "app/picture/frame_picture.h"
 #include "app/picture/picture_options.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "capture/export/figures_csv.h"
 #include "capture/export/gltf.h"
 #include "capture/export/paraview.h"
@@ -157,8 +158,8 @@ int export_capture(const ExportOptions& options) {
   if (const Result<FilmFrames> film = FilmFrames::open(options.picture); !film) add_failure(film.error(), writable);
   if (!writable) return refuse("export", writable.error());
   if (const auto& damage = reader.value().damage()) {
-    fmt::print(stderr, "poise export: warning: {}: byte {}: {}; the {} frames before it are read\n", options.capture,
-               damage->byte, damage->what, reader.value().frames());
+    print_error("poise export: warning: {}: byte {}: {}; the {} frames before it are read\n", options.capture,
+                damage->byte, damage->what, reader.value().frames());
   }
   Status written = Done{};
   bool left_out = false;

@@ -19,6 +19,7 @@
 #include "app/refusal.h"
 #include "app/run/run_options.h"
 #include "app/scene_input.h"
+#include "app/standard_streams.h"
 #include "parallel/interrupt.h"
 #include "scene/compare/comparison_document.h"
 #include "scene/result_file.h"
@@ -38,7 +39,7 @@ Status write_results(const CompareOptions& options, const io::ComparisonDocument
   if (options.json != "-") {
     add_failure(io::write_stdout(table), written);
   } else {
-    fmt::print(stderr, "{}", table);
+    print_error("{}", table);
   }
   return written;
 }

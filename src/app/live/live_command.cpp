@@ -25,6 +25,7 @@
 #include "app/refusal.h"
 #include "app/run/run_options.h"
 #include "app/scene_input.h"
+#include "app/standard_streams.h"
 #include "capture/observe.h"
 #include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
@@ -79,10 +80,10 @@ int serve(const LiveOptions& options, const Scene& scene, const SceneRunOptions&
   network.value().begin(header_of(options, scene, run, deadline_ms));
   LiveRun live(scene, start, std::move(run), Nanoseconds(static_cast<std::int64_t>(deadline_ms * 1e6)));
   if (!is_loopback(options.address)) {
-    fmt::print(stderr,
-               "poise live: warning: --address {}: whoever learns the address of the page can see and change the run "
-               "from other machines, and what is sent is not encrypted\n",
-               options.address);
+    print_error(
+        "poise live: warning: --address {}: whoever learns the address of the page can see and change the run "
+        "from other machines, and what is sent is not encrypted\n",
+        options.address);
   }
   const Status told = io::write_stdout(page_url(options.address, network.value().port(), token.value()) + "\n");
   if (!told) return refuse("live", told.error());
@@ -135,7 +136,7 @@ int live(const LiveOptions& options) {
   progress.end();
   if (!run) return refuse("live", interrupt.asked() ? stopped_error(kStoppedLoading) : run.error());
   start.tree_progress = {};
-  for (const std::string& warning : run.value().warnings()) fmt::print(stderr, "poise live: warning: {}\n", warning);
+  for (const std::string& warning : run.value().warnings()) print_error("poise live: warning: {}\n", warning);
   return serve(options, scene.value(), start, std::move(run).value(), page.value(), interrupt);
 }
 

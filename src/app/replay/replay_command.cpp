@@ -20,6 +20,7 @@
 #include "app/replay/replay_options.h"
 #include "app/run/run_options.h"
 #include "app/run/states_writer.h"
+#include "app/standard_streams.h"
 #include "app/tree_cache_options.h"
 #include "app/until_it_fails.h"
 #include "parallel/interrupt.h"
@@ -213,7 +214,7 @@ int replay(const ReplayOptions& options) {
   if (!options.quiet && options.json != "-" && (derived || derived.error().kind == ErrorKind::OutputFailed))
     add_failure(io::write_stdout(table(options, header, result.value(), world) + outputs.value().told()), written);
   if (!written) return refuse("replay", written.error());
-  if (options.quiet && result.value().differs) fmt::print(stderr, "poise replay: {}", report(result.value()));
+  if (options.quiet && result.value().differs) print_error("poise replay: {}", report(result.value()));
   return exit_code(options, result.value());
 }
 

@@ -14,6 +14,7 @@
 #include "app/report/frame_chart.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
+#include "app/standard_streams.h"
 
 namespace poise::app {
 namespace {
@@ -94,7 +95,7 @@ Status ReportFiles::write(const char* command, ReportParts parts, const std::str
   if (embeds) {
     parts.captures.push_back(capture);
   } else {
-    fmt::print(stderr, "poise {}: warning: the report has no replay: {}\n", command, embeds.error().message);
+    print_error("poise {}: warning: the report has no replay: {}\n", command, embeds.error().message);
   }
   Status written = write_report_page(files_->page, parts, files_->html);
   if (written) written = files_->html.commit();

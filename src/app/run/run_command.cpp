@@ -22,6 +22,7 @@
 #include "app/run/run_outputs.h"
 #include "app/run/run_trace.h"
 #include "app/scene_input.h"
+#include "app/standard_streams.h"
 #include "capture/observe.h"
 #include "parallel/executor.h"
 #include "parallel/interrupt.h"
@@ -156,7 +157,7 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   io::RunDocument document = document_of(options, scene, run, loop);
   for (const std::string& warning : document.warnings) {
     progress.end();
-    fmt::print(stderr, "poise run: warning: {}\n", warning);
+    print_error("poise run: warning: {}\n", warning);
   }
   const Status known = io::check_names(requirement, io::named_figures(document));
   if (!known) return refuse("run", kExitBadUsage, "--require: " + known.error().message);
@@ -192,8 +193,7 @@ int run_prepared(const RunOptions& options, const io::Requirement& requirement, 
   document.requirements_failed = io::failed_comparisons(requirement, io::named_figures(document));
   const Status written =
       write_results({options, scene, run, loop, result.value(), trace ? &*trace : nullptr}, document, outputs);
-  for (const std::string& failed : document.requirements_failed)
-    fmt::print(stderr, "poise run: --require: {}\n", failed);
+  for (const std::string& failed : document.requirements_failed) print_error("poise run: --require: {}\n", failed);
   if (!written) return refuse("run", written.error());
   if (document.stopped) return exit_stopped();
   return document.requirements_failed.empty() ? kExitDone : kExitRequirementFailed;
@@ -271,7 +271,7 @@ int run_scene(const RunOptions& options) {
   }
   if (run.value().tree_cache_use().not_writable > 0) {
     progress.end();
-    fmt::print(stderr, "poise run: warning: {}\n", tree_cache_warning(cache.value()));
+    print_error("poise run: warning: {}\n", tree_cache_warning(cache.value()));
   }
   return run_prepared(options, requirement, scene.value(), text.value().text, run.value(), outputs.value(), interrupt,
                       progress);

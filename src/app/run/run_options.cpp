@@ -15,6 +15,7 @@
 #include "app/process_memory.h"
 #include "app/report/report_files.h"
 #include "app/run/body_table.h"
+#include "app/standard_streams.h"
 #include "app/suggestions.h"
 #include "parallel/executor.h"
 #include "scene/islands_wait_name.h"
@@ -279,10 +280,10 @@ WorldSettings world_settings(const RunOptions& options, const Scene& scene) {
 void warn_of_threads(std::string_view command, int threads) {
   const int processors = parallel::available_threads();
   if (threads <= processors) return;
-  fmt::print(stderr,
-             "poise {}: warning: {} threads on {} processors: threads that wait for a processor make frames late, and "
-             "each takes memory\n",
-             command, threads, processors);
+  print_error(
+      "poise {}: warning: {} threads on {} processors: threads that wait for a processor make frames late, and "
+      "each takes memory\n",
+      command, threads, processors);
 }
 
 const char* executor_name(ExecutorKind kind) {

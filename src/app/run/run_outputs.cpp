@@ -13,6 +13,7 @@
 #include "app/refusal.h"
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
+#include "app/standard_streams.h"
 #include "app/until_it_fails.h"
 #include "capture/observe.h"
 #include "scene/run/run_tables.h"
@@ -63,7 +64,7 @@ Status print_table(const RunOptions& options, const io::RunDocument& document) {
   std::string table = run_table(document);
   if (!options.report.empty()) table += fmt::format("report         {}\n", report_page_of(options.report));
   if (options.json != "-") return io::write_stdout(table);
-  fmt::print(stderr, "{}", table);
+  print_error("{}", table);
   return Done{};
 }
 
@@ -79,8 +80,8 @@ Status write_picture(const RunOptions& options, const Scene& scene, SceneRun& ru
 
 Status write_spans(const EndedRun& ended, io::AtomicFile& file) {
   if (ended.trace->discarded() > 0)
-    fmt::print(stderr, "poise run: warning: --trace: {} spans beyond the first {} were left out\n",
-               ended.trace->discarded(), kTraceRoom);
+    print_error("poise run: warning: --trace: {} spans beyond the first {} were left out\n", ended.trace->discarded(),
+                kTraceRoom);
   return write_trace(file, ended.scene.name, ended.run.world().threads(), *ended.trace, ended.result.frames);
 }
 

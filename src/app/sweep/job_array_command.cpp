@@ -11,6 +11,7 @@
 #include "app/exit_codes.h"
 #include "app/option_values.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "app/sweep/slurm_jobs.h"
 #include "scene/result_file.h"
 
@@ -43,8 +44,7 @@ int submit(const JobArrayOptions& options) {
   array.task_limit_s = static_cast<double>(options.task_limit_s.value_or(3600));
   const Result<SubmittedArray> submitted = submit_array(array, options.slurm);
   if (!submitted) return refuse("tune", submitted.error());
-  fmt::print(stderr, "poise tune: job array {} of {} workers; their logs: {}\n", submitted.value().job, tasks,
-             array.folder);
+  print_error("poise tune: job array {} of {} workers; their logs: {}\n", submitted.value().job, tasks, array.folder);
   return kExitDone;
 }
 

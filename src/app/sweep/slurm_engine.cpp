@@ -12,6 +12,7 @@
 
 #include "app/exit_codes.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "app/sweep/trial_runner.h"
 #include "poise/step.h"
 #include "scene/result_file.h"
@@ -71,8 +72,8 @@ Status submit(const SweepPlan& plan, const sweep::TrialBatch& batch, const sweep
   if (!submitted) return submitted.error();
   active.arrays.push_back(submitted.value());
   for (const sweep::Trial& trial : batch.trials) active.keys.insert(trial.key);
-  fmt::print(stderr, "poise sweep: job array {} of {} tasks, {} trials each at most; its logs: {}\n",
-             submitted.value().job, batch.tasks(), batch.per_task, array.folder);
+  print_error("poise sweep: job array {} of {} tasks, {} trials each at most; its logs: {}\n", submitted.value().job,
+              batch.tasks(), batch.per_task, array.folder);
   return Done{};
 }
 
@@ -174,8 +175,8 @@ int run_slurm_task(const SweepOptions& options) {
   const RunnerResult result = run_trials(trials, store, runner, interrupt, progress);
   if (!result.stored) return refuse("sweep", result.stored.error());
   if (result.stopped) return refuse("sweep", stopped_error("what has a result is done, the rest is pending"));
-  fmt::print(stderr, "poise sweep: task {}: {} done, {} failed, {} past their time limit\n", *options.task, result.done,
-             result.failed, result.timed_out);
+  print_error("poise sweep: task {}: {} done, {} failed, {} past their time limit\n", *options.task, result.done,
+              result.failed, result.timed_out);
   return exit_code;
 }
 

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "app/exit_codes.h"
+#include "app/standard_streams.h"
 #include "app/sweep/child_process.h"
 #include "poise/step.h"
 #include "sweep/core_map.h"
@@ -138,8 +139,8 @@ class Runner {
       // Whoever ends a whole group of processes ends this one too: it is no fault of the trial.
       remove(running.work_file);
       progress.end();
-      fmt::print(stderr, "poise sweep: {}: was ended by a signal from outside; it is run again by the next call\n",
-                 trial.label);
+      print_error("poise sweep: {}: was ended by a signal from outside; it is run again by the next call\n",
+                  trial.label);
       return;
     }
     if (code == ChildProcess::kNotStarted) {
@@ -224,9 +225,8 @@ void tell_failure(const sweep::Trial& trial, const sweep::Outcome& outcome, cons
                                ? fmt::format("was ended at its time limit of {:g} s", outcome.time_limit_s)
                            : outcome.exit_code > 128 ? fmt::format("was ended by signal {}", outcome.exit_code - 128)
                                                      : fmt::format("failed with exit code {}", outcome.exit_code);
-  fmt::print(stderr, "poise sweep: {}: {}; its log: {}\n", trial.label, what, store.log_file(trial.key).string());
-  for (const std::string& line : sweep::log_tail(store.log_file(trial.key), kToldLines))
-    fmt::print(stderr, "    {}\n", line);
+  print_error("poise sweep: {}: {}; its log: {}\n", trial.label, what, store.log_file(trial.key).string());
+  for (const std::string& line : sweep::log_tail(store.log_file(trial.key), kToldLines)) print_error("    {}\n", line);
 }
 
 RunnerResult run_trials(const std::vector<sweep::Trial>& trials, const sweep::TrialStore& store,

@@ -14,6 +14,7 @@
 #include "app/output_files.h"
 #include "app/progress.h"
 #include "app/refusal.h"
+#include "app/standard_streams.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 #include "scene/result_file.h"
@@ -80,7 +81,7 @@ int print_mesh_reports(const TreeOptions& options) {
   MeshReadOptions reading;
   reading.scale = options.scale.value_or(1.0);
   if (const Status writable = can_write({options.json}); !writable) {
-    fmt::print(stderr, "poise tree: {}\n", writable.error().message);
+    print_error("poise tree: {}\n", writable.error().message);
     return exit_code_of(writable.error());
   }
   Progress progress(!options.quiet);
