@@ -55,7 +55,7 @@ struct Pile {
   const char* file;
   std::uint64_t bodies;
   double friction;
-  Heaps served;   // full levels, any level for all pairs, a frame without budget now and then
+  Heaps served;   // full levels, any level for all pairs, ten frames without budget and ten with, in turn
   Heaps starved;  // a small share of what it would need, or a second without any
   Heaps roots;    // level 0 alone
 };
@@ -165,6 +165,7 @@ Result<std::vector<Found>> run_heaps(const Context& context, const Pile& pile, W
   return all;
 }
 
+// Of an even number the lower one of the two in the middle.
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -14,7 +14,7 @@ namespace poise::app {
 void open_standard_streams() noexcept;
 
 /// Writes to the standard error. Where that takes nothing (its disk is full, its reader has gone away) the text is
-/// lost, and the program goes on: its results are worth more. One thread at a time.
+/// lost, and the program goes on: its results are worth more. Any thread.
 template <class... Args>
 void print_error(fmt::format_string<Args...> format, Args&&... args) {
   const std::string text = fmt::format(format, std::forward<Args>(args)...);

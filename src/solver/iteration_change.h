@@ -48,8 +48,8 @@ class MeanChange {
   [[nodiscard]] bool settled() const { return settled_; }
 
  private:
-  // Chosen: the error of 500 jacks while they land is 1 to 2 % larger than with 0, with 0.2 it is 7 % larger, with 0.5
-  // 56 % (docs/response.md, "Iterations").
+  // Chosen: the error of 500 jacks while they land is that of extrapolation to the end, with 0.2 it is 7 % larger, with
+  // 0.5 57 % (docs/response.md, "Iterations of collisions").
   static constexpr double kSettledOfFirst = 0.05;
   double first_mps_ = -1;
   bool collides_ = false, settled_ = false;
