@@ -93,7 +93,7 @@ void set_levels(SceneWatch& watch, Way way, std::uint64_t i, std::uint64_t full_
   }
 }
 
-// One heap: the shipped one, or that of another seed. `at` is told the completed share.
+// One heap: the shipped one, or that of the seed so many further on. `at` is told the completed share.
 Result<Found> run_heap(const Context& context, const Pile& pile, Way way, std::uint64_t heap,
                        const std::function<Status(double)>& at) {
   Result<SceneWatch> started = SceneWatch::start(
@@ -102,7 +102,7 @@ Result<Found> run_heap(const Context& context, const Pile& pile, Way way, std::u
         for (SceneMaterial& material : scene.materials) material.material.friction = pile.friction;
         if (way == Way::RandomPairs) scene.policy.kind = scheduler::PolicyKind::Random;
       },
-      pile.bodies, heap == 0 ? std::nullopt : std::optional(heap));
+      pile.bodies, heap);
   if (!started) return started.error();
   SceneWatch& watch = started.value();
   if (way == Way::RootsOnly) watch.input.max_level = 0;

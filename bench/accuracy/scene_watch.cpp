@@ -18,7 +18,7 @@ SceneWatch::SceneWatch(Scene scene, SceneRun run) : scene_(std::move(scene)), ru
 
 Result<SceneWatch> SceneWatch::start(const Context& context, const std::string& file,
                                      const std::function<void(Scene&)>& change, std::optional<std::uint64_t> bodies,
-                                     std::optional<std::uint64_t> seed) {
+                                     std::uint64_t seeds_on) {
   Result<Scene> scene = read_scene(context.scenes / file);
   if (!scene) return scene.error();
   if (change) change(scene.value());
@@ -26,7 +26,7 @@ Result<SceneWatch> SceneWatch::start(const Context& context, const std::string& 
   options.world = context.world_settings();
   options.world.policy = scene.value().policy;
   options.bodies = bodies;
-  options.seed = seed;
+  if (seeds_on > 0) options.seed = scene.value().seed + seeds_on;
   options.tree_cache = context.tree_cache;
   Result<SceneRun> run = SceneRun::create(scene.value(), options);
   if (!run) return run.error();

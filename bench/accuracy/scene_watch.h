@@ -12,11 +12,11 @@ namespace poise::accuracy {
 /// The dynamic bodies of a running scene, and their state at a remembered moment.
 class SceneWatch {
  public:
-  /// Starts the scene of a file under Context::scenes. `change` may alter the parsed scene. Refused as read_scene and
-  /// SceneRun::create.
+  /// Starts the scene of a file under Context::scenes. `change` may alter the parsed scene. With `seeds_on` its
+  /// seed is that of the file and so many more. Refused as read_scene and SceneRun::create.
   static Result<SceneWatch> start(const Context& context, const std::string& file,
                                   const std::function<void(Scene&)>& change = {},
-                                  std::optional<std::uint64_t> bodies = {}, std::optional<std::uint64_t> seed = {});
+                                  std::optional<std::uint64_t> bodies = {}, std::uint64_t seeds_on = 0);
 
   StepInput input;  ///< of the next step; the scene's time step, levels and an unlimited budget by default
   FrameReport step();
