@@ -230,7 +230,7 @@ Status meshes_change_levels(Context& context) {
                                  0,
                                  {{1e-3, 0.9, 0.1}, {2e-3, 0.9, 0.1}},
                                  {{0.12, 2.4, 0.1}, {0.13, 2.7, 0.11}},
-                                 {{2.5e-3, 1.3, 0.25}, {6.5e-3, 1.3, 0.25}}});
+                                 {{3e-3, 1.3, 0.25}, {6.5e-3, 1.3, 0.25}}});
 }
 Status meshes_change_levels_with_friction(Context& context) {
   const Bounds roots = {1e-3, 0.2, 0.25};
