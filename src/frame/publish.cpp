@@ -22,7 +22,8 @@ HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::size_t i) {
   const ActivePair& pair = input.table.pairs[i];
   parallel::prefetch(input.motions.of_slot[pair.a]);
   parallel::prefetch(input.motions.of_slot[pair.b]);
-  if (input.levels.progress[i].level.level > 0) hwy::Prefetch(&input.levels.found[i].reach_m);
+  const PairProgress& progress = input.levels.progress[i];
+  if (progress.found != 0) hwy::Prefetch(&input.levels.found.of(progress).reach_m);
 }
 
 // Prefetches what touches() reads of impacts of a manifold whose contact points got no impulse.
@@ -54,7 +55,7 @@ void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cac
   if (progress.fresh()) {
     cached.level = progress.level.level;
     cached.apart = progress.level.apart;
-    cached.reach_m = std::min(pair.reach_m, input.levels.found[i].reach_m);
+    cached.reach_m = std::min(pair.reach_m, input.levels.found.of(progress).reach_m);
     if (progress.level.apart && progress.level.front_entries == 0 && !progress.level.nearly && !progress.exact)
       cached.reach_m += wide_m(pair);
     cached.moved_m = 0;
