@@ -214,10 +214,9 @@ void list_active(const PublishInput& input, const CachedPairList& pairs, Publica
 
 // Contacts that began or ended since the last frame, in canonical order. A pair has one event at most; of two in the
 // same slots, the bodies that were removed come first.
-void make_events(const PublishInput& input, Publication& publication, ContactCache& cache, ContactEvents& published,
-                 parallel::Executor& executor) {
-  end_inactive(input, cache, publication, executor);
-  list_active(input, cache.previous_pairs, publication, executor);
+void make_events(const PublishInput& input, Publication& publication, const ContactCache& cache,
+                 ContactEvents& published, parallel::Executor& executor) {
+  list_active(input, cache.pairs, publication, executor);
   parallel::UnsetVector<ContactEvent>& inactive = publication.of_inactive;
   std::vector<ContactEvent>& of_removed = published.of_removed;
   if (!of_removed.empty()) {
@@ -237,14 +236,16 @@ void make_events(const PublishInput& input, Publication& publication, ContactCac
 void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
              parallel::Executor& executor) {
   const PairTable& table = input.table;
-  // The pairs of this step are written over those of the step before the last, and take their place at the end.
-  CachedPairList& next = cache.previous_pairs;
-  // Both, since they change places: a later frame must find the memory that this one needed.
+  // A later frame must find the memory that this one needed.
   cache.pairs.reserve(table.capacity());
-  next.reserve(table.capacity());
-  for (auto* list : {&publication.of_active, &publication.of_inactive})
-    list->reserve(cache.pairs.capacity() + next.capacity());
+  if (input.keeps_previous) cache.previous_pairs.reserve(table.capacity());
+  for (auto* list : {&publication.of_active, &publication.of_inactive}) list->reserve(2 * cache.pairs.capacity());
   events.events.reserve(publication.of_active.capacity());
+  end_inactive(input, cache, publication, executor);
+  // What the step began with is in the pair table, as far as it is still active: the pairs of this step are written
+  // over it.
+  if (input.keeps_previous) std::swap(cache.pairs, cache.previous_pairs);
+  CachedPairList& next = cache.pairs;
   next.resize(table.size());
   parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
@@ -285,7 +286,6 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
     touching = true;
   }
   make_events(input, publication, cache, events, executor);
-  std::swap(cache.pairs, cache.previous_pairs);
 }
 
 std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,

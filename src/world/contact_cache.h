@@ -84,11 +84,10 @@ struct CachedPair {
 
 using CachedPairList = parallel::UnsetVector<CachedPair>;
 
-/// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step and
-/// `previous_pairs` those that this step began with.
+/// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step.
 struct ContactCache {
   CachedPairList pairs;
-  CachedPairList previous_pairs;
+  CachedPairList previous_pairs;  ///< those that the last step began with, if that is asked for; otherwise scratch
   PointCache points;
 };
 
