@@ -46,7 +46,7 @@ void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cac
   cached.band = progress.band;
   cached.frames_touched = input.levels.learns ? frames_touched(pair) : std::uint8_t{0};
   if (!progress.held) cached.touching = false;
-  cached.slot = points.slot;
+  cached.slot = points.point_count > 0 ? points.slot : kNoSlot;
   cached.solved = points.solved;
   cached.point_count = points.point_count;
   cached.nearest_m = points.nearest_m;
@@ -165,6 +165,19 @@ bool precedes(const ContactEvent& x, const ContactEvent& y) {
          std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
 }
 
+// Slots of pairs that have lost their points.
+void release_unused(const PublishInput& input, PointCache& points, Publication& publication,
+                    parallel::Executor& executor) {
+  if (!input.manifolds.unused_slots) return;
+  const parallel::UnsetVector<PairPoints>& made = input.manifolds.points;
+  const std::size_t free_before = points.free.size();
+  parallel::select(
+      executor, made.size(), kPairGrain, publication.counts,
+      [&](std::size_t i) { return made[i].point_count == 0 && made[i].slot != kNoSlot; },
+      [&](std::size_t count) { points.free.resize(free_before + count); },
+      [&](std::size_t i, std::size_t position) { points.free[free_before + position] = made[i].slot; });
+}
+
 // Contacts end of cached pairs that are no longer active, and their slots are released.
 void end_inactive(const PublishInput& input, ContactCache& cache, Publication& publication,
                   parallel::Executor& executor) {
@@ -242,6 +255,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   for (auto* list : {&publication.of_active, &publication.of_inactive}) list->reserve(2 * cache.pairs.capacity());
   events.events.reserve(publication.of_active.capacity());
   end_inactive(input, cache, publication, executor);
+  release_unused(input, cache.points, publication, executor);
   // What the step began with is in the pair table, as far as it is still active: the pairs of this step are written
   // over it.
   if (input.keeps_previous) std::swap(cache.pairs, cache.previous_pairs);
