@@ -35,7 +35,7 @@ std::uint8_t count_points(const ManifoldsInput& input, std::size_t i) {
   if (progress.apart()) return 0;
   if (progress.from_cache()) return input.table.pairs[i].cached.point_count;
   if (progress.level.level == 0) return progress.exact || coarsest_near(input.motion, input.table.pairs[i]) ? 1 : 0;
-  return static_cast<std::uint8_t>(1 + input.levels.found[i].manifold_points.count);
+  return static_cast<std::uint8_t>(1 + input.levels.found.of(progress).manifold_points.count);
 }
 
 // Does a pair get points in this frame? One that waits only those that refinement has found.
@@ -49,11 +49,11 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
   // New points within this many skins of old ones are taken for them: a quarter of the smaller body's radius.
   constexpr double kSameOfSkin = 50;
   const ActivePair& pair = input.table.pairs[i];
-  const collision::LevelContact& found = input.levels.found[i];
+  const PairProgress& progress = input.levels.progress[i];
+  const collision::LevelContact& found = input.levels.found.of(progress);
   const PlacedPair where = placed_pair(input, pair);
   collision::PairContact coarsest;
-  const collision::PairContact& contact =
-      contact_of(input.scene, input.motion, pair, input.levels.progress[i], found, coarsest);
+  const collision::PairContact& contact = contact_of(input.scene, input.motion, pair, progress, found, coarsest);
   const collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
   RenewedPoints renewed;
   renewed.found[0] = &impact;
@@ -95,7 +95,7 @@ HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, P
   if (progress.apart() || knows_separations(pair, progress)) return;
   for (const std::uint32_t body : {pair.a, pair.b}) parallel::prefetch(input.motion.poses[body]);
   const bool refined = progress.level.level > 0 && !progress.from_cache();
-  if (refined) parallel::prefetch(input.levels.found[i]);
+  if (refined) parallel::prefetch(input.levels.found.of(progress));
   if (pair.cached.slot == kNoSlot) return;
   const std::size_t first = PointCache::begin(pair.cached.slot);
   for (std::size_t p = first; p < first + pair.cached.point_count; ++p) parallel::prefetch(cache.points[p]);
@@ -186,7 +186,10 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
     return;
   }
   made.point_count = count_points(input, i);
-  if (made.point_count == 0) return;
+  if (made.point_count == 0) {
+    count.unused_slots = count.unused_slots || made.slot != kNoSlot;
+    return;
+  }
   make_points_of(input, i, made, cache, count);
   if (progress.held) ++count.held_found;
   if (!made.solved || progress.held) return;
@@ -241,12 +244,14 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
   manifolds.manifold_points = 0;
   manifolds.held_found = 0;
   manifolds.impacts = false;
+  manifolds.unused_slots = false;
   for (SolvedCount& count : manifolds.solved_of_chunk) {
     count.before = solved;
     solved += count.solved;
     manifolds.manifold_points += count.manifold_points;
     manifolds.held_found += count.held_found;
     manifolds.impacts = manifolds.impacts || count.any_fast;
+    manifolds.unused_slots = manifolds.unused_slots || count.unused_slots;
     report.pairs_left += count.left;
     report.cached_separations += count.cached_separations;
     report.cached_contacts += count.cached_contacts;

@@ -60,6 +60,7 @@ enum class Stop : std::uint8_t {
 /// `full` (its front did not fit into the pool) stops refinement and changes no state. After refine no state changes.
 struct PairProgress {
   collision::PairLevel level;  ///< what refinement has completed in this frame
+  std::uint32_t found = 0;     ///< of FoundContacts; 0: nothing was found, or nothing that is near
   CacheUse cached = CacheUse::None;
   bool full = false;        ///< its front did not fit into the pool: the pair stays at its level
   bool exact = false;       ///< its contact counts whatever its level: a pair of backtracking

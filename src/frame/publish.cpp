@@ -22,7 +22,8 @@ HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::size_t i) {
   const ActivePair& pair = input.table.pairs[i];
   parallel::prefetch(input.motions.of_slot[pair.a]);
   parallel::prefetch(input.motions.of_slot[pair.b]);
-  if (input.levels.progress[i].level.level > 0) hwy::Prefetch(&input.levels.found[i].reach_m);
+  const PairProgress& progress = input.levels.progress[i];
+  if (progress.found != 0) hwy::Prefetch(&input.levels.found.of(progress).reach_m);
 }
 
 // Prefetches what touches() reads of impacts of a manifold whose contact points got no impulse.
@@ -45,7 +46,7 @@ void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cac
   cached.band = progress.band;
   cached.frames_touched = input.levels.learns ? frames_touched(pair) : std::uint8_t{0};
   if (!progress.held) cached.touching = false;
-  cached.slot = points.slot;
+  cached.slot = points.point_count > 0 ? points.slot : kNoSlot;
   cached.solved = points.solved;
   cached.point_count = points.point_count;
   cached.nearest_m = points.nearest_m;
@@ -54,7 +55,7 @@ void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cac
   if (progress.fresh()) {
     cached.level = progress.level.level;
     cached.apart = progress.level.apart;
-    cached.reach_m = std::min(pair.reach_m, input.levels.found[i].reach_m);
+    cached.reach_m = std::min(pair.reach_m, input.levels.found.of(progress).reach_m);
     if (progress.level.apart && progress.level.front_entries == 0 && !progress.level.nearly && !progress.exact)
       cached.reach_m += wide_m(pair);
     cached.moved_m = 0;
@@ -164,6 +165,19 @@ bool precedes(const ContactEvent& x, const ContactEvent& y) {
          std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
 }
 
+// Slots of pairs that have lost their points.
+void release_unused(const PublishInput& input, PointCache& points, Publication& publication,
+                    parallel::Executor& executor) {
+  if (!input.manifolds.unused_slots) return;
+  const parallel::UnsetVector<PairPoints>& made = input.manifolds.points;
+  const std::size_t free_before = points.free.size();
+  parallel::select(
+      executor, made.size(), kPairGrain, publication.counts,
+      [&](std::size_t i) { return made[i].point_count == 0 && made[i].slot != kNoSlot; },
+      [&](std::size_t count) { points.free.resize(free_before + count); },
+      [&](std::size_t i, std::size_t position) { points.free[free_before + position] = made[i].slot; });
+}
+
 // Contacts end of cached pairs that are no longer active, and their slots are released.
 void end_inactive(const PublishInput& input, ContactCache& cache, Publication& publication,
                   parallel::Executor& executor) {
@@ -213,10 +227,9 @@ void list_active(const PublishInput& input, const CachedPairList& pairs, Publica
 
 // Contacts that began or ended since the last frame, in canonical order. A pair has one event at most; of two in the
 // same slots, the bodies that were removed come first.
-void make_events(const PublishInput& input, Publication& publication, ContactCache& cache, ContactEvents& published,
-                 parallel::Executor& executor) {
-  end_inactive(input, cache, publication, executor);
-  list_active(input, cache.previous_pairs, publication, executor);
+void make_events(const PublishInput& input, Publication& publication, const ContactCache& cache,
+                 ContactEvents& published, parallel::Executor& executor) {
+  list_active(input, cache.pairs, publication, executor);
   parallel::UnsetVector<ContactEvent>& inactive = publication.of_inactive;
   std::vector<ContactEvent>& of_removed = published.of_removed;
   if (!of_removed.empty()) {
@@ -236,14 +249,17 @@ void make_events(const PublishInput& input, Publication& publication, ContactCac
 void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
              parallel::Executor& executor) {
   const PairTable& table = input.table;
-  // The pairs of this step are written over those of the step before the last, and take their place at the end.
-  CachedPairList& next = cache.previous_pairs;
-  // Both, since they change places: a later frame must find the memory that this one needed.
+  // A later frame must find the memory that this one needed.
   cache.pairs.reserve(table.capacity());
-  next.reserve(table.capacity());
-  for (auto* list : {&publication.of_active, &publication.of_inactive})
-    list->reserve(cache.pairs.capacity() + next.capacity());
+  if (input.keeps_previous) cache.previous_pairs.reserve(table.capacity());
+  for (auto* list : {&publication.of_active, &publication.of_inactive}) list->reserve(2 * cache.pairs.capacity());
   events.events.reserve(publication.of_active.capacity());
+  end_inactive(input, cache, publication, executor);
+  release_unused(input, cache.points, publication, executor);
+  // What the step began with is in the pair table, as far as it is still active: the pairs of this step are written
+  // over it.
+  if (input.keeps_previous) std::swap(cache.pairs, cache.previous_pairs);
+  CachedPairList& next = cache.pairs;
   next.resize(table.size());
   parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
@@ -284,7 +300,6 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
     touching = true;
   }
   make_events(input, publication, cache, events, executor);
-  std::swap(cache.pairs, cache.previous_pairs);
 }
 
 std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,

@@ -20,6 +20,7 @@ struct PublishInput {
   const Velocities& velocities;
   const StepMotions& motions;
   bool persist_events = false;  ///< StepInput::persist_events
+  bool keeps_previous = false;  ///< WorldState::keeps_previous_pairs
 
   [[nodiscard]] SolvedPair solved_pair(const PointCache& points) const {
     return {scene, motion, table, levels, manifolds, points, contact};

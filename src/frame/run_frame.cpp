@@ -155,6 +155,7 @@ class Step {
     report_.times.integrate = laps_.lap();
     PublishInput published = publish_input(world_);
     published.persist_events = input_.persist_events;
+    published.keeps_previous = world_.keeps_previous_pairs;
     publish(published, world_.cache, world_.events, frame_.publication, executor_);
     ++world_.contacts_version;
     ++world_.frame;

@@ -84,7 +84,7 @@ class PairRows final : public solver::RowSource {
     parallel::prefetch(input_.table.pairs[manifold.pair]);
     parallel::prefetch(input_.manifolds.points[manifold.pair]);
     parallel::prefetch(input_.levels.progress[manifold.pair]);
-    parallel::prefetch(input_.levels.found[manifold.pair].contact);
+    parallel::prefetch(input_.levels.found.of(input_.levels.progress[manifold.pair]).contact);
     parallel::prefetch(velocities_.rows[velocities_.row_of[m]]);
   }
   void fill(std::size_t k) const override {
@@ -110,7 +110,7 @@ class PairRows final : public solver::RowSource {
     } else {
       collision::PairContact coarsest;
       const collision::PairContact& contact =
-          contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found[manifold.pair], coarsest);
+          contact_of(input_.scene, input_.motion, pair, progress, input_.levels.found.of(progress), coarsest);
       row.arm_m = contact.arm_m;
       row.wrench = {contact.direction, contact.moment_a_m, contact.moment_b_m};
     }
@@ -258,7 +258,8 @@ double solved_gap_m(const SolvedPair& solved, std::uint32_t pair) {
   // The paper's model solves the spheres themselves; the others solve the surfaces that are likely inside them.
   if (solved.contact == ContactModel::Paper && !progress.from_cache()) {
     collision::PairContact coarsest;
-    return contact_of(solved.scene, solved.motion, active, progress, solved.levels.found[pair], coarsest).spheres_m;
+    return contact_of(solved.scene, solved.motion, active, progress, solved.levels.found.of(progress), coarsest)
+        .spheres_m;
   }
   return impact_point_of(solved.motion, solved.points, active, solved.manifolds.points[pair].slot).gap_m;
 }

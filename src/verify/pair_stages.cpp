@@ -31,7 +31,7 @@ bool PairStages::refine_all(bool keep_fronts) {
   for (std::size_t i = 0; i < frame_.table.size(); ++i) {
     if (!keep_fronts) pools_[0].clear();
     fits = refine_pair(refiner, posed(frame_.motion, frame_.table.pairs[i]), frame_.levels.progress[i],
-                       frame_.levels.found[i], pools_, 0) &&
+                       frame_.levels.found, pools_, 0) &&
            fits;
   }
   return fits;

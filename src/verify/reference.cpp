@@ -179,7 +179,8 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, Reference& ref
 
 }  // namespace
 
-void remember(const WorldState& world, Reference& reference) {
+void remember(WorldState& world, Reference& reference) {
+  world.keeps_previous_pairs = true;
   for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.columns[i] = world.bodies.*kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
   reference.points = world.cache.points;

@@ -11,8 +11,8 @@
 /// both outside the frame's time, and neither in a step without StepInput::reference.
 namespace poise::simulation {
 
-/// Copies the state at the start of the frame.
-void remember(const WorldState& world, Reference& reference);
+/// Copies the state at the start of the frame. From now on the World keeps the cached pairs that its steps begin with.
+void remember(WorldState& world, Reference& reference);
 
 /// Computes the frame that has just ended again from the remembered state, with separate data and the predicted motion
 /// of the run. Uses the World's threads and `pools`, one a worker, which it clears. The result does not depend on the

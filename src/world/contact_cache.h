@@ -20,7 +20,7 @@ inline constexpr std::size_t kPointsOfPair = kForcesOfPair + 1;
 inline constexpr std::uint32_t kNoSlot = 0xffffffffU;
 
 /// Contact points and their forces, in slots of kPointsOfPair and kForcesOfPair. A pair keeps its slot for as long as
-/// it is cached. Invariant: a slot is either free or one pair's.
+/// it has points. Invariant: a slot is either free or one pair's.
 struct PointCache {
   parallel::UnsetVector<solver::ContactPoint> points;
   parallel::UnsetVector<solver::ContactForce> forces;
@@ -84,11 +84,10 @@ struct CachedPair {
 
 using CachedPairList = parallel::UnsetVector<CachedPair>;
 
-/// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step and
-/// `previous_pairs` those that this step began with.
+/// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step.
 struct ContactCache {
   CachedPairList pairs;
-  CachedPairList previous_pairs;
+  CachedPairList previous_pairs;  ///< those that the last step began with, if that is asked for; otherwise scratch
   PointCache points;
 };
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
+#include <vector>
 
 #include "dynamics/rotation.h"
 #include "frame/run_frame.h"
@@ -40,6 +42,32 @@ TEST(CachedPoint, FollowsBothBodies) {
   EXPECT_LT((solver::placed_point(turned_a, turned_b, cached).normal - turn * Vec3::UnitZ()).norm(), 1e-14);
   const Pose lifted{b.position_m + Vec3(0.02, 0, 0.05), b.rotation};
   EXPECT_NEAR(solver::placed_point(a, lifted, cached).gap_m, 0.06, 1e-14);
+}
+
+TEST(PointCache, PairsWithPointsAndNoOthersHaveASlotAndNoTwoTheSame) {
+  WorldSettings settings;
+  settings.gravity_mps2 = Vec3(0, 0, -9.81);
+  Stage stage(settings, 0.2);
+  stage.jacks(30, 3.5);
+  StepInput input;
+  input.dt_s = 1.0 / 60;
+  std::size_t with_points = 0;
+  std::size_t without = 0;
+  for (int i = 0; i < 120; ++i) {
+    stage.world.step(input);
+    const simulation::ContactCache& cache = simulation::WorldAccess::of(stage.world).cache;
+    std::vector<std::uint32_t> slots = cache.points.free;
+    for (const simulation::CachedPair& pair : cache.pairs) {
+      ASSERT_EQ(pair.slot != simulation::kNoSlot, pair.point_count > 0);
+      if (pair.point_count > 0) slots.push_back(pair.slot);
+      ++(pair.point_count > 0 ? with_points : without);
+    }
+    std::sort(slots.begin(), slots.end());
+    ASSERT_EQ(std::adjacent_find(slots.begin(), slots.end()), slots.end());
+    ASSERT_EQ(slots.size(), cache.points.points.size() / simulation::kPointsOfPair);
+  }
+  EXPECT_GT(with_points, 0U);
+  EXPECT_GT(without, 0U);
 }
 
 // The contact cache of a pile persists through frames that may refine little or nothing.

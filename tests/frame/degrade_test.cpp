@@ -80,7 +80,9 @@ TEST(Degrade, RefinementHasAFifthOfAFrameWhoseReserveWouldTakeItAll) {
         scheduler::TrackedQuantile(world.settings.alpha, scheduler::TrackedQuantile::kDefaultEta, std::log(2.0));
     forecasts.times.manifold_points = 1000;
     forecasts.times.iterations_a_substep = 1000;
-    simulation::CompletedLevels levels = world.outputs.levels;
+    simulation::CompletedLevels levels;
+    levels.progress = world.outputs.levels.progress;
+    levels.known = world.outputs.levels.known;
     levels.known.refinable = refinable;
     return simulation::plan_frame(refine_input(world, input), now, forecasts, levels, report, *world.executor);
   };

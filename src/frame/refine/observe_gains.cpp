@@ -17,9 +17,10 @@ constexpr std::size_t kMostLookedAt = 4096;
 float change_of(const RefineInput& input, const CompletedLevels& levels, std::size_t i) {
   const ActivePair& pair = input.table.pairs[i];
   const double before_m = std::min(coarsest_separation_m(input.motion, pair), pair.margin_m);
-  const double found_m = levels.progress[i].level.apart
-                             ? pair.margin_m
-                             : std::min(levels.found[i].contact.estimated_separation_m, pair.margin_m);
+  const double found_m =
+      levels.progress[i].level.apart
+          ? pair.margin_m
+          : std::min(levels.found.of(levels.progress[i]).contact.estimated_separation_m, pair.margin_m);
   return static_cast<float>(std::abs(found_m - before_m));
 }
 

@@ -71,7 +71,8 @@ class Ranking {
   [[nodiscard]] bool waits(std::size_t i) const { return levels_.progress[i].refinable() && !levels_.progress[i].full; }
   void rank_pair(std::uint32_t item, Sums& sums, scheduler::PriorityBands::Bundle& bundle) {
     PairProgress& pair = levels_.progress[item];
-    const RankedPair ranked = ranked_pair(input_, source_, facts_, item, pair, levels_.found[item], levels_.cues[item]);
+    const RankedPair ranked =
+        ranked_pair(input_, source_, facts_, item, pair, levels_.found.of(pair), levels_.cues[item]);
     ++sums.ranked;
     sums.refused += ranked.refused ? 1U : 0U;
     sums.bands += ranked.band;

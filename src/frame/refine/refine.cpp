@@ -30,7 +30,7 @@ struct Refinement {
   }
   Outcome refine_next(std::uint32_t index, collision::PairFrame& frame, int worker) const {
     return refine_level(input.refiner(), posed(input.motion, input.table.pairs[index]), frame, levels.progress[index],
-                        levels.found[index], resources.pools, worker);
+                        levels.found, resources.pools, worker);
   }
 };
 
@@ -42,7 +42,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
     return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index],
-                                         refinement.levels.found[index], index),
+                                         refinement.levels.found.of(all[index]), index),
                                 index, all[index].level.next_units};
   };
   const auto add = [&](std::uint32_t index) {
@@ -131,7 +131,7 @@ void refine_everything(const Refinement& refinement) {
         if (log != nullptr) log->note(worker, index, kind_of(outcome), SteadyClock::now());
       }
       const RefineInput& input = refinement.input;
-      make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found[i],
+      make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found.of(pair),
                       refinement.resources.pools);
       refinement.resources.pools[static_cast<std::size_t>(worker)].clear();
       pair.level.front = pair.level.points = {};
@@ -182,10 +182,9 @@ void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally&
 
 void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor) {
   levels.progress.reserve(table.capacity());
-  levels.found.reserve(table.capacity());
   levels.cues.reserve(table.capacity());
   levels.progress.resize(table.size());
-  parallel::resize(executor, levels.found, table.size());
+  levels.found.begin(table.capacity(), static_cast<std::size_t>(executor.concurrency()));
   levels.cues.resize(table.size());
   levels.known = table.known_of_chunk.back();
   levels.substeps = 0;
@@ -197,7 +196,7 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
               table.start.begin() + static_cast<std::ptrdiff_t>(end),
               levels.progress.begin() + static_cast<std::ptrdiff_t>(begin));
   });
-  for (const SweptPair& swept : table.swept) levels.found[swept.pair] = swept.contact;
+  for (const SweptPair& swept : table.swept) levels.found.put(levels.progress[swept.pair], swept.contact, 0);
 }
 
 std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::FrontPool> pools, CompletedLevels& levels,
@@ -206,7 +205,7 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
   parallel::Tickets full;
   parallel::parallel_for(executor, input.table.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (!refine_pair(input.refiner(), posed(input.motion, input.table.pairs[i]), levels.progress[i], levels.found[i],
+      if (!refine_pair(input.refiner(), posed(input.motion, input.table.pairs[i]), levels.progress[i], levels.found,
                        pools, worker)) {
         full.take();
       }
@@ -223,8 +222,8 @@ void make_points_left(const RefineInput& input, std::span<const collision::Front
     for (std::size_t chunk = first; chunk < past; ++chunk) {
       if (table.known_of_chunk[chunk].refinable == 0) continue;
       for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-        make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), levels.progress[i], levels.found[i],
-                        pools);
+        make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), levels.progress[i],
+                        levels.found.of(levels.progress[i]), pools);
       }
     }
   });

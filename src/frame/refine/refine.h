@@ -6,6 +6,7 @@
 
 #include "frame/budget/occupied_cells.h"
 #include "frame/coarse.h"
+#include "frame/refine/found_contacts.h"
 #include "frame/refine/refine_level.h"
 #include "poise/scheduler/priority_bands.h"
 #include "poise/scheduler/rounds.h"
@@ -94,10 +95,10 @@ struct HeldIslands {
 
 /// Output of *refine*: how far each pair has come, and what its deepest level found. Invariant: buffers only grow.
 struct CompletedLevels {
-  parallel::UnsetVector<PairProgress> progress;          ///< one a pair
-  parallel::UnsetVector<collision::LevelContact> found;  ///< one a pair: of those with a level beyond 0, and exact ones
-  parallel::UnsetVector<scheduler::PairCues> cues;       ///< one a pair: of those that were ranked
-  std::vector<WorkerTally> tallies;                      ///< one a worker
+  parallel::UnsetVector<PairProgress> progress;     ///< one a pair
+  FoundContacts found;                              ///< of those with a level beyond 0, and exact ones
+  parallel::UnsetVector<scheduler::PairCues> cues;  ///< one a pair: of those that were ranked
+  std::vector<WorkerTally> tallies;                 ///< one a worker
   KnownCount known;          ///< of all pairs before refinement, once it is decided which are reused
   std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
   parallel::Waits waits;     ///< under a deadline: of the calling thread, for jobs of others

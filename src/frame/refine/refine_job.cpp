@@ -171,7 +171,7 @@ class OpenRefinement::Job {
   bool rank(Hand& hand) {
     hand.newly_ranked = true;
     const RankedPair ranked = ranked_pair(run_.input, *open_.cues, run_.facts, hand.item, hand.progress,
-                                          run_.levels.found[hand.item], hand.cues);
+                                          run_.levels.found.of(hand.progress), hand.cues);
     hand.band = ranked.band;
     const bool now = hand.band >= run_.bands.highest();
     hand.again = !ranked.left_out && !now;
@@ -184,7 +184,7 @@ class OpenRefinement::Job {
   // Levels of the pair, in this worker's own memory.
   void refine(Hand& hand) {
     const RefineInput& input = run_.input;
-    if (hand.progress.level.level > 0) copy_for_next_level(run_.levels.found[hand.item], hand.found);
+    if (hand.progress.level.level > 0) copy_for_next_level(run_.levels.found.of(hand.progress), hand.found);
     if (in_order() && batch_.looks) {
       scheduler::PairCues looked;
       open_.cues->fill(hand.item, looked);
@@ -260,7 +260,8 @@ class OpenRefinement::Job {
       if (hand.completed) {
         const bool was_apart = pair.apart();
         pair.level = hand.progress.level;
-        copy_found(hand, run_.levels.found[hand.item]);
+        copy_found(hand, run_.levels.found.open(pair, worker_));
+        run_.levels.found.keep(pair, run_.input.table.pairs[hand.item].reach_m, worker_);
         if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
       }
       if (hand.ended == Outcome::Full) pair.full = true;

@@ -31,6 +31,13 @@ Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collisi
   return outcome;
 }
 
+Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
+                     PairProgress& progress, FoundContacts& found, std::span<collision::FrontPool> pools, int worker) {
+  const Outcome outcome = refine_level(refiner, posed, frame, progress, found.open(progress, worker), pools, worker);
+  found.keep(progress, posed.pair.reach_m, worker);
+  return outcome;
+}
+
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                  collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
   if (progress.refinable() && !progress.full) {
@@ -41,6 +48,13 @@ bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgres
   }
   make_points_due(refiner, posed, progress, found, pools);
   return !progress.full;
+}
+
+bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress, FoundContacts& found,
+                 std::span<collision::FrontPool> pools, int worker) {
+  const bool fits = refine_pair(refiner, posed, progress, found.open(progress, worker), pools, worker);
+  found.keep(progress, posed.pair.reach_m, worker);
+  return fits;
 }
 
 void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,

@@ -6,6 +6,7 @@
 #include "collision/triangles/polygon_contact.h"
 #include "frame/coarse.h"
 #include "frame/pair_progress.h"
+#include "frame/refine/found_contacts.h"
 
 /// One level of one pair, as all ways to refine do it: const inputs, and the progress that the caller owns.
 namespace poise::simulation {
@@ -43,6 +44,7 @@ template <class GoOn>
 Outcome complete_polygons(const PairRefiner& refiner, std::span<collision::FrontPool> pools, const PosedPair& posed,
                           const collision::PairFrame& frame, collision::PairLevel& level,
                           collision::LevelContact& found, GoOn&& go_on) {
+  if (level.level == 0) found = {};
   collision::PolygonProgress progress;
   collision::begin_polygons(frame, posed.a.rotation, level, found, progress);
   std::uint32_t left = level.next_units;
@@ -131,11 +133,19 @@ Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collisi
                      PairProgress& progress, collision::LevelContact& found, std::span<collision::FrontPool> pools,
                      int worker);
 
+/// The same of a pair of a frame.
+Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
+                     PairProgress& progress, FoundContacts& found, std::span<collision::FrontPool> pools, int worker);
+
 /// Brings a pair to its deepest level, whatever that costs; false when its front did not fit.
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                  collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
 
-/// The same, and forgets the front. `pool` is empty before and after.
+/// The same of a pair of a frame.
+bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress, FoundContacts& found,
+                 std::span<collision::FrontPool> pools, int worker);
+
+/// As the first of these, and forgets the front. `pool` is empty before and after.
 void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                   collision::LevelContact& found, collision::FrontPool& pool);
 

@@ -98,7 +98,7 @@ class Replay {
     const std::uint64_t units = pair.level.next_units;
     const PosedPair placed = posed(input_.motion, input_.table.pairs[index]);
     collision::PairFrame frame = frame_of(input_.refiner(), placed);
-    const Outcome outcome = refine_level(input_.refiner(), placed, frame, pair, levels_.found[index], pools_, worker);
+    const Outcome outcome = refine_level(input_.refiner(), placed, frame, pair, levels_.found, pools_, worker);
     if (outcome != Outcome::Completed) return false;
     --left_[index];
     note_outcome(pair.level.apart, units, outcome, levels_.tallies[static_cast<std::size_t>(worker)]);
@@ -128,7 +128,7 @@ class Replay {
   void forget_front(std::size_t index, int worker) {
     if (keeps_fronts()) return;
     make_points_due(input_.refiner(), posed(input_.motion, input_.table.pairs[index]), levels_.progress[index],
-                    levels_.found[index], pools_);
+                    levels_.found.of(levels_.progress[index]), pools_);
     levels_.progress[index].level.front = levels_.progress[index].level.points = {};
     for (std::size_t w = 0; w < pools_.size(); ++w) {
       if (worker < 0 || w == static_cast<std::size_t>(worker)) pools_[w].clear();
@@ -147,7 +147,7 @@ class Replay {
 
   double next_score(std::size_t i, PairProgress& pair) {
     const auto index = static_cast<std::uint32_t>(i);
-    const double score = score_of(input_, facts_, levels_.cues[i], pair, levels_.found[i], index);
+    const double score = score_of(input_, facts_, levels_.cues[i], pair, levels_.found.of(pair), index);
     pair.turn = turn_at(scheduler::band_of(input_.policy, score));
     return score;
   }
