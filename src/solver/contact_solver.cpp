@@ -216,6 +216,7 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
     return color <= coloring.colors() ? coloring.begin(static_cast<std::uint32_t>(color)) : system.pairs.size();
   };
   const auto width = [&](std::size_t color) { return color < coloring.colors() ? kLanes : 1; };
+  block_begin.reserve(Coloring::kColors + 2);
   block_begin.assign(1, 0);
   for (std::size_t color = 0; color <= coloring.colors(); ++color) {
     const std::size_t pairs = pairs_begin(color + 1) - pairs_begin(color);
