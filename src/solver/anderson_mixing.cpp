@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "solver/mixing_lanes.h"
+
 namespace poise::solver {
 namespace {
 
@@ -15,12 +17,6 @@ constexpr double kGrown = 4;
 // else drift until a contact point slips.
 constexpr double kRidge = 1e-6;
 
-double dot(std::span<const double> a, std::span<const double> b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 }  // namespace
 
 void AndersonMixing::begin(std::size_t size) {
@@ -29,20 +25,18 @@ void AndersonMixing::begin(std::size_t size) {
   started_ = false;
   residual_.resize(std::max(residual_.size(), size));
   after_.resize(std::max(after_.size(), size));
-  for (Step& step : steps_) {
-    step.residual.resize(std::max(step.residual.size(), size));
-    step.after.resize(std::max(step.after.size(), size));
-  }
+  residual_steps_.resize(std::max(residual_steps_.size(), kDepth * size));
+  for (std::vector<double>& step : after_steps_) step.resize(std::max(step.size(), size));
 }
 
 bool AndersonMixing::mix(std::span<const double> before, std::span<double> after) {
-  Step& newest = steps_[next_];
+  std::vector<double>& newest = after_steps_[next_];
   double square = 0;
   for (std::size_t i = 0; i < size_; ++i) {
     const double residual = after[i] - before[i];
     square += residual * residual;
-    newest.residual[i] = residual - residual_[i];
-    newest.after[i] = after[i] - after_[i];
+    residual_steps_[i * kDepth + next_] = residual - residual_[i];
+    newest[i] = after[i] - after_[i];
     residual_[i] = residual;
     after_[i] = after[i];
   }
@@ -58,26 +52,24 @@ bool AndersonMixing::mix(std::span<const double> before, std::span<double> after
   using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, static_cast<int>(kDepth), 1>;
   const auto count = static_cast<Eigen::Index>(count_);
   const auto index = [&](std::size_t k) { return (next_ + kDepth - 1 - k) % kDepth; };
-  const auto of = [&](const std::vector<double>& v) { return std::span(v).first(size_); };
   const std::size_t fresh = index(0);
-  for (std::size_t k = 0; k < count_; ++k) {
-    products_[fresh][index(k)] = products_[index(k)][fresh] =
-        dot(of(steps_[fresh].residual), of(steps_[index(k)].residual));
-  }
+  const StepProducts sums =
+      step_products(std::span(residual_steps_).first(kDepth * size_), std::span(residual_).first(size_), fresh);
+  for (std::size_t k = 0; k < count_; ++k)
+    products_[fresh][index(k)] = products_[index(k)][fresh] = sums.with_step[index(k)];
   Small products(count, count);
   Few right(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const std::size_t row = index(static_cast<std::size_t>(r));
-    right[r] = dot(of(steps_[row].residual), of(residual_));
+    right[r] = sums.with_last[row];
     for (Eigen::Index c = 0; c < count; ++c) products(r, c) = products_[row][index(static_cast<std::size_t>(c))];
   }
   products.diagonal().array() += kRidge * products.trace();
   const Few parts = products.ldlt().solve(right);
   if (!parts.allFinite()) return false;
-  for (Eigen::Index r = 0; r < count; ++r) {
-    const std::span<const double> step = of(steps_[index(static_cast<std::size_t>(r))].after);
-    for (std::size_t i = 0; i < size_; ++i) after[i] -= parts[r] * step[i];
-  }
+  std::array<const double*, kDepth> steps{};
+  for (std::size_t k = 0; k < count_; ++k) steps[k] = after_steps_[index(k)].data();
+  subtract_steps(std::span(steps).first(count_), {parts.data(), count_}, after.first(size_));
   return true;
 }
 

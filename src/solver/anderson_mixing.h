@@ -20,15 +20,15 @@ class AndersonMixing {
   bool mix(std::span<const double> before, std::span<double> after);
 
  private:
-  struct Step {
-    std::vector<double> residual, after;  // differences to the point before
-  };
   std::size_t size_ = 0;
   std::size_t count_ = 0;  // steps stored, the newest at (next_ - 1) % kDepth
   std::size_t next_ = 0;
   bool started_ = false;
   double last_square_ = 0;
-  std::array<Step, kDepth> steps_;
+  // Differences of each step to the point before. Those of residuals stand side by side, number by number, so that the
+  // products with all steps are summed at once.
+  std::vector<double> residual_steps_;
+  std::array<std::vector<double>, kDepth> after_steps_;
   std::array<std::array<double, kDepth>, kDepth> products_{};  // of the residuals of two steps, by their indices
   std::vector<double> residual_, after_;                       // of the last point
 };

@@ -129,10 +129,11 @@ void Coloring::sort_by_color(const parallel::Ranges& ranges, parallel::Executor&
   });
   std::array<std::uint32_t, kBins + 1> bin_begin;
   begin_bins<kBins>(bin_counts_, bin_begin);
-  begin_.resize(kColors + 2);
-  for (std::size_t color = 0; color < begin_.size(); ++color) begin_[color] = bin_begin[color * kRanks];
-  colors_ = kColors;
-  while (colors_ > 0 && begin_[colors_] == begin_[colors_ - 1]) --colors_;
+  begin_.assign(1, 0);
+  for (std::size_t color = 0; color < kColors; ++color) {
+    const std::size_t end = bin_begin[(color + 1) * kRanks];
+    if (end > begin_.back()) begin_.push_back(end);
+  }
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     BinCounts& next = bin_counts_[range];
     for (std::size_t i = begin; i < end; ++i) order_[next[bin_of_[i]]++] = static_cast<std::uint32_t>(i);

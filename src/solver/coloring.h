@@ -43,15 +43,16 @@ class Coloring {
     tile_of_.reserve(edges);
     by_tile_.reserve(edges);
     order_.reserve(edges);
-    begin_.reserve(kColors + 2);
+    begin_.reserve(kColors + 1);
     if (edges >= kTiledEdges) reserve_tiles();
   }
-  /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)).
+  /// order()[k] is the edge at position k; positions of colour c are [begin(c), begin(c + 1)). Only colours that have
+  /// edges count: between those of pairs of dynamic bodies and those of the ground most are free.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
-  [[nodiscard]] std::uint32_t colors() const { return colors_; }
+  [[nodiscard]] std::uint32_t colors() const { return static_cast<std::uint32_t>(begin_.size() - 1); }
   [[nodiscard]] std::size_t begin(std::uint32_t color) const { return begin_[color]; }
   /// Edges from this position on got no colour and are solved one after another.
-  [[nodiscard]] std::size_t serial_begin() const { return begin_[colors_]; }
+  [[nodiscard]] std::size_t serial_begin() const { return begin_.back(); }
 
  private:
   static constexpr std::size_t kBodyRanges = 32;
@@ -78,7 +79,6 @@ class Coloring {
   int body_shift_ = 0;                                // a body's range is its slot without so many bits
   parallel::UnsetVector<std::uint32_t> order_;
   std::vector<std::size_t> begin_ = {0};
-  std::uint32_t colors_ = 0;
 };
 
 }  // namespace poise::solver

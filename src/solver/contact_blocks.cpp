@@ -102,15 +102,16 @@ template <class T>
 void write_back_block(const ContactSystem& system, const SubstepTimes& times, ContactBlock& block, PairLanes<T>& shared,
                       std::span<const PointLanes<T>> manifold_points, std::span<const TotalLanes<T>> totals) {
   const double still_square = times.still_mps * times.still_mps;
-  ContactForce* forces[kLanes] = {};
-  std::uint8_t point_count[kLanes] = {};
+  LaneForces forces;
+  forces.lanes = block.count;
+  forces.substep_s = times.substep_s;
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
-    forces[lane] = system.forces.data() + pair.force_begin;
-    point_count[lane] = pair.point_count;
+    forces.first[lane] = system.forces.data() + pair.force_begin;
+    forces.point_count[lane] = pair.point_count;
   }
   LaneImpulses impulses;
-  collect_lanes(shared, manifold_points, totals, times.substep_s, forces, point_count, impulses);
+  collect_lanes(shared, manifold_points, totals, forces, impulses);
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const auto vector = [&](const double(&of)[3][kLanes]) { return Vec3(of[0][lane], of[1][lane], of[2][lane]); };
     const Vec3 sum = vector(impulses.impulse_ns);
@@ -123,7 +124,7 @@ void write_back_block(const ContactSystem& system, const SubstepTimes& times, Co
     // Where something pulls, angular momentum is not that of the bodies alone.
     const bool free = a.inverse_mass > 0 && b.inverse_mass > 0 && !a.pulled && !b.pulled;
     if (free && (b.velocity_mps - a.velocity_mps).squaredNorm() > still_square) {
-      add_late_impulse(times.late_s, manifold_points.first(point_count[lane]), lane, shared);
+      add_late_impulse(times.late_s, manifold_points.first(forces.point_count[lane]), lane, shared);
       block.shifted = static_cast<std::uint8_t>(block.shifted | 1U << lane);
     }
     if (a.inverse_mass > 0) {

@@ -22,9 +22,12 @@ struct Side {
   V xx, yy, zz, xy, xz, yz;
 };
 
+// What is read of the motions of bodies, besides how they turn.
+enum class MotionRead { Nothing, Velocities, All };
+
 template <class D, class T>
 HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<D>& dynamic, const BodyLanes<T>& bodies,
-                                 bool moves) {
+                                 MotionRead read) {
   using V = hn::Vec<D>;
   const auto turn = [&](const V& figure) HWY_ATTR { return hn::Mul(dynamic, figure); };
   const Columns<V> first = gather(d, bodies.scaled_inverse_inertias, slots, 0);
@@ -42,13 +45,15 @@ HWY_INLINE Side<hn::Vec<D>> side(D d, const std::uint32_t* slots, const hn::Vec<
                   turn(first.at[3]),
                   turn(last.at[0]),
                   turn(last.at[1])};
-  if (!moves) return made;
+  if (read == MotionRead::Nothing) return made;
   const Columns<V> one = gather(d, bodies.motions, slots, 0);
   const Columns<V> two = gather(d, bodies.motions, slots, 4);
-  const Columns<V> three = gather(d, bodies.motions, slots, 8);
   made.v = {one.at[0], one.at[1], one.at[2]};
   made.w = {one.at[3], two.at[0], two.at[1]};
-  made.x = {two.at[2], two.at[3], three.at[0]};
+  made.x = {two.at[2], two.at[3], zero};
+  if (read == MotionRead::Velocities) return made;
+  const Columns<V> three = gather(d, bodies.motions, slots, 8);
+  made.x.z = three.at[0];
   made.q = {three.at[1], three.at[2], three.at[3]};
   return made;
 }
@@ -127,8 +132,8 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
   const V one = hn::Set(d, T(1));
   const BodyLanes<T> bodies = {nullptr, scaled_inverse_inertias};
   for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
-    const Pairs<V> pairs = {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, false),
-                            side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, false)};
+    const Pairs<V> pairs = {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, MotionRead::Nothing),
+                            side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, MotionRead::Nothing)};
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
     const V reduced_mass = hn::Load(d, shared.reduced_mass + lane);
     const V moving = hn::Add(pairs.a.dynamic, pairs.b.dynamic);
@@ -187,9 +192,9 @@ void prepare(const ContactBlock& block, const PairLanes<T>& shared, const StartL
 
 template <class D, class T>
 HWY_INLINE Pairs<hn::Vec<D>> pairs_at(D d, const ContactBlock& block, const PairLanes<T>& shared, std::size_t lane,
-                                      const BodyLanes<T>& bodies) {
-  return {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, true),
-          side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, true)};
+                                      const BodyLanes<T>& bodies, MotionRead read) {
+  return {side(d, block.a + lane, hn::Load(d, shared.dynamic_a + lane), bodies, read),
+          side(d, block.b + lane, hn::Load(d, shared.dynamic_b + lane), bodies, read)};
 }
 template <class D, class T, class V>
 HWY_INLINE void keep_pairs(D d, const Pairs<V>& pairs, const ContactBlock& block, std::size_t lane, bool pushed,
@@ -203,8 +208,8 @@ void warm(const ContactBlock& block, const PairLanes<T>& shared, std::span<const
           const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
-  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
-    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
+  for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
+    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies, MotionRead::Velocities);
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
     for (const PointLanes<T>& point : manifold_points) {
       const Triple<V> along = scaled(hn::Load(d, point.impulse + lane), load(d, point.normal, lane));
@@ -215,12 +220,42 @@ void warm(const ContactBlock& block, const PairLanes<T>& shared, std::span<const
   }
 }
 
-// The larger of what was and the largest of the lanes.
+// What an iteration changes, in some lanes of a block.
+template <class V>
+struct LaneChange {
+  V largest_ns, change_ns, change_mps, impulse_sum_ns, residual_j;
+};
+
+// Notes the impulse of a contact point, and by how much it changed, both divided by the reduced mass.
+template <class D, class V>
+HWY_INLINE void note(D d, const V& mass, const V& reduced_mass, const V& impulse, const V& change,
+                     LaneChange<V>& changed) {
+  const auto counts = hn::Gt(mass, hn::Zero(d));
+  const V change_mps =
+      hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, hn::TFromD<D>(1)))));
+  const V impulse_ns = hn::Mul(reduced_mass, impulse);
+  changed.change_mps = hn::Max(change_mps, changed.change_mps);
+  changed.change_ns = hn::Max(hn::Mul(reduced_mass, change), changed.change_ns);
+  changed.largest_ns = hn::Max(impulse_ns, changed.largest_ns);
+  changed.impulse_sum_ns = hn::Add(changed.impulse_sum_ns, impulse_ns);
+  changed.residual_j = hn::Add(changed.residual_j, hn::Mul(impulse_ns, change_mps));
+}
+
+// Adds what some lanes changed to what is known of a block: sums lane after lane, however many there are at once.
 template <class D, class V, class T>
-HWY_INLINE void note(D d, const V& value, T& largest) {
-  alignas(64) T lanes[kLanes];
-  hn::Store(value, d, lanes);
-  for (std::size_t k = 0; k < hn::Lanes(d); ++k) largest = std::max(largest, lanes[k]);
+HWY_INLINE void add_change(D d, const LaneChange<V>& lanes, IterationChange<T>& changed) {
+  const auto largest = [&](const V& of) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, of)); };
+  changed.largest_ns = std::max(changed.largest_ns, largest(lanes.largest_ns));
+  changed.change_ns = std::max(changed.change_ns, largest(lanes.change_ns));
+  changed.change_mps = std::max(changed.change_mps, largest(lanes.change_mps));
+  alignas(64) T impulses[kLanes];
+  alignas(64) T residuals[kLanes];
+  hn::Store(lanes.impulse_sum_ns, d, impulses);
+  hn::Store(lanes.residual_j, d, residuals);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+    changed.impulse_sum_ns += impulses[k];
+    changed.residual_j += residuals[k];
+  }
 }
 
 // Friction at one contact point, clamped to the cone of the impulse along the normal; the size of what changed.
@@ -264,22 +299,22 @@ HWY_INLINE void begin_total(D d, const PointLanes<T>& point, const Triple<V>& n,
 
 template <class T>
 IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
-                         std::span<TotalLanes<T>> totals, const SubstepTerms<T>& terms, bool push,
+                         std::span<TotalLanes<T>> totals, const SubstepTerms<T>& terms, std::uint32_t iteration,
                          const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V per_h = hn::Set(d, T(1) / terms.h_s);
+  // Positions change in the first iteration alone.
+  const bool push = iteration == 0;
+  const bool moved = iteration <= 1;
   IterationChange<T> changed;
-  alignas(64) T impulses[kLanes];
-  alignas(64) T strayed[kLanes];
-  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
-    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies);
+  for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
+    Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies, moved ? MotionRead::All : MotionRead::Velocities);
     const Triple<V> a_to_b = load(d, shared.a_to_b, lane);
     const V friction = hn::Load(d, shared.friction + lane);
     bool any_pushed = false;
-    V load_sum = zero;
-    V strayed_sum = zero;
+    LaneChange<V> here = {zero, zero, zero, zero, zero};
     for (std::size_t p = 0; p < manifold_points.size(); ++p) {
       PointLanes<T>& point = manifold_points[p];
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
@@ -287,8 +322,12 @@ IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<Po
       const Triple<V> rate = load(d, point.rate, lane);
       const Arms<V> arms = arms_of(d, point, a_to_b, lane);
       const V mass = load_at(point.mass);
-      const V closed = dot(n, sum(scaled(hn::Set(d, terms.begun_s), rate), way(pairs, arms)));
-      const V gap = hn::Max(hn::Sub(load_at(point.gap), closed), zero);
+      V closed = zero;
+      if (moved) {
+        closed = dot(n, sum(scaled(hn::Set(d, terms.begun_s), rate), way(pairs, arms)));
+        hn::Store(hn::Max(hn::Sub(load_at(point.gap), closed), zero), d, point.left + lane);
+      }
+      const V gap = load_at(point.left);
       const V closing = dot(n, sum(rate, slip(pairs, arms)));
       const V before = load_at(point.impulse);
       if (!terms.watch && terms.totals.after) {
@@ -303,16 +342,7 @@ IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<Po
       if (block.frictional)
         change = hn::Max(change, apply_friction(d, point, friction, n, rate, arms, after, lane, pairs));
       if (terms.watch) {
-        const V reduced_mass = load_at(shared.reduced_mass);
-        const auto counts = hn::Gt(mass, zero);
-        const V change_mps =
-            hn::IfThenElseZero(counts, hn::Div(change, hn::IfThenElse(counts, mass, hn::Set(d, T(1)))));
-        const V impulse_sum_ns = hn::Mul(reduced_mass, after);
-        note(d, change_mps, changed.change_mps);
-        note(d, hn::Mul(reduced_mass, change), changed.change_ns);
-        note(d, impulse_sum_ns, changed.largest_ns);
-        load_sum = hn::Add(load_sum, impulse_sum_ns);
-        strayed_sum = hn::Add(strayed_sum, hn::Mul(impulse_sum_ns, change_mps));
+        note(d, mass, load_at(shared.reduced_mass), after, change, here);
       } else if (terms.totals.after) {
         add_impulse(d, point, n, after, block.frictional, lane, totals[p]);
       }
@@ -332,13 +362,7 @@ IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<Po
       any_pushed = true;
     }
     keep_pairs(d, pairs, block, lane, any_pushed, bodies);
-    hn::Store(load_sum, d, impulses + lane);
-    hn::Store(strayed_sum, d, strayed + lane);
-  }
-  // One lane after another, however many there are at once.
-  for (std::size_t k = 0; k < kLanes && terms.watch; ++k) {
-    changed.impulse_sum_ns += impulses[k];
-    changed.residual_j += strayed[k];
+    if (terms.watch) add_change(d, here, changed);
   }
   return changed;
 }
@@ -363,14 +387,15 @@ void warm_double(const ContactBlock& block, const PairLanes<double>& pairs,
 }
 IterationChange<float> solve_float(ContactBlock& block, PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
-                                   const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
-  return solve(block, pairs, manifold_points, totals, terms, push, bodies);
+                                   const SubstepTerms<float>& terms, std::uint32_t iteration,
+                                   const BodyLanes<float>& bodies) {
+  return solve(block, pairs, manifold_points, totals, terms, iteration, bodies);
 }
 IterationChange<double> solve_double(ContactBlock& block, PairLanes<double>& pairs,
                                      std::span<PointLanes<double>> manifold_points,
-                                     std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms, bool push,
-                                     const BodyLanes<double>& bodies) {
-  return solve(block, pairs, manifold_points, totals, terms, push, bodies);
+                                     std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms,
+                                     std::uint32_t iteration, const BodyLanes<double>& bodies) {
+  return solve(block, pairs, manifold_points, totals, terms, iteration, bodies);
 }
 
 }  // namespace poise::solver::HWY_NAMESPACE
@@ -406,13 +431,15 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
 }
 IterationChange<float> solve_block(ContactBlock& block, PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
-                                   const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies) {
-  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, totals, terms, push, bodies);
+                                   const SubstepTerms<float>& terms, std::uint32_t iteration,
+                                   const BodyLanes<float>& bodies) {
+  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, totals, terms, iteration, bodies);
 }
 IterationChange<double> solve_block(ContactBlock& block, PairLanes<double>& pairs,
                                     std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
-                                    const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies) {
-  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, totals, terms, push, bodies);
+                                    const SubstepTerms<double>& terms, std::uint32_t iteration,
+                                    const BodyLanes<double>& bodies) {
+  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, totals, terms, iteration, bodies);
 }
 
 }  // namespace poise::solver

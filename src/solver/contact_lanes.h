@@ -39,6 +39,7 @@ struct alignas(64) PointLanes {
   T across[kLanes] = {};   ///< the same along the tangent with the smallest effective mass
   T impulse[kLanes] = {};  ///< along the normal
   T friction_impulse[3][kLanes] = {};  ///< across it
+  T left[kLanes] = {};  ///< of the gap, when a substep ends: the same in each of its iterations from the second one on
 };
 
 /// Normal and friction impulse of such contact points, summed over the substeps; likewise in m/s. Not set by itself:
@@ -134,14 +135,17 @@ void warm_start_block(const ContactBlock& block, const PairLanes<float>& pairs,
 void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
                       std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies);
 
-/// Solves the contact points of a block one after another, the normal impulse before friction. With `push`, certain
-/// penetration is corrected by moving the bodies apart. Without terms.watch this is the only iteration of the substep,
-/// and the totals, one an entry of `manifold_points`, are those of terms.totals.
+/// Solves the contact points of a block one after another, the normal impulse before friction. `iteration` counts those
+/// of the substep from 0 on: in the first one certain penetration is corrected by moving the bodies apart, and later
+/// ones move nothing. Without terms.watch it is the only one, and the totals, one an entry of `manifold_points`, are
+/// those of terms.totals.
 IterationChange<float> solve_block(ContactBlock& block, PairLanes<float>& pairs,
                                    std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
-                                   const SubstepTerms<float>& terms, bool push, const BodyLanes<float>& bodies);
+                                   const SubstepTerms<float>& terms, std::uint32_t iteration,
+                                   const BodyLanes<float>& bodies);
 IterationChange<double> solve_block(ContactBlock& block, PairLanes<double>& pairs,
                                     std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
-                                    const SubstepTerms<double>& terms, bool push, const BodyLanes<double>& bodies);
+                                    const SubstepTerms<double>& terms, std::uint32_t iteration,
+                                    const BodyLanes<double>& bodies);
 
 }  // namespace poise::solver

@@ -67,8 +67,10 @@ struct ContactSolver::Buffers {
   std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
   AndersonMixing mixing;
   Settling settling;
-  std::vector<double> before, after;  // impulses of all lanes, in roots of energy
-  std::vector<double> swept;          // impulses of all lanes after the last plain iteration
+  // Of all impulses that are iterated, in the order of for_impulses: the root of the mass that each moves, and the
+  // impulses times these, whose squares are energies.
+  std::vector<double> roots, before, after;
+  std::vector<double> swept;  // impulses of all lanes after the last plain iteration
   EnergyGuard energy;
   bool keeps_totals = false;
   bool distant = false;  // what the pairs name is in no cache near by: it is prefetched
@@ -90,7 +92,8 @@ struct ContactSolver::Buffers {
   void iteration(parallel::Executor& executor, Visit&& visit);
   template <class Visit>
   void for_impulses(Visit&& visit);
-  std::size_t read_impulses(std::vector<double>& into);
+  std::size_t find_roots();
+  void read_impulses(std::vector<double>& into);
   void mix(parallel::Executor& executor);
   void take_back(const ContactSystem& system, double h_s);
   template <class T>
@@ -118,17 +121,29 @@ void ContactSolver::Buffers::for_impulses(Visit&& visit) {
   }
 }
 
-// Impulses times the root of the mass that they move: squares add up to energies. Returns how many there are.
-std::size_t ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
+// Returns how many there are.
+std::size_t ContactSolver::Buffers::find_roots() {
   std::size_t at = 0;
   const auto root_of = [](double reduced_mass, double mass) { return mass > 0 ? std::sqrt(reduced_mass / mass) : 0.0; };
   for_impulses(
       [&](bool frictional, const PairLanes<double>& shared, const PointLanes<double>& point, std::size_t lane) {
-        into[at++] = root_of(shared.reduced_mass[lane], point.mass[lane]) * point.impulse[lane];
+        roots[at++] = root_of(shared.reduced_mass[lane], point.mass[lane]);
         const double across = root_of(shared.reduced_mass[lane], point.across[lane]);
-        for (std::size_t k = 0; k < 3 && frictional; ++k) into[at++] = across * point.friction_impulse[k][lane];
+        for (std::size_t k = 0; k < 3 && frictional; ++k) roots[at++] = across;
       });
   return at;
+}
+
+void ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
+  std::size_t at = 0;
+  const auto read = [&](double impulse) {
+    into[at] = roots[at] * impulse;
+    ++at;
+  };
+  for_impulses([&](bool frictional, const PairLanes<double>&, const PointLanes<double>& point, std::size_t lane) {
+    read(point.impulse[lane]);
+    for (std::size_t k = 0; k < 3 && frictional; ++k) read(point.friction_impulse[k][lane]);
+  });
 }
 
 // Extrapolates from the last iterations, clamped to the friction cones; undone if it adds energy.
@@ -145,15 +160,15 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
     impulse = wanted - impulse;
     after[kept++] = wanted;
   };
-  const auto impulse_of = [](double value, double reduced_mass, double mass) {
-    return mass > 0 && reduced_mass > 0 ? value / std::sqrt(reduced_mass / mass) : 0.0;
+  const auto next_impulse = [&] {
+    const double impulse = roots[at] > 0 ? after[at] / roots[at] : 0.0;
+    ++at;
+    return impulse;
   };
   for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& point, std::size_t lane) {
-    const double reduced_mass = shared.reduced_mass[lane];
-    const double normal = std::max(0.0, impulse_of(after[at++], reduced_mass, point.mass[lane]));
+    const double normal = std::max(0.0, next_impulse());
     Vec3 across = Vec3::Zero();
-    for (Eigen::Index k = 0; k < 3 && frictional; ++k)
-      across[k] = impulse_of(after[at++], reduced_mass, point.across[lane]);
+    for (Eigen::Index k = 0; k < 3 && frictional; ++k) across[k] = next_impulse();
     // A friction component along the normal would cancel against the normal impulse, and no later iteration would
     // remove it.
     const Vec3 along = normal_of(point, lane);
@@ -201,6 +216,7 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
     return color <= coloring.colors() ? coloring.begin(static_cast<std::uint32_t>(color)) : system.pairs.size();
   };
   const auto width = [&](std::size_t color) { return color < coloring.colors() ? kLanes : 1; };
+  block_begin.reserve(Coloring::kColors + 2);
   block_begin.assign(1, 0);
   for (std::size_t color = 0; color <= coloring.colors(); ++color) {
     const std::size_t pairs = pairs_begin(color + 1) - pairs_begin(color);
@@ -323,7 +339,8 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   all.begun.resize(system.bodies.size());
   all.scaled_inverse_inertias.resize(system.bodies.size());
   if (mixed) {
-    before.resize(std::max(before.size(), 4 * kLanes * needed));
+    roots.resize(std::max(roots.size(), 4 * kLanes * needed));
+    before.resize(roots.size());
     after.resize(before.size());
     swept.resize(before.size());
   }
@@ -356,7 +373,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
   MeanChange mean;
   settling.begin();
   if (limit.mixed) {
-    mixing.begin(read_impulses(before));
+    mixing.begin(find_roots());
     alone_j = energy.joules_alone(system, twofold.begun, settings.dt_s / settings.substeps);
   }
   for (std::uint32_t round = 0; round < limit.iterations(result.far) && !result.settled; ++round) {
@@ -367,8 +384,8 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       const std::span<TotalLanes<T>> totals =
           keeps_totals ? all.totals_of(blocks[i]) : std::span(here).first(blocks[i].manifold_points);
       if (distant && i + 1 < blocks.size()) prefetch_motions(bodies, blocks[i + 1]);
-      const IterationChange<T> change = solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), totals,
-                                                    substep_terms, round == 0, bodies);
+      const IterationChange<T> change =
+          solve_block(blocks[i], all.pairs[i], all.manifold_points_of(blocks[i]), totals, substep_terms, round, bodies);
       if (substep_terms.watch) changes[i] = widened(change);
       if (last_substep && !substep_terms.watch) apply(i, totals);
     });

@@ -164,22 +164,21 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
 
 template <class T>
 void collect(const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold_points,
-             std::span<const TotalLanes<T>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-             const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses) {
+             std::span<const TotalLanes<T>> totals, const LaneForces& forces, LaneImpulses& impulses) {
   const Doubles d;
   const V zero = hn::Zero(d);
-  for (std::size_t lane = 0; lane < kLanes; lane += hn::Lanes(d)) {
+  for (std::size_t lane = 0; lane < forces.lanes; lane += hn::Lanes(d)) {
     const V unit_ns = get(d, shared.reduced_mass + lane);
-    const V unit_n = hn::Div(unit_ns, hn::Set(d, substep_s));
+    const V unit_n = hn::Div(unit_ns, hn::Set(d, forces.substep_s));
     Triple<V> impulse = {zero, zero, zero};
     Triple<V> moment = {zero, zero, zero};
     for (std::size_t p = 0; p < manifold_points.size(); ++p) {
       const PointLanes<T>& point = manifold_points[p];
       const Triple<V> friction = scaled(unit_n, get(d, point.friction_impulse, lane));
       std::uint32_t present = 0;
-      for (std::size_t k = 0; k < hn::Lanes(d); ++k) present |= (p < point_count[lane + k] ? 1U : 0U) << k;
+      for (std::size_t k = 0; k < hn::Lanes(d); ++k) present |= (p < forces.point_count[lane + k] ? 1U : 0U) << k;
       store_rows(d, Columns<V>{{hn::Mul(unit_n, get(d, point.impulse + lane)), friction.x, friction.y, friction.z}},
-                 present, [&](std::size_t k) { return figures_at<double>(forces[lane + k], p, 0); });
+                 present, [&](std::size_t k) { return figures_at<double>(forces.first[lane + k], p, 0); });
       const Triple<V> given = scaled(unit_ns, get(d, totals[p].total, lane));
       impulse = sum(impulse, given);
       moment = sum(moment, cross(get(d, point.arm, lane), given));
@@ -198,14 +197,12 @@ void fill_double(const LaneSources& sources, PairLanes<double>& shared, StartLan
   fill(sources, shared, start, manifold_points);
 }
 void collect_float(const PairLanes<float>& shared, std::span<const PointLanes<float>> manifold_points,
-                   std::span<const TotalLanes<float>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses) {
-  collect(shared, manifold_points, totals, substep_s, forces, point_count, impulses);
+                   std::span<const TotalLanes<float>> totals, const LaneForces& forces, LaneImpulses& impulses) {
+  collect(shared, manifold_points, totals, forces, impulses);
 }
 void collect_double(const PairLanes<double>& shared, std::span<const PointLanes<double>> manifold_points,
-                    std::span<const TotalLanes<double>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-                    const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses) {
-  collect(shared, manifold_points, totals, substep_s, forces, point_count, impulses);
+                    std::span<const TotalLanes<double>> totals, const LaneForces& forces, LaneImpulses& impulses) {
+  collect(shared, manifold_points, totals, forces, impulses);
 }
 
 }  // namespace poise::solver::HWY_NAMESPACE
@@ -228,14 +225,12 @@ void fill_lanes(const LaneSources& sources, PairLanes<double>& shared, StartLane
   HWY_DYNAMIC_DISPATCH(fill_double)(sources, shared, start, manifold_points);
 }
 void collect_lanes(const PairLanes<float>& shared, std::span<const PointLanes<float>> manifold_points,
-                   std::span<const TotalLanes<float>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses) {
-  HWY_DYNAMIC_DISPATCH(collect_float)(shared, manifold_points, totals, substep_s, forces, point_count, impulses);
+                   std::span<const TotalLanes<float>> totals, const LaneForces& forces, LaneImpulses& impulses) {
+  HWY_DYNAMIC_DISPATCH(collect_float)(shared, manifold_points, totals, forces, impulses);
 }
 void collect_lanes(const PairLanes<double>& shared, std::span<const PointLanes<double>> manifold_points,
-                   std::span<const TotalLanes<double>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses) {
-  HWY_DYNAMIC_DISPATCH(collect_double)(shared, manifold_points, totals, substep_s, forces, point_count, impulses);
+                   std::span<const TotalLanes<double>> totals, const LaneForces& forces, LaneImpulses& impulses) {
+  HWY_DYNAMIC_DISPATCH(collect_double)(shared, manifold_points, totals, forces, impulses);
 }
 
 }  // namespace poise::solver

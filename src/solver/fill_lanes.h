@@ -36,13 +36,18 @@ struct LaneImpulses {
   alignas(64) double moment_a_nms[3][kLanes];
 };
 
-/// Adds up the totals of the points of a block, and stores the forces of the last substep: of each lane in use so many,
-/// one after another from where its first one is.
+/// Where the forces of the last substep go: of each lane in use so many, one after another.
+struct LaneForces {
+  ContactForce* first[kLanes];
+  std::uint8_t point_count[kLanes] = {};
+  std::size_t lanes = 0;  ///< in use
+  double substep_s = 0;
+};
+
+/// Adds up the totals of the points of a block, and stores the forces of the last substep. Only for the lanes in use.
 void collect_lanes(const PairLanes<float>& shared, std::span<const PointLanes<float>> manifold_points,
-                   std::span<const TotalLanes<float>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses);
+                   std::span<const TotalLanes<float>> totals, const LaneForces& forces, LaneImpulses& impulses);
 void collect_lanes(const PairLanes<double>& shared, std::span<const PointLanes<double>> manifold_points,
-                   std::span<const TotalLanes<double>> totals, double substep_s, ContactForce* const (&forces)[kLanes],
-                   const std::uint8_t (&point_count)[kLanes], LaneImpulses& impulses);
+                   std::span<const TotalLanes<double>> totals, const LaneForces& forces, LaneImpulses& impulses);
 
 }  // namespace poise::solver

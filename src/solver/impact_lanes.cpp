@@ -14,8 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace poise::solver::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::CappedTag<double, kLanes>;
-
 // Where the numbers of a row begin, in numbers (impact_row.h): four are read at a time.
 constexpr std::size_t kWrenchOfRow = 0, kPlaceOfRow = 12, kTurnsOfRow = 16, kTermsOfRow = 24, kPointImpulseOfRow = 28;
 
@@ -56,15 +54,28 @@ HWY_INLINE std::uint64_t bits_at(D d, M mask, std::size_t k, const ImpactBatch& 
   return batch.count < ImpactBatch::kRows ? bits & ((std::uint64_t{1} << batch.count) - 1U) : bits;
 }
 
-// What is not in use repeats the last row.
-HWY_INLINE void pad(ImpactBatch& batch) {
+// Until so many rows are there, those that are missing repeat the last one.
+HWY_INLINE void pad(ImpactBatch& batch, std::size_t rows) {
   const std::size_t last = batch.count - 1;
-  for (std::size_t k = batch.count; k % kLanes != 0; ++k) {
+  for (std::size_t k = batch.count; k < rows; ++k) {
     batch.row[k] = batch.row[last];
     batch.a[k] = batch.a[last];
     batch.b[k] = batch.b[last];
     batch.lambda_ns[k] = batch.lambda_ns[last];
   }
+}
+
+// Calls solve(d, k) for the rows from k on, as many at a time as d has lanes: the last ones in the fewest lanes that
+// hold them, because most batches of small scenes have few rows.
+template <std::size_t kMost, class Solve>
+HWY_INLINE void for_rows(ImpactBatch& batch, std::size_t k, const Solve& solve) {
+  const hn::CappedTag<double, kMost> d;
+  constexpr std::size_t kHalf = hn::MaxLanes(decltype(d)()) / 2;
+  for (; k + kHalf < batch.count; k += hn::Lanes(d)) {
+    pad(batch, k + hn::Lanes(d));
+    solve(d, k);
+  }
+  if constexpr (kHalf > 0) for_rows<kHalf>(batch, k, solve);
 }
 
 // Approach speed along some wrenches: positive when the two bodies close.
@@ -84,61 +95,60 @@ HWY_INLINE V closing_within(D d, const V& reach, const Triple<V>& a_to_b, const 
   return hn::Mul(hn::Set(d, 1 + kRounding), most);
 }
 
-void overlaps(const ImpactLanes& lanes, ImpactBatch& batch) {
-  const Doubles d;
-  using V = hn::Vec<Doubles>;
-  pad(batch);
-  batch.rebounds = 0;
-  const V still = hn::Set(d, lanes.still_mps);
-  for (std::size_t k = 0; k < batch.count; k += hn::Lanes(d)) {
-    const auto first = gather(d, lanes.overlaps, batch.row + k, 0);
-    const auto second = gather(d, lanes.overlaps, batch.row + k, 4);
-    const auto third = gather(d, lanes.overlaps, batch.row + k, 6);
-    const auto closing =
-        closing_of<V>(motions(d, lanes.bodies, batch.a + k), motions(d, lanes.bodies, batch.b + k),
-                      {first.at[0], first.at[1], first.at[2]}, {first.at[3], second.at[0], second.at[1]},
-                      {second.at[2], second.at[3], third.at[2]});
-    batch.rebounds |= bits_at(d, hn::Gt(hn::Mul(third.at[3], closing), still), k, batch);
-  }
+template <class D>
+void overlaps_at(D d, const ImpactLanes& lanes, std::size_t k, ImpactBatch& batch) {
+  using V = hn::Vec<D>;
+  const auto first = gather(d, lanes.overlaps, batch.row + k, 0);
+  const auto second = gather(d, lanes.overlaps, batch.row + k, 4);
+  const auto third = gather(d, lanes.overlaps, batch.row + k, 6);
+  const auto closing = closing_of<V>(motions(d, lanes.bodies, batch.a + k), motions(d, lanes.bodies, batch.b + k),
+                                     {first.at[0], first.at[1], first.at[2]}, {first.at[3], second.at[0], second.at[1]},
+                                     {second.at[2], second.at[3], third.at[2]});
+  batch.rebounds |= bits_at(d, hn::Gt(hn::Mul(third.at[3], closing), hn::Set(d, lanes.still_mps)), k, batch);
 }
 
-void look(const ImpactLanes& lanes, ImpactBatch& batch) {
-  const Doubles d;
-  using V = hn::Vec<Doubles>;
-  pad(batch);
-  batch.needs = batch.rebounds = batch.overlaps_rebound = 0;
+void overlaps(const ImpactLanes& lanes, ImpactBatch& batch) {
+  batch.rebounds = 0;
+  for_rows<kLanes>(batch, 0, [&](auto d, std::size_t k) HWY_ATTR { overlaps_at(d, lanes, k, batch); });
+}
+
+template <class D>
+void look_at(D d, const ImpactLanes& lanes, std::size_t k, ImpactBatch& batch) {
+  using V = hn::Vec<D>;
   const V one = hn::Set(d, 1.0);
   const V still = hn::Set(d, lanes.still_mps);
   const V dt = hn::Set(d, lanes.dt_s);
-  for (std::size_t k = 0; k < batch.count; k += hn::Lanes(d)) {
-    const auto first = gather(d, lanes.rows, batch.row + k, kWrenchOfRow);
-    const auto second = gather(d, lanes.rows, batch.row + k, kWrenchOfRow + 4);
-    const auto third = gather(d, lanes.rows, batch.row + k, kWrenchOfRow + 8);
-    const auto place = gather(d, lanes.rows, batch.row + k, kPlaceOfRow);
-    const Motions<V> a = motions(d, lanes.bodies, batch.a + k);
-    const Motions<V> b = motions(d, lanes.bodies, batch.b + k);
-    const V closing =
-        closing_of<V>(a, b, {first.at[0], first.at[1], first.at[2]}, {first.at[3], second.at[0], second.at[1]},
-                      {second.at[2], second.at[3], third.at[0]});
-    const V mass = third.at[1];
-    const V gap = third.at[2];
-    const V restitution = third.at[3];
-    const auto rebounds = hn::Gt(hn::Mul(restitution, closing), still);
-    // The start of this step is nearer to the time of impact than that of the next one. Waiting for overlap would
-    // answer half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
-    const auto meets_now = hn::Le(gap, hn::Mul(hn::Mul(hn::Set(d, 0.5), closing), dt));
-    const V now = hn::Mul(hn::Mul(hn::Add(one, hn::IfThenElseZero(rebounds, restitution)), closing), mass);
-    const auto meets_later = hn::AndNot(rebounds, hn::Gt(hn::Mul(closing, dt), gap));
-    const V later = hn::Mul(hn::Sub(closing, hn::Div(gap, dt)), mass);
-    const V lambda = hn::IfThenElseZero(hn::Gt(closing, still),
-                                        hn::IfThenElse(meets_now, now, hn::IfThenElseZero(meets_later, later)));
-    hn::Store(lambda, d, batch.lambda_ns + k);
-    batch.needs |= bits_at(d, hn::Gt(lambda, hn::Zero(d)), k, batch);
-    batch.rebounds |= bits_at(d, rebounds, k, batch);
-    const V most = closing_within(d, place.at[3], {place.at[0], place.at[1], place.at[2]}, a, b);
-    const auto might = hn::And(hn::Gt(place.at[3], hn::Zero(d)), hn::Gt(hn::Mul(restitution, most), still));
-    batch.overlaps_rebound |= bits_at(d, might, k, batch);
-  }
+  const auto first = gather(d, lanes.rows, batch.row + k, kWrenchOfRow);
+  const auto second = gather(d, lanes.rows, batch.row + k, kWrenchOfRow + 4);
+  const auto third = gather(d, lanes.rows, batch.row + k, kWrenchOfRow + 8);
+  const auto place = gather(d, lanes.rows, batch.row + k, kPlaceOfRow);
+  const Motions<V> a = motions(d, lanes.bodies, batch.a + k);
+  const Motions<V> b = motions(d, lanes.bodies, batch.b + k);
+  const V closing = closing_of<V>(a, b, {first.at[0], first.at[1], first.at[2]},
+                                  {first.at[3], second.at[0], second.at[1]}, {second.at[2], second.at[3], third.at[0]});
+  const V mass = third.at[1];
+  const V gap = third.at[2];
+  const V restitution = third.at[3];
+  const auto rebounds = hn::Gt(hn::Mul(restitution, closing), still);
+  // The start of this step is nearer to the time of impact than that of the next one. Waiting for overlap would
+  // answer half a step late on average, and a late rebound loses speed: it has to climb out of the overlap.
+  const auto meets_now = hn::Le(gap, hn::Mul(hn::Mul(hn::Set(d, 0.5), closing), dt));
+  const V now = hn::Mul(hn::Mul(hn::Add(one, hn::IfThenElseZero(rebounds, restitution)), closing), mass);
+  const auto meets_later = hn::AndNot(rebounds, hn::Gt(hn::Mul(closing, dt), gap));
+  const V later = hn::Mul(hn::Sub(closing, hn::Div(gap, dt)), mass);
+  const V lambda = hn::IfThenElseZero(hn::Gt(closing, still),
+                                      hn::IfThenElse(meets_now, now, hn::IfThenElseZero(meets_later, later)));
+  hn::Store(lambda, d, batch.lambda_ns + k);
+  batch.needs |= bits_at(d, hn::Gt(lambda, hn::Zero(d)), k, batch);
+  batch.rebounds |= bits_at(d, rebounds, k, batch);
+  const V most = closing_within(d, place.at[3], {place.at[0], place.at[1], place.at[2]}, a, b);
+  const auto might = hn::And(hn::Gt(place.at[3], hn::Zero(d)), hn::Gt(hn::Mul(restitution, most), still));
+  batch.overlaps_rebound |= bits_at(d, might, k, batch);
+}
+
+void look(const ImpactLanes& lanes, ImpactBatch& batch) {
+  batch.needs = batch.rebounds = batch.overlaps_rebound = 0;
+  for_rows<kLanes>(batch, 0, [&](auto d, std::size_t k) HWY_ATTR { look_at(d, lanes, k, batch); });
 }
 
 // The impulse lambda along l, with turns per unit of it, applied to b and its opposite to a.
@@ -203,26 +213,27 @@ HWY_INLINE void add_friction(D d, const ImpactLanes& lanes, const ImpactBatch& b
           kPointImpulseOfRow);
 }
 
+template <class D>
+void give_at(D d, const ImpactLanes& lanes, std::size_t k, const ImpactBatch& batch) {
+  using V = hn::Vec<D>;
+  const auto first = gather(d, lanes.rows, batch.row + k, kWrenchOfRow);
+  const auto terms = gather(d, lanes.rows, batch.row + k, kTermsOfRow);
+  const auto turns = gather(d, lanes.rows, batch.row + k, kTurnsOfRow);
+  const auto more = gather(d, lanes.rows, batch.row + k, kTurnsOfRow + 4);
+  const Triple<V> l = {first.at[0], first.at[1], first.at[2]};
+  const V lambda = hn::Load(d, batch.lambda_ns + k);
+  const V friction = terms.at[2];
+  Motions<V> a = motions(d, lanes.bodies, batch.a + k);
+  Motions<V> b = motions(d, lanes.bodies, batch.b + k);
+  push(d, lambda, l, {turns.at[0], turns.at[1], turns.at[2]}, {turns.at[3], more.at[0], more.at[1]}, a, b);
+  if (!hn::AllFalse(d, hn::Gt(friction, hn::Zero(d))))
+    add_friction(d, lanes, batch, k, lambda, friction, l, {more.at[2], more.at[3], terms.at[0]}, a, b);
+  store_motions(d, a, lanes.bodies, batch.a + k);
+  store_motions(d, b, lanes.bodies, batch.b + k);
+}
+
 void give(const ImpactLanes& lanes, ImpactBatch& batch) {
-  const Doubles d;
-  using V = hn::Vec<Doubles>;
-  pad(batch);
-  for (std::size_t k = 0; k < batch.count; k += hn::Lanes(d)) {
-    const auto first = gather(d, lanes.rows, batch.row + k, kWrenchOfRow);
-    const auto terms = gather(d, lanes.rows, batch.row + k, kTermsOfRow);
-    const auto turns = gather(d, lanes.rows, batch.row + k, kTurnsOfRow);
-    const auto more = gather(d, lanes.rows, batch.row + k, kTurnsOfRow + 4);
-    const Triple<V> l = {first.at[0], first.at[1], first.at[2]};
-    const V lambda = hn::Load(d, batch.lambda_ns + k);
-    const V friction = terms.at[2];
-    Motions<V> a = motions(d, lanes.bodies, batch.a + k);
-    Motions<V> b = motions(d, lanes.bodies, batch.b + k);
-    push(d, lambda, l, {turns.at[0], turns.at[1], turns.at[2]}, {turns.at[3], more.at[0], more.at[1]}, a, b);
-    if (!hn::AllFalse(d, hn::Gt(friction, hn::Zero(d))))
-      add_friction(d, lanes, batch, k, lambda, friction, l, {more.at[2], more.at[3], terms.at[0]}, a, b);
-    store_motions(d, a, lanes.bodies, batch.a + k);
-    store_motions(d, b, lanes.bodies, batch.b + k);
-  }
+  for_rows<kLanes>(batch, 0, [&](auto d, std::size_t k) HWY_ATTR { give_at(d, lanes, k, batch); });
 }
 
 }  // namespace poise::solver::HWY_NAMESPACE

@@ -85,18 +85,27 @@ HWY_INLINE T* figures_at(S* of, std::size_t at, std::size_t offset) {
   return reinterpret_cast<T*>(of + at) + offset;
 }
 
+// Four figures from `at` on, in the only lane.
+template <class D, class T>
+HWY_INLINE Columns<hn::Vec<D>> one_column(D d, const T* at) {
+  return {{hn::LoadU(d, at), hn::LoadU(d, at + 1), hn::LoadU(d, at + 2), hn::LoadU(d, at + 3)}};
+}
+// The way back.
+template <class D, class T>
+HWY_INLINE void store_one_row(D d, const Columns<hn::Vec<D>>& from, T* at) {
+  for (std::size_t k = 0; k < 4; ++k) hn::StoreU(from.at[k], d, at + k);
+}
+
 #if HWY_TARGET == HWY_SCALAR
 // Four figures from row(lane) on, for each lane.
 template <class D, class Row>
 HWY_INLINE Columns<hn::Vec<D>> columns_of(D d, const Row& row) {
-  const auto* const at = row(0);
-  return {{hn::Load(d, at), hn::Load(d, at + 1), hn::Load(d, at + 2), hn::Load(d, at + 3)}};
+  return one_column(d, row(0));
 }
 // The way back, for the lanes of `which`.
 template <class D, class Row>
 HWY_INLINE void store_rows(D d, const Columns<hn::Vec<D>>& from, std::uint32_t which, const Row& row) {
-  if ((which & 1U) == 0) return;
-  for (std::size_t k = 0; k < 4; ++k) hn::Store(from.at[k], d, row(0) + k);
+  if ((which & 1U) != 0) store_one_row(d, from, row(0));
 }
 #else
 // Four rows of four numbers to four columns, or back.
@@ -130,7 +139,9 @@ HWY_INLINE Columns<hn::Vec<D>> transposed(D d, const Columns<hn::Vec<D>>& rows) 
 template <class D, class Row>
 HWY_INLINE Columns<hn::Vec<D>> columns_of(D d, const Row& row) {
   using T = hn::TFromD<D>;
-  if constexpr (hn::MaxLanes(D()) == 2) {
+  if constexpr (hn::MaxLanes(D()) == 1) {
+    return one_column(d, row(0));
+  } else if constexpr (hn::MaxLanes(D()) == 2) {
     const auto quads = [&](std::size_t k) HWY_ATTR { return hn::LoadU(d, row(0) + k); };
     const auto others = [&](std::size_t k) HWY_ATTR { return hn::LoadU(d, row(1) + k); };
     return {{hn::InterleaveLower(d, quads(0), others(0)), hn::InterleaveUpper(d, quads(0), others(0)),
@@ -152,7 +163,9 @@ HWY_INLINE Columns<hn::Vec<D>> columns_of(D d, const Row& row) {
 template <class D, class Row>
 HWY_INLINE void store_rows(D d, const Columns<hn::Vec<D>>& from, std::uint32_t which, const Row& row) {
   using T = hn::TFromD<D>;
-  if constexpr (hn::MaxLanes(D()) == 2) {
+  if constexpr (hn::MaxLanes(D()) == 1) {
+    if ((which & 1U) != 0) store_one_row(d, from, row(0));
+  } else if constexpr (hn::MaxLanes(D()) == 2) {
     const auto pair = [&](std::size_t lane, const auto& first, const auto& second) HWY_ATTR {
       if ((which >> lane & 1U) == 0) return;
       hn::Store(first, d, row(lane));

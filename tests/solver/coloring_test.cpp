@@ -63,6 +63,7 @@ TEST(Coloring, RowsOnTheGroundComeAfterAllOthers) {
   EXPECT_EQ(coloring.order()[0], 1U);
   EXPECT_EQ(coloring.order()[1], 2U);
   EXPECT_EQ(coloring.serial_begin(), edges.size() - 3);
+  EXPECT_EQ(coloring.colors(), 2 + Coloring::kGroundColors) << "those without rows are left out";
 }
 
 // Pairs of bodies that are `near` slots apart at most, or of any.
