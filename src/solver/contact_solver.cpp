@@ -43,21 +43,6 @@ Vec3 normal_of(const PointLanes<double>& point, std::size_t lane) {
   return {point.normal[0][lane], point.normal[1][lane], point.normal[2][lane]};
 }
 
-// How the iterations of one substep are done, and how they ended.
-template <class T>
-struct Iterating {
-  const ContactSystem& system;
-  const SolveSettings& settings;
-  const IterationLimit& limit;
-  const SubstepTerms<T>& terms;
-};
-struct Iterated {
-  bool reached = false;  // the share of change that was asked for
-  bool settled = false;
-  bool far = true;         // from still
-  bool collision = false;  // bodies collide
-};
-
 }  // namespace
 
 struct ContactSolver::Buffers {

@@ -8,8 +8,25 @@
 #include "solver/contact_lanes.h"
 #include "solver/iteration_limit.h"
 
-/// What an iteration of the contact solver has changed, and whether another one is worth it.
+/// The iterations of a substep: what one of them has changed, and whether another one is worth it.
 namespace poise::solver {
+
+/// How the iterations of one substep are done.
+template <class T>
+struct Iterating {
+  const ContactSystem& system;
+  const SolveSettings& settings;
+  const IterationLimit& limit;
+  const SubstepTerms<T>& terms;
+};
+
+/// How they ended.
+struct Iterated {
+  bool reached = false;  ///< the share of change that was asked for
+  bool settled = false;
+  bool far = true;         ///< from still
+  bool collision = false;  ///< bodies collide
+};
 
 template <class T>
 IterationChange<double> widened(const IterationChange<T>& change) {
