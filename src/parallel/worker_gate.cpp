@@ -66,13 +66,18 @@ std::size_t WorkerGate::close(const Patience& patience) {
   std::size_t abandoned = 0;
   for (int w = 1; w < workers_; ++w) {
     Worker& worker = hands_[static_cast<std::size_t>(w)];
-    const auto empty = [&] { return worker.hand.load(std::memory_order_seq_cst) == kEmpty; };
-    const auto left =
+    // Once seen, for good: the worker may set its word again, to look at the run, but finds it closed.
+    bool left = false;
+    const auto has_left = [&] {
+      left = left || worker.hand.load(std::memory_order_seq_cst) == kEmpty;
+      return left;
+    };
+    const auto most =
         std::max(std::chrono::nanoseconds(0), std::chrono::nanoseconds(end - std::chrono::steady_clock::now()));
-    if (spin_until(std::min(left, spin_), empty)) continue;
+    if (spin_until(std::min(most, spin_), has_left)) continue;
     // Yields the processor to threads that need it, possibly to the awaited worker itself.
-    while (!empty() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
-    if (empty()) continue;
+    while (!has_left() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    if (left) continue;
     std::uint32_t hand = kWorking;
     if (worker.hand.compare_exchange_strong(hand, kAbandoned, std::memory_order_acq_rel)) {
       ++abandoned;

@@ -139,6 +139,28 @@ TEST(WorkerGate, AWorkerThatIsAbandonedBeforeItLooksBeginsNothingInTheNextRun) {
   EXPECT_FALSE(gate.take_part(1, last_run));
 }
 
+// A worker that has left its item sets its word once more, to see whether there is another one. Whoever closes the run
+// and has seen it empty must not take that for an item.
+TEST(WorkerGate, AWorkerThatLooksForMoreWhileItIsWaitedForIsNotAbandoned) {
+  for (int round = 0; round < 500; ++round) {
+    WorkerGate gate(2, std::chrono::nanoseconds(0));
+    const auto step = [](int) { return false; };
+    std::atomic<bool> closed{false};
+    gate.open(step, true);
+    WorkerGateAccess::raise(gate, 1);
+    std::jthread worker([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(20));  // the caller waits
+      while (!closed) {
+        WorkerGateAccess::leave(gate, 1);
+        WorkerGateAccess::raise(gate, 1);
+      }
+      WorkerGateAccess::leave(gate, 1);
+    });
+    EXPECT_EQ(gate.close({{}, std::chrono::seconds(60)}), 0U);
+    closed = true;
+  }
+}
+
 // Time of this thread alone, whatever else runs.
 void work_for_two_milliseconds() {
   const auto cpu_ns = [] {
