@@ -187,7 +187,7 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
   }
   made.point_count = count_points(input, i);
   if (made.point_count == 0) {
-    count.unused_slots = count.unused_slots || made.slot != kNoSlot;
+    count.unused_slots += made.slot != kNoSlot ? 1U : 0U;
     return;
   }
   make_points_of(input, i, made, cache, count);
@@ -244,14 +244,14 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
   manifolds.manifold_points = 0;
   manifolds.held_found = 0;
   manifolds.impacts = false;
-  manifolds.unused_slots = false;
+  manifolds.unused_slots = 0;
   for (SolvedCount& count : manifolds.solved_of_chunk) {
     count.before = solved;
     solved += count.solved;
     manifolds.manifold_points += count.manifold_points;
     manifolds.held_found += count.held_found;
     manifolds.impacts = manifolds.impacts || count.any_fast;
-    manifolds.unused_slots = manifolds.unused_slots || count.unused_slots;
+    manifolds.unused_slots += count.unused_slots;
     report.pairs_left += count.left;
     report.cached_separations += count.cached_separations;
     report.cached_contacts += count.cached_contacts;

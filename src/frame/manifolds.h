@@ -37,7 +37,7 @@ struct SolvedCount {
   std::uint32_t manifold_points = 0;  ///< of the solved ones
   std::size_t held_found = 0;         ///< pairs that wait, with new points
   std::uint32_t new_slots = 0;
-  bool unused_slots = false;  ///< some pair has a slot and no points any more
+  std::uint32_t unused_slots = 0;  ///< pairs that have a slot and no points any more
   std::array<std::uint32_t, kPolygonBin + 1> levels{};
 };
 
@@ -50,7 +50,7 @@ struct Manifolds {
   std::uint64_t manifold_points = 0;                    ///< of all manifolds
   std::size_t held_found = 0;                           ///< pairs that wait, with new points
   bool impacts = false;                                 ///< some pair may have an impact
-  bool unused_slots = false;                            ///< some pair has a slot and no points: *publish* releases it
+  std::size_t unused_slots = 0;                         ///< of pairs without points: *publish* releases them
   std::vector<SolvedCount> solved_of_chunk;             ///< per chunk of pairs
 
   parallel::UnsetVector<solver::Manifold> of_chunk;  // scratch: those of each chunk, from where its pairs begin

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "frame/contact_points.h"
 #include "parallel/prefetch.h"
@@ -165,17 +166,26 @@ bool precedes(const ContactEvent& x, const ContactEvent& y) {
          std::tuple(y.a.slot, y.b.slot, y.a.generation, y.b.generation);
 }
 
-// Slots of pairs that have lost their points.
+// Slots of pairs that have lost their points, in canonical order.
 void release_unused(const PublishInput& input, PointCache& points, Publication& publication,
                     parallel::Executor& executor) {
-  if (!input.manifolds.unused_slots) return;
-  const parallel::UnsetVector<PairPoints>& made = input.manifolds.points;
-  const std::size_t free_before = points.free.size();
-  parallel::select(
-      executor, made.size(), kPairGrain, publication.counts,
-      [&](std::size_t i) { return made[i].point_count == 0 && made[i].slot != kNoSlot; },
-      [&](std::size_t count) { points.free.resize(free_before + count); },
-      [&](std::size_t i, std::size_t position) { points.free[free_before + position] = made[i].slot; });
+  if (input.manifolds.unused_slots == 0) return;
+  const PairTable& table = input.table;
+  const std::vector<SolvedCount>& of_chunk = input.manifolds.solved_of_chunk;
+  std::size_t position = points.free.size();
+  points.free.resize(position + input.manifolds.unused_slots);
+  publication.counts.reserve(table.known_of_chunk.capacity());
+  publication.counts.clear();
+  for (const SolvedCount& count : of_chunk)
+    publication.counts.push_back(std::exchange(position, position + count.unused_slots));
+  parallel::parallel_for(executor, of_chunk.size(), 1, [&](std::size_t chunk, std::size_t, int) {
+    if (of_chunk[chunk].unused_slots == 0) return;
+    std::size_t at = publication.counts[chunk];
+    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
+      const PairPoints& made = input.manifolds.points[i];
+      if (made.point_count == 0 && made.slot != kNoSlot) points.free[at++] = made.slot;
+    }
+  });
 }
 
 // Contacts end of cached pairs that are no longer active, and their slots are released.
