@@ -12,6 +12,27 @@
 
 #include "collision/front/overlap_kernel.h"
 
+#ifndef POISE_OVERLAP_KERNEL_ONCE
+#define POISE_OVERLAP_KERNEL_ONCE
+namespace poise::collision {
+
+// Of each of the 256 rows of eight bits, the places of those that are set, and zeros.
+struct SetPlaces {
+  alignas(64) std::uint32_t of_row[1U << kTreeBranching][kTreeBranching]{};
+  constexpr SetPlaces() {
+    for (std::uint32_t row = 0; row < 1U << kTreeBranching; ++row) {
+      std::size_t count = 0;
+      for (std::uint32_t place = 0; place < kTreeBranching; ++place) {
+        if ((row >> place & 1U) != 0) of_row[row][count++] = place;
+      }
+    }
+  }
+};
+inline constexpr SetPlaces kColumns;
+
+}  // namespace poise::collision
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace poise::collision::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -167,29 +188,59 @@ struct Block {
   [[nodiscard]] FrontEntry first() const { return {first_a, first_b}; }
 };
 
-// The nearest children of a block.
+// The nearest children of a block: of several that are, those in the first column.
 HWY_INLINE FrontEntry nearest_of(const Nearest& nearest, const Block& block) {
+  const hn::CappedTag<float, kTreeBranching> d;
   std::uint32_t column = 0;
-  for (std::uint32_t j = 1; j < block.columns; ++j) {
-    if (nearest.square_m2[j] < nearest.square_m2[column]) column = j;
+  if constexpr (hn::MaxLanes(d) == kTreeBranching) {
+    const auto square = hn::IfThenElse(hn::FirstN(d, block.columns), hn::Load(d, nearest.square_m2),
+                                       hn::Set(d, std::numeric_limits<float>::max()));
+    const auto least = hn::FindFirstTrue(d, hn::Eq(square, hn::MinOfLanes(d, square)));
+    column = static_cast<std::uint32_t>(least);
+  } else {
+    for (std::uint32_t j = 1; j < block.columns; ++j) {
+      if (nearest.square_m2[j] < nearest.square_m2[column]) column = j;
+    }
   }
   return {block.first_a + static_cast<NodeIndex>(nearest.row[column]), block.first_b + column};
 }
 
 // Writes the pairs of a block in order; contact points of `out` beyond them may be overwritten, but none beyond the
 // block's own 64.
+#if HWY_TARGET == HWY_SCALAR
+std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
+  const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
+  for (; bits != 0; bits &= bits - 1) {
+    const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
+    *out++ = {first.a + place / kTreeBranching, first.b + place % kTreeBranching};
+  }
+  return hits;
+}
+#else
+// Row by row, each as if all of its eight were there: how many there are no processor foresees.
 HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
-  constexpr int kAtOnce = 4;  // most blocks have no more, and then the loop ends as foreseen
+  static_assert(std::endian::native == std::endian::little && sizeof(FrontEntry) == sizeof(std::uint64_t));
+  constexpr int kAtOnce = 4;  // most blocks have no more rows, and then the loop ends as foreseen
+  const hn::CappedTag<std::uint64_t, kTreeBranching> d;
+  const hn::Rebind<std::uint32_t, decltype(d)> narrow;
   const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
   while (bits != 0) {
+    // A row that is not there any more has no places, and is written where a later one, or nothing, comes.
     for (int k = 0; k < kAtOnce; ++k) {
-      const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
-      *out++ = {first.a + place / kTreeBranching, first.b + place % kTreeBranching};
-      bits &= bits - 1;
+      const auto from = static_cast<std::uint32_t>(std::countr_zero(bits)) & 56U;
+      const std::uint64_t row = bits >> from & 0xffU;
+      bits &= ~(std::uint64_t{0xff} << from);
+      const auto start = hn::Set(d, (std::uint64_t{first.b} << 32U) + first.a + from / kTreeBranching);
+      for (std::size_t j = 0; j < kTreeBranching; j += hn::Lanes(d)) {
+        const auto columns = hn::PromoteTo(d, hn::Load(narrow, kColumns.of_row[row] + j));
+        hn::StoreU(hn::Add(start, hn::ShiftLeft<32>(columns)), d, reinterpret_cast<std::uint64_t*>(out) + j);
+      }
+      out += std::popcount(row);
     }
   }
   return hits;
 }
+#endif
 
 template <Lists kLists>
 HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearness, float closeness,

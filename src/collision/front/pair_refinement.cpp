@@ -78,8 +78,8 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
     const auto whole = run.subspan(all.consumed, std::min(kAtOnce, run.size() - all.consumed));
     Nearness nearness = frame.nearness;
     nearness.inflation_m -= static_cast<float>(frame.margin_m - reach_of(frame, progress.sums));
-    // Bodies that are near for sure are not separated, nearly or not.
-    if (nearness.inflation_m < frame.nearness.inflation_m) nearness.wide_m = 0;
+    // Bodies that are near for sure are not separated, nearly or not; and one nearly overlapping pair is enough.
+    if (nearness.inflation_m < frame.nearness.inflation_m || progress.nearly || all.nearly) nearness.wide_m = 0;
     std::span<const FrontEntry> part = whole;
     if (progress.narrows) part = narrowed.first(narrow_front(frame.trees(), nearness.inflation_m, whole, narrowed));
     // Where nobody reads the front, what is near is listed over and over again in the same place.
