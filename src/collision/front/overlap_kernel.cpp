@@ -62,6 +62,7 @@ struct Nearest {
 
 // What an expansion does beside the tests of the front itself.
 struct Lists {
+  bool front = true;     // the list of what overlaps; otherwise it is only counted
   bool close = false;    // a second list of what is close
   bool nearest = false;  // a list of the nearest children of each entry
   bool wide = false;     // nodes that nearly overlap are told
@@ -274,8 +275,12 @@ HWY_INLINE Expansion expand_blocks(const TreePair& trees, const Nearness& nearne
     for (std::size_t k = 0; k < count; ++k) {
       const Block& block = blocks[k];
       if constexpr (kLists.wide) result.nearly = result.nearly || block.found.wide != block.found.bits;
-      if (lists.front.size() - result.hits < kPairs) return result;
-      result.hits += list_hits(block.found.bits, block.first(), lists.front.data() + result.hits);
+      if constexpr (kLists.front) {
+        if (lists.front.size() - result.hits < kPairs) return result;
+        result.hits += list_hits(block.found.bits, block.first(), lists.front.data() + result.hits);
+      } else {
+        result.hits += static_cast<std::uint32_t>(std::popcount(block.found.bits));
+      }
       if constexpr (kLists.close) {
         if (lists.close.size() - result.close < kPairs) return result;
         result.close += list_hits(block.found.close, block.first(), lists.close.data() + result.close);
@@ -295,17 +300,20 @@ Expansion expand(const TreePair& trees, const Nearness& nearness, std::span<cons
   return expand_blocks<Lists{.wide = true}>(trees, nearness, 0, front, {out, {}, {}});
 }
 
+template <Lists kLists>
+Expansion expand_wide(const TreePair& trees, const Nearness& nearness, float closeness,
+                      std::span<const FrontEntry> front, const ExpansionLists& lists) {
+  constexpr Lists kWide{kLists.front, kLists.close, kLists.nearest, true};
+  return nearness.wide_m > 0 ? expand_blocks<kWide>(trees, nearness, closeness, front, lists)
+                             : expand_blocks<kLists>(trees, nearness, closeness, front, lists);
+}
+
 Expansion expand_lists(const TreePair& trees, const Nearness& nearness, float closeness,
                        std::span<const FrontEntry> front, const ExpansionLists& lists) {
-  if (nearness.wide_m > 0) {
-    return lists.nearest.empty()
-               ? expand_blocks<Lists{.close = true, .wide = true}>(trees, nearness, closeness, front, lists)
-               : expand_blocks<Lists{.close = true, .nearest = true, .wide = true}>(trees, nearness, closeness, front,
-                                                                                    lists);
-  }
-  return lists.nearest.empty()
-             ? expand_blocks<Lists{.close = true}>(trees, nearness, closeness, front, lists)
-             : expand_blocks<Lists{.close = true, .nearest = true}>(trees, nearness, closeness, front, lists);
+  if (lists.nearest.empty()) return expand_wide<Lists{.close = true}>(trees, nearness, closeness, front, lists);
+  if (lists.counts_front)
+    return expand_wide<Lists{.front = false, .close = true, .nearest = true}>(trees, nearness, closeness, front, lists);
+  return expand_wide<Lists{.close = true, .nearest = true}>(trees, nearness, closeness, front, lists);
 }
 
 }  // namespace poise::collision::HWY_NAMESPACE

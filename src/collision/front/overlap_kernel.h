@@ -44,6 +44,7 @@ struct ExpansionLists {
   std::span<FrontEntry> close;    ///< those of them with |o_a - o_b| < r_a + r_b + closeness_m: likewise
   std::span<FrontEntry> nearest;  ///< of each expanded entry with any, the children with the least
                                   ///< |o_a - o_b|^2 - (r_a + r_b)^2: an entry each; empty: none are listed
+  bool counts_front = false;      ///< where the nearest are listed: what overlaps is only counted
 };
 
 /// Expands each entry of a front into the overlapping pairs of its nodes' children (a leaf stands for itself), in

@@ -82,10 +82,12 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
     if (nearness.inflation_m < frame.nearness.inflation_m || progress.nearly || all.nearly) nearness.wide_m = 0;
     std::span<const FrontEntry> part = whole;
     if (progress.narrows) part = narrowed.first(narrow_front(frame.trees(), nearness.inflation_m, whole, narrowed));
-    // Where nobody reads the front, what is near is listed over and over again in the same place.
     const std::span<FrontEntry> near = progress.last ? room : room.subspan(all.hits);
-    const Expansion made = expand(frame, nearness, part, {near, close, nearest.subspan(all.nearest)});
-    add_close(frame, near.first(made.hits), close.first(made.close), progress.sums);
+    Expansion made = expand(frame, nearness, part, {near, close, nearest.subspan(all.nearest), progress.last});
+    const bool near_counts = counts_near(made.close, progress.sums);
+    // Where nobody else reads the front, it is listed only if it counts, over and over again in the same place.
+    if (progress.last && near_counts) made.consumed = expand(frame, nearness, part, {near, close, {}}).consumed;
+    add_close(frame, near.first(near_counts ? made.hits : 0), close.first(made.close), progress.sums);
     all.hits += made.hits;
     all.nearest += made.nearest;
     all.nearly = all.nearly || made.nearly;

@@ -139,10 +139,10 @@ void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, Co
 
 void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close,
                ContactSums& sums) {
-  if (!close.empty()) {
-    add_fitted(frame, close, sums.fitted);
-  } else if (sums.fitted.weight == 0) {
+  if (counts_near(close.size(), sums)) {
     add_fitted(frame, near, sums.fitted_near);
+  } else {
+    add_fitted(frame, close, sums.fitted);
   }
 }
 

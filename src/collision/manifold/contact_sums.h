@@ -53,6 +53,7 @@ struct ContactSums {
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
 
 /// With PairFrame::fitted: entries that are close count; while there are none, those that are near do.
+inline bool counts_near(std::size_t close, const ContactSums& sums) { return close == 0 && sums.fitted.weight == 0; }
 void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close,
                ContactSums& sums);
 

@@ -144,11 +144,16 @@ HWY_INLINE auto contacts_of(D d, const PairFrame& frame, std::span<const FrontEn
   return c;
 }
 
+// What weights are made of.
+struct Weighing {
+  float expected_gap_m, inverse_width;
+};
+
 // Adds up to eight contacts to the lanes.
-void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lanes& sums) {
+HWY_INLINE void add_block(const PairFrame& frame, const Weighing& weighing, std::span<const FrontEntry> entries,
+                          Lanes& sums) {
   const hn::CappedTag<float, kLanes> d;
   alignas(32) static constexpr float kIndices[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
-  const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
     const auto used = hn::Lt(hn::Load(d, kIndices + k), hn::Set(d, static_cast<float>(entries.size())));
     const auto c = contacts_of(d, frame, entries, k);
@@ -163,7 +168,8 @@ void add_block(const PairFrame& frame, std::span<const FrontEntry> entries, Lane
     const auto radius_b = c.radius_b;
     const auto core = c.core;
     const auto gap = hn::Sub(distance, hn::Add(radius_a, radius_b));
-    const auto steepness = hn::Mul(hn::Sub(set(frame.expected_gap_m), gap), set(1.0 / frame.width_m));
+    const auto steepness =
+        hn::Mul(hn::Sub(hn::Set(d, weighing.expected_gap_m), gap), hn::Set(d, weighing.inverse_width));
     const auto exponent = hn::Min(hn::Max(steepness, hn::Set(d, kSmallest)), hn::Set(d, kLargest));
     const auto weight = hn::IfThenElseZero(used, exponential(d, exponent));
     auto sharp = hn::IfThenElseZero(used, hn::Max(weight, hn::Set(d, kLeastPointWeight)));
@@ -220,11 +226,12 @@ void contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeC
 }
 
 void add(const PairFrame& frame, std::span<const FrontEntry> entries, FittedSums& sums) {
+  const Weighing weighing{static_cast<float>(frame.expected_gap_m), static_cast<float>(1.0 / frame.width_m)};
   Lanes lanes;
   std::fill_n(lanes.gap, kLanes, kBeyond);
   std::fill_n(lanes.cores, kLanes, kBeyond);
   for (std::size_t begin = 0; begin < entries.size(); begin += kLanes) {
-    add_block(frame, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), lanes);
+    add_block(frame, weighing, entries.subspan(begin, std::min(kLanes, entries.size() - begin)), lanes);
   }
   const auto sum = [](const float(&of)[kLanes]) {
     return static_cast<double>(((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])));
