@@ -16,6 +16,7 @@
 #include "solver/contact_blocks.h"
 #include "solver/energy_guard.h"
 #include "solver/flight.h"
+#include "solver/impulse_lanes.h"
 #include "solver/iteration_change.h"
 #include "solver/iteration_limit.h"
 #include "solver/prefetch_blocks.h"
@@ -39,10 +40,6 @@ constexpr double kDiverged = 2;
 // How many blocks ahead what they read is prefetched.
 constexpr std::size_t kPairsAhead = 3, kAhead = 1;
 
-Vec3 normal_of(const PointLanes<double>& point, std::size_t lane) {
-  return {point.normal[0][lane], point.normal[1][lane], point.normal[2][lane]};
-}
-
 }  // namespace
 
 struct ContactSolver::Buffers {
@@ -52,7 +49,7 @@ struct ContactSolver::Buffers {
   std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
   AndersonMixing mixing;
   Settling settling;
-  // Of all impulses that are iterated, in the order of for_impulses: the root of the mass that each moves, and the
+  // Of all impulses that are iterated, in the order of impulse_lanes.h: the root of the mass that each moves, and the
   // impulses times these, whose squares are energies.
   std::vector<double> roots, before, after;
   std::vector<double> swept;  // impulses of all lanes after the last plain iteration
@@ -77,6 +74,9 @@ struct ContactSolver::Buffers {
   void iteration(parallel::Executor& executor, Visit&& visit);
   template <class Visit>
   void for_impulses(Visit&& visit);
+  // Calls visit(block, where its numbers begin) for each block; returns how many there are.
+  template <class Visit>
+  std::size_t for_numbers(Visit&& visit);
   std::size_t find_roots();
   void read_impulses(std::vector<double>& into);
   void mix(parallel::Executor& executor);
@@ -119,15 +119,19 @@ std::size_t ContactSolver::Buffers::find_roots() {
   return at;
 }
 
-void ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
+template <class Visit>
+std::size_t ContactSolver::Buffers::for_numbers(Visit&& visit) {
   std::size_t at = 0;
-  const auto read = [&](double impulse) {
-    into[at] = roots[at] * impulse;
-    ++at;
-  };
-  for_impulses([&](bool frictional, const PairLanes<double>&, const PointLanes<double>& point, std::size_t lane) {
-    read(point.impulse[lane]);
-    for (std::size_t k = 0; k < 3 && frictional; ++k) read(point.friction_impulse[k][lane]);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    visit(i, at);
+    at += impulse_numbers(blocks[i]);
+  }
+  return at;
+}
+
+void ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
+  for_numbers([&](std::size_t i, std::size_t at) {
+    list_impulses(blocks[i], twofold.manifold_points_of(blocks[i]), &roots[at], &into[at]);
   });
 }
 
@@ -137,32 +141,9 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   if (!mixing.mix(before, after)) return;
   const double swept_j = energy.joules(twofold.motions);
   energy.keep(twofold.motions);
-  std::size_t at = 0;
-  std::size_t kept = 0;
-  const auto change_to = [&](double& impulse, double wanted) {
-    // What warm_start_block gives to the bodies is the change.
-    swept[kept] = impulse;
-    impulse = wanted - impulse;
-    after[kept++] = wanted;
-  };
-  const auto next_impulse = [&] {
-    const double impulse = roots[at] > 0 ? after[at] / roots[at] : 0.0;
-    ++at;
-    return impulse;
-  };
-  for_impulses([&](bool frictional, const PairLanes<double>& shared, PointLanes<double>& point, std::size_t lane) {
-    const double normal = std::max(0.0, next_impulse());
-    Vec3 across = Vec3::Zero();
-    for (Eigen::Index k = 0; k < 3 && frictional; ++k) across[k] = next_impulse();
-    // A friction component along the normal would cancel against the normal impulse, and no later iteration would
-    // remove it.
-    const Vec3 along = normal_of(point, lane);
-    across -= across.dot(along) * along;
-    const double most = shared.friction[lane] * normal;
-    if (across.norm() > most) across *= most / across.norm();
-    change_to(point.impulse[lane], normal);
-    for (std::size_t k = 0; k < 3 && frictional; ++k)
-      change_to(point.friction_impulse[k][lane], across[static_cast<Eigen::Index>(k)]);
+  const std::size_t numbers = for_numbers([&](std::size_t i, std::size_t at) {
+    change_impulses(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), &roots[at], &after[at],
+                    &swept[at]);
   });
   iteration(executor, [&](std::size_t i) {
     warm_start_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
@@ -170,13 +151,11 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   const bool diverged = !(energy.joules(twofold.motions) <= kDiverged * std::max(swept_j, alone_j));
   if (diverged) {
     energy.restore(twofold.motions);
-    mixing.begin(kept);
+    mixing.begin(numbers);
   }
   const std::vector<double>& impulses = diverged ? swept : after;
-  at = 0;
-  for_impulses([&](bool frictional, const PairLanes<double>&, PointLanes<double>& point, std::size_t lane) {
-    point.impulse[lane] = impulses[at++];
-    for (std::size_t k = 0; k < 3 && frictional; ++k) point.friction_impulse[k][lane] = impulses[at++];
+  for_numbers([&](std::size_t i, std::size_t at) {
+    set_impulses(blocks[i], twofold.manifold_points_of(blocks[i]), &impulses[at]);
   });
 }
 
@@ -324,7 +303,7 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   all.begun.resize(system.bodies.size());
   all.scaled_inverse_inertias.resize(system.bodies.size());
   if (mixed) {
-    roots.resize(std::max(roots.size(), 4 * kLanes * needed));
+    roots.resize(std::max(roots.size(), 4 * kLanes * needed + kNumbersBeyond));
     before.resize(roots.size());
     after.resize(before.size());
     swept.resize(before.size());

@@ -168,8 +168,8 @@ HWY_INLINE void store_rows(D d, const Columns<hn::Vec<D>>& from, std::uint32_t w
   } else if constexpr (hn::MaxLanes(D()) == 2) {
     const auto pair = [&](std::size_t lane, const auto& first, const auto& second) HWY_ATTR {
       if ((which >> lane & 1U) == 0) return;
-      hn::Store(first, d, row(lane));
-      hn::Store(second, d, row(lane) + 2);
+      hn::StoreU(first, d, row(lane));
+      hn::StoreU(second, d, row(lane) + 2);
     };
     pair(0, hn::InterleaveLower(d, from.at[0], from.at[1]), hn::InterleaveLower(d, from.at[2], from.at[3]));
     pair(1, hn::InterleaveUpper(d, from.at[0], from.at[1]), hn::InterleaveUpper(d, from.at[2], from.at[3]));
@@ -179,7 +179,7 @@ HWY_INLINE void store_rows(D d, const Columns<hn::Vec<D>>& from, std::uint32_t w
     const auto quad = [&](const Four& columns, std::size_t lane) HWY_ATTR {
       const Four rows = transposed(four, columns);
       for (std::size_t k = 0; k < 4; ++k) {
-        if ((which >> (lane + k) & 1U) != 0) hn::Store(rows.at[k], four, row(lane + k));
+        if ((which >> (lane + k) & 1U) != 0) hn::StoreU(rows.at[k], four, row(lane + k));
       }
     };
     if constexpr (hn::MaxLanes(D()) == 8) {
