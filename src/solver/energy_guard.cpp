@@ -32,6 +32,24 @@ void EnergyGuard::begin(const ContactSystem& system, std::span<const ContactBloc
     bodies_.push_back(
         {name, 1 / body.inverse_mass, system.inverse_inertia[name].inverse(), body.velocity_mps, body.spin_radps});
   }
+  fill_lanes();
+}
+
+void EnergyGuard::fill_lanes() {
+  lanes_.assign((bodies_.size() + kLanes - 1) / kLanes, BodyEnergies{});
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& body = bodies_[i];
+    BodyEnergies& lanes = lanes_[i / kLanes];
+    const std::size_t lane = lanes.count++;
+    lanes.name[lane] = body.name;
+    lanes.kg[lane] = body.kg;
+    for (Eigen::Index row = 0; row < 3; ++row) {
+      lanes.velocity_mps[row][lane] = body.velocity_mps[row];
+      lanes.spin_radps[row][lane] = body.spin_radps[row];
+      for (Eigen::Index column = 0; column < 3; ++column)
+        lanes.inertia_kgm2[column][row][lane] = body.inertia_kgm2(row, column);
+    }
+  }
 }
 
 EnergyGuard::Speed EnergyGuard::speed(const Body& body, const MotionChange<double>& change) {
@@ -51,12 +69,7 @@ double EnergyGuard::product(const Body& body, const Speed& a, const Speed& b) {
 }
 
 double EnergyGuard::joules(std::span<const MotionChange<double>> changes) const {
-  double sum = 0;
-  for (const Body& body : bodies_) {
-    const Speed now = speed(body, changes[body.name]);
-    sum += 0.5 * product(body, now, now);
-  }
-  return sum;
+  return kinetic_j(lanes_, changes.data());
 }
 
 double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const MotionChange<double>> begun,

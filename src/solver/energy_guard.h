@@ -7,6 +7,7 @@
 
 #include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
+#include "solver/energy_lanes.h"
 
 namespace poise::solver {
 
@@ -45,6 +46,7 @@ class EnergyGuard {
   struct Speed {
     Vec3 velocity_mps, spin_radps;
   };
+  void fill_lanes();
   static Speed speed(const Body& body, const MotionChange<double>& change);
   static Speed speed_alone(const ContactSystem& system, const Body& body, const MotionChange<double>& begun,
                            double h_s);
@@ -52,7 +54,8 @@ class EnergyGuard {
 
   std::vector<std::uint32_t> names_;
   std::vector<Body> bodies_;
-  bool driven_ = false;  // by a body without mass that moves: it may give them any energy
+  std::vector<BodyEnergies> lanes_;  // the same, for joules()
+  bool driven_ = false;              // by a body without mass that moves: it may give them any energy
   std::vector<MotionChange<double>> saved_;
 };
 
