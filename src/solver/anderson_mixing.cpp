@@ -30,20 +30,12 @@ void AndersonMixing::begin(std::size_t size) {
 }
 
 bool AndersonMixing::mix(std::span<const double> before, std::span<double> after) {
-  std::vector<double>& newest = after_steps_[next_];
-  double square = 0;
-  for (std::size_t i = 0; i < size_; ++i) {
-    const double residual = after[i] - before[i];
-    square += residual * residual;
-    residual_steps_[i * kDepth + next_] = residual - residual_[i];
-    newest[i] = after[i] - after_[i];
-    residual_[i] = residual;
-    after_[i] = after[i];
-  }
-  const bool learnt = started_ && square <= kGrown * last_square_;
+  const NotedStep noted = note_step(before.first(size_), after.first(size_), next_,
+                                    {residual_, after_, residual_steps_, after_steps_[next_]});
+  const bool learnt = started_ && noted.residual_square <= kGrown * last_square_;
   if (started_ && !learnt) count_ = 0;
   started_ = true;
-  last_square_ = square;
+  last_square_ = noted.residual_square;
   if (!learnt) return false;
   next_ = (next_ + 1) % kDepth;
   count_ = std::min(count_ + 1, kDepth);
@@ -53,15 +45,13 @@ bool AndersonMixing::mix(std::span<const double> before, std::span<double> after
   const auto count = static_cast<Eigen::Index>(count_);
   const auto index = [&](std::size_t k) { return (next_ + kDepth - 1 - k) % kDepth; };
   const std::size_t fresh = index(0);
-  const StepProducts sums =
-      step_products(std::span(residual_steps_).first(kDepth * size_), std::span(residual_).first(size_), fresh);
   for (std::size_t k = 0; k < count_; ++k)
-    products_[fresh][index(k)] = products_[index(k)][fresh] = sums.with_step[index(k)];
+    products_[fresh][index(k)] = products_[index(k)][fresh] = noted.with_step[index(k)];
   Small products(count, count);
   Few right(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const std::size_t row = index(static_cast<std::size_t>(r));
-    right[r] = sums.with_last[row];
+    right[r] = noted.with_last[row];
     for (Eigen::Index c = 0; c < count; ++c) products(r, c) = products_[row][index(static_cast<std::size_t>(c))];
   }
   products.diagonal().array() += kRidge * products.trace();

@@ -13,24 +13,36 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Multiplications and additions stay apart, as in lane_math_inl.h.
 
-StepProducts products(std::span<const double> steps, std::span<const double> last, std::size_t step) {
+NotedStep note(std::span<const double> before, std::span<const double> after, std::size_t step,
+               const StepLists& lists) {
   constexpr std::size_t kDepth = AndersonMixing::kDepth;
   const hn::CappedTag<double, kDepth> d;
   using V = hn::Vec<decltype(d)>;
   constexpr std::size_t kRegisters = kDepth / hn::MaxLanes(decltype(d)());
+  alignas(64) double indices[kDepth];
+  for (std::size_t k = 0; k < kDepth; ++k) indices[k] = static_cast<double>(k);
+  const V index = hn::Set(d, static_cast<double>(step));
   V with_step[kRegisters], with_last[kRegisters];
   for (std::size_t r = 0; r < kRegisters; ++r) with_step[r] = with_last[r] = hn::Zero(d);
-  for (std::size_t i = 0; i < last.size(); ++i) {
-    const double* const of = steps.data() + i * kDepth;
-    const V by_step = hn::Set(d, of[step]);
-    const V by_last = hn::Set(d, last[i]);
+  NotedStep made;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const double residual = after[i] - before[i];
+    made.residual_square += residual * residual;
+    const V by_step = hn::Set(d, residual - lists.residual[i]);
+    const V by_last = hn::Set(d, residual);
+    lists.after_step[i] = after[i] - lists.after[i];
+    lists.residual[i] = residual;
+    lists.after[i] = after[i];
+    // The row is changed in its registers: a vector that is read where a number has just been written waits for it.
+    double* const row = lists.residual_steps.data() + i * kDepth;
     for (std::size_t r = 0; r < kRegisters; ++r) {
-      const V here = hn::LoadU(d, of + r * hn::Lanes(d));
+      const auto own = hn::Eq(hn::Load(d, indices + r * hn::Lanes(d)), index);
+      const V here = hn::IfThenElse(own, by_step, hn::LoadU(d, row + r * hn::Lanes(d)));
+      hn::StoreU(here, d, row + r * hn::Lanes(d));
       with_step[r] = hn::Add(with_step[r], hn::Mul(by_step, here));
       with_last[r] = hn::Add(with_last[r], hn::Mul(here, by_last));
     }
   }
-  StepProducts made;
   for (std::size_t r = 0; r < kRegisters; ++r) {
     hn::StoreU(with_step[r], d, made.with_step.data() + r * hn::Lanes(d));
     hn::StoreU(with_last[r], d, made.with_last.data() + r * hn::Lanes(d));
@@ -60,11 +72,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace poise::solver {
 
-HWY_EXPORT(products);
+HWY_EXPORT(note);
 HWY_EXPORT(subtract);
 
-StepProducts step_products(std::span<const double> steps, std::span<const double> last, std::size_t step) {
-  return HWY_DYNAMIC_DISPATCH(products)(steps, last, step);
+NotedStep note_step(std::span<const double> before, std::span<const double> after, std::size_t step,
+                    const StepLists& lists) {
+  return HWY_DYNAMIC_DISPATCH(note)(before, after, step, lists);
 }
 
 void subtract_steps(std::span<const double* const> steps, std::span<const double> parts, std::span<double> from) {

@@ -11,13 +11,23 @@
 /// depend on no instruction set.
 namespace poise::solver {
 
-/// Of each step, the products with one step and with the last residual.
-struct StepProducts {
+/// What a step is noted in, as many numbers each as the points have.
+struct StepLists {
+  std::span<double> residual, after;  ///< of the last point; afterwards of this one
+  std::span<double> residual_steps;   ///< kDepth for each number: those of all steps
+  std::span<double> after_step;       ///< of this step
+};
+
+/// A step that was noted.
+struct NotedStep {
+  double residual_square = 0;  ///< of this point
+  /// Of the residual of each step, the products with that of this step, and with the residual of this point.
   std::array<double, AndersonMixing::kDepth> with_step{}, with_last{};
 };
 
-/// `steps` holds kDepth numbers for each of `last`: those of all steps. `step` is the index of one of them.
-StepProducts step_products(std::span<const double> steps, std::span<const double> last, std::size_t step);
+/// Notes the step from the last point to this one as that with the index `step`.
+NotedStep note_step(std::span<const double> before, std::span<const double> after, std::size_t step,
+                    const StepLists& lists);
 
 /// Takes from each number of `from` those of the steps, one step after another, times `parts`.
 void subtract_steps(std::span<const double* const> steps, std::span<const double> parts, std::span<double> from);
