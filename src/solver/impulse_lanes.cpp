@@ -47,27 +47,26 @@ HWY_INLINE void write_numbers(D d, const ContactBlock& block, const Impulses<V>&
   store_rows(d, {{impulses.along, impulses.across.x, impulses.across.y, impulses.across.z}}, in_use, row);
 }
 
-// Calls visit(contact point, where its numbers begin, lane) for all lanes of a block that are in use.
-template <class D, class Points, class Visit>
-HWY_INLINE void for_lanes(D d, const ContactBlock& block, Points points, Visit&& visit) {
-  const std::size_t numbers = std::size_t{block.count} * (block.frictional ? 4U : 1U);
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) visit(points[p], p * numbers, lane);
-  }
+HWY_INLINE std::size_t numbers_of_point(const ContactBlock& block) {
+  return std::size_t{block.count} * (block.frictional ? 4U : 1U);
 }
 
 void list(const ContactBlock& block, std::span<const PointLanes<double>> points, const double* roots, double* into) {
   const hn::CappedTag<double, kLanes> d;
   using V = hn::Vec<decltype(d)>;
-  for_lanes(d, block, points, [&](const PointLanes<double>& point, std::size_t at, std::size_t lane) HWY_ATTR {
-    const Impulses<V> root = read_numbers(d, block, roots + at, lane);
-    const Impulses<V> impulse = impulses_of(d, point, lane);
-    write_numbers(d, block,
-                  Impulses<V>{hn::Mul(root.along, impulse.along),
-                              {hn::Mul(root.across.x, impulse.across.x), hn::Mul(root.across.y, impulse.across.y),
-                               hn::Mul(root.across.z, impulse.across.z)}},
-                  into + at, lane);
-  });
+  const std::size_t numbers = numbers_of_point(block);
+  for (const PointLanes<double>& point : points) {
+    for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
+      const Impulses<V> root = read_numbers(d, block, roots, lane);
+      const Impulses<V> impulse = impulses_of(d, point, lane);
+      const Impulses<V> listed{hn::Mul(root.along, impulse.along),
+                               {hn::Mul(root.across.x, impulse.across.x), hn::Mul(root.across.y, impulse.across.y),
+                                hn::Mul(root.across.z, impulse.across.z)}};
+      write_numbers(d, block, listed, into, lane);
+    }
+    roots += numbers;
+    into += numbers;
+  }
 }
 
 // What was extrapolated, without its roots; nothing where nothing moves.
@@ -88,49 +87,61 @@ HWY_INLINE Triple<V> within_cone(D d, const Triple<V>& wanted, const Triple<V>& 
   return scaled(hn::IfThenElse(beyond, hn::Div(most, hn::IfThenElse(beyond, size, one)), one), across);
 }
 
+// Sets the lanes of `used`.
+template <class D, class V, class M>
+HWY_INLINE void set_lanes(D d, const M& used, const V& value, double* to) {
+  hn::Store(hn::IfThenElse(used, value, hn::Load(d, to)), d, to);
+}
+template <class D, class V, class M>
+HWY_INLINE void set_across(D d, const M& used, const Triple<V>& value, PointLanes<double>& point, std::size_t lane) {
+  set_lanes(d, used, value.x, point.friction_impulse[0] + lane);
+  set_lanes(d, used, value.y, point.friction_impulse[1] + lane);
+  set_lanes(d, used, value.z, point.friction_impulse[2] + lane);
+}
+
 void change(const ContactBlock& block, const PairLanes<double>& pairs, std::span<PointLanes<double>> points,
             const double* roots, double* wanted, double* before) {
   const hn::CappedTag<double, kLanes> d;
   using V = hn::Vec<decltype(d)>;
-  for_lanes(d, block, points, [&](PointLanes<double>& point, std::size_t at, std::size_t lane) HWY_ATTR {
-    const Impulses<V> number = read_numbers(d, block, wanted + at, lane);
-    const Impulses<V> root = read_numbers(d, block, roots + at, lane);
-    const Impulses<V> old = impulses_of(d, point, lane);
-    const auto used = hn::FirstN(d, block.count - lane);
-    // Zero where it is none, and where it is a zero with a sign.
-    Impulses<V> made{hn::Max(without_root(d, number.along, root.along), hn::Zero(d)), old.across};
-    const auto change_to = [&](const V& now, const V& then, double* to)
-                               HWY_ATTR { hn::Store(hn::IfThenElse(used, hn::Sub(now, then), then), d, to + lane); };
-    change_to(made.along, old.along, point.impulse);
-    if (block.frictional) {
-      const Triple<V> across = {without_root(d, number.across.x, root.across.x),
-                                without_root(d, number.across.y, root.across.y),
-                                without_root(d, number.across.z, root.across.z)};
-      made.across =
-          within_cone(d, across, load(d, point.normal, lane), hn::Mul(hn::Load(d, pairs.friction + lane), made.along));
-      change_to(made.across.x, old.across.x, point.friction_impulse[0]);
-      change_to(made.across.y, old.across.y, point.friction_impulse[1]);
-      change_to(made.across.z, old.across.z, point.friction_impulse[2]);
+  const std::size_t numbers = numbers_of_point(block);
+  for (PointLanes<double>& point : points) {
+    for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
+      const Impulses<V> number = read_numbers(d, block, wanted, lane);
+      const Impulses<V> root = read_numbers(d, block, roots, lane);
+      const Impulses<V> old = impulses_of(d, point, lane);
+      const auto used = hn::FirstN(d, block.count - lane);
+      // Zero where it is none, and where it is a zero with a sign.
+      Impulses<V> made{hn::Max(without_root(d, number.along, root.along), hn::Zero(d)), old.across};
+      set_lanes(d, used, hn::Sub(made.along, old.along), point.impulse + lane);
+      if (block.frictional) {
+        const Triple<V> across = {without_root(d, number.across.x, root.across.x),
+                                  without_root(d, number.across.y, root.across.y),
+                                  without_root(d, number.across.z, root.across.z)};
+        made.across = within_cone(d, across, load(d, point.normal, lane),
+                                  hn::Mul(hn::Load(d, pairs.friction + lane), made.along));
+        set_across(d, used, difference(made.across, old.across), point, lane);
+      }
+      write_numbers(d, block, old, before, lane);
+      write_numbers(d, block, made, wanted, lane);
     }
-    write_numbers(d, block, old, before + at, lane);
-    write_numbers(d, block, made, wanted + at, lane);
-  });
+    roots += numbers;
+    wanted += numbers;
+    before += numbers;
+  }
 }
 
 void set(const ContactBlock& block, std::span<PointLanes<double>> points, const double* impulses) {
   const hn::CappedTag<double, kLanes> d;
   using V = hn::Vec<decltype(d)>;
-  for_lanes(d, block, points, [&](PointLanes<double>& point, std::size_t at, std::size_t lane) HWY_ATTR {
-    const Impulses<V> made = read_numbers(d, block, impulses + at, lane);
-    const auto used = hn::FirstN(d, block.count - lane);
-    const auto put = [&](const V& value, double* to)
-                         HWY_ATTR { hn::Store(hn::IfThenElse(used, value, hn::Load(d, to + lane)), d, to + lane); };
-    put(made.along, point.impulse);
-    if (!block.frictional) return;
-    put(made.across.x, point.friction_impulse[0]);
-    put(made.across.y, point.friction_impulse[1]);
-    put(made.across.z, point.friction_impulse[2]);
-  });
+  for (PointLanes<double>& point : points) {
+    for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
+      const Impulses<V> made = read_numbers(d, block, impulses, lane);
+      const auto used = hn::FirstN(d, block.count - lane);
+      set_lanes(d, used, made.along, point.impulse + lane);
+      if (block.frictional) set_across(d, used, made.across, point, lane);
+    }
+    impulses += numbers_of_point(block);
+  }
 }
 
 }  // namespace poise::solver::HWY_NAMESPACE
