@@ -206,25 +206,38 @@ HWY_INLINE FrontEntry nearest_of(const Nearest& nearest, const Block& block) {
   return {block.first_a + static_cast<NodeIndex>(nearest.row[column]), block.first_b + column};
 }
 
-// Writes the pairs of a block in order; contact points of `out` beyond them may be overwritten, but none beyond the
-// block's own 64.
+// Writes the pairs of a block in order, one by one: at most kMost; entries of `out` beyond them may be
+// overwritten.
+template <int kMost>
+HWY_INLINE void list_few(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
+  for (int k = 0; k < kMost; ++k) {
+    const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
+    *out++ = {first.a + place / kTreeBranching, first.b + place % kTreeBranching};
+    bits &= bits - 1;
+  }
+}
+
+// Writes the pairs of a block in order; entries of `out` beyond them may be overwritten, but none beyond the block's
+// own 64.
 #if HWY_TARGET == HWY_SCALAR
 std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
   const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
-  for (; bits != 0; bits &= bits - 1) {
-    const auto place = static_cast<std::uint32_t>(std::countr_zero(bits));
-    *out++ = {first.a + place / kTreeBranching, first.b + place % kTreeBranching};
-  }
+  for (; bits != 0; bits &= bits - 1) list_few<1>(bits, first, out++);
   return hits;
 }
 #else
-// Row by row, each as if all of its eight were there: how many there are no processor foresees.
+// Few one by one; else row by row, each as if all of its eight were there: how many there are no processor foresees.
 HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
   static_assert(std::endian::native == std::endian::little && sizeof(FrontEntry) == sizeof(std::uint64_t));
+  constexpr int kFew = 4;     // blocks of jacks have no more
   constexpr int kAtOnce = 4;  // most blocks have no more rows, and then the loop ends as foreseen
   const hn::CappedTag<std::uint64_t, kTreeBranching> d;
   const hn::Rebind<std::uint32_t, decltype(d)> narrow;
   const auto hits = static_cast<std::uint32_t>(std::popcount(bits));
+  if (hits <= kFew) {
+    list_few<kFew>(bits, first, out);
+    return hits;
+  }
   while (bits != 0) {
     // A row that is not there any more has no places, and is written where a later one, or nothing, comes.
     for (int k = 0; k < kAtOnce; ++k) {
