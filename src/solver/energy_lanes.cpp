@@ -5,8 +5,6 @@
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
-#include <algorithm>
-
 #include "solver/energy_lanes.h"
 #include "solver/lane_math_inl.h"
 

@@ -47,10 +47,6 @@ HWY_INLINE void write_numbers(D d, const ContactBlock& block, const Impulses<V>&
   store_rows(d, {{impulses.along, impulses.across.x, impulses.across.y, impulses.across.z}}, in_use, row);
 }
 
-HWY_INLINE std::size_t numbers_of_point(const ContactBlock& block) {
-  return std::size_t{block.count} * (block.frictional ? 4U : 1U);
-}
-
 void list(const ContactBlock& block, std::span<const PointLanes<double>> points, const double* roots, double* into) {
   const hn::CappedTag<double, kLanes> d;
   using V = hn::Vec<decltype(d)>;

@@ -11,9 +11,13 @@
 /// it. All of this is done several lanes at a time, with the bits of one lane after another.
 namespace poise::solver {
 
-/// How many numbers a block with so many contact points has.
+/// How many numbers a contact point of a block has.
+[[nodiscard]] inline std::size_t numbers_of_point(const ContactBlock& block) {
+  return std::size_t{block.count} * (block.frictional ? 4U : 1U);
+}
+/// How many the whole block has.
 [[nodiscard]] inline std::size_t impulse_numbers(const ContactBlock& block) {
-  return std::size_t{block.manifold_points} * block.count * (block.frictional ? 4U : 1U);
+  return block.manifold_points * numbers_of_point(block);
 }
 /// Numbers that may be read, and are not used, beyond those of a block.
 inline constexpr std::size_t kNumbersBeyond = 4 * kLanes;

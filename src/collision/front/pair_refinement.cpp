@@ -84,10 +84,15 @@ Expansion expand_close(const PairFrame& frame, std::span<const FrontEntry> run, 
     if (progress.narrows) part = narrowed.first(narrow_front(frame.trees(), nearness.inflation_m, whole, narrowed));
     const std::span<FrontEntry> near = progress.last ? room : room.subspan(all.hits);
     Expansion made = expand(frame, nearness, part, {near, close, nearest.subspan(all.nearest), progress.last});
-    const bool near_counts = counts_near(made.close, progress.sums);
-    // Where nobody else reads the front, it is listed only if it counts, over and over again in the same place.
-    if (progress.last && near_counts) made.consumed = expand(frame, nearness, part, {near, close, {}}).consumed;
-    add_close(frame, near.first(near_counts ? made.hits : 0), close.first(made.close), progress.sums);
+    std::uint32_t listed = made.hits;
+    if (progress.last) {
+      // Nobody else reads the front: it is listed only if it counts here, over and over again in the same place.
+      const Expansion again = counts_near(made.close, progress.sums) ? expand(frame, nearness, part, {near, close, {}})
+                                                                     : Expansion{made.consumed};
+      made.consumed = again.consumed;
+      listed = again.hits;
+    }
+    add_close(frame, near.first(listed), close.first(made.close), progress.sums);
     all.hits += made.hits;
     all.nearest += made.nearest;
     all.nearly = all.nearly || made.nearly;
