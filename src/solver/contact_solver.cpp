@@ -135,10 +135,14 @@ void ContactSolver::Buffers::read_impulses(std::vector<double>& into) {
   });
 }
 
-// Extrapolates from the last iterations, clamped to the friction cones; undone if it adds energy.
+// Extrapolates from the last iterations, clamped to the friction cones; undone if it adds energy. `before` then has the
+// impulses of the next iteration.
 void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   read_impulses(after);
-  if (!mixing.mix(before, after)) return;
+  if (!mixing.mix(before, after)) {
+    std::swap(before, after);
+    return;
+  }
   const double swept_j = energy.joules(twofold.motions);
   energy.keep(twofold.motions);
   const std::size_t numbers = for_numbers([&](std::size_t i, std::size_t at) {
@@ -155,7 +159,7 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
   }
   const std::vector<double>& impulses = diverged ? swept : after;
   for_numbers([&](std::size_t i, std::size_t at) {
-    set_impulses(blocks[i], twofold.manifold_points_of(blocks[i]), &impulses[at]);
+    set_impulses(blocks[i], twofold.manifold_points_of(blocks[i]), &impulses[at], &roots[at], &before[at]);
   });
 }
 
@@ -342,7 +346,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
   }
   for (std::uint32_t round = 0; round < limit.iterations(result.far) && !result.settled; ++round) {
     ++ended.iterations;
-    if (limit.mixed) read_impulses(before);
+    if (limit.mixed && round == 0) read_impulses(before);
     iteration(executor, [&, &substep_terms = terms](std::size_t i) {
       std::array<TotalLanes<T>, collision::kMaxManifoldPoints> here;
       const std::span<TotalLanes<T>> totals =

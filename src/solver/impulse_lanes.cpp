@@ -47,18 +47,23 @@ HWY_INLINE void write_numbers(D d, const ContactBlock& block, const Impulses<V>&
   store_rows(d, {{impulses.along, impulses.across.x, impulses.across.y, impulses.across.z}}, in_use, row);
 }
 
+// Some impulses, each times its root.
+template <class D, class V>
+HWY_INLINE void write_listed(D d, const ContactBlock& block, const Impulses<V>& impulse, const double* roots,
+                             double* to, std::size_t lane) {
+  const Impulses<V> root = read_numbers(d, block, roots, lane);
+  const Impulses<V> listed{hn::Mul(root.along, impulse.along),
+                           {hn::Mul(root.across.x, impulse.across.x), hn::Mul(root.across.y, impulse.across.y),
+                            hn::Mul(root.across.z, impulse.across.z)}};
+  write_numbers(d, block, listed, to, lane);
+}
+
 void list(const ContactBlock& block, std::span<const PointLanes<double>> points, const double* roots, double* into) {
   const hn::CappedTag<double, kLanes> d;
-  using V = hn::Vec<decltype(d)>;
   const std::size_t numbers = numbers_of_point(block);
   for (const PointLanes<double>& point : points) {
     for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
-      const Impulses<V> root = read_numbers(d, block, roots, lane);
-      const Impulses<V> impulse = impulses_of(d, point, lane);
-      const Impulses<V> listed{hn::Mul(root.along, impulse.along),
-                               {hn::Mul(root.across.x, impulse.across.x), hn::Mul(root.across.y, impulse.across.y),
-                                hn::Mul(root.across.z, impulse.across.z)}};
-      write_numbers(d, block, listed, into, lane);
+      write_listed(d, block, impulses_of(d, point, lane), roots, into, lane);
     }
     roots += numbers;
     into += numbers;
@@ -126,17 +131,22 @@ void change(const ContactBlock& block, const PairLanes<double>& pairs, std::span
   }
 }
 
-void set(const ContactBlock& block, std::span<PointLanes<double>> points, const double* impulses) {
+void set(const ContactBlock& block, std::span<PointLanes<double>> points, const double* impulses, const double* roots,
+         double* into) {
   const hn::CappedTag<double, kLanes> d;
   using V = hn::Vec<decltype(d)>;
+  const std::size_t numbers = numbers_of_point(block);
   for (PointLanes<double>& point : points) {
     for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
       const Impulses<V> made = read_numbers(d, block, impulses, lane);
       const auto used = hn::FirstN(d, block.count - lane);
       set_lanes(d, used, made.along, point.impulse + lane);
       if (block.frictional) set_across(d, used, made.across, point, lane);
+      write_listed(d, block, made, roots, into, lane);
     }
-    impulses += numbers_of_point(block);
+    impulses += numbers;
+    roots += numbers;
+    into += numbers;
   }
 }
 
@@ -161,8 +171,9 @@ void change_impulses(const ContactBlock& block, const PairLanes<double>& pairs,
   HWY_DYNAMIC_DISPATCH(change)(block, pairs, manifold_points, roots, wanted, before);
 }
 
-void set_impulses(const ContactBlock& block, std::span<PointLanes<double>> manifold_points, const double* impulses) {
-  HWY_DYNAMIC_DISPATCH(set)(block, manifold_points, impulses);
+void set_impulses(const ContactBlock& block, std::span<PointLanes<double>> manifold_points, const double* impulses,
+                  const double* roots, double* into) {
+  HWY_DYNAMIC_DISPATCH(set)(block, manifold_points, impulses, roots, into);
 }
 
 }  // namespace poise::solver

@@ -139,7 +139,11 @@ TEST_P(ImpulseLanes, ThatWereExtrapolatedPressAndStayWithinTheFrictionCone) {
     EXPECT_EQ(part(before, count, kNumbersBeyond), std::vector<double>(kNumbersBeyond, 7)) << name;
     EXPECT_EQ(part(made.numbers, count, kNumbersBeyond), part(old.numbers, count, kNumbersBeyond)) << name;
     // And back, to the bit.
-    set_impulses(made.block, made.points, before.data());
+    std::vector<double> listed(before.size(), 7);
+    std::vector<double> expected = listed;
+    set_impulses(made.block, made.points, before.data(), made.roots.data(), listed.data());
+    list_impulses(old.block, old.points, old.roots.data(), expected.data());
+    EXPECT_EQ(listed, expected) << name;
     for (std::size_t p = 0; p < Block::kPoints; ++p) {
       for (std::size_t lane = 0; lane < kLanes; ++lane) EXPECT_EQ(made.impulses_of(p, lane), old.impulses_of(p, lane));
     }
