@@ -33,7 +33,7 @@ void change_impulses(const ContactBlock& block, const PairLanes<double>& pairs,
                      std::span<PointLanes<double>> manifold_points, const double* roots, double* wanted,
                      double* before);
 
-/// Sets the impulses of the lanes in use, and lists them as list_impulses would.
+/// Sets the impulses of the lanes in use, and lists them as list_impulses would. kNumbersBeyond more must be readable.
 void set_impulses(const ContactBlock& block, std::span<PointLanes<double>> manifold_points, const double* impulses,
                   const double* roots, double* into);
 

@@ -207,6 +207,18 @@ TEST(OverlapKernel, EveryInstructionSetListsAndNarrowsAlike) {
                                             std::vector<FrontEntry>(64 * front.size()),
                                             std::vector<FrontEntry>(front.size())};
         const Expansion made = expand(frame, frame.nearness, front, {lists[0], lists[1], lists[2]});
+        // What is only counted is as much, the other lists are the same, and nothing is written.
+        std::vector<FrontEntry> unlisted = {{77, 78}};
+        std::vector<FrontEntry> others[2] = {lists[1], lists[2]};
+        const Expansion counted = expand(frame, frame.nearness, front, {unlisted, others[0], others[1], true});
+        EXPECT_EQ(counted.hits, made.hits);
+        EXPECT_EQ(counted.consumed, made.consumed);
+        EXPECT_EQ(counted.close, made.close);
+        EXPECT_EQ(counted.nearest, made.nearest);
+        EXPECT_TRUE(unlisted[0].a == 77 && unlisted[0].b == 78);
+        const auto same = [](const FrontEntry& x, const FrontEntry& y) { return x.a == y.a && x.b == y.b; };
+        EXPECT_TRUE(std::equal(others[0].begin(), others[0].begin() + counted.close, lists[1].begin(), same));
+        EXPECT_TRUE(std::equal(others[1].begin(), others[1].begin() + counted.nearest, lists[2].begin(), same));
         lists[0].resize(made.hits);
         lists[1].resize(made.close);
         lists[2].resize(made.nearest);

@@ -229,7 +229,7 @@ std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
 // Few one by one; else row by row, each as if all of its eight were there: how many there are no processor foresees.
 HWY_INLINE std::uint32_t list_hits(std::uint64_t bits, FrontEntry first, FrontEntry* out) {
   static_assert(std::endian::native == std::endian::little && sizeof(FrontEntry) == sizeof(std::uint64_t));
-  constexpr int kFew = 4;     // blocks of jacks have no more
+  constexpr int kFew = 4;     // most blocks of two jacks have no more
   constexpr int kAtOnce = 4;  // most blocks have no more rows, and then the loop ends as foreseen
   const hn::CappedTag<std::uint64_t, kTreeBranching> d;
   const hn::Rebind<std::uint32_t, decltype(d)> narrow;

@@ -52,8 +52,9 @@ struct ContactSums {
 
 void add_to_sums(const PairFrame& frame, std::span<const FrontEntry> entries, ContactSums& sums);
 
-/// With PairFrame::fitted: entries that are close count; while there are none, those that are near do.
+/// Whether the entries that are near count: where so many more are close, and as yet none was.
 inline bool counts_near(std::size_t close, const ContactSums& sums) { return close == 0 && sums.fitted.weight == 0; }
+/// With PairFrame::fitted: entries that are close count; while there are none, those that are near do.
 void add_close(const PairFrame& frame, std::span<const FrontEntry> near, std::span<const FrontEntry> close,
                ContactSums& sums);
 
