@@ -41,6 +41,7 @@ struct FrameDecisions {
   std::uint32_t substeps = 0;          ///< of the contact solver; 0: as in the settings
   std::uint32_t point_iterations = 0;  ///< limit of that solver in a substep; 0: its default limit
   std::uint32_t crowded_partners = 0;  ///< that a body in a crowd kept (Degraded); 0: as in the settings
+  bool unfinished = false;             ///< the step goes on in the next frame (StepInput::may_slice): nothing else
   bool learns = false;  ///< with a budget: scores of later steps depend on what completed (Policy::learning, onset)
   std::vector<std::uint32_t> reused;  ///< pairs that reused an expired cached contact, ascending
   std::vector<std::uint32_t> held;    ///< islands that waited, by their lowest slot, ascending

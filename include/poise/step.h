@@ -96,6 +96,11 @@ struct StepInput {
   /// Refine exactly these levels, whatever `budget` says. Must be valid until step returns. If the state before the
   /// step is the one before the recorded step, the state after it is the same to the bit, on any number of threads.
   const FrameDecisions* replay = nullptr;
+  /// With a deadline: where the step does not fit into its frame, it may take several. Each call then returns in time,
+  /// and until the last one no body moves (FrameReport::unfinished). So bodies move in slow motion, and as accurately
+  /// as without a deadline. Such a step goes by the input of the call that began it and is not traced; a call without a
+  /// deadline ends it. Not with `backtracking`, `reference` or ContactModel::Paper.
+  bool may_slice = false;
   /// With `replay`: receives the cues and scores of each pair. Takes extra memory and time.
   FrameExplanation* explain = nullptr;
 };
@@ -162,7 +167,10 @@ struct Degraded {
 /// Report of one step. Plain values; nothing in it refers to the World.
 struct FrameReport {
   StepStatus status = StepStatus::Done;
-  std::uint64_t frame = 0;                   ///< number of steps done before this one
+  /// The step goes on in the next call (StepInput::may_slice): nothing has moved, and what is reported of pairs and
+  /// contacts is 0. The call that ends it reports the stage times of all of them; StageTimes::total is its own.
+  bool unfinished = false;
+  std::uint64_t frame = 0;                   ///< number of calls that stepped before this one
   SteadyClock::time_point started{};         ///< the start of the frame's times
   SteadyClock::time_point refine_started{};  ///< the start of refinement
   StageTimes times;

@@ -296,6 +296,11 @@ class World {
 
   /// Steps once. The calling thread works too. Refuses bad input with FrameReport::status.
   FrameReport step(const StepInput& input);
+  /// Whether the last step goes on in the next call (StepInput::may_slice). Until then bodies are where they were
+  /// before it, and contacts() are those of the step before if they were asked for before it began, else none. Any call
+  /// that changes the World ends such a step first, however long it takes, and what is recorded of it cannot be
+  /// replayed: hosts keep their changes until no step is unfinished.
+  [[nodiscard]] bool step_unfinished() const;
 
   /// The pairs that touched in the last step, in order of (a, b), by the definition of contact_events(): their surfaces
   /// met or they exchanged an impulse. Contacts of bodies that were removed since are omitted, and those of bodies that

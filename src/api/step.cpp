@@ -6,6 +6,7 @@
 #include "frame/report/levels_reached.h"
 #include "frame/report/trace.h"
 #include "frame/run_frame.h"
+#include "frame/sliced_step.h"
 #include "verify/reference.h"
 
 namespace poise {
@@ -29,6 +30,19 @@ StepStatus check(const StepInput& input, std::uint64_t frame) {
   if (input.host_work.expected.count() < 0) return StepStatus::RefusedHostWork;
   if (input.replay != nullptr && input.replay->frame != frame) return StepStatus::RefusedReplay;
   return StepStatus::Done;
+}
+
+// A frame of a step in slices, or of its replay.
+FrameReport run_part(simulation::WorldState& world, const StepInput& input) {
+  if (input.replay == nullptr) return simulation::run_slice(world, input);
+  return input.replay->unfinished ? simulation::replay_unfinished(world, input)
+                                  : simulation::replay_slices(world, input);
+}
+
+// Is a frame to be a part of a step only?
+bool is_part(const simulation::WorldState& world, const StepInput& input) {
+  if (input.replay != nullptr) return input.replay->unfinished || world.frames_unfinished > 0;
+  return world.in_slices() || simulation::wants_slices(world, input);
 }
 
 // A frame, and its reference: what that must remember before the frame is in no time of the frame.
@@ -68,9 +82,16 @@ FrameReport World::step(const StepInput& given) {
   state_->settle();
   ++state_->changes;
   if (state_->decisions && (!input.record || input.replay != nullptr)) state_->decisions->forget();
-  FrameReport report = input.reference ? run_and_refer(*state_, input) : simulation::run_frame(*state_, input);
-  if (input.trace != nullptr) simulation::trace_frame(state_->outputs, state_->bodies, report, *input.trace);
-  if (input.measure_levels) report.levels = simulation::levels_reached(*state_, input.view);
+  if (input.replay != nullptr) simulation::end_sliced_step(*state_);
+  FrameReport report;
+  if (is_part(*state_, input)) {
+    report = run_part(*state_, input);
+  } else {
+    report = input.reference ? run_and_refer(*state_, input) : simulation::run_frame(*state_, input);
+    if (state_->sliced) state_->sliced->last = false;
+    if (input.trace != nullptr) simulation::trace_frame(state_->outputs, state_->bodies, report, *input.trace);
+  }
+  if (input.measure_levels && !report.unfinished) report.levels = simulation::levels_reached(*state_, input.view);
   if (input.measure_energy) {
     const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
     report.kinetic_j = sums.kinetic_j;

@@ -11,6 +11,7 @@
 #include "dynamics/conserved.h"
 #include "frame/budget/frame_time.h"
 #include "frame/run_frame.h"
+#include "frame/sliced_step.h"
 #include "world/validation.h"
 
 namespace poise {
@@ -91,6 +92,7 @@ Result<World> World::create(const WorldSettings& settings) {
 
 ShapeId World::add_shape(ShapePtr shape) {
   if (!shape) return {};
+  simulation::end_sliced_step(*state_);
   state_->settle();
   state_->shapes.push_back(facts_of(std::move(shape)));
   simulation::find_inner_solids(*state_);
@@ -104,6 +106,7 @@ Result<MaterialId> World::add_material(const Material& material) {
                              simulation::kMaxDensityKgpm3)) {
     return *bad;
   }
+  simulation::end_sliced_step(*state_);
   state_->materials.push_back(material);
   state_->material_removed.push_back(0);
   return MaterialId{static_cast<std::uint32_t>(state_->materials.size() - 1)};
@@ -122,6 +125,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
       simulation::mass_of(definition, *shape, state_->materials[definition.material.index].density_kgpm3);
   if (!mass) return mass.error();
 
+  simulation::end_sliced_step(*state_);
   state_->settle();
   dynamics::BodyStore& bodies = state_->bodies;
   const BodyId id = bodies.add();
@@ -155,6 +159,7 @@ Result<BodyId> World::add_body(const BodyDefinition& definition) {
 
 Status World::remove_body(BodyId body) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   state_->settle();
   simulation::request_wake(state_->sleep_access(), body.slot);
   state_->bodies.remove(body.slot);
@@ -170,6 +175,7 @@ Result<MotionType> World::motion_type(BodyId body) const {
   if (!contains(body)) return stale_body(body);
   return motion_of(state_->bodies, body.slot);
 }
+bool World::step_unfinished() const { return state_->frames_unfinished > 0; }
 int World::threads() const { return state_->executor->concurrency(); }
 
 Result<BodyState> World::state(BodyId body) const {
@@ -183,6 +189,7 @@ Status World::set_state(BodyId body, const BodyState& state) {
   if (!contains(body)) return stale_body(body);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = simulation::check_state(state, motion_of(bodies, body.slot) == MotionType::Static)) return *bad;
+  simulation::end_sliced_step(*state_);
   simulation::request_wake(state_->sleep_access(), body.slot);
   ++state_->changes;
   const Quat turn = unit(state.orientation);
@@ -213,6 +220,7 @@ Result<ShapePtr> World::shape(BodyId body) const {
 
 Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
   const Vec3 force = bodies.force(body.slot) + force_n;
@@ -229,6 +237,7 @@ Status World::apply_force(BodyId body, const Vec3& force_n, const Vec3& point_m)
 
 Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   dynamics::BodyStore& bodies = state_->bodies;
   const Vec3 torque = bodies.torque(body.slot) + torque_nm;
   if (auto bad = check_vector("torque_nm", torque, simulation::kMaxForceN)) return *bad;
@@ -241,6 +250,7 @@ Status World::apply_torque(BodyId body, const Vec3& torque_nm) {
 
 Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& point_m) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   dynamics::BodyStore& bodies = state_->bodies;
   if (auto bad = check_vector("point_m", point_m, simulation::kMaxPositionM)) return *bad;
   if (auto bad = check_vector("impulse_ns", impulse_ns, simulation::kMaxForceN)) return *bad;
@@ -259,6 +269,7 @@ Status World::apply_impulse(BodyId body, const Vec3& impulse_ns, const Vec3& poi
 
 Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collides_with) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   simulation::request_wake(state_->sleep_access(), body.slot);
   state_->bodies.group[body.slot] = group;
   state_->bodies.changed[body.slot] = 1;
@@ -269,6 +280,7 @@ Status World::set_groups(BodyId body, std::uint32_t group, std::uint32_t collide
 Status World::set_importance(BodyId body, double importance) {
   if (!contains(body)) return stale_body(body);
   if (auto bad = check_range("importance", importance, 0, simulation::kMaxImportance)) return *bad;
+  simulation::end_sliced_step(*state_);
   state_->bodies.importance[body.slot] = importance;
   return Done{};
 }
@@ -279,6 +291,8 @@ void World::set_time_priors(const scheduler::TimePriors& priors) {
   simulation::forget_times(state_->forecasts, state_->settings.alpha, priors);
 }
 std::span<const Contact> World::contacts() const {
+  // What they are listed from is being made anew.
+  if (state_->in_slices() && !state_->contacts.built(state_->contacts_version)) return {};
   return state_->contacts.get(state_->contacts_version, [&](std::vector<Contact>& contacts) {
     contacts = simulation::list_contacts(simulation::publish_input(*state_), state_->cache.points,
                                          state_->body_changes.removed, simulation::ContactListing::Touching);
@@ -309,6 +323,8 @@ std::uint64_t World::state_hash() const {
   }
   mix(bodies.generation);
   mix(bodies.alive);
+  // The rest is half of the step before and half of this one.
+  if (state_->frames_unfinished > 0) return hash;
   mix(bodies.group);
   mix(bodies.collides_with);
   const auto mix_pairs = [&](const simulation::CachedPairList& pairs) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "frame/budget/frame_time.h"
+#include "frame/sliced_step.h"
 #include "frame/world_state.h"
 #include "poise/world.h"
 #include "world/validation.h"
@@ -59,6 +60,7 @@ Status World::set_settings(const WorldSettings& settings) {
   if (auto bad = check_fixed(state_->settings, settings)) return *bad;
   simulation::WorldState& state = *state_;
   const WorldSettings before = state.settings;
+  simulation::end_sliced_step(state);
   state.settle();
   // Listed while what they were made from still stands.
   static_cast<void>(contacts());
@@ -85,6 +87,7 @@ Status World::set_policy(const scheduler::Policy& policy) {
 }
 
 void World::set_pair_filter(const PairFilter& filter) {
+  simulation::end_sliced_step(*state_);
   state_->settle();
   simulation::wake_all(state_->sleep_access(), *state_->executor);
   state_->pair_filter = filter;
@@ -95,6 +98,7 @@ Status World::remove_shape(ShapeId shape) {
     return Error{ErrorKind::StaleHandle, fmt::format("shape {} does not exist", shape.index)};
   if (const std::size_t users = users_of(state_->bodies, state_->shape_of, shape.index); users > 0)
     return bad_input(in_use("shape", shape.index, users));
+  simulation::end_sliced_step(*state_);
   state_->settle();
   state_->shapes[shape.index] = {};
   if (state_->reference && shape.index < state_->reference->surfaces.size())
@@ -107,6 +111,7 @@ Status World::remove_material(MaterialId material) {
     return Error{ErrorKind::StaleHandle, fmt::format("material {} does not exist", material.index)};
   if (const std::size_t users = users_of(state_->bodies, state_->bodies.material, material.index); users > 0)
     return bad_input(in_use("material", material.index, users));
+  simulation::end_sliced_step(*state_);
   state_->material_removed[material.index] = 1;
   return Done{};
 }
@@ -127,6 +132,7 @@ Result<std::uint64_t> World::user_data(BodyId body) const {
 
 Status World::set_user_data(BodyId body, std::uint64_t user_data) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   state_->bodies.user_data[body.slot] = user_data;
   return Done{};
 }

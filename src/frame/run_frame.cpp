@@ -19,9 +19,9 @@ constexpr std::size_t kCachedGrain = 1024;
 // A stopwatch for stages that follow each other.
 class Laps {
  public:
-  explicit Laps(SteadyClock::time_point start) : last_(start) {}
+  Laps(const parallel::Executor& clock, SteadyClock::time_point start) : clock_(clock), last_(start) {}
   Nanoseconds lap() {
-    const SteadyClock::time_point now = SteadyClock::now();
+    const SteadyClock::time_point now = clock_.time();
     const Nanoseconds passed = now - last_;
     last_ = now;
     return passed;
@@ -30,6 +30,7 @@ class Laps {
   [[nodiscard]] SteadyClock::time_point at() const { return last_; }
 
  private:
+  const parallel::Executor& clock_;
   SteadyClock::time_point last_;
 };
 
@@ -100,7 +101,7 @@ void forget_displaced(BodyChanges& changes, ContactCache& cache, parallel::Execu
   displaced.clear();
 }
 
-RefineInput refine_input(const WorldState& world, const StepInput& input, const StepTerms& terms,
+RefineInput refine_input(const WorldState& world, const StepInput& input, const StepTerms& terms, std::uint64_t number,
                          SteadyClock::time_point begun) {
   const WorldSettings& settings = world.settings;
   const Frame& frame = world.outputs;
@@ -110,7 +111,7 @@ RefineInput refine_input(const WorldState& world, const StepInput& input, const 
           frame.table,
           settings.policy,
           input,
-          world.frame,
+          number,
           settings.seed,
           settings.substeps,
           settings.max_front_entries,
@@ -118,21 +119,29 @@ RefineInput refine_input(const WorldState& world, const StepInput& input, const 
           settings.islands_wait};
 }
 
+parallel::Executor& executor_of(WorldState& world, SlicedStep* sliced) {
+  return sliced != nullptr ? sliced->task.executor() : *world.executor;
+}
+
 // The stages of one step. Invariant: a function is given as const what it must not change.
 class Step {
  public:
-  Step(WorldState& world, const StepInput& input, FrameReport& report)
+  // `number`: of the frame in which it begins. With `sliced` it is one in slices, on their thread.
+  Step(WorldState& world, const StepInput& input, std::uint64_t number, FrameReport& report, SlicedStep* sliced)
       : world_(world),
         input_(input),
+        number_(number),
         report_(report),
         terms_(terms_of(world.settings, input)),
-        executor_(*world.executor),
+        executor_(executor_of(world, sliced)),
+        sliced_(sliced),
         frame_(world.outputs),
-        laps_(report.started) {}
+        laps_(executor_, report.started) {}
 
   void run() {
     crowded_partners_ = crowded_partners();
-    resumed_ = begin_paused(input_, world_.settings, world_.frame, world_.forecasts, world_.sleep_access());
+    resumed_ = begin_paused(sliced_ != nullptr ? sliced_->input : input_, world_.settings, number_, world_.forecasts,
+                            world_.sleep_access());
     if (in_use(world_.sleep_access())) wake_near_changes(world_.sleep_access(), executor_);
     forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
     forget_displaced(world_.body_changes, world_.cache, executor_);
@@ -150,6 +159,8 @@ class Step {
     report_.times.manifolds = laps_.lap();
     solve(solved);
     report_.times.solve = laps_.lap();
+    // From here on a caller could see a half of it.
+    if (sliced_ != nullptr) sliced_->task.end_in_one_slice(sliced_->end_needs);
     integrate({frame_.motion, frame_.velocities, terms_.dt_s}, world_.bodies, frame_.motions, executor_);
     report_out_of_range();
     report_.times.integrate = laps_.lap();
@@ -158,7 +169,9 @@ class Step {
     published.keeps_previous = world_.keeps_previous_pairs;
     publish(published, world_.cache, world_.events, frame_.publication, executor_);
     ++world_.contacts_version;
-    ++world_.frame;
+    // One that ends outside of a frame ends the one before.
+    if (sliced_ == nullptr || sliced_->frame != nullptr) ++world_.frame;
+    world_.frames_unfinished = 0;
   }
   void end_publish() { report_.times.publish = laps_.lap(); }
 
@@ -202,7 +215,7 @@ class Step {
       if (!world_.decisions) world_.decisions = std::make_unique<DecisionLog>();
       log = world_.decisions.get();
     }
-    const RefineInput input = refine_input(world_, input_, terms_, laps_.at());
+    const RefineInput input = refine_input(world_, input_, terms_, number_, laps_.at());
     refine(input,
            {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, world_.learned,
             world_.prepared_cues, world_.cache.points, log},
@@ -256,7 +269,8 @@ class Step {
     if (input_.replay != nullptr) {
       if (input_.replay->point_iterations > 0) most = input_.replay->point_iterations;
     } else if (input_.budget.kind == Budget::Kind::Deadline) {
-      most = iterations_in_time(world_.forecasts, input_, counts(), frame_.velocities.point_count, report_);
+      most = iterations_in_time(world_.forecasts, input_, counts(), executor_.time(), frame_.velocities.point_count,
+                                report_);
       if (input_.record) world_.decisions->point_iterations(most < solver::kMaxPointIterations ? most : 0);
     }
     return most;
@@ -264,9 +278,11 @@ class Step {
 
   WorldState& world_;
   const StepInput& input_;
+  const std::uint64_t number_;
   FrameReport& report_;
   StepTerms terms_;
   parallel::Executor& executor_;
+  SlicedStep* sliced_;  // or null
   Frame& frame_;
   Laps laps_;
   std::uint32_t crowded_partners_ = 0;  // that each body in a crowd may have; 0: as in the settings
@@ -289,34 +305,34 @@ void rest_after(WorldState& world, const StepInput& input, FrameReport& report) 
                 report, *world.executor);
   }
   DecisionLog* log = input.record && input.replay == nullptr ? world.decisions.get() : nullptr;
-  RefineInput of_frame = refine_input(world, input, terms, report.refine_started);
-  of_frame.frame = report.frame;
+  const RefineInput of_frame = refine_input(world, input, terms, report.frame, report.refine_started);
   if (!pause_islands(of_frame, report, {world.outputs.levels, world.sleep_access(), world.forecasts, log},
                      *world.executor)) {
     report.status = StepStatus::ReplayDiffers;
   }
 }
 
-FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest) {
-  const SteadyClock::time_point start = SteadyClock::now();
+FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest, SlicedStep* sliced) {
+  parallel::Executor& executor = executor_of(world, sliced);
+  const SteadyClock::time_point start = executor.time();
   FrameReport report;
   const Nanoseconds cpu_before = thread_cpu_time();
-  const parallel::Waits waits_before = world.executor->waits();
-  world.executor->wake();
+  const parallel::Waits waits_before = executor.waits();
+  executor.wake();
   report.frame = world.frame;
   report.started = start;
   if (input.release) report.release_delay = std::max(Nanoseconds(0), start - *input.release);
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
   begin_frame_time(input, world.bodies.dynamic_count(), world.settings.substeps, start, world.forecasts, report);
-  Step step(world, input, report);
+  Step step(world, input, world.frame - world.frames_unfinished, report, sliced);
   step.run();
   if (may_rest) rest_after(world, input, report);
   step.end_publish();
-  report.times.total = SteadyClock::now() - start;
+  report.times.total = executor.time() - start;
   // After the last stage: the clock of the CPU takes as long as a small stage.
   if (input.budget.kind == Budget::Kind::Deadline) {
     const CallerTime caller{thread_cpu_time() - cpu_before,
-                            world.executor->waits() - waits_before - world.outputs.levels.waits};
+                            executor.waits() - waits_before - world.outputs.levels.waits};
     account_time(input, step.counts(), world.outputs.velocities.point_count, caller, world.forecasts, report);
   }
   return report;

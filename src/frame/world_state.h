@@ -11,6 +11,7 @@
 #include "frame/frame.h"
 #include "frame/refine/open_refinement.h"
 #include "frame/sleeping.h"
+#include "frame/sliced_step.h"
 #include "parallel/built_once.h"
 #include "parallel/executor.h"
 #include "poise/world.h"
@@ -52,11 +53,16 @@ struct WorldState {
   WorldState() = default;
   WorldState(const WorldState&) = delete;
   WorldState& operator=(const WorldState&) = delete;
-  ~WorldState() { settle(); }
+  ~WorldState() {
+    sliced.reset();
+    settle();
+  }
   /// Waits for workers that the last refinement abandoned: before anything changes that they read.
   void settle() const {
     if (executor) executor->settle();
   }
+  /// Is a step unfinished, whose stages write their outputs?
+  [[nodiscard]] bool in_slices() const { return sliced && sliced->task.unfinished(); }
   [[nodiscard]] SceneView scene() const { return {bodies, shape_of, shapes, materials}; }
   [[nodiscard]] SleepAccess sleep_access() { return {bodies, cache, sleeping}; }
 
@@ -70,7 +76,8 @@ struct WorldState {
   std::vector<Material> materials;
   std::vector<std::uint8_t> material_removed;  // one a material
   PairFilter pair_filter;
-  std::uint64_t frame = 0;                           // steps done
+  std::uint64_t frame = 0;                           // steps done, or begun and not ended yet
+  std::uint64_t frames_unfinished = 0;               // of these, the last ones, whose step has not ended
   std::uint64_t changes = 1;                         // of where bodies are and which there are: what queries go by
   parallel::BuiltOnce<query::BodyIndex> body_index;  // made by the first query
 
@@ -84,6 +91,8 @@ struct WorldState {
   Forecasts forecasts;
   LearnedGains learned;
   std::unique_ptr<DecisionLog> decisions;  // once a step was recorded
+
+  std::unique_ptr<SlicedStep> sliced;      // once a step needed slices
 
   // The last frame
   Frame outputs;

@@ -19,6 +19,11 @@ class BuiltOnce {
  public:
   BuiltOnce() : lock_(std::make_unique<Lock>()) {}
 
+  /// Whether the value is up to date for `version`.
+  [[nodiscard]] bool built(std::uint64_t version) const {
+    return lock_->built.load(std::memory_order_acquire) == version;
+  }
+
   /// The value for `version` (> 0), after build(value) if it is outdated; build may reuse the previous value. If build
   /// throws, the value stays outdated.
   template <class Build>

@@ -66,6 +66,8 @@ class Executor {
   virtual void wake() {}
   /// For the thread that calls run, between two runs.
   [[nodiscard]] virtual Waits waits() const { return {}; }
+  /// The clock of the work: stands still while the executor does. The caller and workers in a step.
+  [[nodiscard]] virtual std::chrono::steady_clock::time_point time() const { return std::chrono::steady_clock::now(); }
 };
 
 /// Spinning longer than this wastes a processor; 0 is allowed too.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostWorkers = 256;
 constexpr unsigned kKindBits = 2;
 // Bits of the byte of marks of a frame.
-constexpr std::uint8_t kLearns = 1, kCrowded = 2;
+constexpr std::uint8_t kLearns = 1, kCrowded = 2, kUnfinished = 4;
 
 // Seven bits a byte, the lowest first; the top bit means that more bytes follow (LEB128 of the DWARF standard).
 void put(std::uint64_t value, std::string& out) {
@@ -225,7 +225,8 @@ void write_frame(const RecordedFrame& frame, std::string& out) {
   put(d.active_pairs, out);
   put(d.substeps, out);
   put(d.point_iterations, out);
-  out.push_back(static_cast<char>((d.learns ? kLearns : 0) | (d.crowded_partners > 0 ? kCrowded : 0)));
+  out.push_back(static_cast<char>((d.learns ? kLearns : 0) | (d.crowded_partners > 0 ? kCrowded : 0) |
+                                  (d.unfinished ? kUnfinished : 0)));
   if (d.crowded_partners > 0) put(d.crowded_partners, out);
   put_ascending(d.reused, out);
   put_ascending(d.held, out);
@@ -245,7 +246,8 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
   d.substeps = reader.number32();
   d.point_iterations = reader.number32();
   const std::uint8_t marks = reader.byte();
-  if (marks > (kLearns | kCrowded)) reader.refuse();
+  if (marks > (kLearns | kCrowded | kUnfinished)) reader.refuse();
+  d.unfinished = (marks & kUnfinished) != 0;
   d.learns = (marks & kLearns) != 0;
   d.crowded_partners = (marks & kCrowded) != 0 ? reader.number32() : 0;
   take_ascending(d.active_pairs, reader, d.reused);

@@ -261,11 +261,13 @@ Result<std::uint64_t> SceneRun::remove_last(std::uint64_t count) {
 
 Status SceneRun::before_frame(std::uint64_t frame) {
   const double now_s = static_cast<double>(frame) * impl_->scene.dt_s;
+  if (impl_->scene.camera && (!impl_->scene.camera->path.empty() || impl_->scene.gaze))
+    impl_->view = scene_view(impl_->scene, now_s);
+  // To change bodies would end the step.
+  if (impl_->world.step_unfinished()) return Done{};
   // First those that leave, so that a body with a short life is there for a frame.
   const Status removed = impl_->remove_due(now_s);
   if (!removed) return removed;
-  if (impl_->scene.camera && (!impl_->scene.camera->path.empty() || impl_->scene.gaze))
-    impl_->view = scene_view(impl_->scene, now_s);
   std::size_t& next = impl_->next_streamed;
   while (next < impl_->generated.size() && impl_->generated[next].due_s <= now_s) {
     const Status added = impl_->add_generated(impl_->generated[next]);

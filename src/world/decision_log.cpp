@@ -10,6 +10,7 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   frame_ = frame;
   active_pairs_ = active_pairs;
   known_ = true;
+  unfinished_ = false;
   learns_ = false;
   substeps_ = point_iterations_ = crowded_partners_ = 0;
   reused_.clear();
@@ -32,10 +33,11 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.paused.clear();
   decisions.resumed = false;
   decisions.substeps = decisions.point_iterations = decisions.crowded_partners = 0;
-  decisions.frame = known_ ? frame_ : 0;
-  decisions.learns = known_ && learns_;
-  decisions.active_pairs = known_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
-  if (!known_) return;
+  decisions.frame = known_ || unfinished_ ? frame_ : 0;
+  decisions.unfinished = unfinished_;
+  decisions.learns = known_ && !unfinished_ && learns_;
+  decisions.active_pairs = known_ && !unfinished_ ? static_cast<std::uint32_t>(active_pairs_) : 0;
+  if (!known_ || unfinished_) return;
   decisions.substeps = substeps_;
   decisions.point_iterations = point_iterations_;
   decisions.crowded_partners = crowded_partners_;

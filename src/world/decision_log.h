@@ -22,6 +22,16 @@ class DecisionLog {
   void begin(std::uint64_t frame, std::size_t active_pairs, std::size_t workers, std::size_t most_steps);
   /// The frame is not recorded: nothing is known of it.
   void forget() { known_ = false; }
+  /// The step goes on in the next frame: nothing else is known of this one.
+  void unfinished(std::uint64_t frame) {
+    unfinished_ = true;
+    frame_ = frame;
+  }
+  /// It has ended, in this frame.
+  void finished(std::uint64_t frame) {
+    unfinished_ = false;
+    frame_ = frame;
+  }
 
   /// From the thread of `worker`.
   void note(int worker, std::uint32_t pair, RefinementStep::Kind kind, SteadyClock::time_point when) {
@@ -68,6 +78,7 @@ class DecisionLog {
   bool resumed_ = false;
   bool learns_ = false;
   bool known_ = false;
+  bool unfinished_ = false;
 };
 
 }  // namespace poise::simulation

@@ -75,6 +75,8 @@ Result<LoopResult> run_loop(SceneRun& run, const LoopSettings& settings, const p
   StepInput input = step_input(settings);
   Nanoseconds longest_job{0};
   input.record = static_cast<bool>(record);
+  input.may_slice =
+      settings.wall_clock && !settings.reference_every && run.world().settings().islands_wait == IslandsWait::Any;
   const std::uint64_t total = settings.warm_up + settings.frames;
   result.frames.reserve(total);
   simulation::ReleaseGrid grid(SteadyClock::now(), settings.dt_s, settings.deadline);

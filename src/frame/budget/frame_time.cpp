@@ -41,6 +41,15 @@ void classify_again(FrameReport& report, Nanoseconds lateness) {
   report.cause = scheduler::classify(facts);
 }
 
+// Before refinement, by the counts of the frame before.
+scheduler::TailWork head_work(const TimeFacts& times, std::size_t dynamic_bodies) {
+  scheduler::TailWork work;
+  work.bodies = dynamic_bodies;
+  work.contacts = times.active_pairs;
+  work.candidate_pairs = times.candidate_pairs;
+  return work;
+}
+
 FrameCounts counts_of(const RefineInput& input, const CompletedLevels& levels) {
   return {input.terms.contact, input.scene.bodies.dynamic_count(), input.substeps, input.table, levels};
 }
@@ -179,23 +188,27 @@ std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present) 
       std::ceil(forecasts.solved_share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
-void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int substeps, SteadyClock::time_point start,
-                      Forecasts& forecasts, FrameReport& report) {
-  if (step.budget.kind != Budget::Kind::Deadline) return;
-  TimeFacts& times = forecasts.times;
-  times.head_work = {};
-  times.head_work.bodies = dynamic_bodies;
-  times.head_work.contacts = times.active_pairs;
-  times.head_work.candidate_pairs = times.candidate_pairs;
+Nanoseconds mandatory_forecast(const StepInput& step, std::size_t dynamic_bodies, int substeps,
+                               const Forecasts& forecasts) {
+  const TimeFacts& times = forecasts.times;
   scheduler::TailWork tail = times.tail_work;
   tail.bodies = dynamic_bodies;
   tail.candidate_pairs += std::exchange(tail.held_pairs, 0);
   tail.held_found = 0;
   tail.point_iterations = times.manifold_points * static_cast<std::uint64_t>(substeps);
-  const Nanoseconds head = forecasts.head.forecast(times.head_work);
-  const Nanoseconds host = host_reserve(forecasts, step);
-  const Nanoseconds expected = forecasts.tail.forecast(tail);
-  report.mandatory_forecast = head + expected + host;
+  return forecasts.head.forecast(head_work(times, dynamic_bodies)) + forecasts.tail.forecast(tail) +
+         host_reserve(forecasts, step);
+}
+
+Nanoseconds time_of_step(const StepInput& step, SteadyClock::time_point now, const Forecasts& forecasts) {
+  return step.budget.deadline - host_reserve(forecasts, step) - now;
+}
+
+void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int substeps, SteadyClock::time_point start,
+                      Forecasts& forecasts, FrameReport& report) {
+  if (step.budget.kind != Budget::Kind::Deadline) return;
+  forecasts.times.head_work = head_work(forecasts.times, dynamic_bodies);
+  report.mandatory_forecast = mandatory_forecast(step, dynamic_bodies, substeps, forecasts);
   report.infeasible_forecast = report.mandatory_forecast > step.budget.deadline - start;
 }
 
@@ -271,8 +284,8 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
 }
 
 std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                 std::uint64_t manifold_points, const FrameReport& report) {
-  const SteadyClock::time_point now = SteadyClock::now();
+                                 SteadyClock::time_point now, std::uint64_t manifold_points,
+                                 const FrameReport& report) {
   scheduler::TailWork work = tail_work(forecasts, counts, report.contact_pairs);
   work.point_iterations = 0;
   const Nanoseconds spent = now - report.refine_started - report.times.refine;
@@ -346,6 +359,16 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   // Choosing what is left out takes longer than making a reserve, and who chooses must know how long.
   if (report.infeasible_forecast) facts.planning = report.planning;
   ++facts.frames;
+}
+
+void account_slice(const StepInput& step, Nanoseconds cpu, FrameReport& report) {
+  if (step.budget.kind != Budget::Kind::Deadline) return;
+  report.budget = step.budget.deadline - report.started;
+  report.off_cpu = std::max(Nanoseconds(0), report.times.total - cpu - report.waited);
+  // What is left over goes on in the next frame, so nothing is infeasible.
+  report.mandatory = report.host_reserved;
+  report.longest_overrun = report.overrun_off_cpu = {};
+  classify_again(report, report.times.total + report.host_reserved - report.budget);
 }
 
 void add_host_work(Nanoseconds actual, Nanoseconds off_cpu, FrameReport& report) {

@@ -29,6 +29,12 @@ struct CallerTime {
 void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int substeps, SteadyClock::time_point start,
                       Forecasts& forecasts, FrameReport& report);
 
+/// What a frame of so many bodies must do, host work included; from the counts of the frame before.
+[[nodiscard]] Nanoseconds mandatory_forecast(const StepInput& step, std::size_t dynamic_bodies, int substeps,
+                                             const Forecasts& forecasts);
+/// Of what is left of a frame at `now`, what the step itself has: all but host work.
+[[nodiscard]] Nanoseconds time_of_step(const StepInput& step, SteadyClock::time_point now, const Forecasts& forecasts);
+
 /// Before the broad phase, at `now`: how many partners each body in a crowd may have if all pairs of the frame are to
 /// end before the deadline. 0: as many as the settings allow (`most`), as without a deadline.
 std::uint32_t crowded_partners_in_time(const StepInput& step, std::size_t dynamic_bodies, std::uint32_t most,
@@ -49,10 +55,12 @@ struct FramePlan {
 FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Forecasts& forecasts,
                      CompletedLevels& levels, FrameReport& report, parallel::Executor& executor);
 
-/// After the manifolds are listed: how many point iterations a substep may make (solver::SolveSettings::visits) so that
-/// the tail, with its margin, ends in time; as many as the solver makes by itself where that fits. At least 1.
+/// After the manifolds are listed, at `now`: how many point iterations a substep may make
+/// (solver::SolveSettings::visits) so that the tail, with its margin, ends in time; as many as the solver makes by
+/// itself where that fits. At least 1.
 std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                 std::uint64_t manifold_points, const FrameReport& report);
+                                 SteadyClock::time_point now, std::uint64_t manifold_points,
+                                 const FrameReport& report);
 
 /// Of so many pairs that are not separated, how many are likely to have a contact.
 std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present);
@@ -64,6 +72,9 @@ scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& cou
 /// report's stage times.
 void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points,
                   const CallerTime& caller, Forecasts& forecasts, FrameReport& report);
+
+/// How late a frame was in which a part of a step was done in `cpu` of its thread, and why.
+void account_slice(const StepInput& step, Nanoseconds cpu, FrameReport& report);
 
 /// Classifies a frame anew once the host's own work of it is done: it took `actual` from the end of the step, of which
 /// the machine took away `off_cpu`. A pure function of the report.

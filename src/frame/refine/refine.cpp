@@ -243,9 +243,9 @@ void refine(const RefineInput& given, const RefineResources& resources, Complete
   const bool scores = input.step.replay == nullptr ? budget_given : input.step.explain != nullptr;
   resources.prepared.forget();
   if (scores) {
-    const SteadyClock::time_point begun = SteadyClock::now();
+    const SteadyClock::time_point begun = executor.time();
     prepare_cues(input, resources.prepared, executor);
-    if (input.step.budget.kind == Budget::Kind::Deadline) report.ranking = SteadyClock::now() - begun;
+    if (input.step.budget.kind == Budget::Kind::Deadline) report.ranking = executor.time() - begun;
   }
   const Refinement refinement{input, resources, frame_facts(input), levels, executor};
   for (collision::FrontPool& pool : resources.pools) pool.clear();

@@ -58,7 +58,7 @@ class OpenRefinement::Job {
         worker_(worker),
         batch_(open.batches[static_cast<std::size_t>(worker)]),
         tally_(run_.levels.tallies[static_cast<std::size_t>(worker)]) {
-    now_ = SteadyClock::now();
+    now_ = run_.executor.time();
     if (tally_.begun != SteadyClock::time_point{}) return;
     tally_.begun = now_;
     tally_.cpu_before = thread_cpu_time();
@@ -142,7 +142,7 @@ class OpenRefinement::Job {
   }
   void look_at_clock() {
     const SteadyClock::time_point begun = now_;
-    now_ = SteadyClock::now();
+    now_ = run_.executor.time();
     const Nanoseconds took = now_ - begun;
     tally_.busy += took;
     if (took > tally_.longest) {

@@ -81,11 +81,11 @@ void run_in_order(const RefinementTime& time, const RefineResources& resources, 
   // A run ends when this thread finds no chunk; another worker may then have half of one in hand.
   do {
     report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
-  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && SteadyClock::now() < open.in_order_until &&
+  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && executor.time() < open.in_order_until &&
            take_over(open));
   // A worker that is not waited for may still look there.
   if (report.jobs_abandoned == 0) open.chunks_in_order.reset();
-  learn_pair_cost(SteadyClock::now() - time.begin, open.ended.get(), 1, resources.forecasts);
+  learn_pair_cost(executor.time() - time.begin, open.ended.get(), 1, resources.forecasts);
 }
 
 // What may be refined by score, until the cut. False where there was no time to rank any.
@@ -93,7 +93,7 @@ bool run_ranked(const RefineInput& input, const RefinementTime& time, const Refi
                 CompletedLevels& levels, FrameReport& report, parallel::Executor& executor) {
   OpenRefinement& open = resources.open;
   const std::int64_t before = open.ended.get();
-  const SteadyClock::time_point begin = SteadyClock::now();
+  const SteadyClock::time_point begin = executor.time();
   if (begin >= time.cut || !rank_pairs(input, resources, open.run->facts, begin, time.cut, levels, report, executor))
     return false;
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
@@ -101,7 +101,7 @@ bool run_ranked(const RefineInput& input, const RefinementTime& time, const Refi
   do {
     report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
   } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
-  learn_pair_cost(SteadyClock::now() - begin, open.ended.get() - before, kInOrderShare, resources.forecasts);
+  learn_pair_cost(executor.time() - begin, open.ended.get() - before, kInOrderShare, resources.forecasts);
   return true;
 }
 
@@ -138,16 +138,16 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   open.chunks_in_order.reset();
   const scheduler::FrameBudget& budget = open.run->budget;
   const SteadyClock::time_point first_cut = budget.cut(plan.expected);
-  const SteadyClock::time_point planned = SteadyClock::now();
+  const SteadyClock::time_point planned = executor.time();
   report.planning = planned - start;
   if (first_cut <= planned) return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(input.policy.quantum_units));
   const parallel::Waits waits_before = executor.waits();
   const Nanoseconds cpu_before = thread_cpu_time();
-  const SteadyClock::time_point run_begun = SteadyClock::now();
+  const SteadyClock::time_point run_begun = executor.time();
   if (!run_jobs(input, resources, levels, {planned, first_cut, patience}, report, executor)) return;
   report.jobs_discarded += report.jobs_abandoned;
-  const SteadyClock::time_point end = SteadyClock::now();
+  const SteadyClock::time_point end = executor.time();
   levels.waits = executor.waits() - waits_before;
   levels.present = open.contacts.get();
   const std::uint64_t left = expected_solved(forecasts, levels.present);

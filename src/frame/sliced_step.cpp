@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "frame/sliced_step.h"
+
+#include <algorithm>
+
+#include "frame/budget/frame_time.h"
+#include "frame/budget/islands.h"
+#include "frame/run_frame.h"
+
+namespace poise::simulation {
+namespace {
+
+// Of a frame: a step is done at once again if what must be done, and the part of refinement that it would not go
+// without, take less than this. Chosen.
+constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
+// The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
+// enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
+constexpr double kFrames = static_cast<double>(kMostTurns);
+constexpr double kOfMandatory = 4;
+// The end of a step waits for a slice that holds so many times what the last one took. Chosen.
+constexpr double kOfEnd = 1.5;
+
+bool may_slice(const WorldState& world, const StepInput& input) {
+  return input.may_slice && input.budget.kind == Budget::Kind::Deadline && !input.backtracking && !input.reference &&
+         world.settings.contact != ContactModel::Paper;
+}
+
+// Did bodies wait that could have been looked at?
+bool bodies_waited(const WorldState& world) { return world.outputs.levels.held.bodies > 0; }
+
+double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
+
+Nanoseconds mandatory(const WorldState& world, const StepInput& input) {
+  return mandatory_forecast(input, world.bodies.dynamic_count(), world.settings.substeps, world.forecasts);
+}
+
+// The step, on the thread of its task.
+void run_step(WorldState& world, SlicedStep& sliced) {
+  StepInput input = sliced.input;
+  const double whole_ns = std::max(kFrames * ns_of(sliced.slice), kOfMandatory * ns_of(mandatory(world, input)));
+  input.budget = Budget::until(sliced.task.executor().time() + Nanoseconds(static_cast<std::int64_t>(whole_ns)));
+  // Each slice leaves the host its time.
+  input.host_work = {};
+  input.release.reset();
+  input.trace = nullptr;
+  FrameReport& report = sliced.report;
+  report = run_frame(world, input, false, &sliced);
+  sliced.took = report.times.total;
+  sliced.refined = report.times.refine;
+  const Nanoseconds from_end = report.times.integrate + report.times.publish;
+  // Who may rest is decided for the frames to come.
+  report.frame = world.frame - 1;
+  report.started = sliced.slice_begun;
+  report.infeasible_forecast = true;
+  const SteadyClock::time_point begun = SteadyClock::now();
+  rest_after(world, sliced.frame != nullptr ? *sliced.frame : sliced.input, report);
+  const Nanoseconds end_took = from_end + (SteadyClock::now() - begun);
+  sliced.end_needs = Nanoseconds(static_cast<std::int64_t>(kOfEnd * ns_of(end_took)));
+}
+
+// Would the last step have fitted into a frame, with a part of its refinement?
+bool fits_at_once(const SlicedStep& sliced, Nanoseconds left) {
+  const double refined_ns = std::min(ns_of(sliced.refined), kShareOfRefinement * ns_of(left));
+  return ns_of(sliced.took - sliced.refined) + refined_ns <= kAmple * ns_of(left);
+}
+
+bool begin(WorldState& world, const StepInput& input, SlicedStep& sliced) {
+  if (!sliced.task.begin([&world, &sliced] { run_step(world, sliced); })) return false;
+  sliced.input = input;
+  if (input.record && !world.decisions) world.decisions = std::make_unique<DecisionLog>();
+  return true;
+}
+
+void note_unfinished(WorldState& world, FrameReport& report) {
+  report.unfinished = true;
+  report.degraded.bodies_paused = world.bodies.paused_count();
+  report.degraded.bodies_held = world.bodies.dynamic_count() + report.degraded.bodies_paused;
+  // Nothing began or ended in it.
+  world.events.events.clear();
+  ++world.frame;
+  ++world.frames_unfinished;
+}
+
+}  // namespace
+
+bool wants_slices(const WorldState& world, const StepInput& input) {
+  if (!may_slice(world, input)) return false;
+  const SteadyClock::time_point now = SteadyClock::now();
+  if (world.sliced && world.sliced->last)
+    return !fits_at_once(*world.sliced, time_of_step(input, now, world.forecasts));
+  // Of a World that has not stepped yet nothing is known.
+  return world.forecasts.times.frames == 0 || mandatory(world, input) > input.budget.deadline - now ||
+         bodies_waited(world);
+}
+
+FrameReport run_slice(WorldState& world, const StepInput& input) {
+  const SteadyClock::time_point start = SteadyClock::now();
+  if (!world.sliced) world.sliced = std::make_unique<SlicedStep>(*world.executor);
+  SlicedStep& sliced = *world.sliced;
+  const bool limited = input.budget.kind == Budget::Kind::Deadline;
+  if (limited) sliced.slice = time_of_step(input, start, world.forecasts);
+  if (!sliced.task.unfinished() && !begin(world, input, sliced)) return run_frame(world, input);
+  sliced.frame = &input;
+  sliced.slice_begun = start;
+  const parallel::Waits waits_before = world.executor->waits();
+  world.executor->wake();
+  const bool ended = sliced.task.run_until(limited ? start + sliced.slice : SteadyClock::time_point::max());
+  sliced.frame = nullptr;
+  sliced.last = true;
+  FrameReport report;
+  if (ended) report = sliced.report;
+  report.frame = world.frame - (ended ? 1 : 0);
+  report.started = start;
+  report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
+  report.infeasible_forecast = true;
+  report.host_reserved = limited ? input.budget.deadline - (start + sliced.slice) : Nanoseconds(0);
+  if (input.release) report.release_delay = std::max(Nanoseconds(0), start - *input.release);
+  if (!ended) note_unfinished(world, report);
+  if (sliced.input.record && ended) world.decisions->finished(report.frame);
+  if (sliced.input.record && !ended) world.decisions->unfinished(report.frame);
+  report.waited = (world.executor->waits() - waits_before).slept;
+  report.times.total = SteadyClock::now() - start;
+  account_slice(input, sliced.task.slice_cpu(), report);
+  return report;
+}
+
+FrameReport replay_unfinished(WorldState& world, const StepInput& input) {
+  if (!world.sliced) world.sliced = std::make_unique<SlicedStep>(*world.executor);
+  if (world.frames_unfinished == 0) world.sliced->input = input;
+  FrameReport report;
+  report.started = SteadyClock::now();
+  report.frame = world.frame;
+  report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();
+  note_unfinished(world, report);
+  return report;
+}
+
+FrameReport replay_slices(WorldState& world, const StepInput& input) {
+  StepInput begun = world.sliced->input;
+  begun.replay = input.replay;
+  begun.explain = input.explain;
+  FrameReport report = run_frame(world, begun, false);
+  rest_after(world, input, report);
+  return report;
+}
+
+void end_sliced_step(WorldState& world) {
+  if (world.in_slices()) world.sliced->task.run_until(SteadyClock::time_point::max());
+}
+
+}  // namespace poise::simulation

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "parallel/sliced_task.h"
+#include "poise/step.h"
+
+/// Steps that take several frames: what does not fit into one is done in slices, and each frame is on time.
+///
+/// Such a step is an ordinary one whose deadline is several frames away by a clock that stands still between slices.
+/// Until the last slice nothing that a caller sees of the bodies changes; there they move by one step, in slow motion
+/// and as accurately as the time of so many frames allows.
+namespace poise::simulation {
+
+struct WorldState;
+
+/// The step that is done in slices, and what the last one taught. Not part of the state.
+struct SlicedStep {
+  explicit SlicedStep(parallel::Executor& workers) : task(workers) {}
+
+  StepInput input;                      ///< that it began with
+  const StepInput* frame = nullptr;     ///< that of the frame which runs now; null: it is ended outside of one
+  SteadyClock::time_point slice_begun;  ///< of that frame
+  Nanoseconds slice{0};                 ///< what such a frame has for it
+  FrameReport report;                   ///< of the step, by its own clock
+
+  // Of the step before
+  bool last = false;        ///< it was done in slices; then
+  Nanoseconds took{0};       ///< all of it, and
+  Nanoseconds refined{0};    ///< its refinement
+  Nanoseconds end_needs{0};  ///< of a slice, so that it holds the end of a step, from when bodies begin to move
+
+  // Last: ends the step before the rest goes.
+  parallel::SlicedTask task;
+};
+
+/// Is a step that begins now to be done in slices? It may, and what must be done is forecast not to fit, or bodies
+/// waited in the frame before, or the step before would not have fitted; or nothing is known yet.
+[[nodiscard]] bool wants_slices(const WorldState& world, const StepInput& input);
+
+/// A frame of a step that is done in slices: begins one, unless one is unfinished, and goes on until the deadline of
+/// `input`. FrameReport::unfinished says whether there is more to do.
+FrameReport run_slice(WorldState& world, const StepInput& input);
+
+/// A frame of a replay whose step was unfinished: nothing but counted.
+FrameReport replay_unfinished(WorldState& world, const StepInput& input);
+/// The frame of a replay that ends such a step: all of it.
+FrameReport replay_slices(WorldState& world, const StepInput& input);
+
+/// Ends an unfinished step, however long it takes.
+void end_sliced_step(WorldState& world);
+
+}  // namespace poise::simulation

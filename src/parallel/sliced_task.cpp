@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "parallel/sliced_task.h"
+
+#include <algorithm>
+#include <ctime>
+#include <system_error>
+#include <utility>
+
+namespace poise::parallel {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How much earlier than asked a slice stops: what items and the parts between loops have made it too long lately, slowly
+// forgotten, since the longest ones are rare. Where the system took the processor it is much more, and says nothing.
+// Chosen.
+constexpr std::chrono::nanoseconds kFirstLead = 300us, kLeastLead = 200us, kMostLead = 2ms;
+constexpr double kKept = 0.97;
+
+std::chrono::nanoseconds cpu_of_this_thread() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+}  // namespace
+
+void SlicedTask::Loops::run(WorkerFunction step) {
+  // A loop within an item, or of another thread: part of that item.
+  if (inside_ || std::this_thread::get_id() != task_.thread_->get_id()) {
+    workers_.run(step);
+    return;
+  }
+  inside_ = true;
+  bool all = false;
+  while (!all) {
+    workers_.run([&](int worker) {
+      const bool owner = worker == 0;
+      if (!(owner && std::exchange(task_.new_slice_, false)) && task_.over()) return false;
+      const bool more = step(worker);
+      if (owner && !more) all = true;
+      return more;
+    });
+    if (!all) task_.stand_still();
+  }
+  inside_ = false;
+}
+
+SlicedTask::~SlicedTask() {
+  if (unfinished_) run_until(Clock::time_point::max());
+  if (!thread_) return;
+  {
+    const std::lock_guard<std::mutex> hold(mutex_);
+    stopping_ = true;
+  }
+  turn_.notify_all();
+}
+
+bool SlicedTask::begin(std::function<void()> function) {
+  if (!thread_) {
+    lead_ = kFirstLead;
+    try {
+      // It waits for its first turn, so thread_ is set when it runs the function.
+      thread_.emplace([this] { live(); });
+    } catch (const std::system_error&) {
+      return false;
+    }
+  }
+  function_ = std::move(function);
+  unfinished_ = true;
+  stood_still_ = {};
+  return true;
+}
+
+bool SlicedTask::run_until(Clock::time_point until) {
+  const Clock::time_point stop = until == Clock::time_point::max() ? until : until - lead_;
+  std::unique_lock<std::mutex> hold(mutex_);
+  set_stop(stop);
+  running_ = true;
+  turn_.notify_all();
+  turn_.wait(hold, [&] { return !running_; });
+  if (unfinished_) {
+    const Clock::duration late = Clock::now() - stop;
+    const auto kept = std::chrono::duration_cast<Clock::duration>(kKept * lead_);
+    lead_ = std::clamp<Clock::duration>(std::max(kept, late), kLeastLead, kMostLead);
+  }
+  return !unfinished_;
+}
+
+void SlicedTask::end_in_one_slice(std::chrono::nanoseconds need) {
+  const Clock::time_point stop{Clock::duration(stop_at_.load())};
+  // Not twice: a slice may be shorter than that.
+  if (!new_slice_ && stop - Clock::now() < need) stand_still();
+  set_stop(Clock::time_point::max());
+}
+
+void SlicedTask::stand_still() {
+  const Clock::time_point begin = Clock::now();
+  slice_cpu_ = cpu_of_this_thread() - slice_cpu_;
+  {
+    std::unique_lock<std::mutex> hold(mutex_);
+    running_ = false;
+    turn_.notify_all();
+    turn_.wait(hold, [&] { return running_; });
+  }
+  slice_cpu_ = cpu_of_this_thread();
+  new_slice_ = true;
+  stood_still_ += Clock::now() - begin;
+}
+
+void SlicedTask::live() {
+  std::unique_lock<std::mutex> hold(mutex_);
+  for (;;) {
+    turn_.wait(hold, [&] { return running_ || stopping_; });
+    if (stopping_) return;
+    hold.unlock();
+    slice_cpu_ = cpu_of_this_thread();
+    new_slice_ = true;
+    function_();
+    slice_cpu_ = cpu_of_this_thread() - slice_cpu_;
+    hold.lock();
+    unfinished_ = false;
+    running_ = false;
+    turn_.notify_all();
+  }
+}
+
+}  // namespace poise::parallel

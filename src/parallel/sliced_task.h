@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "parallel/executor.h"
+
+namespace poise::parallel {
+
+/// A function that is run in slices of time, on a thread of its own that stands still between them.
+///
+/// The function gives its loops to executor(). Where a slice is over it stops between two items of a loop, with all
+/// that it has on its stack, and goes on there in the next slice. What lies between loops is not interrupted, so a
+/// slice ends earlier than asked by as much as such parts have lately made it too long. Each slice does one item at
+/// least. While the function stands still, no worker holds an item of it.
+///
+/// Invariant: of the caller's thread and the function's, one waits for the other. So either may read what the other
+/// wrote.
+class SlicedTask {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `workers` does the items; it must outlive this, and may be used by the caller between slices.
+  explicit SlicedTask(Executor& workers) : loops_(*this, workers) {}
+  /// Runs the function to its end first.
+  ~SlicedTask();
+  SlicedTask(const SlicedTask&) = delete;
+  SlicedTask& operator=(const SlicedTask&) = delete;
+
+  // The caller's side; one thread at a time.
+
+  /// Sets what the next slices run; there must be nothing unfinished. False if the system gives no thread for it. The
+  /// function must not throw.
+  bool begin(std::function<void()> function);
+  /// Begun, and has not returned.
+  [[nodiscard]] bool unfinished() const { return unfinished_; }
+  /// Runs a slice that ends about `until`; returns whether the function has returned.
+  bool run_until(Clock::time_point until);
+  /// CPU time of the function's thread in the last slice.
+  [[nodiscard]] std::chrono::nanoseconds slice_cpu() const { return slice_cpu_; }
+
+  // The function's side.
+
+  /// Its clock goes on where it was when the function stood still.
+  [[nodiscard]] Executor& executor() { return loops_; }
+  /// From here on the function is not stopped any more. If less than `need` is left of this slice, in the next one.
+  void end_in_one_slice(std::chrono::nanoseconds need);
+
+ private:
+  // Stops between items.
+  class Loops final : public Executor {
+   public:
+    Loops(SlicedTask& task, Executor& workers) : task_(task), workers_(workers) {}
+    // At least two, so that loops come here and not to a shortcut for one thread.
+    [[nodiscard]] int concurrency() const override { return workers_.concurrency() > 1 ? workers_.concurrency() : 2; }
+    void run(WorkerFunction step) override;
+    // Nothing is abandoned.
+    std::size_t run_with(const Patience& /*patience*/, WorkerFunction step) override {
+      run(step);
+      return 0;
+    }
+    [[nodiscard]] bool commit(int worker) override { return workers_.commit(worker); }
+    void settle() override { workers_.settle(); }
+    void wake() override { workers_.wake(); }
+    [[nodiscard]] Waits waits() const override { return workers_.waits(); }
+    [[nodiscard]] Clock::time_point time() const override { return Clock::now() - task_.stood_still_; }
+
+   private:
+    SlicedTask& task_;
+    Executor& workers_;
+    bool inside_ = false;  // a loop; of the function's thread
+  };
+
+  void live();
+  void stand_still();
+  [[nodiscard]] bool over() const { return Clock::now().time_since_epoch().count() >= stop_at_.load(); }
+  void set_stop(Clock::time_point at) { stop_at_.store(at.time_since_epoch().count()); }
+
+  Loops loops_;
+  std::function<void()> function_;
+  std::mutex mutex_;
+  std::condition_variable turn_;
+  bool running_ = false;   // the function's turn
+  bool stopping_ = false;  // the thread is to end
+  bool unfinished_ = false;
+  bool new_slice_ = false;             // nothing was done in it yet; of the function's thread
+  std::atomic<Clock::rep> stop_at_{};  // workers ask it between items
+  Clock::duration lead_;               // how much earlier a slice is told to stop
+  std::chrono::nanoseconds stood_still_{0};  // since it began
+  std::chrono::nanoseconds slice_cpu_{0};
+  std::optional<std::jthread> thread_;
+};
+
+}  // namespace poise::parallel
