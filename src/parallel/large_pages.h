@@ -71,4 +71,16 @@ struct UnsetPages : LargePages<T> {
 template <class T>
 using UnsetVector = std::vector<T, UnsetPages<T>>;
 
+/// At least `n` elements, of which none is kept: new memory is not filled from the old one, and is twice as much.
+template <class T>
+void grow_anew(UnsetVector<T>& list, std::size_t n) {
+  if (n <= list.size()) return;
+  if (n > list.capacity()) {
+    const std::size_t twice = 2 * list.capacity();
+    list.clear();
+    list.reserve(n > twice ? n : twice);
+  }
+  list.resize(n);
+}
+
 }  // namespace poise::parallel

@@ -298,11 +298,11 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
                                      parallel::Executor& executor) {
   Lanes<T>& all = lanes<T>();
   const std::size_t needed = make_blocks(system, executor);
-  all.manifold_points.resize(std::max(all.manifold_points.size(), needed));
+  parallel::grow_anew(all.manifold_points, needed);
   keeps_totals = keeps;
   distant = system.pairs.size() > parallel::kPairsAtHand;
-  if (keeps) all.totals.resize(std::max(all.totals.size(), needed));
-  all.pairs.resize(std::max(all.pairs.size(), blocks.size()));
+  if (keeps) parallel::grow_anew(all.totals, needed);
+  parallel::grow_anew(all.pairs, blocks.size());
   all.motions.resize(system.bodies.size());
   all.begun.resize(system.bodies.size());
   all.scaled_inverse_inertias.resize(system.bodies.size());
