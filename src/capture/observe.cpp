@@ -135,6 +135,8 @@ void FrameObserver::find_levels() {
   level_.resize(slots, 0);
   priority_.resize(slots, 0);
   number_.resize(slots, 0);
+  // What the step before found goes on, and its outputs are being made anew.
+  if (run_.world().step_unfinished()) return;
   found_.assign(slots, 0);
   seen_.assign(slots, 0);
   const simulation::Frame& frame = world.outputs;
@@ -169,6 +171,7 @@ void FrameObserver::find_contacts(SeenFrame& frame) const {
 }
 
 void FrameObserver::find_pairs(SeenFrame& frame) const {
+  if (run_.world().step_unfinished()) return;
   const simulation::WorldState& world = simulation::WorldAccess::of(run_.world());
   const simulation::Frame& outputs = world.outputs;
   const auto error_m = [&](std::uint32_t slot, std::uint8_t level) {

@@ -15,7 +15,7 @@ namespace {
 constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
 // The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
 // enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
-constexpr double kFrames = static_cast<double>(kMostTurns);
+constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;
 constexpr double kOfMandatory = 4;
 // The end of a step waits for a slice that holds so many times what the last one took. Chosen.
 constexpr double kOfEnd = 1.5;
@@ -37,7 +37,8 @@ Nanoseconds mandatory(const WorldState& world, const StepInput& input) {
 // The step, on the thread of its task.
 void run_step(WorldState& world, SlicedStep& sliced) {
   StepInput input = sliced.input;
-  const double whole_ns = std::max(kFrames * ns_of(sliced.slice), kOfMandatory * ns_of(mandatory(world, input)));
+  const double whole_ns =
+      std::max(kFrames * std::max(ns_of(sliced.slice), kLeastFrameNs), kOfMandatory * ns_of(mandatory(world, input)));
   input.budget = Budget::until(sliced.task.executor().time() + Nanoseconds(static_cast<std::int64_t>(whole_ns)));
   // Each slice leaves the host its time.
   input.host_work = {};
@@ -73,6 +74,7 @@ bool begin(WorldState& world, const StepInput& input, SlicedStep& sliced) {
 
 void note_unfinished(WorldState& world, FrameReport& report) {
   report.unfinished = true;
+  report.asleep = world.bodies.asleep_count() - world.bodies.paused_count();
   report.degraded.bodies_paused = world.bodies.paused_count();
   report.degraded.bodies_held = world.bodies.dynamic_count() + report.degraded.bodies_paused;
   // Nothing began or ended in it.

@@ -36,9 +36,12 @@ void SlicedTask::Loops::run(WorkerFunction step) {
   while (!all) {
     workers_.run([&](int worker) {
       const bool owner = worker == 0;
-      if (!(owner && std::exchange(task_.new_slice_, false)) && task_.over()) return false;
+      if (!(owner && task_.new_slice_) && task_.over()) return false;
       const bool more = step(worker);
-      if (owner && !more) all = true;
+      if (owner) {
+        if (more) task_.new_slice_ = false;
+        all = !more;
+      }
       return more;
     });
     if (!all) task_.stand_still();

@@ -137,7 +137,7 @@ TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
   const auto visits = [&](Nanoseconds time) {
     input.budget = Budget::within(time);
     report.refine_started = SteadyClock::now();
-    return simulation::iterations_in_time(world.forecasts, input, counts_of(world),
+    return simulation::iterations_in_time(world.forecasts, input, counts_of(world), SteadyClock::now(),
                                           world.outputs.velocities.point_count, report);
   };
   EXPECT_EQ(visits(std::chrono::hours(-1)), 1U);

@@ -176,6 +176,10 @@ void degraded(const simulation::RunFigures& f, Out out) {
                  f.degraded.pairs_reused);
   if (f.degraded.fewer_partners > 0)
     fmt::format_to(out, "               in {} frames bodies in crowds kept fewer pairs\n", f.degraded.fewer_partners);
+  if (f.degraded.frames_unfinished > 0) {
+    fmt::format_to(out, "               steps in slices: {} frames ended without the end of their step\n",
+                   f.degraded.frames_unfinished);
+  }
   if (f.degraded.frames_held == 0) return;
   const auto frames = static_cast<double>(f.degraded.frames_held);
   fmt::format_to(

@@ -205,6 +205,7 @@ void add_figures(const RunDocument& d, Json& json) {
                       {"frames_held", f.degraded.frames_held},
                       {"bodies_held", f.degraded.bodies_held},
                       {"bodies_paused", f.degraded.bodies_paused},
+                      {"frames_unfinished", f.degraded.frames_unfinished},
                       {"infeasible_forecast", f.degraded.infeasible_forecast}};
   json["work"] = work_json(f.work);
   json["capacity"] = {{"pairs_discarded", f.capacity.pairs_discarded},

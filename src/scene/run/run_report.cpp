@@ -159,6 +159,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     if (report.degraded.bodies_held > 0) ++figures.degraded.frames_held;
     figures.degraded.bodies_held += report.degraded.bodies_held;
     figures.degraded.bodies_paused += report.degraded.bodies_paused;
+    if (report.unfinished) ++figures.degraded.frames_unfinished;
     if (report.infeasible_forecast) ++figures.degraded.infeasible_forecast;
     figures.off_cpu_ms_max = std::max(figures.off_cpu_ms_max, ms(report.off_cpu));
     if (ms(report.longest_job) > figures.longest_job_ms_max) {
@@ -167,8 +168,12 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     }
   }
   if (frames.empty()) return;
-  const auto mean = [n = static_cast<double>(frames.size())](std::uint64_t sum) {
-    return static_cast<double>(sum) / n;
+  const auto mean_of = [](std::uint64_t sum, std::uint64_t count) {
+    return static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(count, 1));
+  };
+  // What a step did stands in the frame that ended it.
+  const auto mean = [&](std::uint64_t sum) {
+    return mean_of(sum, frames.size() - figures.degraded.frames_unfinished);
   };
   work.mandatory_mean = mean(work.mandatory);
   work.refine_mean = mean(work.refine);
@@ -176,7 +181,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
   work.coarse_pairs_mean = mean(coarse);
   work.pairs_left_mean = mean(left);
   figures.contacts_mean = mean(contacts);
-  figures.sleep.asleep_mean = mean(asleep);
+  figures.sleep.asleep_mean = mean_of(asleep, frames.size());
   figures.sleep.asleep_end = frames.back().report.asleep;
 }
 
@@ -273,12 +278,16 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   figures.refinement_used_all = refinement_used(frames, true);
   figures.tail = tail_figures(frames, terms.alpha);
   figures.levels = level_figures(frames);
+  // The stage times of a step stand in the frame that ended it.
   const auto stage = [&](const StageMember& of) {
-    return StageFigures{
-        of.name, percentiles(collect(frames, [&](const RunFrame& frame) { return ms(frame.report.times.*of.time); }))};
+    std::vector<double> stage_ms;
+    for (const RunFrame& frame : frames) {
+      if (!frame.report.unfinished) stage_ms.push_back(ms(frame.report.times.*of.time));
+    }
+    return StageFigures{of.name, percentiles(std::move(stage_ms))};
   };
   std::transform(kStages.begin(), kStages.end(), figures.stages.begin(), stage);
-  figures.stages.back() = stage({"total", &StageTimes::total});
+  figures.stages.back() = {"total", figures.frame_ms};
   add_work(frames, figures);
   std::vector<ReferenceFigures> references;
   for (const RunFrame& frame : frames) {

@@ -87,6 +87,7 @@ struct DegradedFigures {
   std::uint64_t frames_held = 0;          ///< frames in which islands waited
   std::uint64_t bodies_held = 0;          ///< sum over the frames
   std::uint64_t bodies_paused = 0;        ///< of these, that waited for several frames and were not looked at
+  std::uint64_t frames_unfinished = 0;    ///< frames whose step went on in the next one
   std::uint64_t infeasible_forecast = 0;  ///< frames whose mandatory work was forecast not to fit
 };
 

@@ -96,6 +96,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("pairs_reused", r.degraded.pairs_reused);
   row.column("bodies_held", r.degraded.bodies_held);
   row.column("bodies_paused", r.degraded.bodies_paused);
+  row.column("unfinished", r.unfinished ? 1 : 0);
   row.column("host_actual_ms", ms(r.host_actual));
   row.column("tail_beyond_clip", r.tail_beyond_clip ? 1 : 0);
   row.column("tail_bodies", r.tail_work.bodies);

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include "frame/sliced_step.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <optional>
+
+#include "frame/waiting.h"
+#include "verify/world_access.h"
+
+namespace poise {
+namespace {
+
+using simulation::WorldAccess;
+
+// A frame that is over before it begins, and holds an item a worker.
+StepInput sliced() {
+  StepInput input = hopeless();
+  input.may_slice = true;
+  return input;
+}
+StepInput roomy() {
+  StepInput input = unlimited();
+  input.budget = Budget::within(std::chrono::hours(1));
+  input.may_slice = true;
+  return input;
+}
+
+// Jacks that fall into a tray, so many that a stage has several items.
+struct SlicedFall : Stage {
+  explicit SlicedFall(int threads, WorldSettings settings = gravity_on()) : Stage(with(settings, threads), 0.2) {
+    jacks(300, 9);
+  }
+  static WorldSettings with(WorldSettings settings, int threads) {
+    settings.threads = threads;
+    return settings;
+  }
+  [[nodiscard]] std::vector<BodyState> states() const {
+    std::vector<BodyState> all;
+    for (const BodyId body : bodies) all.push_back(at(body));
+    return all;
+  }
+  // Runs frames until one leaves its step unfinished.
+  void begin() {
+    for (int i = 0; i < 100 && !world.step_unfinished(); ++i) world.step(sliced());
+    ASSERT_TRUE(world.step_unfinished());
+  }
+};
+
+bool all_same(const std::vector<BodyState>& x, const std::vector<BodyState>& y) {
+  return std::equal(x.begin(), x.end(), y.begin(), y.end(), same);
+}
+
+TEST(SlicedStep, UntilItEndsNothingMovesAndThenAllOfIt) {
+  SlicedFall fall(2);
+  std::size_t unfinished = 0;
+  std::size_t finished = 0;
+  std::vector<Contact> listed;
+  for (std::uint64_t frame = 0; finished < 90; ++frame) {
+    const std::vector<BodyState> before = fall.states();
+    const FrameReport report = fall.world.step(sliced());
+    EXPECT_EQ(report.frame, frame);
+    EXPECT_EQ(report.status, StepStatus::Done);
+    EXPECT_EQ(report.unfinished, fall.world.step_unfinished());
+    EXPECT_EQ(report.bodies, fall.bodies.size());
+    if (!report.unfinished) {
+      ++finished;
+      EXPECT_FALSE(all_same(fall.states(), before));
+      listed.assign(fall.world.contacts().begin(), fall.world.contacts().end());
+      continue;
+    }
+    ++unfinished;
+    ASSERT_TRUE(all_same(fall.states(), before)) << "frame " << frame;
+    EXPECT_EQ(report.degraded.bodies_held, fall.bodies.size());
+    EXPECT_TRUE(fall.world.contact_events().empty());
+    EXPECT_EQ(fall.world.contacts().size(), listed.size()) << "those that were asked for before it began";
+  }
+  EXPECT_GT(unfinished, finished);
+  EXPECT_GT(listed.size(), 20U);
+}
+
+TEST(SlicedStep, WhoAsksForContactsTooLateGetsNone) {
+  SlicedFall fall(1);
+  for (int i = 0; i < 80; ++i) fall.world.step(unlimited());
+  fall.begin();
+  EXPECT_TRUE(fall.world.contacts().empty());
+  while (fall.world.step_unfinished()) fall.world.step(sliced());
+  EXPECT_FALSE(fall.world.contacts().empty());
+}
+
+TEST(SlicedStep, AReplayDoesTheSameOnAnyNumberOfThreads) {
+  WorldSettings settings = gravity_on();
+  settings.sleeping = true;
+  settings.policy.learning = 1;
+  settings.policy.onset = 1;
+  SlicedFall first(2, settings);
+  SlicedFall second(4, settings);
+  std::size_t unfinished = 0;
+  for (int i = 0; i < 1500; ++i) {
+    StepInput input = i % 100 < 80 ? sliced() : roomy();
+    // What is looked at while it goes on counts for the next one.
+    const double turn = 0.01 * i;
+    const Vec3 forward(std::cos(turn), std::sin(turn), 0);
+    input.view = {true, Vec3(0, 0, 3), forward, Vec3::UnitZ(), 0.9, 1.5, forward};
+    input.record = true;
+    unfinished += first.world.step(input).unfinished ? 1U : 0U;
+    FrameDecisions decisions;
+    first.world.decisions(decisions);
+    EXPECT_EQ(decisions.unfinished, first.world.step_unfinished());
+    StepInput replayed = unlimited();
+    replayed.view = input.view;
+    replayed.replay = &decisions;
+    const FrameReport again = second.world.step(replayed);
+    ASSERT_EQ(again.status, StepStatus::Done) << "frame " << i;
+    ASSERT_EQ(second.world.step_unfinished(), first.world.step_unfinished()) << "frame " << i;
+    ASSERT_EQ(first.world.state_hash(), second.world.state_hash()) << "frame " << i;
+  }
+  EXPECT_GT(unfinished, 500U);
+}
+
+TEST(SlicedStep, WhatTheCallerChangesEndsItFirst) {
+  const std::vector<std::function<void(SlicedFall&)>> changes = {
+      [](SlicedFall& f) { f.add(f.ball(0.2), Vec3(0, 0, 90)); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.remove_body(f.bodies.back()).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.set_state(f.bodies[3], f.at(f.bodies[3])).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.set_velocity(f.bodies[3], Vec3::UnitX(), Vec3::Zero()).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.apply_force(f.bodies[3], Vec3::UnitX(), Vec3::Zero()).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.apply_torque(f.bodies[3], Vec3::UnitX()).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.apply_impulse(f.bodies[3], Vec3::UnitX(), Vec3::Zero()).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.set_groups(f.bodies[3], 2, 1).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.set_importance(f.bodies[3], 2).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.set_user_data(f.bodies[3], 2).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.set_settings(f.world.settings()).ok()); },
+      [](SlicedFall& f) { f.world.set_pair_filter({}); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.add_material({0.1, 0.1, 500}).ok()); },
+      [](SlicedFall& f) { EXPECT_TRUE(f.world.remove_material(f.world.add_material({0.1, 0.1, 500}).value()).ok()); }};
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    SlicedFall fall(2);
+    for (int i = 0; i < 5; ++i) fall.world.step(unlimited());
+    const BodyState before = fall.at(fall.bodies[0]);
+    fall.begin();
+    changes[k](fall);
+    EXPECT_FALSE(fall.world.step_unfinished()) << "change " << k;
+    EXPECT_FALSE(same(fall.at(fall.bodies[0]), before)) << "change " << k;
+    // It goes on as ever.
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(fall.world.step(sliced()).status, StepStatus::Done);
+  }
+}
+
+TEST(SlicedStep, AFrameWithoutADeadlineEndsIt) {
+  SlicedFall fall(2);
+  fall.begin();
+  const std::vector<BodyState> before = fall.states();
+  EXPECT_FALSE(fall.world.step(unlimited()).unfinished);
+  EXPECT_FALSE(all_same(fall.states(), before));
+  EXPECT_FALSE(fall.world.step(unlimited()).unfinished);
+}
+
+TEST(SlicedStep, WhereThereIsTimeAgainStepsAreDoneAtOnce) {
+  SlicedFall fall(2);
+  fall.begin();
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(fall.world.step(roomy()).unfinished);
+  EXPECT_FALSE(WorldAccess::of(fall.world).sliced->last) << "not even in one slice";
+}
+
+TEST(SlicedStep, IsForWhoAsksForItAndHasADeadline) {
+  const std::vector<std::function<void(StepInput&)>> inputs = {
+      [](StepInput& input) { input.may_slice = false; }, [](StepInput& input) { input.backtracking = true; },
+      [](StepInput& input) { input.reference = true; }, [](StepInput& input) { input.budget = Budget::work(100); },
+      [](StepInput& input) { input.budget = Budget::unlimited(); }};
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    SlicedFall fall(2);
+    for (int i = 0; i < 10; ++i) {
+      StepInput input = sliced();
+      inputs[k](input);
+      EXPECT_FALSE(fall.world.step(input).unfinished) << "input " << k;
+    }
+    EXPECT_EQ(WorldAccess::of(fall.world).sliced, nullptr) << "costs nothing";
+  }
+}
+
+TEST(SlicedStep, IslandsStillTakeTurns) {
+  WorldSettings settings = gravity_on(2);
+  settings.substeps = 1;
+  Stage stage(settings, 0.2);
+  stage.plane(Vec3::UnitZ(), 0);
+  const ShapeId jack = stage.jack();
+  for (int i = 0; i < 200; ++i) {
+    for (int k = 0; k < 4; ++k) stage.add(jack, Vec3(20.0 * (i % 20), 20.0 * (i / 20), 0.8 + 1.3 * k));
+  }
+  std::size_t paused = 0;
+  std::vector<BodyState> before;
+  for (const BodyId body : stage.bodies) before.push_back(stage.at(body));
+  for (int finished = 0; finished < 60;) {
+    const FrameReport report = stage.world.step(sliced());
+    paused += report.degraded.bodies_paused;
+    finished += report.unfinished ? 0 : 1;
+  }
+  EXPECT_GT(paused, 0U);
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_FALSE(same(stage.at(stage.bodies[k]), before[k])) << k;
+}
+
+TEST(SlicedStep, AWorldMayGoOrMoveWhileItIsUnfinished) {
+  std::optional<SlicedFall> fall;
+  fall.emplace(2);
+  fall->begin();
+  World moved = std::move(fall->world);
+  EXPECT_TRUE(moved.step_unfinished());
+  while (moved.step_unfinished()) EXPECT_EQ(moved.step(sliced()).status, StepStatus::Done);
+  for (int i = 0; i < 100 && !moved.step_unfinished(); ++i) moved.step(sliced());
+  EXPECT_TRUE(moved.step_unfinished());
+}
+
+TEST(SlicedStep, QueriesFindBodiesWhereTheyAre) {
+  SlicedFall fall(2);
+  fall.begin();
+  const Vec3 at = fall.at(fall.bodies[0]).position_m;
+  const Conserved before = fall.world.conserved();
+  const std::uint64_t hash = fall.world.state_hash();
+  EXPECT_EQ(fall.world.state_hash(), hash);
+  const Result<ClosestPoint> closest = fall.world.closest_point(fall.bodies[0], at + Vec3(0, 0, 3));
+  ASSERT_TRUE(closest.ok());
+  EXPECT_LT((closest.value().point_m - at).norm(), 1.0);
+  EXPECT_EQ(fall.world.conserved().kinetic_j, before.kinetic_j);
+}
+
+}  // namespace
+}  // namespace poise
