@@ -67,6 +67,8 @@ Status DrivenScene::list_generated(std::uint64_t most, std::uint64_t seed) {
 }
 
 Status DrivenScene::set_population(std::uint64_t bodies) {
+  // To change bodies would end the step.
+  if (run_.world().step_unfinished()) return Done{};
   while (present_.size() > bodies) {
     const Status removed = run_.world().remove_body(present_.back());
     if (!removed) return removed;
@@ -112,7 +114,7 @@ Result<bool> DrivenScene::pour(const io::GeneratedBody& body) {
 }
 
 Status DrivenScene::shake_bodies() {
-  if (shake_.speed_mps <= 0) return Done{};
+  if (shake_.speed_mps <= 0 || run_.world().step_unfinished()) return Done{};
   std::mt19937_64 random(frame_);
   for (std::size_t i = frame_ % kShakeEach; i < present_.size(); i += kShakeEach) {
     const Result<BodyState> state = run_.world().state(present_[i]);
@@ -154,6 +156,7 @@ Result<simulation::RunFrame> DrivenScene::step(const FrameLimit& limit, bool ref
   input.value().reference = reference;
   if (limit.work_units) input.value().budget = Budget::work(*limit.work_units);
   if (limit.deadline) input.value().budget = Budget::within(*limit.deadline);
+  input.value().may_slice = limit.may_slice && run_.world().settings().islands_wait == IslandsWait::Any;
   Result<FrameReport> report = end_frame(input.value());
   if (!report) return report.error();
   simulation::RunFrame frame;

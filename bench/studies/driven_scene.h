@@ -16,6 +16,7 @@ namespace poise::app {
 struct FrameLimit {
   std::optional<Nanoseconds> deadline;  ///< from the start of the frame
   std::optional<std::uint64_t> work_units;
+  bool may_slice = false;  ///< StepInput::may_slice
 };
 
 /// What keeps a driven scene moving, besides gravity.

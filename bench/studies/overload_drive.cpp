@@ -59,8 +59,9 @@ class Drive {
     std::vector<simulation::RunFrame> frames;
     for (const simulation::OverloadStep& held : settings_.steps) {
       const std::uint64_t from = driven_->population();
-      const FrameLimit limit =
+      FrameLimit limit =
           unit ? limit_of(*unit, settings_.population ? 1 : held.demand, settings_.wall_clock) : FrameLimit{};
+      limit.may_slice = !settings_.reference_every;
       for (std::uint64_t i = 0; i < settings_.hold; ++i) {
         Status done = change_population(from, population_at(settings_, held.demand), i);
         const bool reference =

@@ -20,6 +20,7 @@ std::vector<io::StudyColumn> population_columns() {
           {"p99_ms", "p99 ms", 2},
           {"p50_last_ms", "p50 ms in the last third", 2},
           {"level_last", "level in the last third", 2},
+          {"frames_a_step_last", "frames a step in the last third", 1},
           {"held_mean", "bodies that waited", 0},
           {"asleep_mean", "asleep", 0},
           {"e_seen_mps", "E seen m/s", 4},
@@ -69,6 +70,9 @@ std::vector<io::StudyCell> population_row(const StudyRun& run, const StudyRunCos
       whole.frame_ms.p99,
       last.frame_ms.p50,
       cell(last.level_mean.has_value(), last.level_mean.value_or(0)),
+      cell(last.frames > last.degraded.frames_unfinished,
+           static_cast<double>(last.frames) /
+               static_cast<double>(std::max<std::uint64_t>(last.frames - last.degraded.frames_unfinished, 1))),
       all.empty() ? 0 : held / static_cast<double>(all.size()),
       whole.sleep.asleep_mean,
       cell(whole.reference.e_seen_mps.has_value(), whole.reference.e_seen_mps.value_or(simulation::Percentiles{}).p50),

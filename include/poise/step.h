@@ -99,7 +99,8 @@ struct StepInput {
   /// With a deadline: where the step does not fit into its frame, it may take several. Each call then returns in time,
   /// and until the last one no body moves (FrameReport::unfinished). So bodies move in slow motion, and as accurately
   /// as without a deadline. Such a step goes by the input of the call that began it and is not traced; a call without a
-  /// deadline ends it. Not with `backtracking`, `reference` or ContactModel::Paper.
+  /// deadline ends it. A thread of the World takes the place of the calling one meanwhile, with its affinity and
+  /// priority when it began. Not with `backtracking`, `reference` or ContactModel::Paper.
   bool may_slice = false;
   /// With `replay`: receives the cues and scores of each pair. Takes extra memory and time.
   FrameExplanation* explain = nullptr;
@@ -168,7 +169,7 @@ struct Degraded {
 struct FrameReport {
   StepStatus status = StepStatus::Done;
   /// The step goes on in the next call (StepInput::may_slice): nothing has moved, and what is reported of pairs and
-  /// contacts is 0. The call that ends it reports the stage times of all of them; StageTimes::total is its own.
+  /// contacts is 0: it stands in the report of the call that ends it. Stage times are those of each call.
   bool unfinished = false;
   std::uint64_t frame = 0;                   ///< number of calls that stepped before this one
   SteadyClock::time_point started{};         ///< the start of the frame's times

@@ -136,7 +136,9 @@ class Step {
         executor_(executor_of(world, sliced)),
         sliced_(sliced),
         frame_(world.outputs),
-        laps_(executor_, report.started) {}
+        laps_(executor_, report.started) {
+    if (sliced_ != nullptr) sliced_->stages = &report.times;
+  }
 
   void run() {
     crowded_partners_ = crowded_partners();

@@ -6,8 +6,8 @@
 namespace poise::simulation {
 
 /// One checked step: its stages in order, each given what it may read and change, and timed here and nowhere else. From
-/// the thread that steps, or with `sliced` from that of sliced->task, by its clock. With `may_rest` bodies fall asleep at
-/// its end; without, rest_after must follow.
+/// the thread that steps, or with `sliced` from that of sliced->task, by its clock. With `may_rest` bodies fall asleep
+/// at its end; without, rest_after must follow.
 FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest = true, SlicedStep* sliced = nullptr);
 
 /// Lets bodies fall asleep after a frame that was run without.

@@ -6,6 +6,7 @@
 #include "frame/budget/frame_time.h"
 #include "frame/budget/islands.h"
 #include "frame/run_frame.h"
+#include "frame/stage_list.h"
 
 namespace poise::simulation {
 namespace {
@@ -44,8 +45,11 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   input.host_work = {};
   input.release.reset();
   input.trace = nullptr;
+  sliced.begun = sliced.task.executor().time();
+  sliced.told = {};
   FrameReport& report = sliced.report;
   report = run_frame(world, input, false, &sliced);
+  sliced.stages = nullptr;
   sliced.took = report.times.total;
   sliced.refined = report.times.refine;
   const Nanoseconds from_end = report.times.integrate + report.times.publish;
@@ -70,6 +74,25 @@ bool begin(WorldState& world, const StepInput& input, SlicedStep& sliced) {
   sliced.input = input;
   if (input.record && !world.decisions) world.decisions = std::make_unique<DecisionLog>();
   return true;
+}
+
+// The times of the stages in this frame: of the one that goes on, so far.
+StageTimes stages_of_frame(SlicedStep& sliced, bool ended) {
+  StageTimes all = ended ? sliced.report.times : StageTimes{};
+  if (!ended && sliced.stages != nullptr) {
+    all = *sliced.stages;
+    Nanoseconds left = sliced.task.executor().time() - sliced.begun;
+    for (const StageMember& stage : kStages) left -= all.*stage.time;
+    // The stages follow each other, and none takes no time.
+    const auto* const next =
+        std::ranges::find_if(kStages, [&](const StageMember& stage) { return all.*stage.time == Nanoseconds(0); });
+    if (next != kStages.end()) all.*next->time += std::max(left, Nanoseconds(0));
+  }
+  StageTimes here;
+  for (const StageMember& stage : kStages)
+    here.*stage.time = std::max(all.*stage.time - sliced.told.*stage.time, Nanoseconds(0));
+  sliced.told = all;
+  return here;
 }
 
 void note_unfinished(WorldState& world, FrameReport& report) {
@@ -111,6 +134,7 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
   sliced.last = true;
   FrameReport report;
   if (ended) report = sliced.report;
+  report.times = stages_of_frame(sliced, ended);
   report.frame = world.frame - (ended ? 1 : 0);
   report.started = start;
   report.bodies = world.bodies.dynamic_count() + world.bodies.asleep_count();

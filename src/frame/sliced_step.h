@@ -24,9 +24,12 @@ struct SlicedStep {
   SteadyClock::time_point slice_begun;  ///< of that frame
   Nanoseconds slice{0};                 ///< what such a frame has for it
   FrameReport report;                   ///< of the step, by its own clock
+  SteadyClock::time_point begun;        ///< by it
+  const StageTimes* stages = nullptr;   ///< those that have ended, while it is unfinished
+  StageTimes told;                      ///< of them, and of the one that goes on, in the frames before
 
   // Of the step before
-  bool last = false;        ///< it was done in slices; then
+  bool last = false;         ///< it was done in slices; then
   Nanoseconds took{0};       ///< all of it, and
   Nanoseconds refined{0};    ///< its refinement
   Nanoseconds end_needs{0};  ///< of a slice, so that it holds the end of a step, from when bodies begin to move

@@ -92,7 +92,7 @@ struct WorldState {
   LearnedGains learned;
   std::unique_ptr<DecisionLog> decisions;  // once a step was recorded
 
-  std::unique_ptr<SlicedStep> sliced;      // once a step needed slices
+  std::unique_ptr<SlicedStep> sliced;  // once a step needed slices
 
   // The last frame
   Frame outputs;

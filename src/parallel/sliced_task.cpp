@@ -11,9 +11,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How much earlier than asked a slice stops: what items and the parts between loops have made it too long lately, slowly
-// forgotten, since the longest ones are rare. Where the system took the processor it is much more, and says nothing.
-// Chosen.
+// How much earlier than asked a slice stops: what items and the parts between loops have made it too long lately,
+// slowly forgotten, since the longest ones are rare. Where the system took the processor it is much more, and says
+// nothing. Chosen.
 constexpr std::chrono::nanoseconds kFirstLead = 300us, kLeastLead = 200us, kMostLead = 2ms;
 constexpr double kKept = 0.97;
 

@@ -89,9 +89,9 @@ class SlicedTask {
   bool running_ = false;   // the function's turn
   bool stopping_ = false;  // the thread is to end
   bool unfinished_ = false;
-  bool new_slice_ = false;             // nothing was done in it yet; of the function's thread
-  std::atomic<Clock::rep> stop_at_{};  // workers ask it between items
-  Clock::duration lead_;               // how much earlier a slice is told to stop
+  bool new_slice_ = false;                   // nothing was done in it yet; of the function's thread
+  std::atomic<Clock::rep> stop_at_{};        // workers ask it between items
+  Clock::duration lead_;                     // how much earlier a slice is told to stop
   std::chrono::nanoseconds stood_still_{0};  // since it began
   std::chrono::nanoseconds slice_cpu_{0};
   std::optional<std::jthread> thread_;

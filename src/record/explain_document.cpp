@@ -316,6 +316,11 @@ std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
 }
 
 std::string explain_table(const ExplainedFrame& e, std::size_t limit) {
+  if (e.frame.decisions.unfinished) {
+    return fmt::format(
+        "frame {}: its step did not end in it, and nothing moved; what it did is told of the frame that ends it\n",
+        e.frame.decisions.frame);
+  }
   const std::vector<Turn> turns = turns_of(e);
   std::string text = head_of(e, turns) + "\npairs by what became of them\n";
   for (const OutcomeText& outcome : kOutcomes) {
@@ -347,6 +352,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
   const RecordedFrame& f = e.frame;
   return {{"frame", f.decisions.frame},
           {"policy", policy_name(e.explanation.policy.kind)},
+          {"unfinished", f.decisions.unfinished},
           {"active_pairs", e.explanation.pairs.size()},
           {"budget_ms", ms(f.budget)},
           {"refine_available_ms", ms(f.refine_available)},

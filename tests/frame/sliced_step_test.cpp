@@ -133,8 +133,12 @@ TEST(SlicedStep, WhatTheCallerChangesEndsItFirst) {
       [](SlicedFall& f) { EXPECT_TRUE(f.world.set_user_data(f.bodies[3], 2).ok()); },
       [](SlicedFall& f) { EXPECT_TRUE(f.world.set_settings(f.world.settings()).ok()); },
       [](SlicedFall& f) { f.world.set_pair_filter({}); },
-      [](SlicedFall& f) { EXPECT_TRUE(f.world.add_material({0.1, 0.1, 500}).ok()); },
-      [](SlicedFall& f) { EXPECT_TRUE(f.world.remove_material(f.world.add_material({0.1, 0.1, 500}).value()).ok()); }};
+      [](SlicedFall& f) {
+        EXPECT_TRUE(f.world.add_material({0.1, 0.1, 500}).ok());
+      },
+      [](SlicedFall& f) {
+        EXPECT_TRUE(f.world.remove_material(f.world.add_material({0.1, 0.1, 500}).value()).ok());
+      }};
   for (std::size_t k = 0; k < changes.size(); ++k) {
     SlicedFall fall(2);
     for (int i = 0; i < 5; ++i) fall.world.step(unlimited());

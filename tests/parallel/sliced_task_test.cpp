@@ -53,9 +53,8 @@ TEST_P(SlicedTasks, EndsInOneSliceWhereThereIsTime) {
   SlicedTask task(*workers);
   std::atomic<int> items{0};
   for (int round = 0; round < 3; ++round) {
-    ASSERT_TRUE(task.begin([&] {
-      parallel_for(task.executor(), 100, 1, [&](std::size_t, std::size_t, int) { ++items; });
-    }));
+    ASSERT_TRUE(
+        task.begin([&] { parallel_for(task.executor(), 100, 1, [&](std::size_t, std::size_t, int) { ++items; }); }));
     EXPECT_TRUE(task.run_until(Clock::time_point::max()));
     EXPECT_EQ(items.load(), 100 * (round + 1));
   }
@@ -111,9 +110,8 @@ TEST_P(SlicedTasks, WhatIsUnfinishedEndsBeforeItGoes) {
   std::atomic<int> items{0};
   {
     SlicedTask task(*workers);
-    ASSERT_TRUE(task.begin([&] {
-      parallel_for(task.executor(), 100, 1, [&](std::size_t, std::size_t, int) { ++items; });
-    }));
+    ASSERT_TRUE(
+        task.begin([&] { parallel_for(task.executor(), 100, 1, [&](std::size_t, std::size_t, int) { ++items; }); }));
     task.run_until(kOver);
     EXPECT_LT(items.load(), 100);
   }
@@ -124,9 +122,8 @@ TEST_P(SlicedTasks, BetweenSlicesTheWorkersAreTheCallers) {
   SlicedTask task(*workers);
   std::atomic<int> items{0};
   std::atomic<int> own{0};
-  ASSERT_TRUE(task.begin([&] {
-    parallel_for(task.executor(), 50, 1, [&](std::size_t, std::size_t, int) { ++items; });
-  }));
+  ASSERT_TRUE(
+      task.begin([&] { parallel_for(task.executor(), 50, 1, [&](std::size_t, std::size_t, int) { ++items; }); }));
   int loops = 0;
   while (!task.run_until(kOver)) {
     parallel_for(*workers, 20, 1, [&](std::size_t, std::size_t, int) { ++own; });

@@ -59,8 +59,7 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
 /// (solver::SolveSettings::visits) so that the tail, with its margin, ends in time; as many as the solver makes by
 /// itself where that fits. At least 1.
 std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                 SteadyClock::time_point now, std::uint64_t manifold_points,
-                                 const FrameReport& report);
+                                 SteadyClock::time_point now, std::uint64_t manifold_points, const FrameReport& report);
 
 /// Of so many pairs that are not separated, how many are likely to have a contact.
 std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present);

@@ -172,9 +172,7 @@ void add_work(std::span<const RunFrame> frames, RunFigures& figures) {
     return static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(count, 1));
   };
   // What a step did stands in the frame that ended it.
-  const auto mean = [&](std::uint64_t sum) {
-    return mean_of(sum, frames.size() - figures.degraded.frames_unfinished);
-  };
+  const auto mean = [&](std::uint64_t sum) { return mean_of(sum, frames.size() - figures.degraded.frames_unfinished); };
   work.mandatory_mean = mean(work.mandatory);
   work.refine_mean = mean(work.refine);
   work.candidate_pairs_mean = mean(candidates);
@@ -278,16 +276,12 @@ RunFigures run_figures(std::span<const RunFrame> all, const RunTerms& terms) {
   figures.refinement_used_all = refinement_used(frames, true);
   figures.tail = tail_figures(frames, terms.alpha);
   figures.levels = level_figures(frames);
-  // The stage times of a step stand in the frame that ended it.
   const auto stage = [&](const StageMember& of) {
-    std::vector<double> stage_ms;
-    for (const RunFrame& frame : frames) {
-      if (!frame.report.unfinished) stage_ms.push_back(ms(frame.report.times.*of.time));
-    }
-    return StageFigures{of.name, percentiles(std::move(stage_ms))};
+    return StageFigures{
+        of.name, percentiles(collect(frames, [&](const RunFrame& frame) { return ms(frame.report.times.*of.time); }))};
   };
   std::transform(kStages.begin(), kStages.end(), figures.stages.begin(), stage);
-  figures.stages.back() = {"total", figures.frame_ms};
+  figures.stages.back() = stage({"total", &StageTimes::total});
   add_work(frames, figures);
   std::vector<ReferenceFigures> references;
   for (const RunFrame& frame : frames) {
