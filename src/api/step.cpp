@@ -86,6 +86,7 @@ FrameReport World::step(const StepInput& given) {
   FrameReport report;
   if (is_part(*state_, input)) {
     report = run_part(*state_, input);
+    if (input.trace != nullptr) simulation::trace_stages(report, *input.trace);
   } else {
     report = input.reference ? run_and_refer(*state_, input) : simulation::run_frame(*state_, input);
     if (state_->sliced) state_->sliced->last = false;

@@ -178,7 +178,6 @@ TEST(HostExecutor, RunsUnderADeadline) {
     input.budget = Budget::within(std::chrono::milliseconds(2));
     const FrameReport report = stage.world.step(input);
     ASSERT_EQ(report.status, StepStatus::Done);
-    ASSERT_GE(report.budget.count(), 0);
   }
   for (const BodyId body : stage.bodies) {
     const BodyState state = stage.world.state(body).value();

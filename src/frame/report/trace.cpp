@@ -35,7 +35,7 @@ const char* trace_name(TraceStage stage) {
 
 namespace simulation {
 
-void trace_frame(const Frame& frame, const dynamics::BodyStore& bodies, const FrameReport& report, Trace& trace) {
+void trace_stages(const FrameReport& report, Trace& trace) {
   const StageTimes& times = report.times;
   const auto add = [&](TraceStage stage, SteadyClock::time_point begin, Nanoseconds length) {
     trace.add({begin, begin + length, report.frame, 0, 0, {}, {}, 0, stage});
@@ -50,6 +50,10 @@ void trace_frame(const Frame& frame, const dynamics::BodyStore& bodies, const Fr
   at = add(TraceStage::Solve, at, times.solve);
   at = add(TraceStage::Integrate, at, times.integrate);
   add(TraceStage::Publish, at, times.publish);
+}
+
+void trace_frame(const Frame& frame, const dynamics::BodyStore& bodies, const FrameReport& report, Trace& trace) {
+  trace_stages(report, trace);
   const std::vector<WorkerTally>& tallies = frame.levels.tallies;
   for (std::size_t w = 0; w < tallies.size(); ++w) {
     const WorkerTally& tally = tallies[w];
