@@ -148,7 +148,7 @@ void reserve_pairs(PairTable& table, std::size_t bodies) {
 // The candidates that are near each other: those of a chunk from where it begins, and how many they are.
 void select_near(const CoarseInput& input, PairTable& table, parallel::Executor& executor) {
   const std::span<const collision::CandidatePair> candidates = input.candidates.pairs;
-  const parallel::LargeVector<BodyBounds>& body_bounds = input.motion.body_bounds;
+  const parallel::UnsetVector<BodyBounds>& body_bounds = input.motion.body_bounds;
   const SweptBounds& swept = input.motion.swept;
   const std::size_t chunks = (candidates.size() + kCandidateGrain - 1) / kCandidateGrain;
   table.known_of_chunk.assign(chunks + 1, KnownCount{});
@@ -183,7 +183,7 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   const std::size_t first = table.begin_of(chunk);
   const std::size_t past = table.end_of(chunk);
   if (first == past) return;
-  const parallel::LargeVector<BodyBounds>& body_bounds = input.motion.body_bounds;
+  const parallel::UnsetVector<BodyBounds>& body_bounds = input.motion.body_bounds;
   const SweptBounds& swept = input.motion.swept;
   const PairRecord* records = &table.records[chunk * kCandidateGrain];
   KnownCount known;

@@ -115,9 +115,9 @@ collision::MotionBound motion_bound_of(const SceneView& scene, const PredictedMo
 void predict(const PredictInput& input, PredictedMotion& motion, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
   const std::size_t slots = bodies.slot_count();
-  motion.poses.resize(slots);
-  motion.inverse_inertia.resize(slots);
-  motion.body_bounds.resize(slots);
+  parallel::resize(executor, motion.poses, slots);
+  parallel::resize(executor, motion.inverse_inertia, slots);
+  parallel::resize(executor, motion.body_bounds, slots);
   // Backtracking keeps nothing of what rests.
   if (motion.swept.on != input.terms.backtracking) motion.everything = true;
   list_visited(input, motion, executor);

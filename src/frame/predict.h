@@ -45,9 +45,9 @@ static_assert(sizeof(BodyBounds) == 128);
 struct PredictedMotion {
   bool everything = true;              ///< nothing is known yet: the next step looks at all bodies
   std::vector<std::uint32_t> visited;  ///< slots of bodies that move, or were changed since the last step; ascending
-  parallel::LargeVector<collision::Pose> poses;          ///< one a slot, at the start of the step
-  parallel::LargeVector<BodyBounds> body_bounds;         ///< one a slot
-  parallel::LargeVector<Mat3> inverse_inertia;           ///< one a slot, world frame
+  parallel::UnsetVector<collision::Pose> poses;          ///< one a slot, at the start of the step
+  parallel::UnsetVector<BodyBounds> body_bounds;         ///< one a slot
+  parallel::UnsetVector<Mat3> inverse_inertia;           ///< one a slot, world frame
   parallel::UnsetVector<collision::MotionBound> bounds;  ///< of bodies that move, and are not swept
   std::vector<collision::PlaneBound> planes;
   bool planes_changed = true;

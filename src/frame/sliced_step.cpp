@@ -12,8 +12,8 @@ namespace poise::simulation {
 namespace {
 
 // Of a frame: a step is done at once again if what must be done, and the part of refinement that it would not go
-// without, take less than this. Chosen.
-constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
+// without, take less than this. One that fits into a slice costs as little as one that is done at once. Chosen.
+constexpr double kAmple = 0.5, kShareOfRefinement = 0.2;
 // The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
 // enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
 constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;

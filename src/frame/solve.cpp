@@ -35,8 +35,8 @@ void reserve_sphere_points(const SolveInput& input, Velocities& velocities) {
 
 void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
-  velocities.bodies.resize(bodies.slot_count());
-  velocities.accelerations.resize(bodies.slot_count());
+  parallel::resize(executor, velocities.bodies, bodies.slot_count());
+  parallel::resize(executor, velocities.accelerations, bodies.slot_count());
   const bool everything = std::exchange(velocities.everything, false);
   const std::vector<std::uint32_t>& visited = input.motion.visited;
   const std::size_t count = everything ? bodies.slot_count() : visited.size();

@@ -27,10 +27,10 @@ struct SolveInput {
 
 /// Output of *solve*: velocities after the step, and the impulses that made them. Invariant: buffers only grow.
 struct Velocities {
-  bool everything = true;                            ///< nothing is known of bodies at rest
-  parallel::LargeVector<solver::SolverBody> bodies;  ///< one a slot
-  std::vector<solver::Acceleration> accelerations;   ///< one a slot
-  parallel::LargeVector<Vec3> applied_impulse_ns;    ///< one a manifold: what b received from the contact solver
+  bool everything = true;                                     ///< nothing is known of bodies at rest
+  parallel::UnsetVector<solver::SolverBody> bodies;           ///< one a slot
+  parallel::UnsetVector<solver::Acceleration> accelerations;  ///< one a slot
+  parallel::LargeVector<Vec3> applied_impulse_ns;  ///< one a manifold: what b received from the contact solver
   parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
   parallel::UnsetVector<solver::OverlapPoint> overlaps;  ///< of the rows
   parallel::UnsetVector<std::uint32_t> row_of;           ///< one a manifold, where there may be impacts: its row

@@ -16,9 +16,9 @@ struct Lanes {
   parallel::UnsetVector<PairLanes<T>> pairs;  // one a block
   parallel::UnsetVector<PointLanes<T>> manifold_points;
   parallel::UnsetVector<TotalLanes<T>> totals;     // beside them, where they are kept from substep to substep
-  parallel::LargeVector<MotionChange<T>> motions;  // one a body
-  parallel::LargeVector<MotionChange<T>> begun;    // velocities and spins when the substep began
-  parallel::LargeVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
+  parallel::UnsetVector<MotionChange<T>> motions;  // one a body
+  parallel::UnsetVector<MotionChange<T>> begun;    // velocities and spins when the substep began
+  parallel::UnsetVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
   bool used_last = false;                                                  // by the last step: they know what rests
 
   std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {

@@ -303,9 +303,9 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   distant = system.pairs.size() > parallel::kPairsAtHand;
   if (keeps) parallel::grow_anew(all.totals, needed);
   parallel::grow_anew(all.pairs, blocks.size());
-  all.motions.resize(system.bodies.size());
-  all.begun.resize(system.bodies.size());
-  all.scaled_inverse_inertias.resize(system.bodies.size());
+  parallel::resize(executor, all.motions, system.bodies.size());
+  parallel::resize(executor, all.begun, system.bodies.size());
+  parallel::resize(executor, all.scaled_inverse_inertias, system.bodies.size());
   if (mixed) {
     roots.resize(std::max(roots.size(), 4 * kLanes * needed + kNumbersBeyond));
     before.resize(roots.size());

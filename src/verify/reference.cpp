@@ -74,7 +74,7 @@ std::vector<ComparedPair> compared_pairs(const WorldState& world, Reference& ful
     pairs[of_run[run.manifolds.manifolds[m].pair]].run_ns = size_of_impulse(run.manifolds, run.velocities, m);
   for (std::size_t m = 0; m < full.manifolds.manifolds.size(); ++m)
     pairs[full.manifolds.manifolds[m].pair].reference_ns = size_of_impulse(full.manifolds, full.velocities, m);
-  const parallel::LargeVector<collision::Pose>& poses = run.motion.poses;
+  const parallel::UnsetVector<collision::Pose>& poses = run.motion.poses;
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, of_run.size(), 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t of_table = begin; of_table < end; ++of_table) {
