@@ -264,6 +264,13 @@ class Step {
     forget_contacts_of(slots, frame_.table, frame_.manifolds, world_.cache.points, frame_.velocities);
   }
 
+  // Iterations are worth a frame, not several.
+  [[nodiscard]] StepInput for_iterations() const {
+    StepInput input = input_;
+    if (sliced_ != nullptr) input.budget.deadline = std::min(input.budget.deadline, executor_.time() + sliced_->slice);
+    return input;
+  }
+
   // How many point iterations a substep may make: as many as the solver makes by itself, or before a deadline as many
   // as fit, or as another run decided.
   [[nodiscard]] std::uint32_t max_iterations() {
@@ -271,8 +278,8 @@ class Step {
     if (input_.replay != nullptr) {
       if (input_.replay->point_iterations > 0) most = input_.replay->point_iterations;
     } else if (input_.budget.kind == Budget::Kind::Deadline) {
-      most = iterations_in_time(world_.forecasts, input_, counts(), executor_.time(), frame_.velocities.point_count,
-                                report_);
+      most = iterations_in_time(world_.forecasts, for_iterations(), counts(), executor_.time(),
+                                frame_.velocities.point_count, report_);
       if (input_.record) world_.decisions->point_iterations(most < solver::kMaxPointIterations ? most : 0);
     }
     return most;

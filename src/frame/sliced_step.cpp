@@ -63,10 +63,17 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   sliced.end_needs = Nanoseconds(static_cast<std::int64_t>(kOfEnd * ns_of(end_took)));
 }
 
-// Would the last step have fitted into a frame, with a part of its refinement?
-bool fits_at_once(const SlicedStep& sliced, Nanoseconds left) {
+// Would the last step have fitted into a frame, with a part of its refinement, had it had `share` of its bodies?
+bool fits_at_once(const SlicedStep& sliced, double share, Nanoseconds left) {
   const double refined_ns = std::min(ns_of(sliced.refined), kShareOfRefinement * ns_of(left));
-  return ns_of(sliced.took - sliced.refined) + refined_ns <= kAmple * ns_of(left);
+  return share * (ns_of(sliced.took - sliced.refined) + refined_ns) <= kAmple * ns_of(left);
+}
+
+// Of the bodies of the last step those that take part now: the others have been paused since.
+double share_of_last(const WorldState& world) {
+  const TimeFacts& last = world.forecasts.times;
+  const auto then = static_cast<double>(last.load - last.active_pairs);
+  return then > 0 ? std::min(1.0, static_cast<double>(world.bodies.dynamic_count()) / then) : 1.0;
 }
 
 bool begin(WorldState& world, const StepInput& input, SlicedStep& sliced) {
@@ -110,12 +117,12 @@ void note_unfinished(WorldState& world, FrameReport& report) {
 
 bool wants_slices(const WorldState& world, const StepInput& input) {
   if (!may_slice(world, input)) return false;
-  const SteadyClock::time_point now = SteadyClock::now();
-  if (world.sliced && world.sliced->last)
-    return !fits_at_once(*world.sliced, time_of_step(input, now, world.forecasts));
-  // Of a World that has not stepped yet nothing is known.
-  return world.forecasts.times.frames == 0 || mandatory(world, input) > input.budget.deadline - now ||
-         bodies_waited(world);
+  const Nanoseconds left = time_of_step(input, SteadyClock::now(), world.forecasts);
+  const double share = share_of_last(world);
+  if (world.sliced && world.sliced->last) return !fits_at_once(*world.sliced, share, left);
+  // Of a World that has not stepped yet nothing is known. Islands that take turns do so from frame to frame.
+  return world.forecasts.times.frames == 0 || share * ns_of(mandatory(world, input)) > ns_of(left) ||
+         (bodies_waited(world) && world.bodies.paused_count() == 0);
 }
 
 FrameReport run_slice(WorldState& world, const StepInput& input) {
