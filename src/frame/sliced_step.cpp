@@ -12,8 +12,8 @@ namespace poise::simulation {
 namespace {
 
 // Of a frame: a step is done at once again if what must be done, and the part of refinement that it would not go
-// without, take less than this. One that fits into a slice costs as little as one that is done at once. Chosen.
-constexpr double kAmple = 0.5, kShareOfRefinement = 0.2;
+// without, take less than this. Chosen.
+constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
 // The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
 // enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
 constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;
@@ -50,7 +50,7 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   FrameReport& report = sliced.report;
   report = run_frame(world, input, false, &sliced);
   sliced.stages = nullptr;
-  sliced.took = report.times.total;
+  sliced.mandatory = report.mandatory;
   sliced.refined = report.times.refine;
   const Nanoseconds from_end = report.times.integrate + report.times.publish;
   // Who may rest is decided for the frames to come.
@@ -66,7 +66,7 @@ void run_step(WorldState& world, SlicedStep& sliced) {
 // Would the last step have fitted into a frame, with a part of its refinement, had it had `share` of its bodies?
 bool fits_at_once(const SlicedStep& sliced, double share, Nanoseconds left) {
   const double refined_ns = std::min(ns_of(sliced.refined), kShareOfRefinement * ns_of(left));
-  return share * (ns_of(sliced.took - sliced.refined) + refined_ns) <= kAmple * ns_of(left);
+  return share * (ns_of(sliced.mandatory) + refined_ns) <= kAmple * ns_of(left);
 }
 
 // Of the bodies of the last step those that take part now: the others have been paused since.

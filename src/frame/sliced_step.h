@@ -30,7 +30,7 @@ struct SlicedStep {
 
   // Of the step before
   bool last = false;         ///< it was done in slices; then
-  Nanoseconds took{0};       ///< all of it, and
+  Nanoseconds mandatory{0};  ///< FrameReport::mandatory, and
   Nanoseconds refined{0};    ///< its refinement
   Nanoseconds end_needs{0};  ///< of a slice, so that it holds the end of a step, from when bodies begin to move
 
