@@ -48,7 +48,7 @@ class HostExecutor {
   /// Asks for `count` (at least 1) calls of `task` on other threads, soon. Returns at once without waiting for them,
   /// and must not throw. The thread that steps (with StepInput::may_slice one of the World in its place) calls it
   /// several times a frame, and only for calls that are neither pending nor running. Returns how many of the calls will
-  /// be made, in [0, count]. Each of these must be made once, sooner or later; the step asks for the others again later.
+  /// be made, in [0, count]. Each must be made once, sooner or later; the step asks for the others again later.
   virtual int start(int count, const HostTask& task) = 0;
 };
 
