@@ -6,7 +6,9 @@
 /// so programs whose instructions are counted take this in place of that measurement.
 namespace hwy::platform {
 
+// NOLINTBEGIN(readability-identifier-naming): the name is Highway's
 std::uint64_t TimerResolution();
 std::uint64_t TimerResolution() { return 1; }
+// NOLINTEND(readability-identifier-naming)
 
 }  // namespace hwy::platform
