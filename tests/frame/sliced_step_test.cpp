@@ -29,7 +29,7 @@ StepInput roomy() {
 
 // Jacks that fall into a tray, so many that a stage has several items.
 struct SlicedFall : Stage {
-  explicit SlicedFall(int threads, WorldSettings settings = gravity_on()) : Stage(with(settings, threads), 0.2) {
+  explicit SlicedFall(int threads, const WorldSettings& settings = gravity_on()) : Stage(with(settings, threads), 0.2) {
     jacks(300, 9);
   }
   static WorldSettings with(WorldSettings settings, int threads) {
