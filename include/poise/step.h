@@ -98,7 +98,7 @@ struct StepInput {
   const FrameDecisions* replay = nullptr;
   /// With a deadline: where the step does not fit into its frame, it may take several. Each call then returns in time,
   /// and until the last one no body moves (FrameReport::unfinished). So bodies move in slow motion, and as accurately
-  /// as without a deadline. Such a step goes by the input of the call that began it and is traced by stages alone; a
+  /// as so many frames allow. Such a step goes by the input of the call that began it and is traced by stages alone; a
   /// call without a deadline ends it. A thread of the World takes the place of the calling one meanwhile, with its
   /// affinity and priority when it began. Not with `backtracking`, `reference` or ContactModel::Paper.
   bool may_slice = false;
