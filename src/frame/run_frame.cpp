@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "frame/budget/cpu_clock.h"
 #include "frame/budget/crowds.h"
 #include "frame/budget/frame_time.h"
 #include "frame/budget/pause.h"
 #include "frame/ccd/swept.h"
 #include "frame/out_of_range.h"
+#include "parallel/cpu_clock.h"
 #include "parallel/ranges.h"
 
 namespace poise::simulation {
@@ -325,7 +325,7 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest, 
   parallel::Executor& executor = executor_of(world, sliced);
   const SteadyClock::time_point start = executor.time();
   FrameReport report;
-  const Nanoseconds cpu_before = thread_cpu_time();
+  const Nanoseconds cpu_before = parallel::thread_cpu_time();
   const parallel::Waits waits_before = executor.waits();
   executor.wake();
   report.frame = world.frame;
@@ -340,7 +340,7 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest, 
   report.times.total = executor.time() - start;
   // After the last stage: the clock of the CPU takes as long as a small stage.
   if (input.budget.kind == Budget::Kind::Deadline) {
-    const CallerTime caller{thread_cpu_time() - cpu_before,
+    const CallerTime caller{parallel::thread_cpu_time() - cpu_before,
                             executor.waits() - waits_before - world.outputs.levels.waits};
     account_time(input, step.counts(), world.outputs.velocities.point_count, caller, world.forecasts, report);
   }

@@ -2,9 +2,10 @@
 #include "parallel/sliced_task.h"
 
 #include <algorithm>
-#include <ctime>
 #include <system_error>
 #include <utility>
+
+#include "parallel/cpu_clock.h"
 
 namespace poise::parallel {
 namespace {
@@ -16,12 +17,6 @@ using namespace std::chrono_literals;
 // nothing. Chosen.
 constexpr std::chrono::nanoseconds kFirstLead = 300us, kLeastLead = 200us, kMostLead = 2ms;
 constexpr double kKept = 0.97;
-
-std::chrono::nanoseconds cpu_of_this_thread() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-}
 
 }  // namespace
 
@@ -99,14 +94,14 @@ void SlicedTask::end_in_one_slice(std::chrono::nanoseconds need) {
 
 void SlicedTask::stand_still() {
   const Clock::time_point begin = Clock::now();
-  slice_cpu_ = cpu_of_this_thread() - slice_cpu_;
+  slice_cpu_ = thread_cpu_time() - slice_cpu_;
   {
     std::unique_lock<std::mutex> hold(mutex_);
     running_ = false;
     turn_.notify_all();
     turn_.wait(hold, [&] { return running_; });
   }
-  slice_cpu_ = cpu_of_this_thread();
+  slice_cpu_ = thread_cpu_time();
   new_slice_ = true;
   stood_still_ += Clock::now() - begin;
 }
@@ -117,10 +112,10 @@ void SlicedTask::live() {
     turn_.wait(hold, [&] { return running_ || stopping_; });
     if (stopping_) return;
     hold.unlock();
-    slice_cpu_ = cpu_of_this_thread();
+    slice_cpu_ = thread_cpu_time();
     new_slice_ = true;
     function_();
-    slice_cpu_ = cpu_of_this_thread() - slice_cpu_;
+    slice_cpu_ = thread_cpu_time() - slice_cpu_;
     hold.lock();
     unfinished_ = false;
     running_ = false;

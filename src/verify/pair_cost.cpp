@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "frame/budget/cpu_clock.h"
 #include "frame/world_state.h"
+#include "parallel/cpu_clock.h"
 #include "verify/pair_probe.h"
 #include "verify/pair_stages.h"
 
@@ -54,9 +54,9 @@ void answer_all(PairStages& stages) {
 
 template <class Work>
 double nanoseconds(Work&& work) {
-  const Nanoseconds before = thread_cpu_time();
+  const Nanoseconds before = parallel::thread_cpu_time();
   work();
-  return static_cast<double>((thread_cpu_time() - before).count());
+  return static_cast<double>((parallel::thread_cpu_time() - before).count());
 }
 
 double median(std::vector<double>& values) {

@@ -5,10 +5,10 @@
 #include <functional>
 #include <memory>
 
-#include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
 #include "frame/scenes.h"
 #include "parallel/busy_thread.h"
+#include "parallel/cpu_clock.h"
 #include "verify/world_access.h"
 
 // Each test disturbs a frame, and the report must name the cause. Durations are measured, never assumed, and frames are
@@ -17,7 +17,7 @@
 namespace poise {
 namespace {
 
-using simulation::thread_cpu_time;
+using parallel::thread_cpu_time;
 using simulation::WorldState;
 using std::chrono::milliseconds;
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "frame/budget/cpu_clock.h"
 #include "frame/refine/open_refinement.h"
 #include "frame/refine/pair_cues.h"
 #include "frame/refine/rank.h"
+#include "parallel/cpu_clock.h"
 #include "parallel/prefetch.h"
 
 namespace poise::simulation {
@@ -61,7 +61,7 @@ class OpenRefinement::Job {
     now_ = run_.executor.time();
     if (tally_.begun != SteadyClock::time_point{}) return;
     tally_.begun = now_;
-    tally_.cpu_before = thread_cpu_time();
+    tally_.cpu_before = parallel::thread_cpu_time();
   }
 
   bool run() {
@@ -138,7 +138,7 @@ class OpenRefinement::Job {
   }
   // Since this worker's first job.
   [[nodiscard]] Nanoseconds off_cpu() const {
-    return std::max(Nanoseconds(0), now_ - tally_.begun - (thread_cpu_time() - tally_.cpu_before));
+    return std::max(Nanoseconds(0), now_ - tally_.begun - (parallel::thread_cpu_time() - tally_.cpu_before));
   }
   void look_at_clock() {
     const SteadyClock::time_point begun = now_;

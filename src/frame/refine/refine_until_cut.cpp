@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "frame/budget/cpu_clock.h"
 #include "frame/budget/frame_time.h"
 #include "frame/refine/open_refinement.h"
 #include "frame/refine/rank.h"
+#include "parallel/cpu_clock.h"
 #include "parallel/shared_counters.h"
 
 namespace poise::simulation {
@@ -143,7 +143,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   if (first_cut <= planned) return;
   const Nanoseconds patience = std::max(kLeastPatience, 2 * budget.job_cost(input.policy.quantum_units));
   const parallel::Waits waits_before = executor.waits();
-  const Nanoseconds cpu_before = thread_cpu_time();
+  const Nanoseconds cpu_before = parallel::thread_cpu_time();
   const SteadyClock::time_point run_begun = executor.time();
   if (!run_jobs(input, resources, levels, {planned, first_cut, patience}, report, executor)) return;
   report.jobs_discarded += report.jobs_abandoned;
@@ -163,7 +163,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   for (std::size_t w = 1; w < levels.tallies.size(); ++w) held_up = std::max(held_up, levels.tallies[w].off_cpu);
   if (report.jobs_abandoned > 0) held_up = report.waited;
   report.off_cpu = std::min(report.waited, held_up);
-  const Nanoseconds own_off_cpu = end - run_begun - (thread_cpu_time() - cpu_before) - report.waited;
+  const Nanoseconds own_off_cpu = end - run_begun - (parallel::thread_cpu_time() - cpu_before) - report.waited;
   const Nanoseconds past_cut = std::max(Nanoseconds(0), end - last_cut);
   const Nanoseconds taken = std::min(past_cut, std::max(Nanoseconds(0), own_off_cpu) + report.off_cpu);
   note_overrun(past_cut - taken, taken, report);

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "frame/budget/cpu_clock.h"
 #include "geometry/primitives/random.h"
+#include "parallel/cpu_clock.h"
 
 namespace poise::simulation {
 
@@ -16,9 +16,9 @@ Nanoseconds load_of(const RenderLoad& load, std::uint64_t frame) {
 
 LoadTime burn(Nanoseconds cpu_time) {
   const SteadyClock::time_point begun = SteadyClock::now();
-  const Nanoseconds cpu_before = simulation::thread_cpu_time();
+  const Nanoseconds cpu_before = parallel::thread_cpu_time();
   Nanoseconds cpu{0};
-  while (cpu < cpu_time) cpu = simulation::thread_cpu_time() - cpu_before;
+  while (cpu < cpu_time) cpu = parallel::thread_cpu_time() - cpu_before;
   const Nanoseconds wall = SteadyClock::now() - begun;
   return {wall, std::max(Nanoseconds(0), wall - cpu)};
 }
