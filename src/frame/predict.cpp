@@ -116,7 +116,7 @@ void predict(const PredictInput& input, PredictedMotion& motion, parallel::Execu
   const dynamics::BodyStore& bodies = input.scene.bodies;
   const std::size_t slots = bodies.slot_count();
   parallel::resize(executor, motion.poses, slots);
-  parallel::resize(executor, motion.inverse_inertia, slots);
+  parallel::resize<Mat3>(executor, motion.inverse_inertia, slots, Mat3::Zero());
   parallel::resize(executor, motion.body_bounds, slots);
   // Backtracking keeps nothing of what rests.
   if (motion.swept.on != input.terms.backtracking) motion.everything = true;

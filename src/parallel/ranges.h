@@ -31,15 +31,15 @@ void for_ranges(Executor& executor, const Ranges& ranges, Body&& body) {
                [&](std::size_t k, std::size_t, int) { body(k, ranges.begin(k), ranges.end(k)); });
 }
 
-/// list.resize(n), but what that adds is set in parallel.
+/// list.resize(n, value), but what that adds is set in parallel.
 template <class T>
-void resize(Executor& executor, UnsetVector<T>& list, std::size_t n) {
+void resize(Executor& executor, UnsetVector<T>& list, std::size_t n, const T& value = {}) {
   const std::size_t before = list.size();
   list.resize(n);
   if (n <= before) return;
   for_ranges(executor, {n - before, 64}, [&](std::size_t, std::size_t begin, std::size_t end) {
     std::fill(list.begin() + static_cast<std::ptrdiff_t>(before + begin),
-              list.begin() + static_cast<std::ptrdiff_t>(before + end), T{});
+              list.begin() + static_cast<std::ptrdiff_t>(before + end), value);
   });
 }
 
