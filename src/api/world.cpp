@@ -314,13 +314,9 @@ std::uint64_t World::state_hash() const {
   const auto mix = [&hash](const auto& column) {
     hash = XXH64(column.data(), column.size() * sizeof(column[0]), hash);
   };
-  for (const auto* column :
-       {&bodies.x_m,      &bodies.y_m,     &bodies.z_m,       &bodies.qw,     &bodies.qx,       &bodies.qy,
-        &bodies.qz,       &bodies.vx_mps,  &bodies.vy_mps,    &bodies.vz_mps, &bodies.wx_radps, &bodies.wy_radps,
-        &bodies.wz_radps, &bodies.fx_n,    &bodies.fy_n,      &bodies.fz_n,   &bodies.tx_nm,    &bodies.ty_nm,
-        &bodies.tz_nm,    &bodies.mass_kg, &bodies.importance}) {
-    mix(*column);
-  }
+  for (const auto column : dynamics::BodyStore::kColumnsOfState) mix(bodies.*column);
+  mix(bodies.mass_kg);
+  mix(bodies.importance);
   mix(bodies.generation);
   mix(bodies.alive);
   // The rest is half of the step before and half of this one.

@@ -139,6 +139,7 @@ Status World::set_user_data(BodyId body, std::uint64_t user_data) {
 
 Status World::set_velocity(BodyId body, const Vec3& velocity_mps, const Vec3& angular_velocity_radps) {
   if (!contains(body)) return stale_body(body);
+  simulation::end_sliced_step(*state_);
   BodyState state = this->state(body).value();
   state.velocity_mps = velocity_mps;
   state.angular_velocity_radps = angular_velocity_radps;

@@ -120,6 +120,16 @@ void BodyStore::wake(std::uint32_t slot) {
   --asleep_count_;
 }
 
+void BodyStore::exchange(BodyStates& states) noexcept {
+  for (std::size_t k = 0; k < BodyStates::kColumns; ++k) (this->*kColumnsOfState[k]).swap(states.columns[k]);
+  dynamic.swap(states.dynamic);
+  asleep.swap(states.asleep);
+  paused.swap(states.paused);
+  std::swap(dynamic_count_, states.dynamic_count);
+  std::swap(asleep_count_, states.asleep_count);
+  std::swap(paused_count_, states.paused_count);
+}
+
 void BodyStore::set_position(std::size_t i, const Vec3& p) {
   changed[i] = 1;
   x_m[i] = p.x();

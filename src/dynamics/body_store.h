@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,6 +10,14 @@
 #include "poise/types.h"
 
 namespace poise::dynamics {
+
+/// What a step changes of bodies that callers see: one entry a slot each.
+struct BodyStates {
+  static constexpr std::size_t kColumns = 19;
+  std::array<std::vector<double>, kColumns> columns;  ///< BodyStore::kColumnsOfState
+  std::vector<std::uint8_t> dynamic, asleep, paused;
+  std::size_t dynamic_count = 0, asleep_count = 0, paused_count = 0;
+};
 
 /// The bodies of a World as structure of arrays, one entry a slot, double precision, SI units, world frame. Invariant:
 /// all arrays have slot_count() entries; a dead slot has zero velocity and zero inverse mass; all numbers are finite. A
@@ -42,6 +51,9 @@ struct BodyStore {
   std::vector<std::uint8_t> changed;
   std::vector<std::uint8_t> frames_held;  ///< for how many frames the body has waited (frame/budget/hold.h)
 
+  /// State, and the forces applied for the next step.
+  static const std::array<std::vector<double> BodyStore::*, BodyStates::kColumns> kColumnsOfState;
+
   [[nodiscard]] std::size_t slot_count() const { return alive.size(); }
   [[nodiscard]] std::size_t alive_count() const { return alive_count_; }
   [[nodiscard]] std::size_t dynamic_count() const { return dynamic_count_; }  ///< awake ones
@@ -74,6 +86,9 @@ struct BodyStore {
   /// A sleeping body becomes dynamic again, at rest unless it was paused.
   void wake(std::uint32_t slot);
 
+  /// Exchanges them for those of another time, of the same bodies. In constant time.
+  void exchange(BodyStates& states) noexcept;
+
   [[nodiscard]] Vec3 position(std::size_t i) const { return {x_m[i], y_m[i], z_m[i]}; }
   [[nodiscard]] Quat orientation(std::size_t i) const { return {qw[i], qx[i], qy[i], qz[i]}; }
   [[nodiscard]] Vec3 velocity(std::size_t i) const { return {vx_mps[i], vy_mps[i], vz_mps[i]}; }
@@ -97,6 +112,12 @@ struct BodyStore {
   std::size_t paused_count_ = 0;
   std::size_t kinematic_count_ = 0;
 };
+
+inline constexpr std::array<std::vector<double> BodyStore::*, BodyStates::kColumns> BodyStore::kColumnsOfState = {
+    &BodyStore::x_m,      &BodyStore::y_m,      &BodyStore::z_m,      &BodyStore::qw,     &BodyStore::qx,
+    &BodyStore::qy,       &BodyStore::qz,       &BodyStore::vx_mps,   &BodyStore::vy_mps, &BodyStore::vz_mps,
+    &BodyStore::wx_radps, &BodyStore::wy_radps, &BodyStore::wz_radps, &BodyStore::fx_n,   &BodyStore::fy_n,
+    &BodyStore::fz_n,     &BodyStore::tx_nm,    &BodyStore::ty_nm,    &BodyStore::tz_nm};
 
 /// Rotation from the principal frame of a body to the world.
 Quat principal_to_world(const BodyStore& bodies, std::size_t i);

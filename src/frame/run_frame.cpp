@@ -161,8 +161,7 @@ class Step {
     report_.times.manifolds = laps_.lap();
     solve(solved);
     report_.times.solve = laps_.lap();
-    // From here on a caller could see a half of it.
-    if (sliced_ != nullptr) sliced_->task.end_in_one_slice(sliced_->end_needs);
+    if (sliced_ != nullptr) hide_end(world_, *sliced_);
     integrate({frame_.motion, frame_.velocities, terms_.dt_s}, world_.bodies, frame_.motions, executor_);
     report_out_of_range();
     report_.times.integrate = laps_.lap();
@@ -170,12 +169,15 @@ class Step {
     published.persist_events = input_.persist_events;
     published.keeps_previous = world_.keeps_previous_pairs;
     publish(published, world_.cache, world_.events, frame_.publication, executor_);
+  }
+  // After what may rest.
+  void end() {
     ++world_.contacts_version;
     // One that ends outside of a frame ends the one before.
     if (sliced_ == nullptr || sliced_->frame != nullptr) ++world_.frame;
     world_.frames_unfinished = 0;
+    report_.times.publish = laps_.lap();
   }
-  void end_publish() { report_.times.publish = laps_.lap(); }
 
   [[nodiscard]] FrameCounts counts() const {
     return {terms_.contact, world_.bodies.dynamic_count(), world_.settings.substeps, frame_.table,
@@ -306,19 +308,30 @@ PublishInput publish_input(const WorldState& world) {
           frame.levels,  frame.manifolds,        frame.velocities, frame.motions};
 }
 
-void rest_after(WorldState& world, const StepInput& input, FrameReport& report) {
+void rest_after(WorldState& world, const StepInput& input, FrameReport& report, SlicedStep* sliced) {
   const Frame& frame = world.outputs;
   const StepTerms terms = terms_of(world.settings, input);
+  parallel::Executor& executor = executor_of(world, sliced);
   if (world.settings.sleeping) {
     fall_asleep({frame.motion, frame.table, frame.motions, input.dt_s, terms.gravity_mps2.norm()}, world.sleep_access(),
-                report, *world.executor);
+                report, executor);
   }
   DecisionLog* log = input.record && input.replay == nullptr ? world.decisions.get() : nullptr;
   const RefineInput of_frame = refine_input(world, input, terms, report.frame, report.refine_started);
-  if (!pause_islands(of_frame, report, {world.outputs.levels, world.sleep_access(), world.forecasts, log},
-                     *world.executor)) {
-    report.status = StepStatus::ReplayDiffers;
+  const PauseResources resources{world.outputs.levels, world.sleep_access(), world.forecasts, log};
+  if (input.replay != nullptr) {
+    if (!pause_as_recorded(of_frame, input.replay->paused, resources, executor))
+      report.status = StepStatus::ReplayDiffers;
+    return;
   }
+  if (input.budget.kind != Budget::Kind::Deadline || !Islands::any_may_wait(of_frame)) return;
+  reserve_sets(resources.access);
+  if (sliced == nullptr && report.degraded.bodies_held == 0 && !report.infeasible_forecast) return;
+  const Nanoseconds of_a_frame =
+      sliced != nullptr ? sliced->slice : input.budget.deadline - report.started - report.host_reserved;
+  IslandTurns turns(of_frame, resources, executor);
+  if (turns.find(static_cast<double>(of_a_frame.count())))
+    turns.deal(sliced != nullptr ? end_in_this_frame(world, *sliced) : report.frame);
 }
 
 FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest, SlicedStep* sliced) {
@@ -335,8 +348,8 @@ FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest, 
   begin_frame_time(input, world.bodies.dynamic_count(), world.settings.substeps, start, world.forecasts, report);
   Step step(world, input, world.frame - world.frames_unfinished, report, sliced);
   step.run();
-  if (may_rest) rest_after(world, input, report);
-  step.end_publish();
+  if (may_rest) rest_after(world, input, report, sliced);
+  step.end();
   report.times.total = executor.time() - start;
   // After the last stage: the clock of the CPU takes as long as a small stage.
   if (input.budget.kind == Budget::Kind::Deadline) {

@@ -10,8 +10,8 @@ namespace poise::simulation {
 /// at its end; without, rest_after must follow.
 FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest = true, SlicedStep* sliced = nullptr);
 
-/// Lets bodies fall asleep after a frame that was run without.
-void rest_after(WorldState& world, const StepInput& input, FrameReport& report);
+/// Lets bodies fall asleep, and islands wait, after a frame that was run without.
+void rest_after(WorldState& world, const StepInput& input, FrameReport& report, SlicedStep* sliced = nullptr);
 
 /// What *publish* and the list of contacts read of the last frame.
 PublishInput publish_input(const WorldState& world);

@@ -2,6 +2,7 @@
 #include "frame/sleeping_sets.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "parallel/ranges.h"
@@ -36,10 +37,18 @@ void split(SleepingState& sleep, CachedPairList& list, Keep&& keep, CachedPairLi
 }
 
 // Adds sorted pairs to a sorted list.
-void join(SleepingState& sleep, const CachedPairList& from, CachedPairList& list, parallel::Executor& executor) {
+void join(SleepingState& sleep, std::span<const CachedPair> from, CachedPairList& list, parallel::Executor& executor) {
   if (from.empty()) return;
+  if (list.empty()) {
+    // Not by way of other memory, which would have to grow too.
+    list.resize(from.size());
+    parallel::for_ranges(executor, {from.size(), kSetGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
+      std::ranges::copy(from.subspan(begin, end - begin), std::span(list).subspan(begin).begin());
+    });
+    return;
+  }
   sleep.merged.resize(from.size() + list.size());
-  parallel::merge(executor, kSetGrain, from, list, before,
+  parallel::merge(executor, kSetGrain, from, std::span<const CachedPair>(list), before,
                   [&](const CachedPair& pair, std::size_t position) { sleep.merged[position] = pair; });
   std::swap(list, sleep.merged);
 }
@@ -118,16 +127,19 @@ void take_pairs_of_sleepers(const SleepAccess& access, parallel::Executor& execu
   SleepingState& sleep = access.sleeping;
   split(
       sleep, access.cache.pairs, [&](const CachedPair& pair) { return !sleeps(access, pair); }, sleep.taken, executor);
-  // Those of one set after those of another: nearly always there is one, or one for each of the next few steps.
-  while (!sleep.taken.empty()) {
-    const auto set_of = [&](const CachedPair& pair) {
-      return sleep.set_of[sleeps(access, pair.low) ? pair.low : pair.high];
-    };
-    const std::uint32_t set = set_of(sleep.taken.front());
-    split(
-        sleep, sleep.taken, [&](const CachedPair& pair) { return set_of(pair) != set; }, sleep.of_set, executor);
-    join(sleep, sleep.of_set, sleep.sets[set].pairs, executor);
-  }
+  if (sleep.taken.empty()) return;
+  sleep.of_set.resize(sleep.taken.size());
+  parallel::group(
+      executor, sleep.taken.size(), kSetGrain, sleep.sets.size(), sleep.begins, sleep.counts,
+      [&](std::size_t i) {
+        const CachedPair& pair = sleep.taken[i];
+        return sleep.set_of[sleeps(access, pair.low) ? pair.low : pair.high];
+      },
+      [&](std::size_t i, std::size_t position) { sleep.of_set[position] = sleep.taken[i]; });
+  const std::span<const CachedPair> grouped(sleep.of_set);
+  for (std::size_t set = 0; set < sleep.sets.size(); ++set)
+    join(sleep, grouped.subspan(sleep.begins[set], sleep.begins[set + 1] - sleep.begins[set]), sleep.sets[set].pairs,
+         executor);
 }
 
 void wake_body(const SleepAccess& access, std::uint32_t slot) {

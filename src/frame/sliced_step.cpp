@@ -47,20 +47,31 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   input.trace = nullptr;
   sliced.begun = sliced.task.executor().time();
   sliced.told = {};
-  FrameReport& report = sliced.report;
-  report = run_frame(world, input, false, &sliced);
+  sliced.ends = {};
+  sliced.report = run_frame(world, input, true, &sliced);
   sliced.stages = nullptr;
-  sliced.mandatory = report.mandatory;
-  sliced.refined = report.times.refine;
-  const Nanoseconds from_end = report.times.integrate + report.times.publish;
-  // Who may rest is decided for the frames to come.
-  report.frame = world.frame - 1;
-  report.started = sliced.slice_begun;
-  report.infeasible_forecast = true;
-  const SteadyClock::time_point begun = SteadyClock::now();
-  rest_after(world, sliced.frame != nullptr ? *sliced.frame : sliced.input, report);
-  const Nanoseconds end_took = from_end + (SteadyClock::now() - begun);
+  sliced.mandatory = sliced.report.mandatory;
+  sliced.refined = sliced.report.times.refine;
+  if (sliced.ends == SteadyClock::time_point{}) return;
+  const Nanoseconds end_took = sliced.task.executor().time() - sliced.ends;
   sliced.end_needs = Nanoseconds(static_cast<std::int64_t>(kOfEnd * ns_of(end_took)));
+}
+
+void exchange(WorldState& world, SlicedStep& sliced) {
+  world.bodies.exchange(sliced.states);
+  world.events.events.swap(sliced.events);
+}
+
+// Returns whether the step has ended.
+bool go_on(WorldState& world, SlicedStep& sliced, SteadyClock::time_point until) {
+  if (sliced.moving) exchange(world, sliced);
+  const bool ended = sliced.task.run_until(until);
+  if (ended) {
+    sliced.moving = false;
+  } else if (sliced.moving) {
+    exchange(world, sliced);
+  }
+  return ended;
 }
 
 // Would the last step have fitted into a frame, with a part of its refinement, had it had `share` of its bodies?
@@ -136,7 +147,7 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
   sliced.slice_begun = start;
   const parallel::Waits waits_before = world.executor->waits();
   world.executor->wake();
-  const bool ended = sliced.task.run_until(limited ? start + sliced.slice : SteadyClock::time_point::max());
+  const bool ended = go_on(world, sliced, limited ? start + sliced.slice : SteadyClock::time_point::max());
   sliced.frame = nullptr;
   sliced.last = true;
   FrameReport report;
@@ -172,13 +183,37 @@ FrameReport replay_slices(WorldState& world, const StepInput& input) {
   StepInput begun = world.sliced->input;
   begun.replay = input.replay;
   begun.explain = input.explain;
-  FrameReport report = run_frame(world, begun, false);
-  rest_after(world, input, report);
-  return report;
+  return run_frame(world, begun);
+}
+
+void hide_end(WorldState& world, SlicedStep& sliced) {
+  dynamics::BodyStates& states = sliced.states;
+  const dynamics::BodyStore& bodies = world.bodies;
+  constexpr std::size_t kColumns = dynamics::BodyStates::kColumns;
+  parallel::parallel_for(sliced.task.executor(), kColumns + 1, 1, [&](std::size_t k, std::size_t /*end*/, int) {
+    if (k < kColumns) {
+      states.columns[k] = bodies.*dynamics::BodyStore::kColumnsOfState[k];
+      return;
+    }
+    states.dynamic = bodies.dynamic;
+    states.asleep = bodies.asleep;
+    states.paused = bodies.paused;
+  });
+  states.dynamic_count = bodies.dynamic_count();
+  states.asleep_count = bodies.asleep_count();
+  states.paused_count = bodies.paused_count();
+  world.events.events.swap(sliced.events);
+  sliced.moving = true;
+}
+
+std::uint64_t end_in_this_frame(const WorldState& world, SlicedStep& sliced) {
+  sliced.task.end_in_one_slice(sliced.end_needs);
+  sliced.ends = sliced.task.executor().time();
+  return world.frame - (sliced.frame != nullptr ? 0 : 1);
 }
 
 void end_sliced_step(WorldState& world) {
-  if (world.in_slices()) world.sliced->task.run_until(SteadyClock::time_point::max());
+  if (world.in_slices()) go_on(world, *world.sliced, SteadyClock::time_point::max());
 }
 
 }  // namespace poise::simulation

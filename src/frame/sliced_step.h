@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "dynamics/body_store.h"
 #include "parallel/sliced_task.h"
 #include "poise/step.h"
+#include "poise/world.h"
 
 /// Steps that take several frames: what does not fit into one is done in slices, and each frame is on time.
 ///
@@ -28,11 +31,17 @@ struct SlicedStep {
   const StageTimes* stages = nullptr;   ///< those that have ended, while it is unfinished
   StageTimes told;                      ///< of them, and of the one that goes on, in the frames before
 
+  // From when bodies begin to move until its end. Between slices the World has what was before, and this the rest.
+  bool moving = false;
+  dynamics::BodyStates states;
+  std::vector<ContactEvent> events;
+  SteadyClock::time_point ends;  ///< from then on in one slice
+
   // Of the step before
   bool last = false;         ///< it was done in slices; then
   Nanoseconds mandatory{0};  ///< FrameReport::mandatory, and
   Nanoseconds refined{0};    ///< its refinement
-  Nanoseconds end_needs{0};  ///< of a slice, so that it holds the end of a step, from when bodies begin to move
+  Nanoseconds end_needs{0};  ///< of a slice, so that it holds the end of a step, from when it is decided who waits
 
   // Last: ends the step before the rest goes.
   parallel::SlicedTask task;
@@ -50,6 +59,13 @@ FrameReport run_slice(WorldState& world, const StepInput& input);
 FrameReport replay_unfinished(WorldState& world, const StepInput& input);
 /// The frame of a replay that ends such a step: all of it.
 FrameReport replay_slices(WorldState& world, const StepInput& input);
+
+// For the step itself.
+
+/// Before the first body moves: from here on callers see of bodies and events what was before, until the step has ended.
+void hide_end(WorldState& world, SlicedStep& sliced);
+/// From here on the step is not interrupted any more. Returns the number of the frame in which it ends.
+std::uint64_t end_in_this_frame(const WorldState& world, SlicedStep& sliced);
 
 /// Ends an unfinished step, however long it takes.
 void end_sliced_step(WorldState& world);

@@ -27,8 +27,7 @@ namespace poise::simulation {
 /// What the reference of a frame works on (verify/reference.h), all of it its own. A World that never asks for one has
 /// none.
 struct Reference {
-  static constexpr std::size_t kColumns = 19;
-  std::array<std::vector<double>, kColumns> columns;  ///< of the bodies at the start of the frame
+  std::array<std::vector<double>, dynamics::BodyStates::kColumns> columns;  ///< of the bodies at the start of the frame
   std::vector<std::uint8_t> pushed;
   PointCache points;  ///< of the start of the frame
   dynamics::BodyStore bodies;
@@ -54,6 +53,7 @@ struct WorldState {
   WorldState(const WorldState&) = delete;
   WorldState& operator=(const WorldState&) = delete;
   ~WorldState() {
+    end_sliced_step(*this);
     sliced.reset();
     settle();
   }

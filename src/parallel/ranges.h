@@ -69,6 +69,29 @@ void select(Executor& executor, std::size_t n, std::size_t least, std::vector<st
   });
 }
 
+/// Calls write(i, position) for the items of [0, n), in parallel: those of group 0 have the first positions, then those
+/// of group 1, each group in order. group_of is called twice an item and must return the same, below `groups`. `begins`
+/// gets where each group begins, and n; `counts` is scratch.
+template <class GroupOf, class Write>
+void group(Executor& executor, std::size_t n, std::size_t least, std::size_t groups, std::vector<std::size_t>& begins,
+           std::vector<std::size_t>& counts, GroupOf&& group_of, Write&& write) {
+  const Ranges ranges(n, least);
+  counts.assign(ranges.count * groups, 0);
+  for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ++counts[range * groups + group_of(i)];
+  });
+  begins.assign(groups + 1, n);
+  std::size_t sum = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    begins[g] = sum;
+    for (std::size_t range = 0; range < ranges.count; ++range)
+      sum += std::exchange(counts[range * groups + g], sum);
+  }
+  for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) write(i, counts[range * groups + group_of(i)]++);
+  });
+}
+
 /// Merges two sorted lists of which no two items are equal: calls write(item, position) for each, in parallel.
 template <class List, class Before, class Write>
 void merge(Executor& executor, std::size_t least, const List& a, const List& b, Before&& before, Write&& write) {

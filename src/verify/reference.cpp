@@ -20,13 +20,7 @@ namespace {
 // chosen; docs/reference.md measures them.
 constexpr solver::Stopping kConverged{1e-10, 1U << 15U, 1e-2};
 
-using Column = std::vector<double> dynamics::BodyStore::*;
 using dynamics::BodyStore;
-constexpr std::array<Column, Reference::kColumns> kColumnsOfState = {
-    &BodyStore::x_m,      &BodyStore::y_m,      &BodyStore::z_m,      &BodyStore::qw,     &BodyStore::qx,
-    &BodyStore::qy,       &BodyStore::qz,       &BodyStore::vx_mps,   &BodyStore::vy_mps, &BodyStore::vz_mps,
-    &BodyStore::wx_radps, &BodyStore::wy_radps, &BodyStore::wz_radps, &BodyStore::fx_n,   &BodyStore::fy_n,
-    &BodyStore::fz_n,     &BodyStore::tx_nm,    &BodyStore::ty_nm,    &BodyStore::tz_nm};
 
 double size_of_impulse(const Manifolds& manifolds, const Velocities& velocities, std::size_t manifold) {
   const solver::ContactRow* row = velocities.row(manifolds, manifold);
@@ -181,7 +175,7 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, Reference& ref
 
 void remember(WorldState& world, Reference& reference) {
   world.keeps_previous_pairs = true;
-  for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.columns[i] = world.bodies.*kColumnsOfState[i];
+  for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i) reference.columns[i] = world.bodies.*BodyStore::kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
   reference.points = world.cache.points;
 }
@@ -191,7 +185,7 @@ namespace {
 // Restores the bodies at the start of the frame, after the caller's changes and waking.
 void restore_bodies(const WorldState& world, Reference& reference) {
   reference.bodies = world.bodies;
-  for (std::size_t i = 0; i < Reference::kColumns; ++i) reference.bodies.*kColumnsOfState[i] = reference.columns[i];
+  for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i) reference.bodies.*BodyStore::kColumnsOfState[i] = reference.columns[i];
   reference.bodies.pushed = reference.pushed;
   if (world.bodies.paused_count() == 0) return;
   // What waits would move if there were time.

@@ -58,7 +58,7 @@ struct SleepingState {
   std::vector<std::uint8_t> restless;        // scratch: islands of which a body moves
   std::vector<std::uint32_t> slots;          // scratch: of bodies that fall asleep, or roots of islands that may wait
   std::vector<PausedIsland> islands_paused;  // scratch
-  std::vector<std::size_t> counts;           // scratch
+  std::vector<std::size_t> counts, begins;   // scratch
 };
 
 }  // namespace poise::simulation

@@ -157,25 +157,6 @@ void apply(const RefineInput& input, std::span<const PausedIsland> paused, Islan
   take_pairs_of_sleepers(access, executor);
 }
 
-// False if one of them is not an island, or may not wait.
-bool pause_as_recorded(const RefineInput& input, std::span<const PausedIsland> recorded,
-                       const PauseResources& resources, parallel::Executor& executor) {
-  if (recorded.empty()) return true;
-  if (!Islands::any_may_wait(input)) return false;
-  reserve_sets(resources.access);
-  Islands islands(input, resources.levels.islands, executor);
-  islands.find(resources.levels.progress, kApartSteps * input.terms.dt_s);
-  islands.weigh_bodies();
-  std::vector<PausedIsland> paused;
-  for (const PausedIsland& island : recorded) {
-    const bool there = island.root < input.scene.bodies.slot_count() && islands.may_wait(island.root);
-    const bool again = !paused.empty() && island.root <= paused.back().root;
-    if (there && !again && island.steps > 0 && island.steps <= kMostStepsUnseen) paused.push_back(island);
-  }
-  apply(input, paused, islands, resources, executor);
-  return paused.size() == recorded.size();
-}
-
 }  // namespace
 
 bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t frame, const Forecasts& forecasts,
@@ -211,43 +192,62 @@ bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uin
   return all;
 }
 
-bool pause_islands(const RefineInput& input, const FrameReport& report, const PauseResources& resources,
-                   parallel::Executor& executor) {
-  if (input.step.replay != nullptr) return pause_as_recorded(input, input.step.replay->paused, resources, executor);
-  const dynamics::BodyStore& bodies = input.scene.bodies;
-  if (input.step.budget.kind != Budget::Kind::Deadline || !Islands::any_may_wait(input)) return true;
+bool pause_as_recorded(const RefineInput& input, std::span<const PausedIsland> recorded,
+                       const PauseResources& resources, parallel::Executor& executor) {
+  if (recorded.empty()) return true;
+  if (!Islands::any_may_wait(input)) return false;
   reserve_sets(resources.access);
-  if (report.degraded.bodies_held == 0 && !report.infeasible_forecast) return true;
-  const double load_ns = resources.forecasts.times.ns_of_load;
-  const double left_ns = frame_ns(input.step, report.started, report.host_reserved);
-  const std::uint64_t awake_load = bodies.dynamic_count() + input.table.size();
-  const double wanted_ns = load_ns * static_cast<double>(awake_load + paused_load(resources.access.sleeping));
-  if (load_ns <= 0 || wanted_ns <= kFull * left_ns) return true;
   Islands islands(input, resources.levels.islands, executor);
-  if (!islands.worth_a_look()) return true;
   islands.find(resources.levels.progress, kApartSteps * input.terms.dt_s);
-  std::vector<std::uint32_t>& waiting = resources.access.sleeping.slots;
+  islands.weigh_bodies();
+  std::vector<PausedIsland> paused;
+  for (const PausedIsland& island : recorded) {
+    const bool there = island.root < input.scene.bodies.slot_count() && islands.may_wait(island.root);
+    const bool again = !paused.empty() && island.root <= paused.back().root;
+    if (there && !again && island.steps > 0 && island.steps <= kMostStepsUnseen) paused.push_back(island);
+  }
+  apply(input, paused, islands, resources, executor);
+  return paused.size() == recorded.size();
+}
+
+bool IslandTurns::find(double frame_ns) {
+  const dynamics::BodyStore& bodies = input_.scene.bodies;
+  SleepingState& sleep = resources_.access.sleeping;
+  const double load_ns = resources_.forecasts.times.ns_of_load;
+  const std::uint64_t awake_load = bodies.dynamic_count() + input_.table.size();
+  const double wanted_ns = load_ns * static_cast<double>(awake_load + paused_load(sleep));
+  if (load_ns <= 0 || wanted_ns <= kFull * frame_ns) return false;
+  islands_.emplace(input_, resources_.levels.islands, executor_);
+  Islands& islands = *islands_;
+  if (!islands.worth_a_look()) return false;
+  islands.find(resources_.levels.progress, kApartSteps * input_.terms.dt_s);
+  std::vector<std::uint32_t>& waiting = sleep.slots;
   waiting.clear();
-  const double holds = std::max(0.0, kFull * left_ns / load_ns);
-  const double largest = std::max(kLargestOfFrame * holds, kLargestOfAll * wanted_ns / load_ns);
+  holds_ = std::max(0.0, kFull * frame_ns / load_ns);
+  const double largest = std::max(kLargestOfFrame * holds_, kLargestOfAll * wanted_ns / load_ns);
   std::uint64_t load = 0;
   islands.for_each_that_may_wait([&](std::uint32_t root) {
     if (static_cast<double>(load_of(islands[root])) > largest) return;
     waiting.push_back(root);
     load += load_of(islands[root]);
   });
-  if (waiting.empty()) return true;
+  other_load_ = awake_load - std::min(load, awake_load);
+  if (waiting.empty()) return false;
   islands.weigh_bodies();
   std::sort(waiting.begin(), waiting.end(),
             [&](std::uint32_t x, std::uint32_t y) { return islands.waits_before(x, y); });
-  std::vector<PausedIsland>& paused = resources.access.sleeping.islands_paused;
-  paused.clear();
-  Turns(input, islands, resources.access.sleeping, holds)
-      .deal(waiting, awake_load - std::min(load, awake_load), paused);
-  std::sort(paused.begin(), paused.end(), [](const PausedIsland& x, const PausedIsland& y) { return x.root < y.root; });
-  if (resources.log != nullptr) resources.log->paused(paused);
-  apply(input, paused, islands, resources, executor);
   return true;
+}
+
+void IslandTurns::deal(std::uint64_t frame) {
+  input_.frame = frame;
+  SleepingState& sleep = resources_.access.sleeping;
+  std::vector<PausedIsland>& paused = sleep.islands_paused;
+  paused.clear();
+  Turns(input_, *islands_, sleep, holds_).deal(sleep.slots, other_load_, paused);
+  std::sort(paused.begin(), paused.end(), [](const PausedIsland& x, const PausedIsland& y) { return x.root < y.root; });
+  if (resources_.log != nullptr) resources_.log->paused(paused);
+  apply(input_, paused, *islands_, resources_, executor_);
 }
 
 }  // namespace poise::simulation

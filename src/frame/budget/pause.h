@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "frame/budget/islands.h"
 #include "frame/sleeping_sets.h"
 #include "world/decision_log.h"
@@ -27,10 +30,31 @@ struct PauseResources {
   DecisionLog* log = nullptr;  ///< of a step that is recorded
 };
 
-/// After the step: pauses islands, if not all that there are fit into a frame. Best seen islands are stepped in every
-/// frame, as many as half of a frame holds if there is a viewer; the others take turns, at the rate that fits. False if
-/// the decisions of a replay name what is no island, or may not wait.
-bool pause_islands(const RefineInput& input, const FrameReport& report, const PauseResources& resources,
-                   parallel::Executor& executor);
+/// After a step: pauses the islands that the decisions of another run name. False if one of them is no island, or may
+/// not wait.
+bool pause_as_recorded(const RefineInput& input, std::span<const PausedIsland> recorded,
+                       const PauseResources& resources, parallel::Executor& executor);
+
+/// After a step that had no time for all: islands that take turns.
+class IslandTurns {
+ public:
+  /// All must outlive this; reserve_sets was called.
+  IslandTurns(const RefineInput& input, const PauseResources& resources, parallel::Executor& executor)
+      : input_(input), resources_(resources), executor_(executor) {}
+
+  /// Finds who could wait, if not all that there are fit into a frame of `frame_ns`. False if nobody.
+  bool find(double frame_ns);
+  /// Then, at the end of frame `frame`: pauses them. Best seen islands are stepped in every frame, as many as half of a
+  /// frame holds if there is a viewer; the others take turns, at the rate that fits.
+  void deal(std::uint64_t frame);
+
+ private:
+  RefineInput input_;
+  const PauseResources& resources_;
+  parallel::Executor& executor_;
+  std::optional<Islands> islands_;
+  double holds_ = 0;              // a frame, as a load
+  std::uint64_t other_load_ = 0;  // of what takes part in every frame
+};
 
 }  // namespace poise::simulation
