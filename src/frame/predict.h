@@ -8,7 +8,7 @@
 #include "frame/ccd/swept_state.h"
 #include "frame/step_terms.h"
 #include "parallel/executor.h"
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 #include "world/scene_view.h"
 
 /// Stage *predict*: where bodies are, and where they may come to during the step.

@@ -62,7 +62,8 @@ FrameReport replay_slices(WorldState& world, const StepInput& input);
 
 // For the step itself.
 
-/// Before the first body moves: from here on callers see of bodies and events what was before, until the step has ended.
+/// Before the first body moves: from here on callers see of bodies and events what was before, until the step has
+/// ended.
 void hide_end(WorldState& world, SlicedStep& sliced);
 /// From here on the step is not interrupted any more. Returns the number of the frame in which it ends.
 std::uint64_t end_in_this_frame(const WorldState& world, SlicedStep& sliced);

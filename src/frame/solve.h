@@ -30,7 +30,7 @@ struct Velocities {
   bool everything = true;                                     ///< nothing is known of bodies at rest
   parallel::UnsetVector<solver::SolverBody> bodies;           ///< one a slot
   parallel::UnsetVector<solver::Acceleration> accelerations;  ///< one a slot
-  parallel::LargeVector<Vec3> applied_impulse_ns;  ///< one a manifold: what b received from the contact solver
+  std::vector<Vec3> applied_impulse_ns;            ///< one a manifold: what b received from the contact solver
   parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
   parallel::UnsetVector<solver::OverlapPoint> overlaps;  ///< of the rows
   parallel::UnsetVector<std::uint32_t> row_of;           ///< one a manifold, where there may be impacts: its row

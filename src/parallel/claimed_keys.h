@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "parallel/executor.h"
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 
 namespace poise::parallel {
 

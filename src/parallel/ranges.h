@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "parallel/executor.h"
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 
 namespace poise::parallel {
 
@@ -84,8 +84,7 @@ void group(Executor& executor, std::size_t n, std::size_t least, std::size_t gro
   std::size_t sum = 0;
   for (std::size_t g = 0; g < groups; ++g) {
     begins[g] = sum;
-    for (std::size_t range = 0; range < ranges.count; ++range)
-      sum += std::exchange(counts[range * groups + g], sum);
+    for (std::size_t range = 0; range < ranges.count; ++range) sum += std::exchange(counts[range * groups + g], sum);
   }
   for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) write(i, counts[range * groups + group_of(i)]++);

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "parallel/executor.h"
-#include "parallel/large_pages.h"
 #include "parallel/ranges.h"
+#include "parallel/unset_vector.h"
 
 namespace poise::solver {
 

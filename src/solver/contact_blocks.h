@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 #include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
 

@@ -175,7 +175,8 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, Reference& ref
 
 void remember(WorldState& world, Reference& reference) {
   world.keeps_previous_pairs = true;
-  for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i) reference.columns[i] = world.bodies.*BodyStore::kColumnsOfState[i];
+  for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i)
+    reference.columns[i] = world.bodies.*BodyStore::kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
   reference.points = world.cache.points;
 }
@@ -185,7 +186,8 @@ namespace {
 // Restores the bodies at the start of the frame, after the caller's changes and waking.
 void restore_bodies(const WorldState& world, Reference& reference) {
   reference.bodies = world.bodies;
-  for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i) reference.bodies.*BodyStore::kColumnsOfState[i] = reference.columns[i];
+  for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i)
+    reference.bodies.*BodyStore::kColumnsOfState[i] = reference.columns[i];
   reference.bodies.pushed = reference.pushed;
   if (world.bodies.paused_count() == 0) return;
   // What waits would move if there were time.

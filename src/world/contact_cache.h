@@ -7,7 +7,7 @@
 
 #include "collision/manifold/manifold_point.h"
 #include "parallel/executor.h"
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 #include "poise/types.h"
 #include "solver/contact_point.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 #include "poise/decisions.h"
 #include "world/contact_cache.h"
 

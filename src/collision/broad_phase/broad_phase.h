@@ -13,7 +13,7 @@
 #include "collision/broad_phase/grid_blocks.h"
 #include "collision/broad_phase/near_kernel.h"
 #include "parallel/executor.h"
-#include "parallel/large_pages.h"
+#include "parallel/unset_vector.h"
 #include "poise/types.h"
 
 namespace poise::collision {

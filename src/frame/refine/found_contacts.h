@@ -9,8 +9,8 @@
 
 #include "collision/front/pair_refinement.h"
 #include "frame/pair_progress.h"
-#include "parallel/large_pages.h"
 #include "parallel/shared_counters.h"
+#include "parallel/unset_vector.h"
 
 namespace poise::simulation {
 
