@@ -32,9 +32,9 @@ class CandidateCache {
   Look look(std::span<const collision::MotionBound> bounds, std::span<const collision::PlaneBound> planes,
             parallel::Executor& executor) const;
 
-  std::vector<collision::MotionBound> bounds_;  // larger than asked for, if wide_
+  parallel::UnsetVector<collision::MotionBound> bounds_;  // larger than asked for, if wide_
   std::vector<collision::PlaneBound> planes_;
-  std::vector<double> radius_m_;  // as asked for
+  parallel::UnsetVector<double> radius_m_;  // as asked for
   collision::BroadPhase::Result found_;
   std::uint64_t resting_version_ = 0;  // of the grid of resting bounds
   bool wide_ = false;

@@ -25,7 +25,7 @@ class PriorityBands {
   /// thread, while no worker runs.
   void reserve(std::uint32_t items) {
     if (items <= capacity_) return;
-    next_ = std::make_unique<std::atomic<std::uint32_t>[]>(items);
+    next_ = std::make_unique_for_overwrite<std::uint32_t[]>(items);
     capacity_ = items;
   }
 
@@ -50,7 +50,7 @@ class PriorityBands {
       band = std::min(band, kBands - 1);
       const std::uint64_t mark = std::uint64_t{1} << (band % 64);
       if ((filled_[band / 64] & mark) != 0) {
-        bands_.next_[item].store(first_[band], std::memory_order_relaxed);
+        bands_.link(item).store(first_[band], std::memory_order_relaxed);
       } else {
         filled_[band / 64] |= mark;
         last_[band] = item;
@@ -102,6 +102,8 @@ class PriorityBands {
 
  private:
   static_assert(kBands % 64 == 0, "a word of marks has 64 bands");
+  // Memory that is set when an item is put, so that room for many costs nothing.
+  [[nodiscard]] std::atomic_ref<std::uint32_t> link(std::uint32_t item) { return std::atomic_ref(next_[item]); }
   static std::uint32_t item_of(std::uint64_t head) { return static_cast<std::uint32_t>(head); }
   static std::uint64_t with_item(std::uint64_t head, std::uint32_t item) {
     return (((head >> 32U) + 1U) << 32U) | item;
@@ -112,7 +114,7 @@ class PriorityBands {
     std::atomic<std::uint64_t>& head = heads_[band];
     std::uint64_t old = head.load(std::memory_order_relaxed);
     do {
-      next_[last].store(item_of(old), std::memory_order_relaxed);
+      link(last).store(item_of(old), std::memory_order_relaxed);
     } while (
         !head.compare_exchange_weak(old, with_item(old, first), std::memory_order_release, std::memory_order_relaxed));
     filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
@@ -122,7 +124,7 @@ class PriorityBands {
     std::atomic<std::uint64_t>& head = heads_[band];
     std::uint64_t old = head.load(std::memory_order_acquire);
     while (item_of(old) != kNone) {
-      const std::uint32_t next = next_[item_of(old)].load(std::memory_order_relaxed);
+      const std::uint32_t next = link(item_of(old)).load(std::memory_order_relaxed);
       if (head.compare_exchange_weak(old, with_item(old, next), std::memory_order_acquire, std::memory_order_acquire)) {
         return item_of(old);
       }
@@ -142,7 +144,7 @@ class PriorityBands {
 
   std::atomic<std::uint64_t> heads_[kBands];
   std::atomic<std::uint64_t> filled_[kBands / 64];
-  std::unique_ptr<std::atomic<std::uint32_t>[]> next_;
+  std::unique_ptr<std::uint32_t[]> next_;
   std::uint32_t capacity_ = 0;
 };
 

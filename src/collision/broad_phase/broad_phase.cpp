@@ -21,8 +21,13 @@ constexpr double kLeastCellM = 1e-6;
 }  // namespace
 
 void BroadPhase::NearArrays::resize(std::size_t n) {
-  for (std::vector<float>* values : {&x, &y, &z, &most_m, &least_m}) values->resize(n + NearBalls::kPast);
-  tag.resize(n + NearBalls::kPast);
+  // What is read past the end is set too.
+  for (auto* values : {&x, &y, &z, &most_m, &least_m}) {
+    values->resize(n);
+    values->resize(n + NearBalls::kPast, 0.0F);
+  }
+  tag.resize(n);
+  tag.resize(n + NearBalls::kPast, 0U);
   slot.resize(n);
 }
 

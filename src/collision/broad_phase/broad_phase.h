@@ -110,8 +110,8 @@ class BroadPhase {
   };
   // What a search asks of all entries that it looks at, an array each.
   struct NearArrays {
-    std::vector<float> x, y, z, most_m, least_m;
-    std::vector<std::uint32_t> tag, slot;
+    parallel::UnsetVector<float> x, y, z, most_m, least_m;
+    parallel::UnsetVector<std::uint32_t> tag, slot;
     void resize(std::size_t n);
     void set(std::size_t at, const Entry& entry);
     [[nodiscard]] NearBall ball(std::size_t at) const { return {x[at], y[at], z[at], most_m[at], least_m[at]}; }
@@ -196,25 +196,25 @@ class BroadPhase {
   static constexpr int kGrids = 64;
   std::vector<Grid> grids_ = std::vector<Grid>(kGrids);
   std::vector<int> used_grids_;
-  std::vector<Cell> cell_of_;
-  std::vector<Entry> entries_;
+  parallel::UnsetVector<Cell> cell_of_;
+  parallel::UnsetVector<Entry> entries_;
   NearArrays near_;
-  std::vector<std::uint32_t> bucket_of_;
-  std::vector<std::uint32_t> bucket_begin_;
+  parallel::UnsetVector<std::uint32_t> bucket_of_;
+  parallel::UnsetVector<std::uint32_t> bucket_begin_;
   std::vector<std::array<double, kGrids>> widest_of_range_;  // scratch: per range of bounds and grid; negative: unused
   std::vector<SegmentCounts> segment_counts_;                // scratch: one a range of items
   std::array<std::size_t, kSegments + 1> segment_begin_{};
-  int segment_shift_ = 0;                  // a key's segment is the key without so many bits
-  std::vector<std::uint32_t> by_segment_;  // scratch: bounds, segment by segment of their buckets
+  int segment_shift_ = 0;                            // a key's segment is the key without so many bits
+  parallel::UnsetVector<std::uint32_t> by_segment_;  // scratch: bounds, segment by segment of their buckets
   std::uint64_t block_mask_ = 0;
   std::vector<Scratch> scratch_;    // one a worker
   std::vector<Stretch> stretches_;  // of the swept bodies, by low_m
-  std::vector<CandidatePair> found_;
-  std::vector<CandidatePair> in_segments_;      // scratch: found pairs, segment by segment of their lower slots
-  std::vector<std::uint32_t> high_;             // scratch: higher slots, by lower slots
+  parallel::UnsetVector<CandidatePair> found_;
+  parallel::UnsetVector<CandidatePair> in_segments_;  // scratch: found pairs, segment by segment of their lower slots
+  parallel::UnsetVector<std::uint32_t> high_;         // scratch: higher slots, by lower slots
   parallel::UnsetVector<std::uint64_t> marks_;  // scratch: a bit a slot, for each list as many words as it is long
-  std::vector<CandidatePair> sorted_;
-  std::vector<std::uint32_t> low_begin_;
+  parallel::UnsetVector<CandidatePair> sorted_;
+  parallel::UnsetVector<std::uint32_t> low_begin_;
   std::vector<std::uint32_t> slots_of_range_;  // scratch
 };
 
