@@ -23,8 +23,9 @@ struct BroadPhaseState {
   collision::RestingGrid resting;
   CandidateCache cache;
 
-  std::vector<std::uint32_t> taken;         // scratch: bodies that rest no more, or elsewhere
-  std::vector<collision::MotionBound> put;  // scratch: bodies that rest now
+  parallel::UnsetVector<std::uint32_t> taken;         // scratch: bodies that rest no more, or elsewhere
+  parallel::UnsetVector<collision::MotionBound> put;  // scratch: bodies that rest now
+  std::vector<std::size_t> counts;                    // scratch
 };
 
 /// Output of *broad_phase*: sorted by (low, high), valid until the stage runs again with the same state. May hold pairs

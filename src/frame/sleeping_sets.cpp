@@ -39,14 +39,6 @@ void split(SleepingState& sleep, CachedPairList& list, Keep&& keep, CachedPairLi
 // Adds sorted pairs to a sorted list.
 void join(SleepingState& sleep, std::span<const CachedPair> from, CachedPairList& list, parallel::Executor& executor) {
   if (from.empty()) return;
-  if (list.empty()) {
-    // Not by way of other memory, which would have to grow too.
-    list.resize(from.size());
-    parallel::for_ranges(executor, {from.size(), kSetGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
-      std::ranges::copy(from.subspan(begin, end - begin), std::span(list).subspan(begin).begin());
-    });
-    return;
-  }
   sleep.merged.resize(from.size() + list.size());
   parallel::merge(executor, kSetGrain, from, std::span<const CachedPair>(list), before,
                   [&](const CachedPair& pair, std::size_t position) { sleep.merged[position] = pair; });
@@ -79,7 +71,7 @@ void reserve_sets(const SleepAccess& access) {
   SleepingState& sleep = access.sleeping;
   const std::size_t slots = access.bodies.slot_count();
   const std::size_t pairs = access.cache.pairs.capacity();
-  for (CachedPairList* list : {&sleep.merged, &sleep.taken, &sleep.of_set}) list->reserve(pairs);
+  for (CachedPairList* list : {&sleep.merged, &sleep.taken}) list->reserve(pairs);
   sleep.parent.reserve(slots);
   sleep.restless.reserve(slots);
   sleep.slots.reserve(slots);
@@ -125,21 +117,41 @@ void add_to_set(SleepingState& sleep, std::uint32_t set, std::uint32_t slot, std
 
 void take_pairs_of_sleepers(const SleepAccess& access, parallel::Executor& executor) {
   SleepingState& sleep = access.sleeping;
-  split(
-      sleep, access.cache.pairs, [&](const CachedPair& pair) { return !sleeps(access, pair); }, sleep.taken, executor);
-  if (sleep.taken.empty()) return;
-  sleep.of_set.resize(sleep.taken.size());
+  CachedPairList& pairs = access.cache.pairs;
+  // Of each set where its pairs go: to its own list if that is empty, or else to be merged. First those that stay.
+  std::vector<std::span<CachedPair>>& places = sleep.places;
+  places.assign(sleep.sets.size() + 1, {});
   parallel::group(
-      executor, sleep.taken.size(), kSetGrain, sleep.sets.size(), sleep.begins, sleep.counts,
-      [&](std::size_t i) {
-        const CachedPair& pair = sleep.taken[i];
-        return sleep.set_of[sleeps(access, pair.low) ? pair.low : pair.high];
+      executor, pairs.size(), kSetGrain, places.size(), sleep.counts,
+      [&](std::size_t i) -> std::size_t {
+        const std::uint32_t low = pairs[i].low;
+        if (sleeps(access, low)) return std::size_t{sleep.set_of[low]} + 1;
+        const std::uint32_t high = pairs[i].high;
+        return sleeps(access, high) ? std::size_t{sleep.set_of[high]} + 1 : 0;
       },
-      [&](std::size_t i, std::size_t position) { sleep.of_set[position] = sleep.taken[i]; });
-  const std::span<const CachedPair> grouped(sleep.of_set);
-  for (std::size_t set = 0; set < sleep.sets.size(); ++set)
-    join(sleep, grouped.subspan(sleep.begins[set], sleep.begins[set + 1] - sleep.begins[set]), sleep.sets[set].pairs,
-         executor);
+      [&](std::span<const std::size_t> sizes) {
+        sleep.taken.resize(pairs.size());
+        std::size_t taken = 0;
+        sleep.merged.resize(sizes[0]);
+        places[0] = sleep.merged;
+        for (std::size_t set = 0; set < sleep.sets.size(); ++set) {
+          CachedPairList& own = sleep.sets[set].pairs;
+          const std::size_t size = sizes[set + 1];
+          if (own.empty()) {
+            own.resize(size);
+            places[set + 1] = own;
+          } else {
+            places[set + 1] = std::span(sleep.taken).subspan(taken, size);
+            taken += size;
+          }
+        }
+      },
+      [&](std::size_t i, std::size_t place, std::size_t position) { places[place][position] = pairs[i]; });
+  std::swap(pairs, sleep.merged);
+  for (std::size_t set = 0; set < sleep.sets.size(); ++set) {
+    CachedPairList& own = sleep.sets[set].pairs;
+    if (places[set + 1].data() != own.data()) join(sleep, places[set + 1], own, executor);
+  }
 }
 
 void wake_body(const SleepAccess& access, std::uint32_t slot) {

@@ -35,6 +35,10 @@ Nanoseconds mandatory(const WorldState& world, const StepInput& input) {
   return mandatory_forecast(input, world.bodies.dynamic_count(), world.settings.substeps, world.forecasts);
 }
 
+double bodies_of_end(const WorldState& world) {
+  return static_cast<double>(std::max<std::size_t>(world.outputs.motion.visited.size(), 1));
+}
+
 // The step, on the thread of its task.
 void run_step(WorldState& world, SlicedStep& sliced) {
   StepInput input = sliced.input;
@@ -53,8 +57,7 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   sliced.mandatory = sliced.report.mandatory;
   sliced.refined = sliced.report.times.refine;
   if (sliced.ends == SteadyClock::time_point{}) return;
-  const Nanoseconds end_took = sliced.task.executor().time() - sliced.ends;
-  sliced.end_needs = Nanoseconds(static_cast<std::int64_t>(kOfEnd * ns_of(end_took)));
+  sliced.end_ns_of_body = ns_of(sliced.task.executor().time() - sliced.ends) / bodies_of_end(world);
 }
 
 void exchange(WorldState& world, SlicedStep& sliced) {
@@ -207,7 +210,8 @@ void hide_end(WorldState& world, SlicedStep& sliced) {
 }
 
 std::uint64_t end_in_this_frame(const WorldState& world, SlicedStep& sliced) {
-  sliced.task.end_in_one_slice(sliced.end_needs);
+  const double needs_ns = kOfEnd * sliced.end_ns_of_body * bodies_of_end(world);
+  sliced.task.end_in_one_slice(Nanoseconds(static_cast<std::int64_t>(needs_ns)));
   sliced.ends = sliced.task.executor().time();
   return world.frame - (sliced.frame != nullptr ? 0 : 1);
 }

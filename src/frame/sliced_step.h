@@ -38,10 +38,10 @@ struct SlicedStep {
   SteadyClock::time_point ends;  ///< from then on in one slice
 
   // Of the step before
-  bool last = false;         ///< it was done in slices; then
-  Nanoseconds mandatory{0};  ///< FrameReport::mandatory, and
-  Nanoseconds refined{0};    ///< its refinement
-  Nanoseconds end_needs{0};  ///< of a slice, so that it holds the end of a step, from when it is decided who waits
+  bool last = false;            ///< it was done in slices; then
+  Nanoseconds mandatory{0};     ///< FrameReport::mandatory, and
+  Nanoseconds refined{0};       ///< its refinement
+  double end_ns_of_body = 100;  ///< what the end of a step took, from when it is decided who waits
 
   // Last: ends the step before the rest goes.
   parallel::SlicedTask task;

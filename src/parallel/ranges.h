@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -69,25 +70,30 @@ void select(Executor& executor, std::size_t n, std::size_t least, std::vector<st
   });
 }
 
-/// Calls write(i, position) for the items of [0, n), in parallel: those of group 0 have the first positions, then those
-/// of group 1, each group in order. group_of is called twice an item and must return the same, below `groups`. `begins`
-/// gets where each group begins, and n; `counts` is scratch.
-template <class GroupOf, class Write>
-void group(Executor& executor, std::size_t n, std::size_t least, std::size_t groups, std::vector<std::size_t>& begins,
-           std::vector<std::size_t>& counts, GroupOf&& group_of, Write&& write) {
+/// Puts the items of [0, n) into groups, each in order, in parallel: calls write(i, group, position in the group) for
+/// each, and before that room(sizes) with the number of each group, on the calling thread. group_of is called twice an
+/// item and must return the same, below `groups`. `counts` is scratch.
+template <class GroupOf, class Room, class Write>
+void group(Executor& executor, std::size_t n, std::size_t least, std::size_t groups, std::vector<std::size_t>& counts,
+           GroupOf&& group_of, Room&& room, Write&& write) {
   const Ranges ranges(n, least);
-  counts.assign(ranges.count * groups, 0);
+  // Of each range, and before these of all.
+  counts.assign((ranges.count + 1) * groups, 0);
   for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) ++counts[range * groups + group_of(i)];
+    for (std::size_t i = begin; i < end; ++i) ++counts[(range + 1) * groups + group_of(i)];
   });
-  begins.assign(groups + 1, n);
-  std::size_t sum = 0;
-  for (std::size_t g = 0; g < groups; ++g) {
-    begins[g] = sum;
-    for (std::size_t range = 0; range < ranges.count; ++range) sum += std::exchange(counts[range * groups + g], sum);
+  for (std::size_t range = 1; range <= ranges.count; ++range) {
+    for (std::size_t g = 0; g < groups; ++g) {
+      std::size_t& count = counts[range * groups + g];
+      count = std::exchange(counts[g], counts[g] + count);
+    }
   }
+  room(std::span<const std::size_t>(counts).first(groups));
   for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) write(i, counts[range * groups + group_of(i)]++);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t of_item = group_of(i);
+      write(i, of_item, counts[(range + 1) * groups + of_item]++);
+    }
   });
 }
 

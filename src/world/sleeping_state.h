@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "parallel/unset_vector.h"
@@ -53,12 +54,13 @@ struct SleepingState {
   std::vector<std::uint32_t> set_of;  ///< one a slot: of a body asleep, its set
   std::size_t woken = 0;              ///< since the last report
 
-  CachedPairList merged, taken, of_set;      // scratch: pairs on their way from list to list
-  std::vector<std::uint32_t> parent;         // scratch: the union-find forest
-  std::vector<std::uint8_t> restless;        // scratch: islands of which a body moves
-  std::vector<std::uint32_t> slots;          // scratch: of bodies that fall asleep, or roots of islands that may wait
-  std::vector<PausedIsland> islands_paused;  // scratch
-  std::vector<std::size_t> counts, begins;   // scratch
+  CachedPairList merged, taken;               // scratch: pairs on their way from list to list
+  std::vector<std::span<CachedPair>> places;  // scratch
+  std::vector<std::uint32_t> parent;          // scratch: the union-find forest
+  std::vector<std::uint8_t> restless;         // scratch: islands of which a body moves
+  std::vector<std::uint32_t> slots;           // scratch: of bodies that fall asleep, or roots of islands that may wait
+  std::vector<PausedIsland> islands_paused;   // scratch
+  std::vector<std::size_t> counts;            // scratch
 };
 
 }  // namespace poise::simulation

@@ -15,18 +15,20 @@ constexpr std::uint64_t kShards = 16;
 
 }  // namespace
 
-// Calls change(slot) for each; those of one bucket follow each other in the order of the list.
+// Calls change(slot) for each that is in; those of one bucket follow each other in the order of the list.
 template <class SlotOf, class Change>
 void RestingGrid::in_shards(parallel::Executor& executor, std::size_t count, SlotOf&& slot_of, Change&& change) const {
   if (count < kGrain) {
-    for (std::size_t i = 0; i < count; ++i) change(slot_of(i));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (holds(slot_of(i))) change(slot_of(i));
+    }
     return;
   }
   parallel::parallel_for(executor, kShards, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::uint64_t shard = begin; shard < end; ++shard) {
       for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t slot = slot_of(i);
-        if (entries_[slot].bucket / kBlockCells % kShards == shard) change(slot);
+        if (holds(slot) && entries_[slot].bucket / kBlockCells % kShards == shard) change(slot);
       }
     }
   });
@@ -57,8 +59,10 @@ void RestingGrid::enlarge(std::size_t count, parallel::Executor& executor) {
   const std::size_t buckets = std::bit_ceil(std::max<std::size_t>(4 * count, kBlockCells));
   if (buckets <= buckets_.size()) return;
   block_mask_ = buckets / kBlockCells - 1;
-  buckets_.assign(buckets, Bucket{});
-  in_block_.assign(buckets / kBlockCells, 0);
+  buckets_.clear();
+  in_block_.clear();
+  parallel::resize(executor, buckets_, buckets);
+  parallel::resize(executor, in_block_, buckets / kBlockCells);
   const auto held = [&](std::size_t slot) { return entries_[slot].bucket != kNone; };
   parallel::parallel_for(executor, entries_.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t slot = begin; slot < end; ++slot) {
@@ -67,9 +71,9 @@ void RestingGrid::enlarge(std::size_t count, parallel::Executor& executor) {
         entry.bucket = static_cast<std::uint32_t>(bucket_of(entry.x, entry.y, entry.z, entry.grid, block_mask_));
     }
   });
-  for (std::uint32_t slot = 0; slot < entries_.size(); ++slot) {
-    if (held(slot)) link(slot);
-  }
+  in_shards(
+      executor, entries_.size(), [&](std::size_t i) { return static_cast<std::uint32_t>(i); },
+      [&](std::uint32_t slot) { link(slot); });
 }
 
 void RestingGrid::change(std::span<const std::uint32_t> taken, std::span<const MotionBound> put,
@@ -89,7 +93,7 @@ void RestingGrid::change(std::span<const std::uint32_t> taken, std::span<const M
   if (slots > entries_.size()) {
     Entry none{};
     none.bucket = kNone;
-    entries_.resize(slots, none);
+    parallel::resize(executor, entries_, slots, none);
   }
   enlarge(std::max(size_, entries_.capacity() / 2), executor);
   parallel::parallel_for(executor, put.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "collision/broad_phase/broad_phase.h"
 #include "collision/broad_phase/grid_blocks.h"
 #include "parallel/executor.h"
+#include "parallel/unset_vector.h"
 
 namespace poise::collision {
 
@@ -69,9 +69,9 @@ class RestingGrid {
   template <class Visit>
   std::size_t visit_all(int grid, std::uint32_t& room, Visit&& visit) const;
 
-  std::vector<Entry> entries_;  // one a slot
-  std::vector<Bucket> buckets_;
-  std::vector<std::uint32_t> in_block_;  // one a block of buckets: how many are in it
+  parallel::UnsetVector<Entry> entries_;  // one a slot
+  parallel::UnsetVector<Bucket> buckets_;
+  parallel::UnsetVector<std::uint32_t> in_block_;  // one a block of buckets: how many are in it
   std::array<std::size_t, kGrids> in_grid_{};
   std::size_t size_ = 0;
   std::uint64_t version_ = 0;
