@@ -152,6 +152,39 @@ TEST(SlicedStep, WhatTheCallerChangesEndsItFirst) {
   }
 }
 
+TEST(SlicedStep, ABodyWhoseVelocityIsSetHasMovedWithTheOthers) {
+  SlicedFall fall(2);
+  for (int i = 0; i < 5; ++i) fall.world.step(unlimited());
+  const BodyState before = fall.at(fall.bodies[3]);
+  fall.begin();
+  EXPECT_TRUE(fall.world.set_velocity(fall.bodies[3], Vec3::UnitX(), Vec3::Zero()).ok());
+  EXPECT_NE(fall.at(fall.bodies[3]).position_m, before.position_m);
+  EXPECT_EQ(fall.at(fall.bodies[3]).velocity_mps, Vec3::UnitX());
+}
+
+TEST(SlicedStep, WhoFellAsleepIsSeenWhenItEnds) {
+  WorldSettings settings = gravity_on();
+  settings.sleeping = true;
+  SlicedFall fall(2, settings);
+  const auto asleep = [&] {
+    std::vector<bool> all;
+    for (const BodyId body : fall.bodies) all.push_back(fall.world.asleep(body).value());
+    return all;
+  };
+  std::size_t fell = 0;
+  for (int frame = 0; frame < 20000 && fell < fall.bodies.size() / 2; ++frame) {
+    const std::vector<bool> before = asleep();
+    const FrameReport report = fall.world.step(sliced());
+    if (!report.unfinished) {
+      fell += report.fell_asleep;
+      continue;
+    }
+    const std::vector<bool> now = asleep();
+    for (std::size_t k = 0; k < now.size(); ++k) ASSERT_FALSE(now[k] && !before[k]) << "body " << k;
+  }
+  EXPECT_GE(fell, fall.bodies.size() / 2);
+}
+
 TEST(SlicedStep, AFrameWithoutADeadlineEndsIt) {
   SlicedFall fall(2);
   fall.begin();

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "parallel/disjoint_sets.h"
@@ -32,6 +33,25 @@ TEST(Select, WritesWhatIsKeptInOrder) {
       [&](std::size_t i, std::size_t position) { kept[position] = i; });
   ASSERT_EQ(kept.size(), 1429U);
   for (std::size_t k = 0; k < kept.size(); ++k) EXPECT_EQ(kept[k], 7 * k + 3);
+}
+
+TEST(Group, HasItemsOfEachInOrder) {
+  const auto executor = make_executor(ExecutorKind::Threads, 3);
+  std::vector<std::size_t> counts;
+  std::vector<std::vector<std::size_t>> groups(5);
+  // Of the second there are none.
+  const auto group_of = [](std::size_t i) { return i % 11 < 4 ? std::size_t{0} : 2 + i % 3; };
+  group(
+      *executor, 10000, 16, groups.size(), counts, group_of,
+      [&](std::span<const std::size_t> sizes) {
+        ASSERT_EQ(sizes.size(), groups.size());
+        for (std::size_t g = 0; g < groups.size(); ++g) groups[g].assign(sizes[g], 0);
+      },
+      [&](std::size_t i, std::size_t g, std::size_t position) { groups[g][position] = i; });
+  std::vector<std::vector<std::size_t>> expected(groups.size());
+  for (std::size_t i = 0; i < 10000; ++i) expected[group_of(i)].push_back(i);
+  EXPECT_TRUE(expected[1].empty());
+  EXPECT_EQ(groups, expected);
 }
 
 TEST(Merge, PutsTwoSortedListsInOrder) {
