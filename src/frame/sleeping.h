@@ -13,8 +13,8 @@
 /// steps: these are ahead of the others until the next step begins. In a frame's pairs no body that sleeps stands
 /// beside one that does not and is not static.
 ///
-/// All are called from the thread that calls the World, and do nothing in a World without sleeping. The same result on
-/// any number of threads.
+/// All are called from the thread that steps, or changes, the World, and do nothing in a World without sleeping. The
+/// same result on any number of threads.
 namespace poise::simulation {
 
 /// What sleeping may change.

@@ -28,7 +28,7 @@ struct Unset : std::allocator<T> {
 
 /// For arrays of a step whose elements are all written before they are read: each is written once, by the worker that
 /// makes it, and new pages are touched in parallel. Small pages, whatever the size: the first touch of a large one
-/// takes 4 ms, which no slice of a frame can interrupt, and none of the scenes gained by them (docs/performance.md).
+/// takes 4 ms, which no slice of a frame can interrupt, and no scene gained by them (docs/scheduling.md, "New memory").
 template <class T>
 using UnsetVector = std::vector<T, Unset<T>>;
 
