@@ -152,8 +152,8 @@ TEST(SurfaceSpeed, AddsTheSpinAtTheContactPointToTheVelocity) {
   ActivePair pair;
   pair.a = bodies.add().slot;
   pair.b = bodies.add().slot;
-  motion.poses.resize(2);
-  motion.body_bounds.resize(2);
+  motion.poses.assign(2, {});
+  motion.body_bounds.assign(2, {});
   motion.poses[pair.b].position_m = Vec3(2, 0, 0);
   motion.body_bounds[pair.a].velocity_mps = Vec3(1, 0, 0);
   const PairPlace beside{Vec3(1, 0.5, 0), Vec3::UnitX()};
