@@ -17,7 +17,7 @@ namespace poise::parallel {
 ///
 /// The function gives its loops to executor(). Where a slice is over it stops between two items of a loop, with all
 /// that it has on its stack, and goes on there in the next slice. What lies between loops is not interrupted, so a
-/// slice ends earlier than asked by as much as such parts have lately made it too long. Each slice does one item at
+/// slice is told to end earlier than asked, by as much as lets one in a hundred end later. Each slice does one item at
 /// least. While the function stands still, no worker holds an item of it.
 ///
 /// Invariant: of the caller's thread and the function's, one waits for the other. So either may read what the other

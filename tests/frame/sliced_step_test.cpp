@@ -230,15 +230,48 @@ TEST(SlicedStep, IsForWhoAsksForItAndHasADeadline) {
   }
 }
 
-TEST(SlicedStep, IslandsStillTakeTurns) {
-  WorldSettings settings = gravity_on(2);
-  settings.substeps = 1;
-  Stage stage(settings, 0.2);
-  stage.plane(Vec3::UnitZ(), 0);
-  const ShapeId jack = stage.jack();
-  for (int i = 0; i < 200; ++i) {
-    for (int k = 0; k < 4; ++k) stage.add(jack, Vec3(20.0 * (i % 20), 20.0 * (i / 20), 0.8 + 1.3 * k));
+// Heaps of four jacks, far from each other.
+struct ManyHeaps : Stage {
+  explicit ManyHeaps(int threads) : Stage(one_substep(threads), 0.2) {
+    plane(Vec3::UnitZ(), 0);
+    const ShapeId shape = jack();
+    for (int i = 0; i < 200; ++i) {
+      for (int k = 0; k < 4; ++k) add(shape, Vec3(20.0 * (i % 20), 20.0 * (i / 20), 0.8 + 1.3 * k));
+    }
   }
+  static WorldSettings one_substep(int threads) {
+    WorldSettings settings = gravity_on(threads);
+    settings.substeps = 1;
+    return settings;
+  }
+};
+
+// They wake by the number of the frame in which their step ended, wherever that was.
+TEST(SlicedStep, IslandsThatTakeTurnsAreReplayed) {
+  ManyHeaps first(2);
+  ManyHeaps second(3);
+  std::size_t paused = 0;
+  std::size_t unfinished = 0;
+  for (int finished = 0; finished < 60;) {
+    StepInput input = sliced();
+    input.record = true;
+    const FrameReport report = first.world.step(input);
+    unfinished += report.unfinished ? 1U : 0U;
+    finished += report.unfinished ? 0 : 1;
+    FrameDecisions decisions;
+    first.world.decisions(decisions);
+    paused += decisions.paused.size();
+    StepInput replayed = unlimited();
+    replayed.replay = &decisions;
+    ASSERT_EQ(second.world.step(replayed).status, StepStatus::Done) << "frame " << report.frame;
+    ASSERT_EQ(first.world.state_hash(), second.world.state_hash()) << "frame " << report.frame;
+  }
+  EXPECT_GT(paused, 0U);
+  EXPECT_GT(unfinished, 100U);
+}
+
+TEST(SlicedStep, IslandsStillTakeTurns) {
+  ManyHeaps stage(2);
   std::size_t paused = 0;
   std::vector<BodyState> before;
   for (const BodyId body : stage.bodies) before.push_back(stage.at(body));

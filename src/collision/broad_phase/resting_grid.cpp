@@ -2,6 +2,7 @@
 #include "collision/broad_phase/resting_grid.h"
 
 #include <bit>
+#include <numeric>
 
 #include "parallel/ranges.h"
 #include "poise_assert.h"
@@ -10,27 +11,37 @@ namespace poise::collision {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-// Buckets are changed in parallel by shards, each of which looks through all changes for its own.
-constexpr std::uint64_t kShards = 16;
+// Buckets are changed in parallel by shards.
+constexpr std::size_t kShards = 16;
 
 }  // namespace
 
 // Calls change(slot) for each that is in; those of one bucket follow each other in the order of the list.
 template <class SlotOf, class Change>
-void RestingGrid::in_shards(parallel::Executor& executor, std::size_t count, SlotOf&& slot_of, Change&& change) const {
+void RestingGrid::in_shards(parallel::Executor& executor, std::size_t count, SlotOf&& slot_of, Change&& change) {
   if (count < kGrain) {
     for (std::size_t i = 0; i < count; ++i) {
       if (holds(slot_of(i))) change(slot_of(i));
     }
     return;
   }
-  parallel::parallel_for(executor, kShards, 1, [&](std::size_t begin, std::size_t end, int) {
-    for (std::uint64_t shard = begin; shard < end; ++shard) {
-      for (std::size_t i = 0; i < count; ++i) {
+  // After the last shard what is not in.
+  std::array<std::size_t, kShards + 2> begins{};
+  parallel::group(
+      executor, count, kGrain, kShards + 1, counts_,
+      [&](std::size_t i) {
         const std::uint32_t slot = slot_of(i);
-        if (holds(slot) && entries_[slot].bucket / kBlockCells % kShards == shard) change(slot);
-      }
-    }
+        return holds(slot) ? std::size_t{entries_[slot].bucket / kBlockCells % kShards} : kShards;
+      },
+      [&](std::span<const std::size_t> sizes) {
+        std::partial_sum(sizes.begin(), sizes.end(), begins.begin() + 1);
+        by_shard_.resize(count);
+      },
+      [&](std::size_t i, std::size_t shard, std::size_t position) {
+        by_shard_[begins[shard] + position] = slot_of(i);
+      });
+  parallel::parallel_for(executor, kShards, 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begins[begin]; k < begins[end]; ++k) change(by_shard_[k]);
   });
 }
 

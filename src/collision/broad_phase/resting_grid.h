@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "collision/broad_phase/broad_phase.h"
 #include "collision/broad_phase/grid_blocks.h"
@@ -61,7 +62,7 @@ class RestingGrid {
   void link(std::uint32_t slot);
   void unlink(std::uint32_t slot);
   template <class SlotOf, class Change>
-  void in_shards(parallel::Executor& executor, std::size_t count, SlotOf&& slot_of, Change&& change) const;
+  void in_shards(parallel::Executor& executor, std::size_t count, SlotOf&& slot_of, Change&& change);
   [[nodiscard]] static double cell_size_m(int grid) { return std::ldexp(1.0, grid - kUnitGrid); }
   // Of the cells from row.x to last_x in a row.
   template <class Visit>
@@ -75,6 +76,8 @@ class RestingGrid {
   std::array<std::size_t, kGrids> in_grid_{};
   std::size_t size_ = 0;
   std::uint64_t version_ = 0;
+  parallel::UnsetVector<std::uint32_t> by_shard_;  // scratch: slots, shard by shard of their buckets
+  std::vector<std::size_t> counts_;                // scratch
   std::uint64_t block_mask_ = 0;
 };
 

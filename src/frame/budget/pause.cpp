@@ -132,6 +132,7 @@ void note_unseen(const RefineInput& input, std::span<const PausedIsland> paused,
 
 void apply(const RefineInput& input, std::span<const PausedIsland> paused, Islands& islands,
            const PauseResources& resources, parallel::Executor& executor) {
+  if (paused.empty()) return;
   const SleepAccess& access = resources.access;
   SleepingState& sleep = access.sleeping;
   for (const PausedIsland& island : paused) {
