@@ -23,6 +23,10 @@ function(poise_target_settings target)
   endif()
   if(POISE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${POISE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    # What checks each address by itself finds what the address sanitizer finds, and makes a file of lanes take nine minutes instead of two.
+    if(POISE_SANITIZE MATCHES "undefined")
+      target_compile_options(${target} PRIVATE -fno-sanitize=alignment,object-size,pointer-overflow,vptr)
+    endif()
     target_link_options(${target} PRIVATE -fsanitize=${POISE_SANITIZE})
     # Instrumented code hides from GCC 12 what its warnings go by: it complains of <regex> itself, and of operator new and
     # delete that are replaced together.
