@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "dynamics/conserved.h"
 #include "frame/report/levels_reached.h"
@@ -63,6 +64,21 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
   return report;
 }
 
+void measure_energy(const simulation::WorldState& world, FrameReport& report) {
+  const auto sum = [&] { return dynamics::conserved_sums(world.bodies, world.settings.gravity_mps2); };
+  Conserved sums;
+  if (report.unfinished) {
+    std::optional<Conserved>& kept = world.sliced->sums;
+    if (!kept) kept = sum();
+    sums = *kept;
+  } else {
+    sums = sum();
+  }
+  report.kinetic_j = sums.kinetic_j;
+  report.potential_j = sums.potential_j;
+  report.momentum_ns = sums.momentum_ns;
+}
+
 }  // namespace
 
 FrameReport World::step(const StepInput& given) {
@@ -93,12 +109,7 @@ FrameReport World::step(const StepInput& given) {
     if (input.trace != nullptr) simulation::trace_frame(state_->outputs, state_->bodies, report, *input.trace);
   }
   if (input.measure_levels && !report.unfinished) report.levels = simulation::levels_reached(*state_, input.view);
-  if (input.measure_energy) {
-    const Conserved sums = dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2);
-    report.kinetic_j = sums.kinetic_j;
-    report.potential_j = sums.potential_j;
-    report.momentum_ns = sums.momentum_ns;
-  }
+  if (input.measure_energy) measure_energy(*state_, report);
   return report;
 }
 

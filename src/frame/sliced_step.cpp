@@ -93,6 +93,7 @@ double share_of_last(const WorldState& world) {
 bool begin(WorldState& world, const StepInput& input, SlicedStep& sliced) {
   if (!sliced.task.begin([&world, &sliced] { run_step(world, sliced); })) return false;
   sliced.input = input;
+  sliced.sums.reset();
   if (input.record && !world.decisions) world.decisions = std::make_unique<DecisionLog>();
   return true;
 }
@@ -173,7 +174,10 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
 
 FrameReport replay_unfinished(WorldState& world, const StepInput& input) {
   if (!world.sliced) world.sliced = std::make_unique<SlicedStep>(*world.executor);
-  if (world.frames_unfinished == 0) world.sliced->input = input;
+  if (world.frames_unfinished == 0) {
+    world.sliced->input = input;
+    world.sliced->sums.reset();
+  }
   FrameReport report;
   report.started = SteadyClock::now();
   report.frame = world.frame;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "dynamics/body_store.h"
@@ -30,6 +31,7 @@ struct SlicedStep {
   SteadyClock::time_point begun;        ///< by it
   const StageTimes* stages = nullptr;   ///< those that have ended, while it is unfinished
   StageTimes told;                      ///< of them, and of the one that goes on, in the frames before
+  std::optional<Conserved> sums;        ///< of the bodies, which do not change while it is unfinished; if asked for
 
   // From when bodies begin to move until its end. Between slices the World has what was before, and this the rest.
   bool moving = false;

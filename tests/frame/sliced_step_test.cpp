@@ -160,6 +160,26 @@ TEST(SlicedStep, WhatTheCallerChangesEndsItFirst) {
   }
 }
 
+TEST(SlicedStep, EnergiesAreThoseOfWhatIsSeenWhoeverChangesIt) {
+  SlicedFall fall(2);
+  StepInput input = sliced();
+  input.measure_energy = true;
+  std::size_t unfinished = 0;
+  for (int i = 0; i < 200; ++i) {
+    if (i % 7 == 0) {
+      const Status set = fall.world.set_velocity(fall.bodies.front(), Vec3(0.1 * i, 0, 0), Vec3::Zero());
+      ASSERT_TRUE(set.ok()) << set.error().message;
+    }
+    const FrameReport report = fall.world.step(input);
+    if (report.unfinished) ++unfinished;
+    const Conserved seen = fall.world.conserved();
+    EXPECT_EQ(report.kinetic_j, seen.kinetic_j) << "frame " << i;
+    EXPECT_EQ(report.potential_j, seen.potential_j);
+    EXPECT_EQ(report.momentum_ns, seen.momentum_ns);
+  }
+  EXPECT_GT(unfinished, 20U);
+}
+
 TEST(SlicedStep, ABodyWhoseVelocityIsSetHasMovedWithTheOthers) {
   SlicedFall fall(2);
   for (int i = 0; i < 5; ++i) fall.world.step(unlimited());
