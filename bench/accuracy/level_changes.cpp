@@ -218,24 +218,28 @@ Status jacks_change_levels(Context& context) {
   const Bounds slides = {0.016, 1.5, 0.1};
   const Bounds roots = {0.016, 1.5, 0.25};
   return change_levels(context,
-                       {"jacks.json", 300, 0, {slides, slides}, {{0.03, 3, 0.35}, {0.07, 3, 0.37}}, {roots, roots}});
+                       {"jacks.json", 300, 0, {slides, slides}, {{0.03, 3, 0.35}, {0.45, 3, 0.37}}, {roots, roots}});
 }
 Status jacks_change_levels_with_friction(Context& context) {
   const Bounds roots = {1e-3, 0.2, 0.25};
-  return change_levels(context, {"jacks.json", 300, 0.5, {{}, {1e-3, 1.5, 0.1}}, {{}, {1e-3, 6, 0.3}}, {roots, roots}});
+  return change_levels(context,
+                       {"jacks.json", 300, 0.5, {{}, {1e-3, 1.5, 0.1}}, {{}, {1e-3, 6, 0.35}}, {roots, roots}});
 }
 Status meshes_change_levels(Context& context) {
   return change_levels(context, {"pile.json",
                                  100,
                                  0,
                                  {{1e-3, 0.9, 0.1}, {2e-3, 0.9, 0.1}},
-                                 {{0.12, 2.4, 0.1}, {0.13, 2.7, 0.11}},
+                                 {{0.13, 2.4, 0.1}, {0.14, 2.7, 0.12}},
                                  {{3e-3, 1.3, 0.25}, {6.5e-3, 1.3, 0.25}}});
 }
 Status meshes_change_levels_with_friction(Context& context) {
-  const Bounds roots = {1e-3, 0.2, 0.25};
-  return change_levels(
-      context, {"pile.json", 100, 0.5, {{}, {3e-3, 1.2, 0.1}}, {{1e-3, 1.2, 0.1}, {3e-3, 3.3, 0.3}}, {roots, roots}});
+  return change_levels(context, {"pile.json",
+                                 100,
+                                 0.5,
+                                 {{}, {3e-3, 1.2, 0.1}},
+                                 {{1e-3, 1.2, 0.1}, {0.013, 3.3, 0.3}},
+                                 {{1e-3, 0.2, 0.25}, {1e-3, 0.3, 0.25}}});
 }
 
 }  // namespace poise::accuracy

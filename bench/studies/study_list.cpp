@@ -7,6 +7,7 @@
 
 #include "studies/study_accuracy.h"
 #include "studies/study_compliance.h"
+#include "studies/study_crowd.h"
 #include "studies/study_draw.h"
 #include "studies/study_error_time.h"
 #include "studies/study_forecast.h"
@@ -97,6 +98,8 @@ void add_studies(CLI::App& command, int& exit_code) {
             add_study_overload_options, study_overload, exit_code);
   add_study(command, "order", "What ranking pairs takes, and how far their order is from a sorted one",
             add_study_order_options, study_order, exit_code);
+  add_study(command, "crowd", "How far steps of a crowd are from their references: by contacts, by the response",
+            add_study_crowd_options, study_crowd, exit_code);
   add_study(command, "error-time", "Error of a step against its time: deadlines, levels and other engines",
             add_study_error_time_options, study_error_time, exit_code);
   add_study(command, "gaze", "Error near the gaze and elsewhere, and frames until a jump of the gaze is served",

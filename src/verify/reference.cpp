@@ -55,19 +55,27 @@ std::vector<std::uint32_t> pairs_of_run(const PairTable& run, const PairTable& f
   return of_run;
 }
 
-// Impulses of run and reference, then the separations of the pairs that the run solved.
-std::vector<ComparedPair> compared_pairs(const WorldState& world, Reference& full, const View& view) {
-  const Frame& run = world.outputs;
+// The pairs of the reference with the impulses of a run (a Frame or another Reference) and of the reference; `of_run`
+// as of pairs_of_run.
+template <class Run>
+std::vector<ComparedPair> impulses_of(const Run& run, std::span<const std::uint32_t> of_run, const Reference& full) {
   std::vector<ComparedPair> pairs(full.table.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     pairs[i].a = full.table.pairs[i].a;
     pairs[i].b = full.table.pairs[i].b;
   }
-  const std::vector<std::uint32_t> of_run = pairs_of_run(run.table, full.table);
   for (std::size_t m = 0; m < run.manifolds.manifolds.size(); ++m)
     pairs[of_run[run.manifolds.manifolds[m].pair]].run_ns = size_of_impulse(run.manifolds, run.velocities, m);
   for (std::size_t m = 0; m < full.manifolds.manifolds.size(); ++m)
     pairs[full.manifolds.manifolds[m].pair].reference_ns = size_of_impulse(full.manifolds, full.velocities, m);
+  return pairs;
+}
+
+// Impulses of run and reference, then the separations of the pairs that the run solved.
+std::vector<ComparedPair> compared_pairs(const WorldState& world, Reference& full, const View& view) {
+  const Frame& run = world.outputs;
+  const std::vector<std::uint32_t> of_run = pairs_of_run(run.table, full.table);
+  std::vector<ComparedPair> pairs = impulses_of(run, of_run, full);
   const parallel::UnsetVector<collision::Pose>& poses = run.motion.poses;
   const double least_ns = least_impulse_ns(pairs);
   parallel::parallel_for(*world.executor, of_run.size(), 1, [&](std::size_t begin, std::size_t end, int) {
@@ -129,10 +137,10 @@ class Occlusion {
   geometry::BallTree tree_;
 };
 
-std::vector<ComparedBody> touched_bodies(const WorldState& world, Reference& reference,
-                                         std::span<const ComparedPair> pairs, const View& view) {
+// The bodies that a contact touched, with what `run` and the reference did to them.
+std::vector<ComparedBody> touched_bodies(const WorldState& world, const Velocities& run, const Reference& reference,
+                                         std::span<const ComparedPair> pairs) {
   const dynamics::BodyStore& bodies = reference.bodies;
-  const Velocities& run = world.outputs.velocities;
   const Velocities& full = reference.velocities;
   std::vector<std::uint8_t> touched(bodies.slot_count(), 0);
   const double least_ns = least_impulse_ns(pairs);
@@ -156,7 +164,13 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, Reference& ref
     body.inertia_per_mass_m2 = dynamics::inertia_world(bodies, slot) / bodies.mass_kg[slot];
     compared.push_back(body);
   }
-  if (!view.present) return compared;
+  return compared;
+}
+
+// How well a viewer sees these bodies.
+void weigh(const WorldState& world, const View& view, Reference& reference, std::span<ComparedBody> compared) {
+  if (!view.present) return;
+  const dynamics::BodyStore& bodies = reference.bodies;
   const Occlusion occlusion(world, reference, view);
   parallel::parallel_for(*world.executor, compared.size(), 16, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -168,7 +182,6 @@ std::vector<ComparedBody> touched_bodies(const WorldState& world, Reference& ref
       compared[i].weight = weight;
     }
   });
-  return compared;
 }
 
 }  // namespace
@@ -198,12 +211,12 @@ void restore_bodies(const WorldState& world, Reference& reference) {
 
 // Computes the frame again from *coarse* on; the first two stages depend only on the start of the frame.
 void run_full(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
-              Reference& reference) {
+              const ReferenceContacts& contacts_of, Reference& reference) {
   parallel::Executor& executor = *world.executor;
   const SceneView scene{reference.bodies, world.shape_of, world.shapes, world.materials};
   StepTerms terms = terms_of(world.settings, input);
-  terms.max_level = kMaxTreeDepth;
-  terms.polygons = true;
+  terms.max_level = contacts_of.max_level;
+  terms.polygons = contacts_of.polygons;
   // Polygons are solved in the same way by every model. If balls are the surface, this model finds the balls that
   // touch.
   terms.contact = ContactModel::Fitted;
@@ -227,6 +240,7 @@ void run_full(const WorldState& world, const StepInput& input, std::span<collisi
                                  input, world.frame, settings.seed, settings.substeps, settings.max_front_entries,
                                  {}};
   reference.not_finest = refine_to_the_end(refine_input, pools, reference.levels, executor);
+  add_noise(contacts_of.noise, motion, reference.table, reference.levels);
   const SolveInput solve_input{
       scene,     terms, motion, reference.table, reference.levels, reference.manifolds, pools, settings.substeps,
       kConverged};
@@ -249,9 +263,9 @@ void run_full(const WorldState& world, const StepInput& input, std::span<collisi
 }  // namespace
 
 void make_reference(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
-                    Reference& reference) {
+                    Reference& reference, const ReferenceContacts& contacts) {
   restore_bodies(world, reference);
-  run_full(world, input, pools, reference);
+  run_full(world, input, pools, contacts, reference);
   prepare_surfaces(world, reference);
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   reference.gap_m.assign(reference.table.size(), kUnknown);
@@ -261,12 +275,20 @@ void make_reference(const WorldState& world, const StepInput& input, std::span<c
 ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference,
                               std::vector<ComparedBody>* touched) {
   const std::vector<ComparedPair> pairs = compared_pairs(world, reference, input.view);
-  std::vector<ComparedBody> bodies = touched_bodies(world, reference, pairs, input.view);
+  std::vector<ComparedBody> bodies = touched_bodies(world, world.outputs.velocities, reference, pairs);
+  weigh(world, input.view, reference, bodies);
   ReferenceFigures figures = compare_frames(bodies, pairs, input.view.present);
   figures.pairs_not_finest = reference.not_finest;
   figures.converged = reference.response.reached;
   figures.iterations = reference.response.iterations;
   if (touched != nullptr) *touched = std::move(bodies);
+  return figures;
+}
+
+ReferenceFigures compare_references(const WorldState& world, const Reference& other, const Reference& reference) {
+  const std::vector<ComparedPair> pairs = impulses_of(other, pairs_of_run(other.table, reference.table), reference);
+  ReferenceFigures figures = compare_frames(touched_bodies(world, other.velocities, reference, pairs), pairs, false);
+  figures.converged = other.response.reached && reference.response.reached;
   return figures;
 }
 

@@ -5,6 +5,7 @@
 
 #include "frame/world_state.h"
 #include "poise/reference.h"
+#include "verify/contact_noise.h"
 #include "verify/reference_figures.h"
 
 /// The reference of a frame (docs/method.md), used by World::step. It calls remember before a frame and refer after it,
@@ -14,11 +15,18 @@ namespace poise::simulation {
 /// Copies the state at the start of the frame. From now on the World keeps the cached pairs that its steps begin with.
 void remember(WorldState& world, Reference& reference);
 
+/// The contacts whose response is computed. Those of the reference itself are the default.
+struct ReferenceContacts {
+  Level max_level = kMaxTreeDepth;
+  bool polygons = true;
+  ContactNoise noise;
+};
+
 /// Computes the frame that has just ended again from the remembered state, with separate data and the predicted motion
 /// of the run. Uses the World's threads and `pools`, one a worker, which it clears. The result does not depend on the
 /// threads.
 void make_reference(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
-                    Reference& reference);
+                    Reference& reference, const ReferenceContacts& contacts = {});
 
 /// Compares a frame that has just ended with the reference, which was made after this frame or after another one from
 /// the same state. What depends on that state alone is computed once and kept in the reference. `touched`, if given,
@@ -26,7 +34,11 @@ void make_reference(const WorldState& world, const StepInput& input, std::span<c
 ReferenceFigures compare_with(const WorldState& world, const StepInput& input, Reference& reference,
                               std::vector<ComparedBody>* touched = nullptr);
 
-/// Both.
+/// Compares the converged response to other contacts with the reference, both made after this frame. Without a view and
+/// without gaps. Not for Worlds in which bodies wait.
+ReferenceFigures compare_references(const WorldState& world, const Reference& other, const Reference& reference);
+
+/// make_reference and compare_with.
 ReferenceFigures refer(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,
                        Reference& reference);
 

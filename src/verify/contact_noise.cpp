@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "verify/contact_noise.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "geometry/primitives/random.h"
+
+namespace poise::simulation {
+namespace {
+
+class Errors {
+ public:
+  Errors(const ContactNoise& noise, geometry::Random random) : noise_(noise), random_(random) {}
+
+  [[nodiscard]] double of_separation_m() { return noise_.separation_m * even(); }
+  [[nodiscard]] Vec3 of_point_m() { return noise_.point_m * vector(); }
+  [[nodiscard]] Vec3 with_error(const Vec3& normal) {
+    const Vec3 turned = normal + noise_.normal * vector();
+    return turned.isZero(0) ? normal : turned.normalized();
+  }
+
+ private:
+  double even() { return random_.symmetric(); }
+  // In separate statements: the order of evaluation of arguments differs between compilers.
+  Vec3 vector() {
+    const double x = even();
+    const double y = even();
+    const double z = even();
+    return {x, y, z};
+  }
+
+  const ContactNoise& noise_;
+  geometry::Random random_;
+};
+
+}  // namespace
+
+void add_noise(const ContactNoise& noise, const PredictedMotion& motion, const PairTable& table,
+               CompletedLevels& levels) {
+  if (!noise.any()) return;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    PairProgress& progress = levels.progress[i];
+    if (progress.level.level == 0 || progress.apart() || progress.found == 0) continue;
+    collision::LevelContact& found = levels.found.of(progress);
+    if (!found.contact.present) continue;
+    const ActivePair& pair = table.pairs[i];
+    collision::PairContact& contact = found.contact;
+    Errors errors(noise, geometry::Random::of(std::bit_cast<std::uint64_t>(contact.estimated_separation_m),
+                                              (std::uint64_t{pair.a} << 32U) | pair.b));
+    const double more_m = errors.of_separation_m();
+    contact.estimated_separation_m += more_m;
+    contact.certain_separation_m += more_m;
+    contact.arm_m += errors.of_point_m();
+    contact.direction = errors.with_error(contact.direction);
+    const Vec3 a_to_b_m = motion.poses[pair.b].position_m - motion.poses[pair.a].position_m;
+    contact.moment_a_m = contact.arm_m.cross(contact.direction);
+    contact.moment_b_m = (contact.arm_m - a_to_b_m).cross(contact.direction);
+    for (std::size_t k = 0; k < found.manifold_points.count; ++k) {
+      collision::ManifoldPoint& point = found.manifold_points.point[k];
+      const double point_more_m = errors.of_separation_m();
+      point.gap_m += point_more_m;
+      point.certain_separation_m += point_more_m;
+      point.point_m += errors.of_point_m();
+      point.normal = errors.with_error(point.normal);
+    }
+  }
+}
+
+}  // namespace poise::simulation
