@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "peers/engine.h"
+#include "peers/fresh_pile.h"
 
 namespace poise::bench {
 namespace {
@@ -52,20 +52,6 @@ class BulletPile {
     for (const auto& body : bodies_) world_.removeRigidBody(body.get());
   }
 
-  void set(std::span<const BodyState> states) {
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      btRigidBody& body = *bodies_[first_body_ + i];
-      const btTransform place = transform_of(states[i]);
-      body.setCenterOfMassTransform(place);
-      body.setInterpolationWorldTransform(place);
-      body.setLinearVelocity(to_bullet(states[i].velocity_mps));
-      body.setAngularVelocity(to_bullet(states[i].angular_velocity_radps));
-      body.setInterpolationLinearVelocity(body.getLinearVelocity());
-      body.setInterpolationAngularVelocity(body.getAngularVelocity());
-    }
-    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) dispatcher_.getManifoldByIndexInternal(i)->clearManifold();
-    solver_.reset();
-  }
   void iterations(int count) { world_.getSolverInfo().m_numIterations = count; }
 
   // Without Bullet's own substeps: one step of dt.
@@ -117,16 +103,11 @@ class BulletPile {
 }  // namespace
 
 Engine make_bullet(const PileScene& scene) {
-  const auto pile = std::make_shared<BulletPile>(scene);
-  Engine engine;
+  Engine engine = engine_of<BulletPile>(scene);
   engine.name = "bullet";
   const int version = btGetVersion();
   engine.version = std::to_string(version / 100) + "." + std::to_string(version % 100) +
                    (sizeof(btScalar) == sizeof(double) ? ", double" : ", single");
-  engine.step = [pile] { pile->step(); };
-  engine.read_states = [pile](std::span<BodyState> states) { pile->read(states); };
-  engine.set_states = [pile](std::span<const BodyState> states) { pile->set(states); };
-  engine.set_iterations = [pile](int count) { pile->iterations(count); };
   return engine;
 }
 

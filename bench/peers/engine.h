@@ -36,9 +36,7 @@ struct Engine {
   std::function<void()> step;  ///< steps by PileScene::dt_s
   /// Writes as many entries as there are bodies, in the order of PileScene::start.
   std::function<void(std::span<BodyState>)> read_states;
-  /// Puts the bodies into these states. The engine forgets the contacts that it has cached, and where its solver draws
-  /// numbers, it draws them anew: what follows depends on the states alone, but for the
-  /// order in which pairs were found. Not of Poise.
+  /// Makes the pile anew with its bodies in these states, so what follows depends on the states alone. Not of Poise.
   std::function<void(std::span<const BodyState>)> set_states;
   /// Iterations of its solver in each step from now on, >= 1. Not of Poise.
   std::function<void(int)> set_iterations;

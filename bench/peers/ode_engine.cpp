@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "peers/engine.h"
+#include "peers/fresh_pile.h"
 
 namespace poise::bench {
 namespace {
@@ -29,10 +29,11 @@ class OdeLibrary {
   OdeLibrary& operator=(const OdeLibrary&) = delete;
 };
 
-/// Invariant: owns its world, space and contacts.
+/// Invariant: owns its world, space and contacts. Flat: all spheres are in one space.
+template <bool kFlat>
 class OdePile {
  public:
-  OdePile(const PileScene& scene, bool flat)
+  explicit OdePile(const PileScene& scene)
       : library_(OdeLibrary::open()),
         world_(dWorldCreate()),
         space_(dHashSpaceCreate(nullptr)),
@@ -44,7 +45,8 @@ class OdePile {
     for (const PileScene::Wall& wall : scene.walls) {
       dCreatePlane(space_, wall.normal.x(), wall.normal.y(), wall.normal.z(), wall.offset_m);
     }
-    for (const BodyState& start : scene.start) add(start, scene, flat);
+    for (const BodyState& start : scene.start) add(start, scene, kFlat);
+    dRandSetSeed(0);  // QuickStep draws the order of its rows
   }
   ~OdePile() {
     dJointGroupDestroy(contacts_);
@@ -54,10 +56,6 @@ class OdePile {
   OdePile(const OdePile&) = delete;
   OdePile& operator=(const OdePile&) = delete;
 
-  void set(std::span<const BodyState> states) {
-    for (std::size_t i = 0; i < states.size(); ++i) place(bodies_[i], states[i]);
-    dRandSetSeed(0);  // QuickStep draws the order of its rows
-  }
   void iterations(int count) { dWorldSetQuickStepNumIterations(world_, count); }
 
   void step() {
@@ -135,14 +133,9 @@ class OdePile {
 
 Engine make_ode(const PileScene& scene, bool flat) {
   static_assert(sizeof(dReal) == sizeof(double));
-  const auto pile = std::make_shared<OdePile>(scene, flat);
-  Engine engine;
+  Engine engine = flat ? engine_of<OdePile<true>>(scene) : engine_of<OdePile<false>>(scene);
   engine.name = flat ? "ode flat" : "ode";
   engine.version = "0.16, double";
-  engine.step = [pile] { pile->step(); };
-  engine.read_states = [pile](std::span<BodyState> states) { pile->read(states); };
-  engine.set_states = [pile](std::span<const BodyState> states) { pile->set(states); };
-  engine.set_iterations = [pile](int count) { pile->iterations(count); };
   return engine;
 }
 

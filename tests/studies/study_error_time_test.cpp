@@ -67,10 +67,8 @@ TEST(ErrorTime, AnEngineDoesTheSameFromAStateWhateverItDidBefore) {
   for (const auto& [engine, same] : rows) {
     ASSERT_EQ(same.size(), 3U) << engine;
     for (const json& row : same) {
-      // Bullet keeps the order in which it found pairs, and goes through their contacts in it.
-      const double tolerance = engine == "bullet" ? 5e-3 : 1e-9;
-      EXPECT_NEAR(row.at("e_rel"), same[0].at("e_rel"), tolerance) << engine;
-      EXPECT_NEAR(row.at("own_e_rel"), same[0].at("own_e_rel"), tolerance) << engine;
+      EXPECT_EQ(row.at("e_rel"), same[0].at("e_rel")) << engine;
+      EXPECT_EQ(row.at("own_e_rel"), same[0].at("own_e_rel")) << engine;
     }
   }
   if (study.at("engines") == "none are built in") GTEST_SKIP() << "libbullet-dev or libode-dev is not installed";
