@@ -133,6 +133,6 @@ struct System {
 /// that certainly penetrates and closes fast enough to rebound gets an impulse of its own. With friction an impulse
 /// lambda brings a tangential one, against the slip at the contact point and at most the coefficient times lambda.
 Convergence solve_impacts(const System& system, const SolveSettings& settings, parallel::Executor& executor);
-inline constexpr std::uint32_t kImpactIterations = 16;
+inline constexpr std::uint32_t kImpactIterations = 16;  ///< chosen: docs/response.md, "How many rounds of impacts"
 
 }  // namespace poise::solver
