@@ -45,7 +45,7 @@ class OdePile {
     for (const PileScene::Wall& wall : scene.walls) {
       dCreatePlane(space_, wall.normal.x(), wall.normal.y(), wall.normal.z(), wall.offset_m);
     }
-    for (const BodyState& start : scene.start) add(start, scene, kFlat);
+    for (const BodyState& start : scene.start) add(start, scene);
     dRandSetSeed(0);  // QuickStep draws the order of its rows
   }
   ~OdePile() {
@@ -84,7 +84,7 @@ class OdePile {
     dBodySetAngularVel(body, state.angular_velocity_radps.x(), state.angular_velocity_radps.y(),
                        state.angular_velocity_radps.z());
   }
-  void add(const BodyState& start, const PileScene& scene, bool flat) {
+  void add(const BodyState& start, const PileScene& scene) {
     const dBodyID body = dBodyCreate(world_);
     bodies_.push_back(body);
     dMass mass;
@@ -92,7 +92,7 @@ class OdePile {
                        scene.inertia_kgm2.z(), 0, 0, 0);
     dBodySetMass(body, &mass);
     place(body, start);
-    const dSpaceID own = flat ? space_ : dSimpleSpaceCreate(space_);
+    const dSpaceID own = kFlat ? space_ : dSimpleSpaceCreate(space_);
     for (const Sphere& sphere : scene.spheres) {
       const dGeomID geom = dCreateSphere(own, sphere.radius_m);
       dGeomSetBody(geom, body);

@@ -8,6 +8,7 @@
 
 #include "app/refusal.h"
 #include "parallel/interrupt.h"
+#include "scene/run/percentiles.h"
 #include "verify/reference.h"
 #include "verify/world_access.h"
 
@@ -55,11 +56,7 @@ void CrowdErrors::add(const ReferenceFigures& figures) {
 }
 
 double CrowdErrors::median() const {
-  if (e_rel_.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> sorted = e_rel_;
-  std::ranges::sort(sorted);
-  const std::size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+  return e_rel_.empty() ? std::numeric_limits<double>::quiet_NaN() : simulation::percentile(e_rel_, 0.5);
 }
 
 double CrowdErrors::together() const { return std::sqrt(error2_ / change2_); }

@@ -17,8 +17,8 @@ class CrowdErrors {
  public:
   void add(const ReferenceFigures& figures);
   [[nodiscard]] std::size_t frames() const { return e_rel_.size(); }
-  /// Median over the frames of E_rel; and of all bodies of all frames together, sqrt(sum eps^2 / sum |du*|^2). NaN
-  /// without frames.
+  /// Median (nearest rank) over the frames of E_rel; and of all bodies of all frames together, sqrt(sum eps^2 / sum
+  /// |du*|^2). NaN without frames.
   [[nodiscard]] double median() const;
   [[nodiscard]] double together() const;
   /// Shares of the contacts of the run and of the references; NaN without any.

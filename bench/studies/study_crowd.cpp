@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -68,7 +69,7 @@ std::vector<io::StudyCell> level_row(const std::string& level, const CrowdFrames
 std::vector<io::StudyCell> noise_row(const simulation::ContactNoise& noise, const CrowdErrors& errors) {
   return {1e3 * noise.separation_m,
           1e3 * noise.point_m,
-          1e3 * noise.normal,
+          1e3 * noise.normal_rad,
           cell_of(errors.median()),
           cell_of(errors.together()),
           cell_of(100 * errors.false_share()),
@@ -80,10 +81,12 @@ std::vector<LineChart> crowd_charts(const io::StudyTable& table) {
   std::vector<std::string> names;
   for (const auto& row : table.rows) names.push_back(std::get<std::string>(row[0]));
   for (const auto& [column, label] :
-       {std::pair(3U, "the step"), std::pair(7U, "its contacts, response converged"), std::pair(9U, "its response")}) {
+       {std::pair("e_rel_p50", "the step"), std::pair("contacts_e_rel_p50", "its contacts, response converged"),
+        std::pair("response_e_rel_p50", "its response")}) {
+    const auto at = std::ranges::find(kLevelColumns, column, &io::StudyColumn::name) - kLevelColumns.begin();
     ChartLine line{label, {}, LineMarks::Dots};
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
-      if (const auto* value = std::get_if<double>(&table.rows[i][column]))
+      if (const auto* value = std::get_if<double>(&table.rows[i][static_cast<std::size_t>(at)]))
         line.points.push_back({static_cast<double>(i), *value, {}, {}});
     }
     chart.lines.push_back(std::move(line));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "verify/contact_noise.h"
 
-#include <algorithm>
 #include <bit>
 
 #include "geometry/primitives/random.h"
@@ -13,20 +12,19 @@ class Errors {
  public:
   Errors(const ContactNoise& noise, geometry::Random random) : noise_(noise), random_(random) {}
 
-  [[nodiscard]] double of_separation_m() { return noise_.separation_m * even(); }
+  [[nodiscard]] double of_separation_m() { return noise_.separation_m * random_.symmetric(); }
   [[nodiscard]] Vec3 of_point_m() { return noise_.point_m * vector(); }
   [[nodiscard]] Vec3 with_error(const Vec3& normal) {
-    const Vec3 turned = normal + noise_.normal * vector();
+    const Vec3 turned = normal + noise_.normal_rad * vector();
     return turned.isZero(0) ? normal : turned.normalized();
   }
 
  private:
-  double even() { return random_.symmetric(); }
   // In separate statements: the order of evaluation of arguments differs between compilers.
   Vec3 vector() {
-    const double x = even();
-    const double y = even();
-    const double z = even();
+    const double x = random_.symmetric();
+    const double y = random_.symmetric();
+    const double z = random_.symmetric();
     return {x, y, z};
   }
 

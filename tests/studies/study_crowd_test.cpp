@@ -34,7 +34,7 @@ TEST(CrowdErrors, CountEachFrameOnceAndEachBodyOnce) {
   errors.add(figures(1, 2, 1));
   errors.add(figures(3, 4, 3));
   EXPECT_EQ(errors.frames(), 2U);
-  EXPECT_DOUBLE_EQ(errors.median(), 0.625);
+  EXPECT_DOUBLE_EQ(errors.median(), 0.5);
   EXPECT_DOUBLE_EQ(errors.together(), std::sqrt((1.0 + 27.0) / (4.0 + 48.0)));
   EXPECT_DOUBLE_EQ(errors.false_share(), 0.1);
   EXPECT_DOUBLE_EQ(errors.missed_share(), 0.2);
@@ -59,6 +59,8 @@ TEST(StudyCrowd, TellsContactsFromResponse) {
   for (const json& row : rows) EXPECT_GT(row["frames"].get<int>(), 0);
   // What the polygons find is what the reference is made of.
   EXPECT_EQ(rows[4]["contacts_e_rel"].get<double>(), 0);
+  EXPECT_EQ(rows[4]["response_e_rel"], rows[4]["e_rel"]);
+  EXPECT_NE(rows[3]["response_e_rel"], rows[3]["e_rel"]);
   EXPECT_GT(rows[0]["contacts_e_rel"].get<double>(), rows[3]["contacts_e_rel"].get<double>());
   EXPECT_GT(rows[0]["e_rel"].get<double>(), rows[4]["e_rel"].get<double>());
   const json& noise = study["noise"];
