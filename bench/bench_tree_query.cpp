@@ -4,7 +4,9 @@
 // timed, random poses near first contact are checked against the triangles themselves (libfcl). It is an error if a
 // level finds nothing where surfaces meet, or if the polygons give another result.
 //
-//   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [options of Google Benchmark]
+//   bench_tree_query [--mesh FILE]... [--trees FOLDER] [--poses N] [--margin SHARE] [options of Google Benchmark]
+//
+// --margin: polygons are timed with a margin of this share of the smaller body's radius, as in a frame, instead of 0.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -37,6 +39,7 @@ struct Settings {
   std::vector<fs::path> meshes;
   fs::path trees;            ///< folder of cached trees, NAME.sph; empty: every tree is built
   std::size_t poses = 2000;  ///< measured, for each pair of meshes
+  double margin = 0;         ///< of polygons that are timed, as a share of the smaller bounding radius
 };
 
 struct NamedShape {
@@ -62,10 +65,11 @@ struct Case {
   std::vector<PosedPair> poses;
   Reports reports;
   std::size_t tested = 0;
+  double margin_m = 0;
 };
 
-PairFrame frame_of(const Case& c, const PosedPair& posed) {
-  return make_pair_frame(*c.a, posed.a, *c.b, posed.b, 0, 0);
+PairFrame frame_of(const Case& c, const PosedPair& posed, double margin_m = 0) {
+  return make_pair_frame(*c.a, posed.a, *c.b, posed.b, margin_m, 0);
 }
 
 /// Result of one query.
@@ -173,6 +177,13 @@ std::uint32_t polygons(const PairFrame& frame, std::span<const FrontPool> pools,
   return pair.front_entries;
 }
 
+double median_us(std::vector<double>& seconds) {
+  if (seconds.empty()) return 0;
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  return 1e6 * *middle;
+}
+
 /// Times the polygons alone, after the trees; poses that a tree separates are skipped.
 void time_polygons(benchmark::State& state, const Case& c) {
   if (c.reports.mismatches > 0) {
@@ -187,11 +198,13 @@ void time_polygons(benchmark::State& state, const Case& c) {
   double seconds = 0;
   double leaf_pairs = 0;
   double units = 0;
+  std::vector<double> apart;
+  std::vector<double> crossing;
   for (auto _ : state) {
     SinglePair pair;
     PairFrame frame;
     do {
-      frame = frame_of(c, c.poses[next]);
+      frame = frame_of(c, c.poses[next], c.margin_m);
       next = next + 1 == timed ? 0 : next + 1;
       pair = {};
       pools[0].clear();
@@ -200,14 +213,18 @@ void time_polygons(benchmark::State& state, const Case& c) {
     pair.polygons = true;
     ++pair.deepest;
     units += polygon_units(*c.a, *c.b, pools, pair.front);
-    seconds += latencies.time(state, [&] { leaf_pairs += polygons(frame, pools, pair); });
-    benchmark::DoNotOptimize(pair.contact.estimated_separation_m);
+    const double there = latencies.time(state, [&] { leaf_pairs += polygons(frame, pools, pair); });
+    seconds += there;
+    const bool overlaps = pair.contact.present && pair.contact.estimated_separation_m <= 0;
+    (overlaps ? crossing : apart).push_back(there);
   }
   latencies.report(state);
   const auto pairs = static_cast<double>(state.iterations());
   state.counters["leaf_pairs"] = leaf_pairs / pairs;
   state.counters["ns_per_leaf_pair"] = 1e9 * seconds / leaf_pairs;
   state.counters["ns_per_unit"] = 1e9 * seconds / units;
+  state.counters["p50_apart_us"] = median_us(apart);
+  state.counters["p50_crossing_us"] = median_us(crossing);
 }
 
 /// Times the same query in the oracle.
@@ -278,7 +295,7 @@ std::string take_options(int& argc, char** argv, Settings& settings) {
   int kept = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string_view name = argv[i];
-    if (name != "--mesh" && name != "--trees" && name != "--poses") {
+    if (name != "--mesh" && name != "--trees" && name != "--poses" && name != "--margin") {
       argv[kept++] = argv[i];
       continue;
     }
@@ -286,6 +303,13 @@ std::string take_options(int& argc, char** argv, Settings& settings) {
     const std::string_view value = argv[i];
     if (name == "--mesh") settings.meshes.emplace_back(value);
     if (name == "--trees") settings.trees = value;
+    if (name == "--margin") {
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), settings.margin);
+      if (error != std::errc() || end != value.data() + value.size() ||
+          !(settings.margin >= 0 && settings.margin <= 1)) {
+        return fmt::format("--margin {} must be a number from 0 to 1", value);
+      }
+    }
     if (name == "--poses") {
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), settings.poses);
       if (error != std::errc() || end != value.data() + value.size() || settings.poses == 0) {
@@ -330,6 +354,7 @@ int run(int argc, char** argv) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     for (std::size_t j = i; j < shapes.size(); ++j) cases.push_back(oracle(shapes[i], shapes[j], settings.poses));
   }
+  for (Case& c : cases) c.margin_m = settings.margin * std::min(c.a->bounding_radius_m, c.b->bounding_radius_m);
   bool lost = false;
   for (const Case& c : cases) {
     lost |= c.reports.lost > 0 || c.reports.mismatches > 0;

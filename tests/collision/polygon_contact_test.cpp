@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "collision/triangles/polygon_contact.h"
+#include "collision/instruction_sets.h"
 
 #include <gtest/gtest.h>
 
@@ -196,54 +197,99 @@ TEST(Polygons, PiecesOfAnySizeGiveTheSameBitsAndEndWhenTheirUnitsAreDone) {
   EXPECT_GT(most, 2000) << "nothing to cut";
 }
 
-TEST(Polygons, TheDescentMeetsEveryPairOfTrianglesWithinReachOnce) {
+using Found = std::vector<SurfaceDescent::Candidate>;
+
+Found descend(const PlacedSurface& on_a, const PlacedSurface& on_b, const SurfaceReach& reach) {
+  Found found;
+  SurfaceDescent descent;
+  descent.begin(on_a, on_b);
+  for (SurfaceDescent::Step step = descent.step(reach); step != SurfaceDescent::Step::Done;
+       step = descent.step(reach)) {
+    if (step != SurfaceDescent::Step::Triangles) continue;
+    found.insert(found.end(), descent.candidates().begin(), descent.candidates().end());
+  }
+  return found;
+}
+
+// What a pair of triangles must be found for.
+SurfaceDescent::Candidate wanted(const PlacedSurface& on_a, std::uint32_t i, const PlacedSurface& on_b, std::uint32_t j,
+                                 const SurfaceReach& reach) {
+  PlacedTriangle a;
+  PlacedTriangle b;
+  place(on_a, i, a);
+  place(on_b, j, b);
+  const PlaneSides sides = plane_sides(a, b);
+  FeatureList features;
+  const std::size_t count = facing_features(on_a, a, on_b, b, sides, reach.apart_m, features, reach.beneath_m);
+  return {i, j, crossing(a, b, sides).has_value(), count > 0};
+}
+
+TEST(Polygons, TheDescentFindsEveryPairOfTrianglesThatCrossesOrHasFacingFeaturesOnce) {
   static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 16, 8));
   static const ShapePtr needle = mesh_shape(box_mesh(Vec3(0.02, 0.02, 4)));
+  static const ShapePtr bowl = mesh_shape(geometry::make_procedural_shape("bowl", 2).value(), 2);
   std::mt19937_64 random(9);
-  std::size_t near = 0;
-  std::size_t met = 0;
+  std::size_t crossing_pairs = 0;
+  std::size_t facing_pairs = 0;
+  std::size_t candidates = 0;
   std::size_t all = 0;
   for (int round = 0; round < 60; ++round) {
     const ShapeSurface& a = *torus->surface;
-    const ShapeSurface& b = round % 2 == 0 ? a : *needle->surface;
+    const ShapeSurface& b = round % 3 == 0 ? a : *(round % 3 == 1 ? needle : bowl)->surface;
     const PlacedSurface on_a{&a, Mat3::Identity(), Vec3::Zero()};
     const PlacedSurface on_b{&b, random_pose(random, 0).rotation, random_vector(random, 0.8)};
-    const double reach = uniform(random, 0, 0.1);
-    SurfaceDescent descent;
-    descent.begin(on_a, on_b);
-    std::vector<int> count(a.triangles.size() * b.triangles.size(), 0);
-    std::vector<bool> may_cross(count.size(), false);
-    for (SurfaceDescent::Step step = descent.step(reach); step != SurfaceDescent::Step::Done;
-         step = descent.step(reach)) {
-      if (step != SurfaceDescent::Step::Triangles) continue;
-      const std::size_t pair = descent.triangle_a() * b.triangles.size() + descent.triangle_b();
-      ++count[pair];
-      may_cross[pair] = descent.may_cross();
+    // Boxes are compared up to `apart_m`; a corner beneath a face may lie past its rim by twice its depth.
+    const double apart_m = uniform(random, 0, 0.1);
+    const SurfaceReach reach{apart_m, uniform(random, 0, apart_m / 3)};
+    const Found found = descend(on_a, on_b, reach);
+    std::vector<const SurfaceDescent::Candidate*> of(a.triangles.size() * b.triangles.size(), nullptr);
+    for (const SurfaceDescent::Candidate& c : found) {
+      const std::size_t pair = c.a * b.triangles.size() + c.b;
+      ASSERT_EQ(of[pair], nullptr) << "found twice";
+      of[pair] = &c;
     }
+    candidates += found.size();
+    all += of.size();
     for (std::uint32_t i = 0; i < a.triangles.size(); ++i) {
       for (std::uint32_t j = 0; j < b.triangles.size(); ++j) {
-        const auto part = [](const PlacedSurface& on, std::uint32_t triangle) {
-          PlacedTriangle t;
-          place(on, triangle, t);
-          return ConvexPart{t.corner_m, 3, 0};
-        };
-        const double gap = gap_of(part(on_a, i), part(on_b, j)).gap_m;
-        const std::size_t pair = i * b.triangles.size() + j;
-        ASSERT_LE(count[pair], 1);
-        if (gap <= reach) {
-          ASSERT_EQ(count[pair], 1) << "round " << round << ", gap " << gap << ", reach " << reach;
-          ++near;
-        }
-        if (gap == 0) {
-          ASSERT_TRUE(may_cross[pair]);
-        }
-        met += static_cast<std::size_t>(count[pair]);
-        ++all;
+        const SurfaceDescent::Candidate want = wanted(on_a, i, on_b, j, reach);
+        const SurfaceDescent::Candidate* const got = of[i * b.triangles.size() + j];
+        const bool crosses = got != nullptr && got->may_cross;
+        const bool faces = got != nullptr && got->may_face;
+        ASSERT_TRUE(crosses || !want.may_cross) << "round " << round;
+        ASSERT_TRUE(faces || !want.may_face) << "round " << round;
+        crossing_pairs += want.may_cross ? 1U : 0U;
+        facing_pairs += want.may_face ? 1U : 0U;
       }
     }
   }
-  EXPECT_GT(near, 1000U);
-  EXPECT_LT(met, 4 * near) << "of " << all;
+  EXPECT_GT(crossing_pairs, 500U);
+  EXPECT_GT(facing_pairs, 500U);
+  EXPECT_LT(candidates, 8 * (crossing_pairs + facing_pairs)) << "of " << all;
+}
+
+TEST(Polygons, TheDescentIsTheSameOnEveryInstructionSet) {
+  static const ShapePtr torus = mesh_shape(test::torus_mesh(0.5, 0.2, 30, 15));
+  std::mt19937_64 random(12);
+  std::size_t candidates = 0;
+  for (int round = 0; round < 20; ++round) {
+    const PlacedSurface on_a{torus->surface.get(), Mat3::Identity(), Vec3::Zero()};
+    const PlacedSurface on_b{torus->surface.get(), random_pose(random, 0).rotation, random_vector(random, 0.6)};
+    const SurfaceReach reach{uniform(random, 0, 0.02), uniform(random, 0, 0.01)};
+    const Found expected = descend(on_a, on_b, reach);
+    candidates += expected.size();
+    on_every_instruction_set([&](const char* name) {
+      const Found found = descend(on_a, on_b, reach);
+      ASSERT_EQ(found.size(), expected.size()) << name;
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].a, expected[i].a) << name;
+        EXPECT_EQ(found[i].b, expected[i].b) << name;
+        EXPECT_EQ(found[i].may_cross, expected[i].may_cross) << name;
+        EXPECT_EQ(found[i].may_face, expected[i].may_face) << name;
+      }
+    });
+  }
+  EXPECT_GT(candidates, 1000U);
 }
 
 TEST(Polygons, SurfacesThatDoNotCrossHaveNoPenetratingContactPoints) {

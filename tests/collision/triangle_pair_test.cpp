@@ -34,7 +34,7 @@ struct TwoSheets {
     place(on_a, 0, a);
     place(on_b, 0, b);
   }
-  [[nodiscard]] std::optional<CrossingSegment> cross() const { return crossing(on_a, a, on_b, b, plane_sides(a, b)); }
+  [[nodiscard]] std::optional<CrossingSegment> cross() const { return crossing(a, b, plane_sides(a, b)); }
   std::vector<FacingFeatures> facing() const {
     FeatureList list;
     const std::size_t count = facing_features(on_a, a, on_b, b, plane_sides(a, b), 1e3, list);

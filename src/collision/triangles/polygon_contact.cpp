@@ -15,17 +15,18 @@ constexpr std::uint32_t kBlock = 64;
 constexpr std::uint32_t kUnitsPerBlock = 2;
 constexpr std::uint32_t kTrianglesPerUnit = 8;
 constexpr double kPlaceUnits = 2;
-// Of two meshes: to go one node deeper, to test two triangles against each other's planes, and to look at their
-// features. Measured on the meshes of bench_tree_query.
-constexpr double kSplitUnits = 1;
-constexpr double kPlaneUnits = 4;
-constexpr double kFeatureUnits = 8;
+// Of two meshes: to go one node deeper in both, to compare the triangles that were found, to place two and look whether
+// they cross, and to look at their features. Measured on the meshes of bench_tree_query.
+constexpr double kSplitUnits = 2;
+constexpr double kCompareUnits = 8;
+constexpr double kPlaneUnits = 3;
+constexpr double kFeatureUnits = 5;
 // Of the contact of a pair, where its surfaces cross or not, and of a row of the search for deeper points.
-constexpr double kCrossingUnits = 512;
-constexpr double kContactUnits = 64;
-constexpr double kDeeperUnits = 128;
+constexpr double kCrossingUnits = 256;
+constexpr double kContactUnits = 32;
+constexpr double kDeeperUnits = 40;
 // What two meshes cost is not known before: most of it goes to the triangles near the first touch.
-constexpr std::uint32_t kUnitsOfMeshes = 4096;
+constexpr std::uint32_t kUnitsOfMeshes = 1536;
 // B is displaced by this share of the smaller radius, in a direction that no scene is aligned with, so that no faces
 // and edges coincide exactly.
 constexpr double kSleepingPair = 1e-9;
@@ -213,45 +214,44 @@ void run_block(const PairFrame& frame, FrontEntry entry, std::span<const std::ui
   }
 }
 
+SurfaceReach reach_of(const PairFrame& frame, const PolygonProgress& progress) {
+  return {farthest_m(frame, progress), std::min(progress.beneath_m, points_beneath_m(frame, progress.looked_at))};
+}
+
 // A pair of triangles of two meshes that the descent has found.
-void look_at(const PairFrame& frame, double apart_m, PolygonProgress& progress) {
-  const PlacedTriangle& a = progress.placed_a.get(progress.on_a, progress.descent.triangle_a());
-  const PlacedTriangle& b = progress.placed_b.get(progress.on_b, progress.descent.triangle_b());
-  const double beneath_m = std::min(progress.beneath_m, points_beneath_m(frame, progress.looked_at));
-  const double reach_m = std::max(apart_m, beneath_m);
+void look_at(const PairFrame& frame, const SurfaceDescent::Candidate& found, const SurfaceReach& reach,
+             PolygonProgress& progress) {
+  const PlacedTriangle& a = progress.placed_a.get(progress.on_a, found.a);
+  const PlacedTriangle& b = progress.placed_b.get(progress.on_b, found.b);
   const PlaneSides sides = plane_sides(a, b);
   progress.work += kPlaneUnits;
-  if (beyond(sides, reach_m)) return;
-  if (beside(a, b, reach_m + past_rim_m(progress.on_a, progress.on_b, sides, beneath_m))) return;
-  if (progress.descent.may_cross()) {
-    if (const auto segment = crossing(progress.on_a, a, progress.on_b, b, sides)) {
-      add_segment(*segment, a.index, b.index, progress.sums);
-    }
+  if (found.may_cross) {
+    if (const auto segment = crossing(a, b, sides)) add_segment(*segment, a.index, b.index, progress.sums);
   }
-  if (reach_m <= 0 || (a.features | b.features) == 0) return;
-  ++progress.looked_at;
+  if (!found.may_face || beyond(sides, std::max(reach.apart_m, reach.beneath_m))) return;
   progress.work += kFeatureUnits;
   FeatureList features;
-  const std::size_t count = facing_features(progress.on_a, a, progress.on_b, b, sides, apart_m, features, beneath_m);
+  const std::size_t count =
+      facing_features(progress.on_a, a, progress.on_b, b, sides, reach.apart_m, features, reach.beneath_m);
   for (std::size_t k = 0; k < count; ++k) {
-    if (features[k].gap_m < apart_m) add_facing(frame, features[k], a.index, b.index, progress);
+    if (features[k].gap_m < reach.apart_m) add_facing(frame, features[k], a.index, b.index, progress);
   }
 }
 
 // Goes on until all triangles were looked through or the piece is done; true when all were.
 bool run_meshes(const PairFrame& frame, std::uint32_t units, PolygonProgress& progress) {
+  SurfaceReach reach = reach_of(frame, progress);
   while (progress.work < units) {
-    const double apart_m = farthest_m(frame, progress);
-    switch (progress.descent.step(apart_m)) {
-      case SurfaceDescent::Step::Split:
-        progress.work += kSplitUnits;
-        break;
-      case SurfaceDescent::Step::Triangles:
-        look_at(frame, apart_m, progress);
-        break;
-      case SurfaceDescent::Step::Done:
-        return true;
+    const SurfaceDescent::Step step = progress.descent.step(reach);
+    if (step == SurfaceDescent::Step::Done) return true;
+    progress.work += step == SurfaceDescent::Step::Split ? kSplitUnits : kCompareUnits;
+    if (step == SurfaceDescent::Step::Split) continue;
+    progress.looked_at += progress.descent.near();
+    for (const SurfaceDescent::Candidate& found : progress.descent.candidates()) {
+      reach = reach_of(frame, progress);
+      look_at(frame, found, reach, progress);
     }
+    reach = reach_of(frame, progress);
   }
   return false;
 }
@@ -363,11 +363,11 @@ Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, s
         p.contact = make_polygon_contact(frame, p.on_a, p.on_b, p.sums, p.contact, p.rotation_a);
         p.work += p.sums.crossed ? kCrossingUnits : kContactUnits;
         p.stage = p.rests ? Stage::Deeper : Stage::Done;
-        if (p.rests) p.deeper = begin_deeper(frame, p.sums, p.contact, p.looked_at, p.meshes(), p.points);
+        if (p.rests) begin_deeper(frame, p.on_a, p.on_b, p.sums, p.contact, p.looked_at, p.deeper, p.points);
         break;
       case Stage::Deeper:
         p.work += kDeeperUnits;
-        if (!look_deeper(p.on_a, p.on_b, p.sums, p.deeper, p.points)) p.stage = Stage::Points;
+        if (!look_deeper(p.on_a, p.on_b, p.descent, p.deeper, p.points)) p.stage = Stage::Points;
         break;
       case Stage::Points:
         p.work += kContactUnits;

@@ -54,7 +54,7 @@ class PlacedTriangles {
 /// What a polygon level does next.
 enum class PolygonStage : std::uint8_t { Triangles, Contact, Deeper, Points, Done };
 
-/// The polygon level of a pair in progress: one worker, in bounded pieces. About 70 KB, on the stack.
+/// The polygon level of a pair in progress: one worker, in bounded pieces. About 130 KB, on the stack.
 struct PolygonProgress {
   SegmentRef reading;        ///< of the front of leaves; two meshes need no front
   bool roots = false;        ///< the front is the two roots
@@ -95,8 +95,8 @@ std::uint32_t polygon_units(const Shape& a, const Shape& b, std::span<const Fron
 void begin_polygons(const PairFrame& frame, const Mat3& rotation_a, const PairLevel& pair, const LevelContact& found,
                     PolygonProgress& progress, bool rests = true);
 
-/// Goes on for about `units`: at most one pair of triangles, or 64 against a ball or a plane, more. Bounded, allocates
-/// nothing. More or Complete.
+/// Goes on for about `units`: at most 16 pairs of triangles, or 64 triangles against a ball or a plane, more. Bounded,
+/// allocates nothing. More or Complete.
 Quantum run_polygons(const PairFrame& frame, std::span<const FrontPool> pools, std::uint32_t units,
                      PolygonProgress& progress);
 

@@ -11,48 +11,27 @@ namespace {
 // edge.
 constexpr double kLean = 1e-7;
 // The same for resting contact: faces that lie on each other may lean by this and still have their rims crossed.
-// Chosen.
+// Chosen. kLeanOfBoth is twice the angle of it.
 constexpr double kRestingLean = 0.1;
-// Twice the angle of that sine, and more than rounding.
-constexpr double kLeanOfBoth = 0.2004;
 // Sine of the angle under which two edges count as parallel; their ends speak for them. Where the direction square to
 // both is let lean it must not be rounding alone that it comes from.
 constexpr double kParallel = 1e-6;
 constexpr double kRestingParallel = 1e-4;
-// In a groove a corner beneath one face may be so many times its depth past the rim.
-constexpr double kPastRim = 2;
 // Two points nearer than this share of their coordinates have no direction between them.
 constexpr double kCoincidingPoints = 1e-13;
 
-// A side of a triangle with what lies on its other side.
-struct Side {
-  Vec3 from_m, along;
-  Vec3 into, into_beyond;  // in each face, square to the side, away from it; zero where there is no second face
-  Vec3 outward;            // sum of the normals
-  double length_m;
-};
+using Side = PlacedTriangle::Side;
 
-Side side_of(const PlacedSurface& on, const PlacedTriangle& t, std::size_t k) {
-  Side side;
-  side.from_m = t.corner_m[k];
-  side.along = t.along_m[k];
-  side.length_m = t.length_m[k];
-  side.into = t.into_m[k];
-  side.into_beyond.setZero();
-  side.outward = t.normal;
-  const std::uint32_t beyond = on.surface->triangles[t.index].across[k];
-  if (beyond != ShapeSurface::kNone) {
-    const Vec3 normal = on.rotation * on.surface->triangles[beyond].normal;
-    side.into_beyond = side.along.cross(normal);
-    side.outward += normal;
-  }
-  return side;
+// The normal of the face beyond a side, zero where there is none.
+Vec3 normal_beyond(const PlacedSurface& on, std::uint32_t beyond) {
+  if (beyond == ShapeSurface::kNone) return Vec3::Zero();
+  return on.rotation * on.surface->triangles[beyond].normal;
 }
 
 // Does a step from the side into either face not lead along `direction`?
 bool in_cone(const Side& side, const Vec3& direction, double sine = kLean) {
   const double lean = sine * side.length_m;
-  return side.into.dot(direction) <= lean && side.into_beyond.dot(direction) <= lean;
+  return side.into_m.dot(direction) <= lean && side.into_beyond_m.dot(direction) <= lean;
 }
 
 // The same at a corner, for each edge that leaves it.
@@ -74,10 +53,6 @@ bool leaves(const PlacedSurface& on, std::uint32_t vertex, const Vec3& direction
 }
 bool leaves(const PlacedSurface& on, const Side& side, const Vec3& direction) {
   return !on.surface->solid || side.outward.dot(direction) > 0;
-}
-
-std::uint32_t vertex_of(const PlacedSurface& on, const PlacedTriangle& t, std::size_t k) {
-  return on.surface->triangles[t.index].vertex[k];
 }
 
 // Of two triangles, what can face each other at all. A corner lies over a face where it is no farther from the face's
@@ -108,40 +83,48 @@ struct Facing {
 class Finder {
  public:
   Finder(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b, const PlacedTriangle& b,
-         double reach_m, FeatureList& out, double beneath_m)
-      : on_a_(on_a), a_(a), on_b_(on_b), b_(b), reach_m_(reach_m), beneath_m_(beneath_m), out_(out) {}
+         const PlaneSides& sides, double reach_m, FeatureList& out, double beneath_m)
+      : on_a_(on_a),
+        a_(a),
+        on_b_(on_b),
+        b_(b),
+        sides_(sides),
+        reach_m_(reach_m),
+        beneath_m_(beneath_m),
+        near_a_(near_plane(a, sides.a_above_b, std::max(reach_m, beneath_m))),
+        near_b_(near_plane(b, sides.b_above_a, std::max(reach_m, beneath_m))),
+        out_(out) {}
 
-  void corners_over_faces(const PlaneSides& sides) {
+  void corners_over_faces() {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (a_.stands_for_vertex(k)) corner_over_face(on_a_, a_, k, sides.a_above_b[k], on_b_, b_, -1.0);
-      if (b_.stands_for_vertex(k)) corner_over_face(on_b_, b_, k, sides.b_above_a[k], on_a_, a_, 1.0);
+      if (near_a_.corner[k]) corner_over_face(on_a_, a_, k, sides_.a_above_b[k], on_b_, b_, -1.0);
+      if (near_b_.corner[k]) corner_over_face(on_b_, b_, k, sides_.b_above_a[k], on_a_, a_, 1.0);
     }
   }
 
   void edges() {
-    std::array<Side, 3> sides_b;
-    for (std::size_t m = 0; m < 3; ++m) {
-      if (b_.stands_for_edge(m)) sides_b[m] = side_of(on_b_, b_, m);
-    }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (a_.stands_for_edge(k)) {
-        const Side side_a = side_of(on_a_, a_, k);
-        for (std::size_t m = 0; m < 3; ++m) {
-          if (b_.stands_for_edge(m)) two_edges(side_a, sides_b[m]);
-          if (b_.stands_for_vertex(m)) corner_at_edge(on_b_, b_, m, on_a_, side_a, 1.0);
-        }
-      }
+      if (!near_a_.side[k]) continue;
       for (std::size_t m = 0; m < 3; ++m) {
-        if (a_.stands_for_vertex(k) && b_.stands_for_edge(m)) corner_at_edge(on_a_, a_, k, on_b_, sides_b[m], -1.0);
+        if (near_b_.side[m]) two_edges(k, m);
+      }
+    }
+  }
+
+  void corners_at_edges() {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t m = 0; m < 3; ++m) {
+        if (near_a_.side[k] && near_b_.corner[m]) corner_at_edge(on_b_, b_, m, on_a_, a_, k, 1.0);
+        if (near_a_.corner[k] && near_b_.side[m]) corner_at_edge(on_a_, a_, k, on_b_, b_, m, -1.0);
       }
     }
   }
 
   void corners() {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!a_.stands_for_vertex(k)) continue;
+      if (!near_a_.corner[k]) continue;
       for (std::size_t m = 0; m < 3; ++m) {
-        if (b_.stands_for_vertex(m)) two_corners(k, m);
+        if (near_b_.corner[m]) two_corners(k, m);
       }
     }
   }
@@ -150,6 +133,21 @@ class Finder {
 
  private:
   using Kind = FacingFeatures::Kind;
+
+  // Corners and sides that a triangle stands for and that come within reach of the other's plane.
+  struct Near {
+    std::array<bool, 3> corner, side;
+  };
+  static Near near_plane(const PlacedTriangle& t, const std::array<double, 3>& above, double reach_m) {
+    Near near;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double here = above[k];
+      const double next = above[(k + 1) % 3];
+      near.corner[k] = t.stands_for_vertex(k) && std::abs(here) <= reach_m;
+      near.side[k] = t.stands_for_edge(k) && std::min(here, next) <= reach_m && std::max(here, next) >= -reach_m;
+    }
+    return near;
+  }
 
   FacingFeatures& add(double gap_m, const Vec3& normal, const Vec3& point_a, const Vec3& point_b, Kind kind) {
     out_[count_] = {gap_m, normal, point_a, point_b, FacingFeatures::kNoCorner, kind, false, false, false};
@@ -160,10 +158,10 @@ class Finder {
   void corner_over_face(const PlacedSurface& on_corner, const PlacedTriangle& corner, std::size_t k, double above_m,
                         const PlacedSurface& on_face, const PlacedTriangle& face, double sign) {
     const double height = std::abs(above_m);
-    if (height > std::max(reach_m_, beneath_m_) || face.normal.isZero(0)) return;
+    if (face.normal.isZero(0)) return;
     const bool solid = on_face.surface->solid;
     const Vec3& point = corner.corner_m[k];
-    const std::uint32_t vertex = vertex_of(on_corner, corner, k);
+    const std::uint32_t vertex = corner.vertex[k];
     const auto face_each_other = [&](const Vec3& to_corner, double gap_m, bool in_groove) {
       if (!leaves(on_corner, vertex, -to_corner)) return;
       const Vec3 on_plane = point - above_m * face.normal;
@@ -195,27 +193,31 @@ class Finder {
   static bool past_groove(const PlacedSurface& on, const PlacedTriangle& t, const Vec3& point_m, double beneath_m,
                           double up) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Side side = side_of(on, t, k);
-      const double past = -side.into.dot(point_m - side.from_m);
+      const Side& side = t.side[k];
+      const double past = -side.into_m.dot(point_m - t.corner_m[k]);
       if (past <= 0) continue;
-      if (past > kPastRim * beneath_m * side.length_m || !(up * t.normal.dot(side.into_beyond) > kLean * side.length_m))
-        return false;
+      if (past > kPastRim * beneath_m * side.length_m) return false;
+      const Vec3 into_beyond = side.along_m.cross(normal_beyond(on, on.surface->triangles[t.index].across[k]));
+      if (!(up * t.normal.dot(into_beyond) > kLean * side.length_m)) return false;
     }
     return true;
   }
 
   // Interior points of both; the direction from the edges themselves, so that it stays true at no gap at all.
-  void two_edges(const Side& side_a, const Side& side_b) {
-    const Vec3 across = side_a.along.cross(side_b.along);
+  void two_edges(std::size_t k, std::size_t m) {
+    const Side& side_a = a_.side[k];
+    const Side& side_b = b_.side[m];
+    const Vec3 across = side_a.along_m.cross(side_b.along_m);
     const double across2 = across.squaredNorm();
     const double lengths = side_a.length_m * side_b.length_m;
     if (!(across2 > kParallel * kParallel * lengths * lengths)) return;
-    const Vec3 between = side_b.from_m - side_a.from_m;
-    const double s = between.cross(side_b.along).dot(across) / across2;
-    const double t = between.cross(side_a.along).dot(across) / across2;
-    if (!(s > 0 && s < 1 && t > 0 && t < 1)) return;
-    const Vec3 point_a = side_a.from_m + s * side_a.along;
-    const Vec3 point_b = side_b.from_m + t * side_b.along;
+    const Vec3 between = b_.corner_m[m] - a_.corner_m[k];
+    const double along_a = between.cross(side_b.along_m).dot(across);
+    if (!(along_a > 0 && along_a < across2)) return;
+    const double along_b = between.cross(side_a.along_m).dot(across);
+    if (!(along_b > 0 && along_b < across2)) return;
+    const Vec3 point_a = a_.corner_m[k] + along_a / across2 * side_a.along_m;
+    const Vec3 point_b = b_.corner_m[m] + along_b / across2 * side_b.along_m;
     Vec3 normal = across / std::sqrt(across2);
     double gap = normal.dot(point_b - point_a);
     const bool turn = on_a_.surface->solid   ? normal.dot(side_a.outward) < 0
@@ -235,16 +237,17 @@ class Finder {
   }
 
   void corner_at_edge(const PlacedSurface& on_corner, const PlacedTriangle& corner, std::size_t k,
-                      const PlacedSurface& on_edge, const Side& side, double sign) {
+                      const PlacedSurface& on_edge, const PlacedTriangle& edge, std::size_t m, double sign) {
+    const Side& side = edge.side[m];
     const Vec3& point = corner.corner_m[k];
-    const double share = (point - side.from_m).dot(side.along);
+    const double share = (point - edge.corner_m[m]).dot(side.along_m);
     if (!(share > 0 && share < side.length_m * side.length_m)) return;
-    const Vec3 at_edge = side.from_m + share / (side.length_m * side.length_m) * side.along;
+    const Vec3 at_edge = edge.corner_m[m] + share / (side.length_m * side.length_m) * side.along_m;
     const Vec3 between = point - at_edge;
     const double gap = between.norm();
     if (gap > reach_m_) return;
     const Vec3 to_corner = direction(between, gap, point, side.outward);
-    const std::uint32_t vertex = vertex_of(on_corner, corner, k);
+    const std::uint32_t vertex = corner.vertex[k];
     if (!leaves(on_edge, side, to_corner) || !leaves(on_corner, vertex, -to_corner)) return;
     if (!in_cone(side, to_corner) || !in_cone(on_corner, vertex, -to_corner)) return;
     const bool edge_is_a = sign > 0;
@@ -255,8 +258,8 @@ class Finder {
     const Vec3 between = b_.corner_m[m] - a_.corner_m[k];
     const double gap = between.norm();
     if (gap > reach_m_) return;
-    const std::uint32_t vertex_a = vertex_of(on_a_, a_, k);
-    const std::uint32_t vertex_b = vertex_of(on_b_, b_, m);
+    const std::uint32_t vertex_a = a_.vertex[k];
+    const std::uint32_t vertex_b = b_.vertex[m];
     const Vec3 normal =
         direction(between, gap, a_.corner_m[k], on_a_.rotation * on_a_.surface->vertex_normal[vertex_a]);
     if (!leaves(on_a_, vertex_a, normal) || !leaves(on_b_, vertex_b, -normal)) return;
@@ -274,7 +277,9 @@ class Finder {
   const PlacedTriangle& a_;
   const PlacedSurface& on_b_;
   const PlacedTriangle& b_;
+  const PlaneSides& sides_;
   double reach_m_, beneath_m_;
+  Near near_a_, near_b_;
   FeatureList& out_;
   std::size_t count_ = 0;
 };
@@ -293,25 +298,46 @@ bool passes_left(const PlacedTriangle& a, std::size_t k, bool turn_a, const Plac
 
 }  // namespace
 
-void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& out) {
+namespace {
+
+void place_as(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features, float spread_rad,
+              PlacedTriangle& out) {
   const ShapeSurface::Triangle& t = placed.surface->triangles[triangle];
   for (std::size_t k = 0; k < 3; ++k) out.corner_m[k] = placed.point(placed.surface->vertices_m[t.vertex[k]]);
   out.normal = placed.rotation * t.normal;
-  for (std::size_t k = 0; k < 3; ++k) {
-    out.along_m[k] = out.corner_m[(k + 1) % 3] - out.corner_m[k];
-    out.into_m[k] = out.normal.cross(out.along_m[k]);
-    out.length_m[k] = out.along_m[k].norm();
-  }
   out.center_m = placed.point(t.center_m);
   out.radius_m = t.radius_m;
   out.index = triangle;
-  out.features = t.features;
-  out.spread_rad = t.spread_rad;
+  out.vertex = t.vertex;
+  out.features = features;
+  out.spread_rad = spread_rad;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Side& side = out.side[k];
+    side.along_m = out.corner_m[(k + 1) % 3] - out.corner_m[k];
+    side.into_m = out.normal.cross(side.along_m);
+    side.length_m = side.along_m.norm();
+    if (!out.stands_for_edge(k)) continue;
+    const Vec3 beyond = normal_beyond(placed, t.across[k]);
+    side.into_beyond_m = side.along_m.cross(beyond);
+    side.outward = out.normal + beyond;
+  }
+}
+
+}  // namespace
+
+void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& out) {
+  const ShapeSurface::Triangle& t = placed.surface->triangles[triangle];
+  place_as(placed, triangle, t.features, t.spread_rad, out);
+}
+
+void place_with_features(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features,
+                         PlacedTriangle& out) {
+  place_as(placed, triangle, features, ShapeSurface::kAnyDirection, out);
 }
 
 bool over_face(const PlacedTriangle& t, const Vec3& point_m) {
   for (std::size_t k = 0; k < 3; ++k) {
-    if (t.into_m[k].dot(point_m - t.corner_m[k]) < 0) return false;
+    if (t.side[k].into_m.dot(point_m - t.corner_m[k]) < 0) return false;
   }
   return true;
 }
@@ -336,8 +362,8 @@ bool beyond(const PlaneSides& sides, double reach_m) {
 bool beside(const PlacedTriangle& a, const PlacedTriangle& b, double reach_m) {
   const auto past_a_side = [reach_m](const PlacedTriangle& t, const PlacedTriangle& other) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const double least = -reach_m * t.length_m[k];
-      const auto past = [&](const Vec3& corner) { return t.into_m[k].dot(corner - t.corner_m[k]) < least; };
+      const double least = -reach_m * t.side[k].length_m;
+      const auto past = [&](const Vec3& corner) { return t.side[k].into_m.dot(corner - t.corner_m[k]) < least; };
       if (past(other.corner_m[0]) && past(other.corner_m[1]) && past(other.corner_m[2])) return true;
     }
     return false;
@@ -358,8 +384,7 @@ double past_rim_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const Pl
   return kPastRim * deepest_m;
 }
 
-std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
-                                        const PlacedTriangle& b, const PlaneSides& sides) {
+std::optional<CrossingSegment> crossing(const PlacedTriangle& a, const PlacedTriangle& b, const PlaneSides& sides) {
   const auto split = [](const std::array<double, 3>& above) {
     const int over = (above[0] >= 0 ? 1 : 0) + (above[1] >= 0 ? 1 : 0) + (above[2] >= 0 ? 1 : 0);
     return over == 1 || over == 2;
@@ -368,13 +393,20 @@ std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedT
   std::array<bool, 3> turn_a;
   std::array<bool, 3> turn_b;
   for (std::size_t k = 0; k < 3; ++k) {
-    turn_a[k] = vertex_of(on_a, a, k) > vertex_of(on_a, a, (k + 1) % 3);
-    turn_b[k] = vertex_of(on_b, b, k) > vertex_of(on_b, b, (k + 1) % 3);
+    turn_a[k] = a.vertex[k] > a.vertex[(k + 1) % 3];
+    turn_b[k] = b.vertex[k] > b.vertex[(k + 1) % 3];
   }
-  std::array<std::array<bool, 3>, 3> left;
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t m = 0; m < 3; ++m) left[k][m] = passes_left(a, k, turn_a[k], b, m, turn_b[m]);
-  }
+  // Each of the nine is asked once, and only where a side passes the other's plane.
+  enum class Left : std::uint8_t { Unknown, No, Yes };
+  std::array<std::array<Left, 3>, 3> known{};
+  const auto left = [&](std::size_t k, std::size_t m) {
+    Left& answer = known[k][m];
+    if (answer == Left::Unknown) answer = passes_left(a, k, turn_a[k], b, m, turn_b[m]) ? Left::Yes : Left::No;
+    return answer;
+  };
+  const auto passes_plane = [](const std::array<double, 3>& above, std::size_t k) {
+    return (above[k] >= 0) != (above[(k + 1) % 3] >= 0);
+  };
   std::array<Vec3, 6> ends;
   std::size_t count = 0;
   const auto pierce = [&](const PlacedTriangle& t, std::size_t k, bool turn, const std::array<double, 3>& above) {
@@ -384,12 +416,9 @@ std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedT
     ends[count++] = t.corner_m[from] + std::clamp(share, 0.0, 1.0) * (t.corner_m[to] - t.corner_m[from]);
   };
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t next = (k + 1) % 3;
-    const bool through_a = left[k][0] == left[k][1] && left[k][1] == left[k][2];
-    if (through_a && (sides.a_above_b[k] >= 0) != (sides.a_above_b[next] >= 0))
+    if (passes_plane(sides.a_above_b, k) && left(k, 0) == left(k, 1) && left(k, 1) == left(k, 2))
       pierce(a, k, turn_a[k], sides.a_above_b);
-    const bool through_b = left[0][k] == left[1][k] && left[1][k] == left[2][k];
-    if (through_b && (sides.b_above_a[k] >= 0) != (sides.b_above_a[next] >= 0))
+    if (passes_plane(sides.b_above_a, k) && left(0, k) == left(1, k) && left(1, k) == left(2, k))
       pierce(b, k, turn_b[k], sides.b_above_a);
   }
   if (count < 2) return std::nullopt;
@@ -411,12 +440,16 @@ std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedT
 std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
                             const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out,
                             double beneath_m) {
-  Finder finder(on_a, a, on_b, b, reach_m, out, beneath_m);
+  Finder finder(on_a, a, on_b, b, sides, reach_m, out, beneath_m);
   const Facing facing(a, b, std::max(reach_m, beneath_m), past_rim_m(on_a, on_b, sides, beneath_m));
-  if (facing.corners_and_faces) finder.corners_over_faces(sides);
+  if (facing.corners_and_faces) finder.corners_over_faces();
   if (facing.cones) {
     finder.edges();
-    finder.corners();
+    // A corner is never nearer than 0 to an edge or a corner.
+    if (reach_m > 0) {
+      finder.corners_at_edges();
+      finder.corners();
+    }
   }
   return finder.count();
 }
@@ -442,13 +475,13 @@ std::size_t features_facing_point(const PlacedSurface& on_a, const PlacedTriangl
       if (within(normal)) add(gap, normal, at);
     };
     if (a.stands_for_vertex(k)) {
-      faced(a.corner_m[k], [&](const Vec3& normal) { return in_cone(on_a, vertex_of(on_a, a, k), normal); });
+      faced(a.corner_m[k], [&](const Vec3& normal) { return in_cone(on_a, a.vertex[k], normal); });
     }
     if (!a.stands_for_edge(k)) continue;
-    const Side side = side_of(on_a, a, k);
-    const double share = (point_m - side.from_m).dot(side.along) / (side.length_m * side.length_m);
+    const Side& side = a.side[k];
+    const double share = (point_m - a.corner_m[k]).dot(side.along_m) / (side.length_m * side.length_m);
     if (!(share > 0 && share < 1)) continue;
-    faced(side.from_m + share * side.along, [&](const Vec3& normal) { return in_cone(side, normal); });
+    faced(a.corner_m[k] + share * side.along_m, [&](const Vec3& normal) { return in_cone(side, normal); });
   }
   return count;
 }

@@ -11,6 +11,11 @@
 
 namespace poise::collision {
 
+/// In a groove a corner beneath one face may be so many times its depth past the rim.
+inline constexpr double kPastRim = 2;
+/// Two features may lean out of their cones of normals by so much together (radians), more than rounding.
+inline constexpr double kLeanOfBoth = 0.2004;
+
 /// A surface at a pose: p = rotation * (p of the body) + offset. All that follows is in the frame that this leads to.
 struct PlacedSurface {
   const ShapeSurface* surface = nullptr;
@@ -21,21 +26,32 @@ struct PlacedSurface {
 
 /// A triangle of a placed surface.
 struct PlacedTriangle {
+  /// From corner k to the next.
+  struct Side {
+    Vec3 along_m;
+    Vec3 into_m;  ///< normal x along_m: in the face, square to the side
+    double length_m;
+    // Of sides that the triangle stands for alone:
+    Vec3 into_beyond_m;  ///< the same in the face beyond the side; zero where there is none
+    Vec3 outward;        ///< sum of the normals of both faces
+  };
   std::array<Vec3, 3> corner_m;
-  std::array<Vec3, 3> along_m;     ///< sides: from corner k to the next
-  std::array<Vec3, 3> into_m;      ///< normal x along_m: in the face, square to the side
-  std::array<double, 3> length_m;  ///< of the sides
+  std::array<Side, 3> side;
   Vec3 normal;
   Vec3 center_m;  ///< of a ball around it
   double radius_m;
   std::uint32_t index;
-  std::uint8_t features;  ///< as in ShapeSurface::Triangle
-  float spread_rad;       ///< likewise
+  std::array<std::uint32_t, 3> vertex;  ///< of the corners
+  std::uint8_t features;                ///< as in ShapeSurface::Triangle
+  float spread_rad;                     ///< likewise
 
   [[nodiscard]] bool stands_for_vertex(std::size_t k) const { return (features & (ShapeSurface::kVertex0 << k)) != 0; }
   [[nodiscard]] bool stands_for_edge(std::size_t k) const { return (features & (ShapeSurface::kEdge0 << k)) != 0; }
 };
 void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& out);
+/// The same, but it stands for these corners and sides, whoever owns them, in whatever direction they are touched.
+void place_with_features(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features,
+                         PlacedTriangle& out);
 
 /// Does the foot of a point on the plane of a triangle lie in it, its rim included?
 bool over_face(const PlacedTriangle& t, const Vec3& point_m);
@@ -81,8 +97,7 @@ struct CrossingSegment {
 /// Nothing where they do not. Whether a side of one passes through the other is decided by numbers that do not
 /// depend on which of the two triangles at the side is asked, so the segments of two closed surfaces form closed
 /// curves.
-std::optional<CrossingSegment> crossing(const PlacedSurface& on_a, const PlacedTriangle& a, const PlacedSurface& on_b,
-                                        const PlacedTriangle& b, const PlaneSides& sides);
+std::optional<CrossingSegment> crossing(const PlacedTriangle& a, const PlacedTriangle& b, const PlaneSides& sides);
 
 /// The features of two triangles that face each other within `reach_m` and that the triangles stand for; how many. A
 /// pair of features counts where nothing beside it is nearer: the direction between the two lies in the cone of normals

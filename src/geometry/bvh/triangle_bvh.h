@@ -75,6 +75,7 @@ class TriangleBvh {
   [[nodiscard]] const Bounds& box() const { return box_; }
   [[nodiscard]] const TriangleCorners& corners_at(std::uint32_t place) const { return corners_m_[place]; }
   [[nodiscard]] std::uint32_t triangle_at(std::uint32_t place) const { return triangle_of_[place]; }
+  [[nodiscard]] std::uint32_t place_of(std::uint32_t triangle) const { return position_[triangle]; }
 
  private:
   void search(const Vec3& point, Closest& best) const;

@@ -205,6 +205,21 @@ void set_leaves(const SphereTree& tree, ShapeSurface& surface) {
   }
 }
 
+void set_near_triangles(ShapeSurface& surface) {
+  surface.near_triangles.resize(surface.triangles.size());
+  for (std::uint32_t place = 0; place < surface.near_triangles.size(); ++place) {
+    const SurfaceTriangle& t = surface.triangles[surface.bvh.triangle_at(place)];
+    ShapeSurface::NearTriangle& near = surface.near_triangles[place];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3f corner = (surface.vertices_m[t.vertex[k]] - surface.bvh.origin_m()).cast<float>();
+      near.corner[k] = {corner.x(), corner.y(), corner.z(), static_cast<float>(t.normal[static_cast<Eigen::Index>(k)])};
+    }
+    near.features = static_cast<float>(t.features);
+    near.spread_rad = t.spread_rad;
+    near.unused = {};
+  }
+}
+
 TriangleMesh moved(const TriangleMesh& mesh, const Vec3& offset_m) {
   TriangleMesh result = mesh;
   for (Vec3& v : result.vertices_m) v -= offset_m;
@@ -224,6 +239,7 @@ ShapeSurface make_surface(const TriangleMesh& mesh, const Vec3& offset_m, Solidi
   const std::vector<EdgeUse> uses = edge_uses(there.triangles);
   set_edges(surface, uses);
   set_spreads(surface);
+  set_near_triangles(surface);
   set_neighbors(surface, uses);
   set_leaves(tree, surface);
   return surface;

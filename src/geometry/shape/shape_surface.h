@@ -47,6 +47,15 @@ struct ShapeSurface {
     float unused;                 ///< padding, so that two records fill a cache line
   };
 
+  /// The triangle in single precision, for a test of many: accurate to what rounds in coordinates from the BVH's
+  /// origin.
+  struct alignas(64) NearTriangle {
+    std::array<std::array<float, 4>, 3> corner;  ///< x, y, z from the BVH's origin, and a component of the normal
+    float features;                              ///< the bits of Triangle::features, as a number
+    float spread_rad;
+    std::array<float, 2> unused;
+  };
+
   bool solid = false;  ///< closed and solid: normals distinguish inside from outside
   std::vector<Vec3> vertices_m;
   std::vector<Vec3> vertex_normal;  ///< angle-weighted sum of the normals around, about unit, 0 for an unused vertex
@@ -54,6 +63,7 @@ struct ShapeSurface {
   std::vector<std::uint32_t> neighbors;       ///< vertices that share an edge with it, ascending
   std::vector<Triangle> triangles;
   std::vector<TriangleBounds> triangle_bounds;  ///< one for each triangle
+  std::vector<NearTriangle> near_triangles;     ///< the same, in the order of the BVH's leaves
   float rounding_m = 0;
   std::vector<std::uint32_t> leaf_begin;  ///< per node of the tree, then the end; empty for a node that is not a leaf
   std::vector<std::uint32_t> leaf_triangles;       ///< those that meet the leaf's ball, ascending
