@@ -93,6 +93,12 @@ void CrossingTriangles::add(const PlacedSurface& on, std::uint32_t index) {
   ++count_;
 }
 
+void CrossingTriangles::fill(std::array<NearRows, kRows>& rows) const {
+  for (std::size_t i = 0; count_ > 0 && i < kRows * NearRows::kPairs; ++i) {
+    rows[i / NearRows::kPairs].set(i % NearRows::kPairs, near_[std::min(i, count_ - 1)]);
+  }
+}
+
 double points_reach_m(const PairFrame& frame, double least_m, std::uint32_t looked_at) {
   return std::min(frame.margin_m, std::max(0.0, least_m) + narrowed(kReach, looked_at) * size_m(frame));
 }
@@ -123,6 +129,7 @@ void begin_deeper(const PairFrame& frame, const PlacedSurface& on_a, const Place
   search.beneath_m = std::min(kDeeper * depth, kDeepest * size);
   find_triangles_at_crossing(on_a, sums, true, search.of_a);
   find_triangles_at_crossing(on_b, sums, false, search.of_b);
+  search.of_b.fill(search.rows_of_b);
 }
 
 bool look_deeper(const PlacedSurface& on_a, const PlacedSurface& on_b, const SurfaceDescent& descent,
@@ -135,8 +142,7 @@ bool look_deeper(const PlacedSurface& on_a, const PlacedSurface& on_b, const Sur
   for (std::size_t k = 0; k < NearRows::kPairs; ++k) rows_a.set(k, search.of_a.near(row));
   for (std::size_t first = 0; first < search.of_b.count(); first += NearRows::kPairs) {
     const std::size_t count = std::min(NearRows::kPairs, search.of_b.count() - first);
-    NearRows rows_b;
-    for (std::size_t k = 0; k < NearRows::kPairs; ++k) rows_b.set(k, search.of_b.near(first + std::min(k, count - 1)));
+    const NearRows& rows_b = search.rows_of_b[first / NearRows::kPairs];
     std::uint32_t left = compare_triangles(descent.frame(), test, rows_a, rows_b).may_face & ((1U << count) - 1);
     for (; left != 0; left &= left - 1) {
       const PlacedTriangle& b = search.of_b[first + static_cast<std::size_t>(std::countr_zero(left))];

@@ -33,6 +33,9 @@ class CrossingTriangles {
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] const PlacedTriangle& operator[](std::size_t i) const { return triangle_[i]; }
   [[nodiscard]] const ShapeSurface::NearTriangle& near(std::size_t i) const { return near_[i]; }
+  /// All of them, for compare_triangles: the last one fills the rest.
+  static constexpr std::size_t kRows = (kMost + NearRows::kPairs - 1) / NearRows::kPairs;
+  void fill(std::array<NearRows, kRows>& rows) const;
 
  private:
   std::size_t count_ = 0;
@@ -42,12 +45,13 @@ class CrossingTriangles {
   std::array<ShapeSurface::NearTriangle, kMost> near_;
 };
 
-/// What follows when all triangles were looked through, for the manifold of a pair. About 35 KB.
+/// What follows when all triangles were looked through, for the manifold of a pair. About 30 KB.
 struct DeeperSearch {
   double beneath_m = 0;    ///< features are searched so deep
   bool on = false;         ///< the pair needs it
   std::uint32_t rows = 0;  ///< done
   CrossingTriangles of_a, of_b;
+  std::array<NearRows, CrossingTriangles::kRows> rows_of_b;
 };
 
 /// Whether bodies that penetrate deeper than their contact points reach are searched again along the curve where the

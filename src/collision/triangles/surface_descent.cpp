@@ -49,18 +49,18 @@ struct SurfaceDescent::Side {
 
   // Its own box, in place of its first child's.
   struct Alone {
-    alignas(16) std::array<float, 12> low_m, high_m;
+    std::array<float, 12> low_m, high_m;
   };
   [[nodiscard]] FourBoxes boxes(bool split, Alone& alone) const {
     if (split) {
       const BvhNode& opened = bvh.nodes()[node];
-      return {opened.low[0].data(), opened.high[0].data()};
+      return {opened.low[0].data(), opened.high[0].data(), false};
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      std::fill_n(alone.low_m.begin() + static_cast<std::ptrdiff_t>(4 * i), 4, low(i));
-      std::fill_n(alone.high_m.begin() + static_cast<std::ptrdiff_t>(4 * i), 4, high(i));
+      alone.low_m[4 * i] = low(i);
+      alone.high_m[4 * i] = high(i);
     }
-    return {alone.low_m.data(), alone.high_m.data()};
+    return {alone.low_m.data(), alone.high_m.data(), true};
   }
   [[nodiscard]] std::uint32_t node_at(bool split, std::uint32_t slot) const {
     return split ? bvh.nodes()[node].child[slot] : node;

@@ -16,75 +16,105 @@ namespace poise::collision::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<float, 16>;
-using V = hn::Vec<Lanes>;
+using FourLanes = hn::CappedTag<float, 4>;
 constexpr Lanes kLanes;
 
 // Points or directions, one a lane.
-struct Points {
+template <class V>
+struct PointLanes {
   V x, y, z;
 };
 
-HWY_INLINE V dot(const Points& u, const Points& v) {
+template <class V>
+HWY_INLINE V dot(const PointLanes<V>& u, const PointLanes<V>& v) {
   return hn::Add(hn::Add(hn::Mul(u.x, v.x), hn::Mul(u.y, v.y)), hn::Mul(u.z, v.z));
 }
-HWY_INLINE Points minus(const Points& u, const Points& v) {
+template <class V>
+HWY_INLINE PointLanes<V> minus(const PointLanes<V>& u, const PointLanes<V>& v) {
   return {hn::Sub(u.x, v.x), hn::Sub(u.y, v.y), hn::Sub(u.z, v.z)};
 }
-HWY_INLINE Points cross(const Points& u, const Points& v) {
+template <class V>
+HWY_INLINE PointLanes<V> cross(const PointLanes<V>& u, const PointLanes<V>& v) {
   return {hn::Sub(hn::Mul(u.y, v.z), hn::Mul(u.z, v.y)), hn::Sub(hn::Mul(u.z, v.x), hn::Mul(u.x, v.z)),
           hn::Sub(hn::Mul(u.x, v.y), hn::Mul(u.y, v.x))};
 }
-HWY_INLINE V length(const Points& u) { return hn::Sqrt(dot(u, u)); }
-HWY_INLINE V set(float value) { return hn::Set(kLanes, value); }
-HWY_INLINE V least(V a, V b, V c) { return hn::Min(hn::Min(a, b), c); }
-HWY_INLINE V most(V a, V b, V c) { return hn::Max(hn::Max(a, b), c); }
-template <class Mask>
-HWY_INLINE std::uint32_t bits_of(Mask mask, std::size_t first) {
+template <class V>
+HWY_INLINE V length(const PointLanes<V>& u) {
+  return hn::Sqrt(dot(u, u));
+}
+template <class V>
+HWY_INLINE V least(V a, V b, V c) {
+  return hn::Min(hn::Min(a, b), c);
+}
+template <class V>
+HWY_INLINE V most(V a, V b, V c) {
+  return hn::Max(hn::Max(a, b), c);
+}
+template <class D, class Mask>
+HWY_INLINE std::uint32_t bits_of(D d, Mask mask) {
   std::uint8_t stored[8] = {};
-  hn::StoreMaskBits(kLanes, mask, stored);
-  return (std::uint32_t{stored[0]} | std::uint32_t{stored[1]} << 8U) << first;
+  hn::StoreMaskBits(d, mask, stored);
+  return std::uint32_t{stored[0]} | std::uint32_t{stored[1]} << 8U;
 }
 
-HWY_INLINE Points turned(const SurfaceFrame& frame, const Points& u) {
+template <class D, class V>
+HWY_INLINE PointLanes<V> turned(D d, const SurfaceFrame& frame, const PointLanes<V>& u) {
   const auto row = [&](std::size_t i) HWY_ATTR {
-    return dot({set(frame.rotation[i][0]), set(frame.rotation[i][1]), set(frame.rotation[i][2])}, u);
+    return dot({hn::Set(d, frame.rotation[i][0]), hn::Set(d, frame.rotation[i][1]), hn::Set(d, frame.rotation[i][2])},
+               u);
   };
   return {row(0), row(1), row(2)};
 }
-HWY_INLINE Points placed(const SurfaceFrame& frame, const Points& u) {
-  const Points there = turned(frame, u);
-  return {hn::Add(there.x, set(frame.offset_m[0])), hn::Add(there.y, set(frame.offset_m[1])),
-          hn::Add(there.z, set(frame.offset_m[2]))};
+template <class D, class V>
+HWY_INLINE PointLanes<V> placed(D d, const SurfaceFrame& frame, const PointLanes<V>& u) {
+  const PointLanes<V> there = turned(d, frame, u);
+  return {hn::Add(there.x, hn::Set(d, frame.offset_m[0])), hn::Add(there.y, hn::Set(d, frame.offset_m[1])),
+          hn::Add(there.z, hn::Set(d, frame.offset_m[2]))};
 }
 
-// Of four numbers, those of the boxes of pairs `first`, `first` + 1 ...: box i of a, box j of b.
-HWY_INLINE V of_a(const float* four, std::size_t first) {
+// Which box of a node stands in which lane.
+template <class D>
+struct OneBox {  // the first in all
+  HWY_INLINE hn::Vec<D> operator()(D d, const float* four, std::size_t /*first*/) const { return hn::Set(d, four[0]); }
+};
+template <class D>
+struct EachBox {  // each in turn
+  HWY_INLINE hn::Vec<D> operator()(D d, const float* four, std::size_t first) const {
 #if HWY_TARGET == HWY_SCALAR
-  return set(four[first / 4]);
+    return hn::Set(d, four[first % 4]);
 #else
-  alignas(64) static constexpr std::int32_t kBox[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-  return hn::TableLookupLanes(hn::LoadDup128(kLanes, four), hn::SetTableIndices(kLanes, kBox + first));
+    static_cast<void>(first);
+    return hn::LoadDup128(d, four);
 #endif
-}
-HWY_INLINE V of_b(const float* four, std::size_t first) {
+  }
+};
+template <class D>
+struct EachBoxFourTimes {
+  HWY_INLINE hn::Vec<D> operator()(D d, const float* four, std::size_t first) const {
 #if HWY_TARGET == HWY_SCALAR
-  return set(four[first % 4]);
+    return hn::Set(d, four[first / 4]);
 #else
-  static_cast<void>(first);
-  return hn::LoadDup128(kLanes, four);
+    alignas(64) static constexpr std::int32_t kBox[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+    return hn::TableLookupLanes(hn::LoadDup128(d, four), hn::SetTableIndices(d, kBox + first));
 #endif
-}
+  }
+};
 
-std::uint32_t compare_boxes(const SurfaceFrame& frame, const FourBoxes& a, const FourBoxes& b, float limit_m2,
-                            std::array<float, kBoxPairs>& squared_m2) {
-  const V half = set(0.5F);
-  const V zero = hn::Zero(kLanes);
+// Boxes as `pick_a` and `pick_b` put them into lanes; squares in the order of the lanes, a bit for each that is within.
+template <class D, class PickA, class PickB>
+HWY_INLINE std::uint32_t compare_boxes(D d, std::size_t pairs, const SurfaceFrame& frame, const FourBoxes& a,
+                                       PickA pick_a, const FourBoxes& b, PickB pick_b, float limit_m2,
+                                       float* squared_m2) {
+  using V = hn::Vec<D>;
+  using Points = PointLanes<V>;
+  const V half = hn::Set(d, 0.5F);
+  const V zero = hn::Zero(d);
   std::uint32_t within = 0;
-  for (std::size_t first = 0; first < kBoxPairs; first += hn::Lanes(kLanes)) {
-    const auto boxes = [&](const FourBoxes& from, auto&& pick, Points& center, Points& extent) HWY_ATTR {
+  for (std::size_t first = 0; first < pairs; first += hn::Lanes(d)) {
+    const auto boxes = [&](const FourBoxes& from, auto pick, Points& center, Points& extent) HWY_ATTR {
       const auto axis = [&](std::size_t i, V& middle, V& wide) HWY_ATTR {
-        const V low = pick(from.low_m + 4 * i, first);
-        const V high = pick(from.high_m + 4 * i, first);
+        const V low = pick(d, from.low_m + 4 * i, first);
+        const V high = pick(d, from.high_m + 4 * i, first);
         middle = hn::Mul(half, hn::Add(low, high));
         wide = hn::Mul(half, hn::Sub(high, low));
       };
@@ -96,24 +126,24 @@ std::uint32_t compare_boxes(const SurfaceFrame& frame, const FourBoxes& a, const
     Points half_a;
     Points center_b;
     Points half_b;
-    boxes(
-        a, [](const float* four, std::size_t at) HWY_ATTR { return of_a(four, at); }, center_a, half_a);
-    boxes(
-        b, [](const float* four, std::size_t at) HWY_ATTR { return of_b(four, at); }, center_b, half_b);
+    boxes(a, pick_a, center_a, half_a);
+    boxes(b, pick_b, center_b, half_b);
     // The distance of two boxes along a frame's axes: of one box and of the box around the other in that frame.
     const auto outside = [&](const Points& between, const Points& own, const Points& other) HWY_ATTR {
-      const auto axis = [&](V d, V u, V v) HWY_ATTR { return hn::Max(hn::Sub(hn::Sub(hn::Abs(d), u), v), zero); };
+      const auto axis = [&](V apart, V u, V v)
+                            HWY_ATTR { return hn::Max(hn::Sub(hn::Sub(hn::Abs(apart), u), v), zero); };
       const Points apart = {axis(between.x, own.x, other.x), axis(between.y, own.y, other.y),
                             axis(between.z, own.z, other.z)};
       return dot(apart, apart);
     };
+    const auto set = [&](float value) HWY_ATTR { return hn::Set(d, value); };
     const auto row = [&](std::size_t i) HWY_ATTR {
       return dot({set(frame.absolute[i][0]), set(frame.absolute[i][1]), set(frame.absolute[i][2])}, half_b);
     };
     const auto column = [&](const auto& matrix, std::size_t j, const Points& u) HWY_ATTR {
       return dot({set(matrix[0][j]), set(matrix[1][j]), set(matrix[2][j])}, u);
     };
-    const Points between = minus(center_a, placed(frame, center_b));
+    const Points between = minus(center_a, placed(d, frame, center_b));
     const V along_a = outside(between, half_a, {row(0), row(1), row(2)});
     const Points across = {column(frame.rotation, 0, between), column(frame.rotation, 1, between),
                            column(frame.rotation, 2, between)};
@@ -121,12 +151,36 @@ std::uint32_t compare_boxes(const SurfaceFrame& frame, const FourBoxes& a, const
         across, half_b,
         {column(frame.absolute, 0, half_a), column(frame.absolute, 1, half_a), column(frame.absolute, 2, half_a)});
     const V squared = hn::Max(along_a, along_b);
-    hn::StoreU(squared, kLanes, squared_m2.data() + first);
-    within |= bits_of(hn::Le(squared, set(limit_m2)), first);
+    hn::StoreU(squared, d, squared_m2 + first);
+    within |= bits_of(d, hn::Le(squared, set(limit_m2))) << first;
   }
   return within;
 }
 
+std::uint32_t compare_nodes(const SurfaceFrame& frame, const FourBoxes& a, const FourBoxes& b, float limit_m2,
+                            std::array<float, kBoxPairs>& squared_m2) {
+  // A node that stays whole has one box: four lanes do, which a processor with two units for them has sooner.
+  constexpr FourLanes kFour;
+  if (a.single) {
+    return compare_boxes(kFour, 4, frame, a, OneBox<FourLanes>{}, b, EachBox<FourLanes>{}, limit_m2, squared_m2.data());
+  }
+  if (!b.single) {
+    return compare_boxes(kLanes, kBoxPairs, frame, a, EachBoxFourTimes<Lanes>{}, b, EachBox<Lanes>{}, limit_m2,
+                         squared_m2.data());
+  }
+  float squared[4];
+  const std::uint32_t found =
+      compare_boxes(kFour, 4, frame, a, EachBox<FourLanes>{}, b, OneBox<FourLanes>{}, limit_m2, squared);
+  std::uint32_t within = 0;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    squared_m2[4 * i] = squared[i];
+    within |= (found >> i & 1U) << 4 * i;
+  }
+  return within;
+}
+
+using V = hn::Vec<Lanes>;
+using Points = PointLanes<V>;
 using M = hn::Mask<Lanes>;
 
 struct Triangles {
@@ -223,15 +277,15 @@ TriangleAnswers compare(const SurfaceFrame& frame, const TriangleTest& test, con
   // Rounding of the product of two unit vectors.
   constexpr float kCosineRounding = 1e-5F;
   const V zero = hn::Zero(kLanes);
-  const V rounding = set(test.rounding_m);
-  const V reach = set(std::max(test.apart_m, test.beneath_m) + test.rounding_m);
-  const V beneath = set(test.beneath_m + test.rounding_m);
+  const V rounding = hn::Set(kLanes, test.rounding_m);
+  const V reach = hn::Set(kLanes, std::max(test.apart_m, test.beneath_m) + test.rounding_m);
+  const V beneath = hn::Set(kLanes, test.beneath_m + test.rounding_m);
   TriangleAnswers answers{0, 0, 0};
   for (std::size_t first = 0; first < NearRows::kPairs; first += hn::Lanes(kLanes)) {
     const Triangles a = load(rows_a, first);
     Triangles b = load(rows_b, first);
-    b.normal = turned(frame, b.normal);
-    for (Points& corner : b.corner) corner = placed(frame, corner);
+    b.normal = turned(kLanes, frame, b.normal);
+    for (Points& corner : b.corner) corner = placed(kLanes, frame, corner);
     V a_above_b[3];
     V b_above_a[3];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -240,8 +294,9 @@ TriangleAnswers compare(const SurfaceFrame& frame, const TriangleTest& test, con
     }
     const V off_planes = hn::Max(one_sided(a_above_b), one_sided(b_above_a));
     // Features beneath a face may lie past its rim.
-    const V past_rim = hn::Mul(set(static_cast<float>(kPastRim)), hn::Max(deepest(a_above_b, test.solid_b, beneath),
-                                                                          deepest(b_above_a, test.solid_a, beneath)));
+    const V past_rim =
+        hn::Mul(hn::Set(kLanes, static_cast<float>(kPastRim)),
+                hn::Max(deepest(a_above_b, test.solid_b, beneath), deepest(b_above_a, test.solid_a, beneath)));
     V a_over_b[3];
     V b_over_a[3];
     const OffSides off_a = compare_sides(a, b, reach, past_rim, rounding, b_over_a);
@@ -253,16 +308,16 @@ TriangleAnswers compare(const SurfaceFrame& frame, const TriangleTest& test, con
     near_features(a, a_above_b, a_over_b, reach, a_on_face, any_of_a);
     near_features(b, b_above_a, b_over_a, reach, b_on_face, any_of_b);
     // Sides and corners face each other along a direction in the cones of normals of both.
-    const V angle = hn::Add(hn::Add(a.spread_rad, b.spread_rad), set(static_cast<float>(kLeanOfBoth)));
-    const V cones =
-        hn::Sub(hn::Mul(hn::Mul(set(0.5F), angle), angle), hn::Add(dot(a.normal, b.normal), set(1 - kCosineRounding)));
+    const V angle = hn::Add(hn::Add(a.spread_rad, b.spread_rad), hn::Set(kLanes, static_cast<float>(kLeanOfBoth)));
+    const V cones = hn::Sub(hn::Mul(hn::Mul(hn::Set(kLanes, 0.5F), angle), angle),
+                            hn::Add(dot(a.normal, b.normal), hn::Set(kLanes, 1 - kCosineRounding)));
     const M facing = hn::And(hn::And(any_of_a, any_of_b), hn::Ge(cones, zero));
     const M near = hn::And(hn::Le(off_planes, reach), hn::Le(hn::Max(off_a.beyond_reach, off_b.beyond_reach), zero));
     const M crossing = hn::And(hn::Le(off_planes, rounding), hn::Le(hn::Max(off_a.at_all, off_b.at_all), zero));
     const M owning = hn::Gt(hn::Max(a.features, b.features), zero);
-    answers.near |= bits_of(hn::And(near, owning), first);
-    answers.may_cross |= bits_of(crossing, first);
-    answers.may_face |= bits_of(hn::And(near, hn::Or(hn::Or(a_on_face, b_on_face), facing)), first);
+    answers.near |= bits_of(kLanes, hn::And(near, owning)) << first;
+    answers.may_cross |= bits_of(kLanes, crossing) << first;
+    answers.may_face |= bits_of(kLanes, hn::And(near, hn::Or(hn::Or(a_on_face, b_on_face), facing))) << first;
   }
   return answers;
 }
@@ -273,12 +328,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace poise::collision {
 
-HWY_EXPORT(compare_boxes);
+HWY_EXPORT(compare_nodes);
 HWY_EXPORT(compare);
 
 std::uint32_t boxes_within(const SurfaceFrame& frame, const FourBoxes& a, const FourBoxes& b, float limit_m2,
                            std::array<float, kBoxPairs>& squared_m2) {
-  return HWY_DYNAMIC_DISPATCH(compare_boxes)(frame, a, b, limit_m2, squared_m2);
+  return HWY_DYNAMIC_DISPATCH(compare_nodes)(frame, a, b, limit_m2, squared_m2);
 }
 
 void NearRows::set(std::size_t pair, const ShapeSurface::NearTriangle& triangle) {

@@ -17,15 +17,18 @@ struct SurfaceFrame {
   std::array<float, 3> offset_m;
 };
 
-/// Boxes of up to four nodes of one surface, as BvhNode holds them: x, y and z, four lanes each.
+/// Boxes of four nodes of one surface, as BvhNode holds them: x, y and z, four lanes each. Of `single` only the first
+/// counts.
 struct FourBoxes {
   const float* low_m;
   const float* high_m;
+  bool single = false;
 };
 
 inline constexpr std::size_t kBoxPairs = 16;
 /// Squares of how far the boxes of two nodes' children are at least apart: along the axes of a, and along those of b.
-/// Answer 4 i + j is of box i of a and box j of b. A bit is set for each that is at most `limit_m2`.
+/// Answer 4 i + j is of box i of a and box j of b; of a single a others than the first four are not set. A bit is set
+/// for each that is at most `limit_m2`.
 std::uint32_t boxes_within(const SurfaceFrame& frame, const FourBoxes& a, const FourBoxes& b, float limit_m2,
                            std::array<float, kBoxPairs>& squared_m2);
 

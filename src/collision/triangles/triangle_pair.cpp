@@ -19,6 +19,7 @@ constexpr double kParallel = 1e-6;
 constexpr double kRestingParallel = 1e-4;
 // Two points nearer than this share of their coordinates have no direction between them.
 constexpr double kCoincidingPoints = 1e-13;
+constexpr double kRoundedUp = 1 + 1e-9;
 
 using Side = PlacedTriangle::Side;
 
@@ -207,6 +208,8 @@ class Finder {
   void two_edges(std::size_t k, std::size_t m) {
     const Side& side_a = a_.side[k];
     const Side& side_b = b_.side[m];
+    const double farthest = 0.5 * (side_a.length_m + side_b.length_m) * kRoundedUp + std::max(reach_m_, beneath_m_);
+    if ((side_b.middle_m - side_a.middle_m).squaredNorm() > farthest * farthest) return;
     const Vec3 across = side_a.along_m.cross(side_b.along_m);
     const double across2 = across.squaredNorm();
     const double lengths = side_a.length_m * side_b.length_m;
@@ -314,6 +317,7 @@ void place_as(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t 
   for (std::size_t k = 0; k < 3; ++k) {
     Side& side = out.side[k];
     side.along_m = out.corner_m[(k + 1) % 3] - out.corner_m[k];
+    side.middle_m = 0.5 * (out.corner_m[k] + out.corner_m[(k + 1) % 3]);
     side.into_m = out.normal.cross(side.along_m);
     side.length_m = side.along_m.norm();
     if (!out.stands_for_edge(k)) continue;

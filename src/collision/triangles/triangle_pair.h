@@ -29,6 +29,7 @@ struct PlacedTriangle {
   /// From corner k to the next.
   struct Side {
     Vec3 along_m;
+    Vec3 middle_m;
     Vec3 into_m;  ///< normal x along_m: in the face, square to the side
     double length_m;
     // Of sides that the triangle stands for alone:
