@@ -16,24 +16,37 @@ parallel::Ranges ranges_of(std::size_t edges, const parallel::Executor& executor
   return {edges, alone ? std::max<std::size_t>(edges, 1) : std::max(Coloring::kTiledEdges / 4, edges / kEdgeRanges)};
 }
 
+// Bins that follow each other.
+struct BinRange {
+  std::size_t begin = 0, end = 0;
+};
+
 // From how many items of each bin there are in each range of items to where they begin in a list of all, bin by bin and
-// within a bin range by range. Goes through the counts in the order of memory.
+// within a bin range by range. Goes through the counts in the order of memory, and only through `used`, ascending: all
+// other bins are empty, and nothing is written of them.
 template <std::size_t kCount>
-void begin_bins(std::vector<std::array<std::uint32_t, kCount>>& counts, std::array<std::uint32_t, kCount + 1>& begin) {
-  begin.fill(0);
-  for (const auto& of_range : counts) {
-    for (std::size_t bin = 0; bin < kCount; ++bin) begin[bin] += of_range[bin];
-  }
-  std::uint32_t sum = 0;
-  for (std::uint32_t& bin : begin) bin = std::exchange(sum, sum + bin);
+void begin_bins(std::span<const BinRange> used, std::vector<std::array<std::uint32_t, kCount>>& counts,
+                std::array<std::uint32_t, kCount + 1>& begin) {
+  const auto for_bins = [used](auto&& work) {
+    for (const BinRange& range : used) {
+      for (std::size_t bin = range.begin; bin < range.end; ++bin) work(bin);
+    }
+  };
+  for_bins([&](std::size_t bin) { begin[bin] = 0; });
+  for (const auto& of_range : counts) for_bins([&](std::size_t bin) { begin[bin] += of_range[bin]; });
   std::array<std::uint32_t, kCount> next;
-  std::copy_n(begin.begin(), kCount, next.begin());
+  std::uint32_t sum = 0;
+  for_bins([&](std::size_t bin) {
+    begin[bin] = std::exchange(sum, sum + begin[bin]);
+    next[bin] = begin[bin];
+  });
+  begin[kCount] = sum;
   for (auto& of_range : counts) {
-    for (std::size_t bin = 0; bin < kCount; ++bin) {
+    for_bins([&](std::size_t bin) {
       const std::uint32_t count = of_range[bin];
       of_range[bin] = next[bin];
       next[bin] += count;
-    }
+    });
   }
 }
 
@@ -77,7 +90,8 @@ void Coloring::sort_into_tiles(std::span<const Edge> edges, const parallel::Rang
       ++counts[tile];
     }
   });
-  begin_bins<kTiles>(tile_counts_, tile_begin_);
+  constexpr std::array kAll{BinRange{0, kTiles}};
+  begin_bins<kTiles>(kAll, tile_counts_, tile_begin_);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     TileCounts& next = tile_counts_[range];
     for (std::size_t i = begin; i < end; ++i) by_tile_[next[tile_of_[i]]++] = static_cast<std::uint32_t>(i);
@@ -120,18 +134,27 @@ void Coloring::color_tiles(std::span<const Edge> edges, parallel::Executor& exec
   }
 }
 
-void Coloring::sort_by_color(const parallel::Ranges& ranges, parallel::Executor& executor) {
+void Coloring::sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor) {
+  // A few edges have a few of the colours. Those without one come last.
+  std::array<BinRange, kColors + 1> bins;
+  std::size_t used = 0;
+  for (; colors != 0; colors &= colors - 1) {
+    const auto color = static_cast<std::size_t>(std::countr_zero(colors));
+    bins[used++] = {color * kRanks, (color + 1) * kRanks};
+  }
+  bins[used++] = {kColors * kRanks, kBins};
+  const std::span<const BinRange> all(bins.data(), used);
   bin_counts_.resize(ranges.count);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     BinCounts& counts = bin_counts_[range];
-    counts.fill(0);
+    for (const BinRange& of_color : all) std::fill(&counts[of_color.begin], &counts[of_color.end - 1] + 1, 0U);
     for (std::size_t i = begin; i < end; ++i) ++counts[bin_of_[i]];
   });
   std::array<std::uint32_t, kBins + 1> bin_begin;
-  begin_bins<kBins>(bin_counts_, bin_begin);
+  begin_bins<kBins>(all, bin_counts_, bin_begin);
   begin_.assign(1, 0);
-  for (std::size_t color = 0; color < kColors; ++color) {
-    const std::size_t end = bin_begin[(color + 1) * kRanks];
+  for (std::size_t k = 0; k + 1 < used; ++k) {
+    const std::size_t end = bin_begin[bins[k + 1].begin];
     if (end > begin_.back()) begin_.push_back(end);
   }
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
@@ -145,8 +168,13 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::
   bin_of_.resize(edges.size());
   order_.resize(edges.size());
   const parallel::Ranges ranges = ranges_of(edges.size(), executor);
+  std::uint64_t colors = ~std::uint64_t{0};
   if (edges.size() < kTiledEdges) {
-    for (std::size_t i = 0; i < edges.size(); ++i) bin_of_[i] = pick(edges[i]);
+    colors = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      bin_of_[i] = pick(edges[i]);
+      if (bin_of_[i] < kColors * kRanks) colors |= std::uint64_t{1} << (bin_of_[i] / kRanks);
+    }
   } else {
     body_shift_ = std::max(static_cast<int>(std::bit_width(bodies - 1)) - std::countr_zero(kBodyRanges), 0);
     tile_of_.resize(edges.size());
@@ -155,7 +183,7 @@ void Coloring::color(std::span<const Edge> edges, std::size_t bodies, parallel::
     plan_phases();
     color_tiles(edges, executor);
   }
-  sort_by_color(ranges, executor);
+  sort_by_color(colors, ranges, executor);
 }
 
 void Coloring::color(std::span<const Edge> edges, std::size_t bodies) {

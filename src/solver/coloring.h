@@ -66,7 +66,8 @@ class Coloring {
   void sort_into_tiles(std::span<const Edge> edges, const parallel::Ranges& ranges, parallel::Executor& executor);
   void plan_phases();
   void color_tiles(std::span<const Edge> edges, parallel::Executor& executor);
-  void sort_by_color(const parallel::Ranges& ranges, parallel::Executor& executor);
+  /// `colors`: a bit for each that edges may have.
+  void sort_by_color(std::uint64_t colors, const parallel::Ranges& ranges, parallel::Executor& executor);
 
   std::vector<std::uint64_t> used_;  // one a body: bit by colour
   parallel::UnsetVector<std::uint16_t> bin_of_, tile_of_;

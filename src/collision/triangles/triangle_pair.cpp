@@ -19,6 +19,7 @@ constexpr double kParallel = 1e-6;
 constexpr double kRestingParallel = 1e-4;
 // Two points nearer than this share of their coordinates have no direction between them.
 constexpr double kCoincidingPoints = 1e-13;
+// More than rounding takes from a length.
 constexpr double kRoundedUp = 1 + 1e-9;
 
 using Side = PlacedTriangle::Side;
@@ -92,8 +93,9 @@ class Finder {
         sides_(sides),
         reach_m_(reach_m),
         beneath_m_(beneath_m),
-        near_a_(near_plane(a, sides.a_above_b, std::max(reach_m, beneath_m))),
-        near_b_(near_plane(b, sides.b_above_a, std::max(reach_m, beneath_m))),
+        farthest_m_(std::max(reach_m, beneath_m)),
+        near_a_(near_plane(a, sides.a_above_b, farthest_m_)),
+        near_b_(near_plane(b, sides.b_above_a, farthest_m_)),
         out_(out) {}
 
   void corners_over_faces() {
@@ -208,7 +210,7 @@ class Finder {
   void two_edges(std::size_t k, std::size_t m) {
     const Side& side_a = a_.side[k];
     const Side& side_b = b_.side[m];
-    const double farthest = 0.5 * (side_a.length_m + side_b.length_m) * kRoundedUp + std::max(reach_m_, beneath_m_);
+    const double farthest = 0.5 * (side_a.length_m + side_b.length_m) * kRoundedUp + farthest_m_;
     if ((side_b.middle_m - side_a.middle_m).squaredNorm() > farthest * farthest) return;
     const Vec3 across = side_a.along_m.cross(side_b.along_m);
     const double across2 = across.squaredNorm();
@@ -281,7 +283,7 @@ class Finder {
   const PlacedSurface& on_b_;
   const PlacedTriangle& b_;
   const PlaneSides& sides_;
-  double reach_m_, beneath_m_;
+  double reach_m_, beneath_m_, farthest_m_;
   Near near_a_, near_b_;
   FeatureList& out_;
   std::size_t count_ = 0;
