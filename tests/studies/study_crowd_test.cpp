@@ -65,9 +65,9 @@ TEST(StudyCrowd, TellsContactsFromResponse) {
   EXPECT_GT(rows[0]["e_rel"].get<double>(), rows[4]["e_rel"].get<double>());
   const json& noise = study["noise"];
   ASSERT_EQ(noise.size(), 9U);
-  // Larger errors of normals, and of points, do more.
-  EXPECT_GT(noise[5]["e_rel"].get<double>(), noise[3]["e_rel"].get<double>());
-  EXPECT_GT(noise[8]["e_rel"].get<double>(), noise[6]["e_rel"].get<double>());
+  // Larger errors of normals, and of points, do more. In the median: one collision can make most of the error of all.
+  EXPECT_GT(noise[5]["e_rel_p50"].get<double>(), noise[3]["e_rel_p50"].get<double>());
+  EXPECT_GT(noise[8]["e_rel_p50"].get<double>(), noise[6]["e_rel_p50"].get<double>());
   EXPECT_GT(noise[6]["e_rel"].get<double>(), 0);
   // The same figures on one thread.
   std::vector<std::string> serial = arguments;
