@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vectors of three in the lanes of a register, and the figures of several bodies read into lanes. Read once for each
+// The figures of several bodies read into lanes. Read once for each
 // instruction set, by a file that Highway compiles so; hence the guard that turns over instead of staying.
 #if defined(POISE_SOLVER_LANE_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef POISE_SOLVER_LANE_MATH_INL_H
@@ -13,19 +13,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "geometry/primitives/triple_lanes_inl.h"
 #include "solver/contact_lanes.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace poise::solver::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
-
-// Three numbers in each lane.
-template <class V>
-struct Triple {
-  V x, y, z;
-};
+using geometry::HWY_NAMESPACE::cross;
+using geometry::HWY_NAMESPACE::difference;
+using geometry::HWY_NAMESPACE::dot;
+using geometry::HWY_NAMESPACE::scaled;
+using geometry::HWY_NAMESPACE::sum;
+using geometry::HWY_NAMESPACE::Triple;
 
 template <class D, class T, std::size_t kWidth>
 HWY_INLINE Triple<hn::Vec<D>> load(D d, const T (*from)[kWidth], std::size_t lane) {
@@ -37,28 +37,6 @@ HWY_INLINE void store(D d, const Triple<V>& value, T (*to)[kLanes], std::size_t 
   hn::Store(value.y, d, to[1] + lane);
   hn::Store(value.z, d, to[2] + lane);
 }
-template <class V>
-HWY_INLINE V dot(const Triple<V>& a, const Triple<V>& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-template <class V>
-HWY_INLINE Triple<V> sum(const Triple<V>& a, const Triple<V>& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-template <class V>
-HWY_INLINE Triple<V> difference(const Triple<V>& a, const Triple<V>& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-template <class V>
-HWY_INLINE Triple<V> scaled(const V& by, const Triple<V>& a) {
-  return {hn::Mul(by, a.x), hn::Mul(by, a.y), hn::Mul(by, a.z)};
-}
-template <class V>
-HWY_INLINE Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-
 // A matrix in each lane.
 template <class V>
 struct Turn {

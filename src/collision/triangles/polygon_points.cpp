@@ -49,8 +49,6 @@ void find_triangles_at_crossing(const PlacedSurface& on, const PolygonSums& sums
   }
 }
 
-}  // namespace
-
 // Is a side of a triangle one that can touch first, whichever of the two triangles there owns it?
 bool touches_first(const ShapeSurface& surface, std::uint32_t index, std::size_t k) {
   const ShapeSurface::Triangle& t = surface.triangles[index];
@@ -61,6 +59,8 @@ bool touches_first(const ShapeSurface& surface, std::uint32_t index, std::size_t
   }
   return false;
 }
+
+}  // namespace
 
 // The triangles that own a corner or a side need not be among these.
 void CrossingTriangles::add(const PlacedSurface& on, std::uint32_t index) {

@@ -10,6 +10,7 @@
 
 #include "collision/triangles/surface_kernel.h"
 #include "collision/triangles/triangle_pair.h"
+#include "geometry/primitives/triple_lanes_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace poise::collision::HWY_NAMESPACE {
@@ -19,27 +20,10 @@ using Lanes = hn::CappedTag<float, 16>;
 using FourLanes = hn::CappedTag<float, 4>;
 constexpr Lanes kLanes;
 
-// Points or directions, one a lane.
-template <class V>
-struct PointLanes {
-  V x, y, z;
-};
+using geometry::HWY_NAMESPACE::Triple;
 
 template <class V>
-HWY_INLINE V dot(const PointLanes<V>& u, const PointLanes<V>& v) {
-  return hn::Add(hn::Add(hn::Mul(u.x, v.x), hn::Mul(u.y, v.y)), hn::Mul(u.z, v.z));
-}
-template <class V>
-HWY_INLINE PointLanes<V> minus(const PointLanes<V>& u, const PointLanes<V>& v) {
-  return {hn::Sub(u.x, v.x), hn::Sub(u.y, v.y), hn::Sub(u.z, v.z)};
-}
-template <class V>
-HWY_INLINE PointLanes<V> cross(const PointLanes<V>& u, const PointLanes<V>& v) {
-  return {hn::Sub(hn::Mul(u.y, v.z), hn::Mul(u.z, v.y)), hn::Sub(hn::Mul(u.z, v.x), hn::Mul(u.x, v.z)),
-          hn::Sub(hn::Mul(u.x, v.y), hn::Mul(u.y, v.x))};
-}
-template <class V>
-HWY_INLINE V length(const PointLanes<V>& u) {
+HWY_INLINE V length(const Triple<V>& u) {
   return hn::Sqrt(dot(u, u));
 }
 template <class V>
@@ -58,7 +42,7 @@ HWY_INLINE std::uint32_t bits_of(D d, Mask mask) {
 }
 
 template <class D, class V>
-HWY_INLINE PointLanes<V> turned(D d, const SurfaceFrame& frame, const PointLanes<V>& u) {
+HWY_INLINE Triple<V> turned(D d, const SurfaceFrame& frame, const Triple<V>& u) {
   const auto row = [&](std::size_t i) HWY_ATTR {
     return dot({hn::Set(d, frame.rotation[i][0]), hn::Set(d, frame.rotation[i][1]), hn::Set(d, frame.rotation[i][2])},
                u);
@@ -66,8 +50,8 @@ HWY_INLINE PointLanes<V> turned(D d, const SurfaceFrame& frame, const PointLanes
   return {row(0), row(1), row(2)};
 }
 template <class D, class V>
-HWY_INLINE PointLanes<V> placed(D d, const SurfaceFrame& frame, const PointLanes<V>& u) {
-  const PointLanes<V> there = turned(d, frame, u);
+HWY_INLINE Triple<V> placed(D d, const SurfaceFrame& frame, const Triple<V>& u) {
+  const Triple<V> there = turned(d, frame, u);
   return {hn::Add(there.x, hn::Set(d, frame.offset_m[0])), hn::Add(there.y, hn::Set(d, frame.offset_m[1])),
           hn::Add(there.z, hn::Set(d, frame.offset_m[2]))};
 }
@@ -106,7 +90,7 @@ HWY_INLINE std::uint32_t compare_boxes(D d, std::size_t pairs, const SurfaceFram
                                        PickA pick_a, const FourBoxes& b, PickB pick_b, float limit_m2,
                                        float* squared_m2) {
   using V = hn::Vec<D>;
-  using Points = PointLanes<V>;
+  using Points = Triple<V>;
   const V half = hn::Set(d, 0.5F);
   const V zero = hn::Zero(d);
   std::uint32_t within = 0;
@@ -143,7 +127,7 @@ HWY_INLINE std::uint32_t compare_boxes(D d, std::size_t pairs, const SurfaceFram
     const auto column = [&](const auto& matrix, std::size_t j, const Points& u) HWY_ATTR {
       return dot({set(matrix[0][j]), set(matrix[1][j]), set(matrix[2][j])}, u);
     };
-    const Points between = minus(center_a, placed(d, frame, center_b));
+    const Points between = difference(center_a, placed(d, frame, center_b));
     const V along_a = outside(between, half_a, {row(0), row(1), row(2)});
     const Points across = {column(frame.rotation, 0, between), column(frame.rotation, 1, between),
                            column(frame.rotation, 2, between)};
@@ -180,7 +164,7 @@ std::uint32_t compare_nodes(const SurfaceFrame& frame, const FourBoxes& a, const
 }
 
 using V = hn::Vec<Lanes>;
-using Points = PointLanes<V>;
+using Points = Triple<V>;
 using M = hn::Mask<Lanes>;
 
 struct Triangles {
@@ -226,20 +210,20 @@ HWY_INLINE OffSides compare_sides(const Triangles& face, const Triangles& other,
   Points along[3];
   V lengths[3];
   for (std::size_t k = 0; k < 3; ++k) {
-    along[k] = minus(face.corner[(k + 1) % 3], face.corner[k]);
+    along[k] = difference(face.corner[(k + 1) % 3], face.corner[k]);
     lengths[k] = length(along[k]);
   }
-  const V wide =
-      hn::Add(length(minus(other.corner[1], other.corner[0])), length(minus(other.corner[2], other.corner[0])));
-  const V extent =
-      hn::Add(hn::Add(length(minus(other.corner[0], face.corner[0])), wide), most(lengths[0], lengths[1], lengths[2]));
+  const V wide = hn::Add(length(difference(other.corner[1], other.corner[0])),
+                         length(difference(other.corner[2], other.corner[0])));
+  const V extent = hn::Add(hn::Add(length(difference(other.corner[0], face.corner[0])), wide),
+                           most(lengths[0], lengths[1], lengths[2]));
   OffSides off;
   for (std::size_t k = 0; k < 3; ++k) {
     const Points into = cross(face.normal, along[k]);
     const V slack = hn::Mul(rounding, hn::Add(extent, lengths[k]));
     V inside[3];
     for (std::size_t m = 0; m < 3; ++m) {
-      inside[m] = dot(into, minus(other.corner[m], face.corner[k]));
+      inside[m] = dot(into, difference(other.corner[m], face.corner[k]));
       const V there = hn::Add(hn::Add(inside[m], hn::Mul(past_rim, lengths[k])), slack);
       over[m] = k == 0 ? there : hn::Min(over[m], there);
     }
@@ -289,8 +273,8 @@ TriangleAnswers compare(const SurfaceFrame& frame, const TriangleTest& test, con
     V a_above_b[3];
     V b_above_a[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      a_above_b[k] = dot(b.normal, minus(a.corner[k], b.corner[0]));
-      b_above_a[k] = dot(a.normal, minus(b.corner[k], a.corner[0]));
+      a_above_b[k] = dot(b.normal, difference(a.corner[k], b.corner[0]));
+      b_above_a[k] = dot(a.normal, difference(b.corner[k], a.corner[0]));
     }
     const V off_planes = hn::Max(one_sided(a_above_b), one_sided(b_above_a));
     // Features beneath a face may lie past its rim.

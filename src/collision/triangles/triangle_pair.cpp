@@ -57,30 +57,6 @@ bool leaves(const PlacedSurface& on, const Side& side, const Vec3& direction) {
   return !on.surface->solid || side.outward.dot(direction) > 0;
 }
 
-// Of two triangles, what can face each other at all. A corner lies over a face where it is no farther from the face's
-// axis than both triangles are wide, or a little past its rim in a groove. Two sides or corners face each other along a
-// direction in the cones of both; from a's axis they are as far as that direction leans beside the gap. Bounds: cos x
-// >= 1 - x^2 / 2, sin x <= x.
-struct Facing {
-  bool corners_and_faces, cones;
-  Facing(const PlacedTriangle& a, const PlacedTriangle& b, double most_gap_m, double past_rim_m) {
-    const Vec3 between = b.center_m - a.center_m;
-    const double length2 = between.squaredNorm();
-    const double wide_m = (a.radius_m + b.radius_m) * (1 + 1e-6);
-    const auto aside2 = [&](const PlacedTriangle& t) {
-      const double along = t.normal.dot(between);
-      return length2 - along * along;
-    };
-    const double aside2_a = aside2(a);
-    const double over_m = wide_m + past_rim_m;
-    corners_and_faces = aside2_a <= over_m * over_m || aside2(b) <= over_m * over_m;
-    const double lean = static_cast<double>(a.spread_rad) + 0.5 * kLeanOfBoth;
-    const double angle = static_cast<double>(b.spread_rad) + 0.5 * kLeanOfBoth + lean;
-    const double leaning_m = wide_m + lean * most_gap_m;
-    cones = -a.normal.dot(b.normal) >= 1 - 0.5 * angle * angle && aside2_a <= leaning_m * leaning_m;
-  }
-};
-
 // What the search for facing features writes to; swapped where b's features are looked at from b.
 class Finder {
  public:
@@ -303,21 +279,20 @@ bool passes_left(const PlacedTriangle& a, std::size_t k, bool turn_a, const Plac
 
 }  // namespace
 
-namespace {
+void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& out) {
+  place_with_features(placed, triangle, placed.surface->triangles[triangle].features, out);
+}
 
-void place_as(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features, float spread_rad,
-              PlacedTriangle& out) {
+void place_with_features(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features,
+                         PlacedTriangle& out) {
   const ShapeSurface::Triangle& t = placed.surface->triangles[triangle];
   for (std::size_t k = 0; k < 3; ++k) out.corner_m[k] = placed.point(placed.surface->vertices_m[t.vertex[k]]);
   out.normal = placed.rotation * t.normal;
-  out.center_m = placed.point(t.center_m);
-  out.radius_m = t.radius_m;
   out.index = triangle;
   out.vertex = t.vertex;
   out.features = features;
-  out.spread_rad = spread_rad;
   for (std::size_t k = 0; k < 3; ++k) {
-    Side& side = out.side[k];
+    PlacedTriangle::Side& side = out.side[k];
     side.along_m = out.corner_m[(k + 1) % 3] - out.corner_m[k];
     side.middle_m = 0.5 * (out.corner_m[k] + out.corner_m[(k + 1) % 3]);
     side.into_m = out.normal.cross(side.along_m);
@@ -327,18 +302,6 @@ void place_as(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t 
     side.into_beyond_m = side.along_m.cross(beyond);
     side.outward = out.normal + beyond;
   }
-}
-
-}  // namespace
-
-void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& out) {
-  const ShapeSurface::Triangle& t = placed.surface->triangles[triangle];
-  place_as(placed, triangle, t.features, t.spread_rad, out);
-}
-
-void place_with_features(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features,
-                         PlacedTriangle& out) {
-  place_as(placed, triangle, features, ShapeSurface::kAnyDirection, out);
 }
 
 bool over_face(const PlacedTriangle& t, const Vec3& point_m) {
@@ -363,31 +326,6 @@ bool beyond(const PlaneSides& sides, double reach_m) {
            (above[0] < -reach_m && above[1] < -reach_m && above[2] < -reach_m);
   };
   return apart(sides.a_above_b) || apart(sides.b_above_a);
-}
-
-bool beside(const PlacedTriangle& a, const PlacedTriangle& b, double reach_m) {
-  const auto past_a_side = [reach_m](const PlacedTriangle& t, const PlacedTriangle& other) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double least = -reach_m * t.side[k].length_m;
-      const auto past = [&](const Vec3& corner) { return t.side[k].into_m.dot(corner - t.corner_m[k]) < least; };
-      if (past(other.corner_m[0]) && past(other.corner_m[1]) && past(other.corner_m[2])) return true;
-    }
-    return false;
-  };
-  return past_a_side(a, b) || past_a_side(b, a);
-}
-
-double past_rim_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const PlaneSides& sides, double beneath_m) {
-  double deepest_m = 0;
-  const auto look = [&](bool solid, const std::array<double, 3>& above) {
-    for (const double height : above) {
-      const double depth_m = solid ? -height : std::abs(height);
-      if (depth_m <= beneath_m) deepest_m = std::max(deepest_m, depth_m);
-    }
-  };
-  look(on_b.surface->solid, sides.a_above_b);
-  look(on_a.surface->solid, sides.b_above_a);
-  return kPastRim * deepest_m;
 }
 
 std::optional<CrossingSegment> crossing(const PlacedTriangle& a, const PlacedTriangle& b, const PlaneSides& sides) {
@@ -447,15 +385,12 @@ std::size_t facing_features(const PlacedSurface& on_a, const PlacedTriangle& a, 
                             const PlacedTriangle& b, const PlaneSides& sides, double reach_m, FeatureList& out,
                             double beneath_m) {
   Finder finder(on_a, a, on_b, b, sides, reach_m, out, beneath_m);
-  const Facing facing(a, b, std::max(reach_m, beneath_m), past_rim_m(on_a, on_b, sides, beneath_m));
-  if (facing.corners_and_faces) finder.corners_over_faces();
-  if (facing.cones) {
-    finder.edges();
-    // A corner is never nearer than 0 to an edge or a corner.
-    if (reach_m > 0) {
-      finder.corners_at_edges();
-      finder.corners();
-    }
+  finder.corners_over_faces();
+  finder.edges();
+  // A corner is never nearer than 0 to an edge or a corner.
+  if (reach_m > 0) {
+    finder.corners_at_edges();
+    finder.corners();
   }
   return finder.count();
 }

@@ -39,18 +39,15 @@ struct PlacedTriangle {
   std::array<Vec3, 3> corner_m;
   std::array<Side, 3> side;
   Vec3 normal;
-  Vec3 center_m;  ///< of a ball around it
-  double radius_m;
   std::uint32_t index;
   std::array<std::uint32_t, 3> vertex;  ///< of the corners
   std::uint8_t features;                ///< as in ShapeSurface::Triangle
-  float spread_rad;                     ///< likewise
 
   [[nodiscard]] bool stands_for_vertex(std::size_t k) const { return (features & (ShapeSurface::kVertex0 << k)) != 0; }
   [[nodiscard]] bool stands_for_edge(std::size_t k) const { return (features & (ShapeSurface::kEdge0 << k)) != 0; }
 };
 void place(const PlacedSurface& placed, std::uint32_t triangle, PlacedTriangle& out);
-/// The same, but it stands for these corners and sides, whoever owns them, in whatever direction they are touched.
+/// The same, but it stands for these corners and sides, whoever owns them.
 void place_with_features(const PlacedSurface& placed, std::uint32_t triangle, std::uint8_t features,
                          PlacedTriangle& out);
 
@@ -86,10 +83,6 @@ struct PlaneSides {
 PlaneSides plane_sides(const PlacedTriangle& a, const PlacedTriangle& b);
 /// Does one of the triangles lie wholly on one side of the other's plane, and farther than `reach_m` from it?
 bool beyond(const PlaneSides& sides, double reach_m);
-/// Does one of the triangles lie beyond a side of the other, in its plane, and farther than `reach_m` from it?
-bool beside(const PlacedTriangle& a, const PlacedTriangle& b, double reach_m);
-/// Features beneath a face may lie past its rim by this: as far as kPastRim of their depth, up to `beneath_m` deep.
-double past_rim_m(const PlacedSurface& on_a, const PlacedSurface& on_b, const PlaneSides& sides, double beneath_m);
 
 /// Where two triangles pass through each other: from -> to, along normal_a x normal_b.
 struct CrossingSegment {
