@@ -142,7 +142,7 @@ void Coloring::sort_by_color(std::uint64_t colors, const parallel::Ranges& range
     const auto color = static_cast<std::size_t>(std::countr_zero(colors));
     bins[used++] = {color * kRanks, (color + 1) * kRanks};
   }
-  bins[used++] = {kColors * kRanks, kBins};
+  bins[used++] = {kBins - kRanks, kBins};
   const std::span<const BinRange> all(bins.data(), used);
   bin_counts_.resize(ranges.count);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {

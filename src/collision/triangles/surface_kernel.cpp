@@ -156,7 +156,7 @@ std::uint32_t compare_nodes(const SurfaceFrame& frame, const FourBoxes& a, const
   const std::uint32_t found =
       compare_boxes(kFour, 4, frame, a, EachBox<FourLanes>{}, b, OneBox<FourLanes>{}, limit_m2, squared);
   std::uint32_t within = 0;
-  for (std::uint32_t i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     squared_m2[4 * i] = squared[i];
     within |= (found >> i & 1U) << 4 * i;
   }
