@@ -79,8 +79,9 @@ void CrossingTriangles::add(const PlacedSurface& on, std::uint32_t index) {
   };
   std::uint32_t features = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    if ((shared >> k & 1U) == 0 && touches_first(*on.surface, index, k)) features |= ShapeSurface::kEdge0 << k;
-    if (!known(t.vertex[k])) features |= ShapeSurface::kVertex0 << k;
+    if ((shared >> k & 1U) == 0 && touches_first(*on.surface, index, k))
+      features |= std::uint32_t{ShapeSurface::kEdge0} << k;
+    if (!known(t.vertex[k])) features |= std::uint32_t{ShapeSurface::kVertex0} << k;
   }
   for (std::size_t k = 0; k < 3; ++k) {
     vertex_[3 * count_ + k] = t.vertex[k];
