@@ -159,12 +159,14 @@ std::string times_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   for (const simulation::StageMember& stage : simulation::kStages)
     text += fmt::format(" {} {:.3f}", stage.name, ms(t.stages.*stage.time));
   if (t.host.count() > 0) text += fmt::format(" host {:.3f}", ms(t.host));
-  std::uint64_t units = 0;
-  for (const Turn& turn : turns) units += turn.level->units;
-  text += fmt::format("\nrefine: {} units completed", units);
-  if (t.piece.count() > 0) {
-    text += fmt::format("; longest piece {:.3f} ms, bodies {} and {}", ms(t.piece), named(e, t.piece_a),
-                        named(e, t.piece_b));
+  if (!e.frame.decisions.unfinished) {
+    std::uint64_t units = 0;
+    for (const Turn& turn : turns) units += turn.level->units;
+    text += fmt::format("\nrefine: {} units completed", units);
+    if (t.piece.count() > 0) {
+      text += fmt::format("; longest piece {:.3f} ms, bodies {} and {}", ms(t.piece), named(e, t.piece_a),
+                          named(e, t.piece_b));
+    }
   }
   return text + "\n";
 }
@@ -318,8 +320,10 @@ std::vector<NamedBody> bodies_by_slot(const Scene& scene, const SceneRun& run) {
 std::string explain_table(const ExplainedFrame& e, std::size_t limit) {
   if (e.frame.decisions.unfinished) {
     return fmt::format(
-        "frame {}: its step did not end in it, and nothing moved; what it did is told of the frame that ends it\n",
-        e.frame.decisions.frame);
+               "frame {}: its step did not end in it, and nothing moved; what it did is told of the frame that ends "
+               "it\n",
+               e.frame.decisions.frame) +
+           times_of(e, {});
   }
   const std::vector<Turn> turns = turns_of(e);
   std::string text = head_of(e, turns) + "\npairs by what became of them\n";

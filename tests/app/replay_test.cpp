@@ -176,6 +176,24 @@ TEST(Replay, ExplainsWhyAFrameWasLateWithTheTimesOfItsStages) {
   EXPECT_NE(shown.out.find("stages in ms: predict "), std::string::npos) << shown.out;
 }
 
+TEST(Replay, ExplainsAFrameWhoseStepDidNotEndInIt) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("run.poise");
+  // No step of as many bodies ends in a microsecond: the first frame begins it.
+  const CommandResult run =
+      poise_command({"run", "jacks", "--bodies", "1000", "--frames", "4", "--deadline", "0.001", "--record", file});
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json explain = replayed(file, {"--explain", "0"}).at("explain");
+  ASSERT_TRUE(explain.at("unfinished"));
+  EXPECT_GT(explain.at("lateness_ms"), 0);
+  const CommandResult shown = poise_command({"replay", file, "--explain", "0"});
+  const std::string late = " ms: " + explain.at("times").at("cause").get<std::string>() + ", ";
+  for (const std::string& part : {std::string("its step did not end in it"), std::string("late by "), late,
+                                  std::string("stages in ms: predict ")}) {
+    EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in " << shown.out;
+  }
+}
+
 TEST(Replay, SaysThatARunByWorkHasNoTimes) {
   const TemporaryFolder folder;
   const std::string file = folder.file("run.poise");
