@@ -142,8 +142,8 @@ class Step {
 
   void run() {
     crowded_partners_ = crowded_partners();
-    resumed_ = begin_paused(sliced_ != nullptr ? sliced_->input : input_, world_.settings, number_, world_.forecasts,
-                            world_.sleep_access());
+    resumed_ = begin_paused(sliced_ != nullptr ? sliced_->input : input_, world_.settings, world_.steps(),
+                            world_.forecasts, world_.sleep_access());
     if (in_use(world_.sleep_access())) wake_near_changes(world_.sleep_access(), executor_);
     forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
     forget_displaced(world_.body_changes, world_.cache, executor_);
@@ -174,7 +174,11 @@ class Step {
   void end() {
     ++world_.contacts_version;
     // One that ends outside of a frame ends the one before.
-    if (sliced_ == nullptr || sliced_->frame != nullptr) ++world_.frame;
+    if (sliced_ == nullptr || sliced_->frame != nullptr) {
+      ++world_.frame;
+    } else {
+      --world_.frames_without_step;
+    }
     world_.frames_unfinished = 0;
     report_.times.publish = laps_.lap();
   }
@@ -318,7 +322,7 @@ void rest_after(WorldState& world, const StepInput& input, FrameReport& report, 
   }
   DecisionLog* log = input.record && input.replay == nullptr ? world.decisions.get() : nullptr;
   const RefineInput of_frame = refine_input(world, input, terms, report.frame, report.refine_started);
-  const PauseResources resources{world.outputs.levels, world.sleep_access(), world.forecasts, log};
+  const PauseResources resources{world.outputs.levels, world.sleep_access(), world.forecasts, world.steps(), log};
   if (input.replay != nullptr) {
     if (!pause_as_recorded(of_frame, input.replay->paused, resources, executor))
       report.status = StepStatus::ReplayDiffers;
@@ -330,8 +334,7 @@ void rest_after(WorldState& world, const StepInput& input, FrameReport& report, 
   const Nanoseconds of_a_frame =
       sliced != nullptr ? sliced->slice : input.budget.deadline - report.started - report.host_reserved;
   IslandTurns turns(of_frame, resources, executor);
-  if (turns.find(static_cast<double>(of_a_frame.count())))
-    turns.deal(sliced != nullptr ? end_in_this_frame(world, *sliced) : report.frame);
+  if (turns.find(static_cast<double>(of_a_frame.count()), sliced != nullptr)) turns.deal();
 }
 
 FrameReport run_frame(WorldState& world, const StepInput& input, bool may_rest, SlicedStep* sliced) {

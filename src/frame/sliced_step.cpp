@@ -18,8 +18,6 @@ constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
 // enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
 constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;
 constexpr double kOfMandatory = 4;
-// The end of a step waits for a slice that holds so many times what the last one took. Chosen.
-constexpr double kOfEnd = 1.5;
 
 bool may_slice(const WorldState& world, const StepInput& input) {
   return input.may_slice && input.budget.kind == Budget::Kind::Deadline && !input.backtracking && !input.reference &&
@@ -35,10 +33,6 @@ Nanoseconds mandatory(const WorldState& world, const StepInput& input) {
   return mandatory_forecast(input, world.bodies.dynamic_count(), world.settings.substeps, world.forecasts);
 }
 
-double bodies_of_end(const WorldState& world) {
-  return static_cast<double>(std::max<std::size_t>(world.outputs.motion.visited.size(), 1));
-}
-
 // The step, on the thread of its task.
 void run_step(WorldState& world, SlicedStep& sliced) {
   StepInput input = sliced.input;
@@ -51,13 +45,10 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   input.trace = nullptr;
   sliced.begun = sliced.task.executor().time();
   sliced.told = {};
-  sliced.ends = {};
   sliced.report = run_frame(world, input, true, &sliced);
   sliced.stages = nullptr;
   sliced.mandatory = sliced.report.mandatory;
   sliced.refined = sliced.report.times.refine;
-  if (sliced.ends == SteadyClock::time_point{}) return;
-  sliced.end_ns_of_body = ns_of(sliced.task.executor().time() - sliced.ends) / bodies_of_end(world);
 }
 
 void exchange(WorldState& world, SlicedStep& sliced) {
@@ -126,6 +117,7 @@ void note_unfinished(WorldState& world, FrameReport& report) {
   world.events.events.clear();
   ++world.frame;
   ++world.frames_unfinished;
+  ++world.frames_without_step;
 }
 
 }  // namespace
@@ -211,13 +203,6 @@ void hide_end(WorldState& world, SlicedStep& sliced) {
   states.paused_count = bodies.paused_count();
   world.events.events.swap(sliced.events);
   sliced.moving = true;
-}
-
-std::uint64_t end_in_this_frame(const WorldState& world, SlicedStep& sliced) {
-  const double needs_ns = kOfEnd * sliced.end_ns_of_body * bodies_of_end(world);
-  sliced.task.end_in_one_slice(Nanoseconds(static_cast<std::int64_t>(needs_ns)));
-  sliced.ends = sliced.task.executor().time();
-  return world.frame - (sliced.frame != nullptr ? 0 : 1);
 }
 
 void end_sliced_step(WorldState& world) {

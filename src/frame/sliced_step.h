@@ -37,13 +37,11 @@ struct SlicedStep {
   bool moving = false;
   dynamics::BodyStates states;
   std::vector<ContactEvent> events;
-  SteadyClock::time_point ends;  ///< from then on in one slice
 
   // Of the step before
-  bool last = false;            ///< it was done in slices; then
-  Nanoseconds mandatory{0};     ///< FrameReport::mandatory, and
-  Nanoseconds refined{0};       ///< its refinement
-  double end_ns_of_body = 100;  ///< what the end of a step took, from when it is decided who waits
+  bool last = false;         ///< it was done in slices; then
+  Nanoseconds mandatory{0};  ///< FrameReport::mandatory, and
+  Nanoseconds refined{0};    ///< its refinement
 
   // Last: ends the step before the rest goes.
   parallel::SlicedTask task;
@@ -67,8 +65,6 @@ FrameReport replay_slices(WorldState& world, const StepInput& input);
 /// Before the first body moves: from here on callers see of bodies and events what was before, until the step has
 /// ended.
 void hide_end(WorldState& world, SlicedStep& sliced);
-/// From here on the step is not interrupted any more. Returns the number of the frame in which it ends.
-std::uint64_t end_in_this_frame(const WorldState& world, SlicedStep& sliced);
 
 /// Ends an unfinished step, however long it takes.
 void end_sliced_step(WorldState& world);

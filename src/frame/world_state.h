@@ -63,6 +63,8 @@ struct WorldState {
   }
   /// Is a step unfinished, whose stages write their outputs?
   [[nodiscard]] bool in_slices() const { return sliced && sliced->task.unfinished(); }
+  /// That have ended. The same in a step whatever frame it is in.
+  [[nodiscard]] std::uint64_t steps() const { return frame - frames_without_step; }
   [[nodiscard]] SceneView scene() const { return {bodies, shape_of, shapes, materials}; }
   [[nodiscard]] SleepAccess sleep_access() { return {bodies, cache, sleeping}; }
 
@@ -78,6 +80,7 @@ struct WorldState {
   PairFilter pair_filter;
   std::uint64_t frame = 0;                           // steps done, or begun and not ended yet
   std::uint64_t frames_unfinished = 0;               // of these, the last ones, whose step has not ended
+  std::uint64_t frames_without_step = 0;             // of all, those in which no step ended
   std::uint64_t changes = 1;                         // of where bodies are and which there are: what queries go by
   parallel::BuiltOnce<query::BodyIndex> body_index;  // made by the first query
 

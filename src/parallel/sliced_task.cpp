@@ -83,13 +83,6 @@ bool SlicedTask::run_until(Clock::time_point until) {
   return !unfinished_;
 }
 
-void SlicedTask::end_in_one_slice(std::chrono::nanoseconds need) {
-  const Clock::time_point stop{Clock::duration(stop_at_.load())};
-  // Not twice: a slice may be shorter than that.
-  if (!new_slice_ && stop - Clock::now() < need) stand_still();
-  set_stop(Clock::time_point::max());
-}
-
 void SlicedTask::stand_still() {
   const Clock::time_point begin = Clock::now();
   slice_cpu_ = thread_cpu_time() - slice_cpu_;

@@ -49,8 +49,6 @@ class SlicedTask {
 
   /// Its clock goes on where it was when the function stood still.
   [[nodiscard]] Executor& executor() { return loops_; }
-  /// From here on the function is not stopped any more. If less than `need` is left of this slice, in the next one.
-  void end_in_one_slice(std::chrono::nanoseconds need);
 
  private:
   // Stops between items.

@@ -13,6 +13,7 @@ void save(const WorldState& world, SavedState& saved) {
   saved.sleeping = world.sleeping;
   saved.learned = world.learned;
   saved.frame = world.frame;
+  saved.frames_without_step = world.frames_without_step;
 }
 
 void restore(const SavedState& saved, WorldState& world) {
@@ -25,6 +26,7 @@ void restore(const SavedState& saved, WorldState& world) {
   world.sleeping = saved.sleeping;
   world.learned = saved.learned;
   world.frame = saved.frame;
+  world.frames_without_step = saved.frames_without_step;
   // What stages know of bodies at rest is that of another state.
   world.outputs.motion.everything = true;
   world.outputs.velocities.everything = true;

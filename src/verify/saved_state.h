@@ -14,7 +14,7 @@ struct SavedState {
   ContactEvents events;
   SleepingState sleeping;
   LearnedGains learned;
-  std::uint64_t frame = 0;
+  std::uint64_t frame = 0, frames_without_step = 0;
 };
 
 /// Copies the state between two steps.

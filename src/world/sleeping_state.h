@@ -12,11 +12,11 @@
 
 namespace poise::simulation {
 
-/// A body that waits is stepped at least in every eighth frame. Chosen: time enough to refine a heap of thousands as a
+/// A body that waits is stepped at least in every eighth step. Chosen: time enough to refine a heap of thousands as a
 /// whole.
 inline constexpr std::uint8_t kMostFramesHeld = 7;
 
-/// And one that is out of view, if there is a viewer, in every 32nd: twice a second.
+/// And one that is out of view, if there is a viewer, in every 32nd: twice a second, where a step takes one frame.
 inline constexpr std::uint8_t kMostStepsUnseen = 31;
 
 /// Bodies that fell asleep in the same step, or wait until the same one, and their cached pairs. Invariant: the pairs

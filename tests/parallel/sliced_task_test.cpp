@@ -80,18 +80,6 @@ TEST_P(SlicedTasks, ItsClockStandsStillBetweenSlices) {
   EXPECT_GE(ended, begun);
 }
 
-TEST_P(SlicedTasks, WhatIsToEndInOneSliceIsNotStopped) {
-  SlicedTask task(*workers);
-  std::atomic<int> items{0};
-  ASSERT_TRUE(task.begin([&] {
-    parallel_for(task.executor(), 10, 1, [&](std::size_t, std::size_t, int) { ++items; });
-    task.end_in_one_slice(std::chrono::hours(1));
-    parallel_for(task.executor(), 100, 1, [&](std::size_t, std::size_t, int) { ++items; });
-  }));
-  while (!task.run_until(kOver)) EXPECT_LE(items.load(), 10);
-  EXPECT_EQ(items.load(), 110);
-}
-
 TEST_P(SlicedTasks, ALoopWithinAnItemIsAPartOfIt) {
   SlicedTask task(*workers);
   std::atomic<int> inner{0};

@@ -19,6 +19,8 @@ constexpr double kShareOfSeen = 0.5;
 // Larger islands do not take turns: a frame that has one of them is late whether the others wait or not, and a heap
 // that waits where it is looked at is refined meanwhile. Of a frame, and of all that there is. Chosen.
 constexpr double kLargestOfFrame = 0.5, kLargestOfAll = 0.125;
+// Of a step that takes several frames whoever waits: with those whose turn it is. Chosen.
+constexpr double kLongerByTurns = 1.25;
 // What comes near in so many steps takes its turn together. Chosen: what meets something paused wakes it, which costs
 // more.
 constexpr double kApartSteps = 4;
@@ -45,11 +47,13 @@ std::uint64_t load_of(const IslandSums::Island& island) { return std::uint64_t{i
 class Turns {
  public:
   // `holds`: what a frame holds, as a load.
-  Turns(const RefineInput& input, const Islands& islands, const SleepingState& sleep, double holds)
+  Turns(const RefineInput& input, const Islands& islands, const PauseResources& resources, double holds)
       : input_(input), islands_(islands), holds_(holds) {
+    const SleepingState& sleep = resources.access.sleeping;
+    const std::uint64_t steps = resources.steps;
     for (const SleepingSet& set : sleep.sets) {
-      if (!waits(set) || set.wakes <= input.frame) continue;
-      due_[std::min<std::size_t>(set.wakes - input.frame, kMostTurnsUnseen)] += load_of(set);
+      if (!waits(set) || set.wakes <= steps) continue;
+      due_[std::min<std::size_t>(set.wakes - steps, kMostTurnsUnseen)] += load_of(set);
       for (std::size_t k = 0; k < set.load.size(); ++k) loads_[k + 1] += static_cast<double>(set.load[k]);
     }
   }
@@ -108,15 +112,16 @@ class Turns {
 
 // A ball around each paused island that is out of view.
 void note_unseen(const RefineInput& input, std::span<const PausedIsland> paused, const Islands& islands,
-                 const SleepAccess& access) {
+                 const PauseResources& resources) {
   if (!input.step.view.present) return;
+  const SleepAccess& access = resources.access;
   const dynamics::BodyStore& bodies = access.bodies;
   SleepingState& sleep = access.sleeping;
   for (const PausedIsland& island : paused) {
     std::vector<SleepingSet::Unseen>& unseen = sleep.sets[sleep.set_of[island.root]].unseen;
     if (islands[island.root].angle_urad > 0) continue;
     islands[island.root].open = static_cast<std::uint32_t>(unseen.size());
-    unseen.push_back({bodies.position(island.root), 0, 0, island.root, input.frame});
+    unseen.push_back({bodies.position(island.root), 0, 0, island.root, resources.steps});
   }
   for (const std::uint32_t slot : input.motion.visited) {
     if (bodies.paused[slot] == 0) continue;
@@ -137,7 +142,7 @@ void apply(const RefineInput& input, std::span<const PausedIsland> paused, Islan
   SleepingState& sleep = access.sleeping;
   for (const PausedIsland& island : paused) {
     islands[island.root].steps_paused = static_cast<std::uint8_t>(island.steps);
-    SleepingSet& set = sleep.sets[set_that_wakes(sleep, input.frame + island.steps + 1)];
+    SleepingSet& set = sleep.sets[set_that_wakes(sleep, resources.steps + island.steps + 1)];
     if (set.slots.empty()) {
       set.load = {};
       set.unseen.clear();
@@ -154,13 +159,13 @@ void apply(const RefineInput& input, std::span<const PausedIsland> paused, Islan
     add_to_set(sleep, sleep.set_of[root], slot, root);
     access.bodies.pause(slot);
   }
-  note_unseen(input, paused, islands, access);
+  note_unseen(input, paused, islands, resources);
   take_pairs_of_sleepers(access, executor);
 }
 
 }  // namespace
 
-bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t frame, const Forecasts& forecasts,
+bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t steps, const Forecasts& forecasts,
                   const SleepAccess& access) {
   SleepingState& sleep = access.sleeping;
   if (access.bodies.paused_count() == 0) return false;
@@ -180,14 +185,14 @@ bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uin
   const ViewQuery view_query(step.view);
   for (const SleepingSet& set : sleep.sets) {
     if (!waits(set)) continue;
-    if (all || set.wakes <= frame) {
+    if (all || set.wakes <= steps) {
       for (const std::uint32_t slot : set.slots) wake(slot);
       continue;
     }
     for (const SleepingSet::Unseen& ball : set.unseen) {
       if (access.bodies.paused[ball.slot] == 0 || !in_frustum(view_query, ball.center_m, ball.radius_m)) continue;
       const std::size_t most = most_turns(step.view, visible_angle_urad(view_query, ball.center_m, ball.body_radius_m));
-      if (most == kMostTurns || frame - ball.since >= most) wake(ball.slot);
+      if (most == kMostTurns || steps - ball.since >= most) wake(ball.slot);
     }
   }
   return all;
@@ -211,7 +216,7 @@ bool pause_as_recorded(const RefineInput& input, std::span<const PausedIsland> r
   return paused.size() == recorded.size();
 }
 
-bool IslandTurns::find(double frame_ns) {
+bool IslandTurns::find(double frame_ns, bool in_slices) {
   const dynamics::BodyStore& bodies = input_.scene.bodies;
   SleepingState& sleep = resources_.access.sleeping;
   const double load_ns = resources_.forecasts.times.ns_of_load;
@@ -233,6 +238,7 @@ bool IslandTurns::find(double frame_ns) {
     load += load_of(islands[root]);
   });
   other_load_ = awake_load - std::min(load, awake_load);
+  if (in_slices) holds_ = std::max(holds_, kLongerByTurns * static_cast<double>(other_load_));
   if (waiting.empty()) return false;
   islands.weigh_bodies();
   std::sort(waiting.begin(), waiting.end(),
@@ -240,12 +246,11 @@ bool IslandTurns::find(double frame_ns) {
   return true;
 }
 
-void IslandTurns::deal(std::uint64_t frame) {
-  input_.frame = frame;
+void IslandTurns::deal() {
   SleepingState& sleep = resources_.access.sleeping;
   std::vector<PausedIsland>& paused = sleep.islands_paused;
   paused.clear();
-  Turns(input_, *islands_, sleep, holds_).deal(sleep.slots, other_load_, paused);
+  Turns(input_, *islands_, resources_, holds_).deal(sleep.slots, other_load_, paused);
   std::sort(paused.begin(), paused.end(), [](const PausedIsland& x, const PausedIsland& y) { return x.root < y.root; });
   if (resources_.log != nullptr) resources_.log->paused(paused);
   apply(input_, paused, *islands_, resources_, executor_);

@@ -9,8 +9,8 @@
 #include "world/decision_log.h"
 #include "world/forecasts.h"
 
-/// Islands at lower rates: where frames have no time for all bodies, some islands are stepped in every second frame
-/// only, or up to every eighth. In between they are not looked at, as if they slept, so that a frame costs what is
+/// Islands at lower rates: where frames have no time for all bodies, some islands take part in every second step only,
+/// or up to every eighth. In between they are not looked at, as if they slept, so that a frame costs what is
 /// stepped in it. A hook before *predict*, and one after *publish*.
 ///
 /// A paused island keeps position and velocity, so it is seen in slow motion. It takes part again after the steps that
@@ -20,13 +20,15 @@ namespace poise::simulation {
 
 /// Before the step: what was paused until now, or all of it if there is time for all or the step has no deadline,
 /// is requested to wake. True if all.
-bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t frame, const Forecasts& forecasts,
+/// `steps`: that have ended.
+bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t steps, const Forecasts& forecasts,
                   const SleepAccess& access);
 
 struct PauseResources {
   CompletedLevels& levels;  ///< its memory for islands
   SleepAccess access;
   Forecasts& forecasts;
+  std::uint64_t steps = 0;     ///< that ended before this one
   DecisionLog* log = nullptr;  ///< of a step that is recorded
 };
 
@@ -42,18 +44,19 @@ class IslandTurns {
   IslandTurns(const RefineInput& input, const PauseResources& resources, parallel::Executor& executor)
       : input_(input), resources_(resources), executor_(executor) {}
 
-  /// Finds who could wait, if not all that there are fit into a frame of `frame_ns`. False if nobody.
-  bool find(double frame_ns);
-  /// Then, at the end of frame `frame`: pauses them. Best seen islands are stepped in every frame, as many as half of a
+  /// Finds who could wait, if not all that there are fit into a frame of `frame_ns`. False if nobody. `in_slices`: the
+  /// step may take longer.
+  bool find(double frame_ns, bool in_slices);
+  /// Then pauses them. Best seen islands are stepped in every frame, as many as half of a
   /// frame holds if there is a viewer; the others take turns, at the rate that fits.
-  void deal(std::uint64_t frame);
+  void deal();
 
  private:
-  RefineInput input_;
+  const RefineInput& input_;
   const PauseResources& resources_;
   parallel::Executor& executor_;
   std::optional<Islands> islands_;
-  double holds_ = 0;              // a frame, as a load
+  double holds_ = 0;              // a step, as a load
   std::uint64_t other_load_ = 0;  // of what takes part in every frame
 };
 
