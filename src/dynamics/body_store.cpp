@@ -108,16 +108,23 @@ void BodyStore::stop(std::uint32_t slot) {
   ++asleep_count_;
 }
 
-void BodyStore::wake(std::uint32_t slot) {
+void BodyStore::wake(std::uint32_t slot) { count_woken(1, begin_wake(slot) ? 1 : 0); }
+
+bool BodyStore::begin_wake(std::uint32_t slot) {
   POISE_ASSERT(asleep[slot] != 0);
-  if (paused[slot] != 0) --paused_count_;
+  const bool waited = paused[slot] != 0;
   paused[slot] = 0;
   dynamic[slot] = 1;
   asleep[slot] = 0;
   changed[slot] = 1;
   inverse_mass[slot] = 1.0 / mass_kg[slot];
-  ++dynamic_count_;
-  --asleep_count_;
+  return waited;
+}
+
+void BodyStore::count_woken(std::size_t bodies, std::size_t paused) {
+  dynamic_count_ += bodies;
+  asleep_count_ -= bodies;
+  paused_count_ -= paused;
 }
 
 void BodyStore::exchange(BodyStates& states) noexcept {

@@ -85,6 +85,10 @@ struct BodyStore {
   void pause(std::uint32_t slot);
   /// A sleeping body becomes dynamic again, at rest unless it was paused.
   void wake(std::uint32_t slot);
+  /// The parts of wake(): of one body, for different ones in any threads, which returns whether it only waited; and
+  /// then the counts of all of them.
+  bool begin_wake(std::uint32_t slot);
+  void count_woken(std::size_t bodies, std::size_t paused);
 
   /// Exchanges them for those of another time, of the same bodies. In constant time.
   void exchange(BodyStates& states) noexcept;

@@ -140,9 +140,9 @@ void reserve_pairs(PairTable& table, std::size_t bodies) {
   const std::size_t pairs = std::min(kPairsOfBody * bodies, kMostPairs);
   // Again only when the bodies have become twice as many, not a little more for each that comes.
   if (2 * table.pairs.capacity() >= pairs) return;
-  table.records.reserve(pairs);
-  table.pairs.reserve(pairs);
-  table.start.reserve(pairs);
+  parallel::reserve_anew(table.records, pairs);
+  parallel::reserve_anew(table.pairs, pairs);
+  parallel::reserve_anew(table.start, pairs);
 }
 
 // The candidates that are near each other: those of a chunk from where it begins, and how many they are.
@@ -152,6 +152,7 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
   const SweptBounds& swept = input.motion.swept;
   const std::size_t chunks = (candidates.size() + kCandidateGrain - 1) / kCandidateGrain;
   table.known_of_chunk.assign(chunks + 1, KnownCount{});
+  parallel::make_room_anew(table.records, candidates.size());
   table.records.resize(candidates.size());
   parallel::parallel_for(executor, candidates.size(), kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
@@ -252,9 +253,11 @@ void find_active_pairs(const CoarseInput& input, PairTable& table, std::span<col
   reserve_pairs(table, input.motion.bounds.size());
   select_near(input, table, executor);
   const std::size_t chunks = table.chunks();
+  parallel::make_room_anew(table.pairs, table.known_of_chunk[chunks].begin);
   parallel::resize(executor, table.pairs, table.known_of_chunk[chunks].begin);
+  parallel::reserve_anew(table.start, table.pairs.capacity());
   table.start.resize(table.pairs.size());
-  table.still_active.reserve(table.pairs.capacity());
+  parallel::reserve_anew(table.still_active, table.pairs.capacity());
   table.still_active.clear();
   parallel::resize(executor, table.still_active, input.cached.size());
   parallel::parallel_for(executor, chunks, 1,

@@ -205,9 +205,9 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
 void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& manifolds, parallel::Executor& executor) {
   const PairTable& table = input.table;
   manifolds.solved_of_chunk.assign(table.chunks(), SolvedCount{});
-  manifolds.points.reserve(table.capacity());
+  parallel::reserve_anew(manifolds.points, table.capacity());
   manifolds.points.resize(table.size());
-  manifolds.of_chunk.reserve(table.capacity());
+  parallel::reserve_anew(manifolds.of_chunk, table.capacity());
   manifolds.of_chunk.resize(table.size());
   const auto for_chunks = [&](auto&& use) {
     parallel::parallel_for(executor, table.chunks(), kChunkGrain, [&](std::size_t first, std::size_t past, int) {
@@ -223,7 +223,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   std::uint32_t slots = 0;
   for (SolvedCount& count : manifolds.solved_of_chunk) count.new_slots = std::exchange(slots, slots + count.new_slots);
   // A pair may gain points in any later frame; slots for these cost no memory until they are used.
-  cache.reserve(2 * table.capacity());
+  cache.reserve(2 * table.capacity(), executor);
   cache.reserve_slots(slots, executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
@@ -259,8 +259,8 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
       report.level_histogram[level] += count.levels[level];
   }
   // All grow with the pairs, so that later frames that solve a larger share of them need no new memory.
-  manifolds.manifolds.reserve(table.capacity());
-  manifolds.edges.reserve(table.capacity());
+  parallel::reserve_anew(manifolds.manifolds, table.capacity());
+  parallel::reserve_anew(manifolds.edges, table.capacity());
   manifolds.coloring.reserve(table.capacity());
   manifolds.manifolds.resize(solved);
   manifolds.edges.resize(solved);

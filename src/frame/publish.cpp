@@ -260,9 +260,8 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
              parallel::Executor& executor) {
   const PairTable& table = input.table;
   // A later frame must find the memory that this one needed.
-  cache.pairs.reserve(table.capacity());
-  if (input.keeps_previous) cache.previous_pairs.reserve(table.capacity());
-  for (auto* list : {&publication.of_active, &publication.of_inactive}) list->reserve(2 * cache.pairs.capacity());
+  for (auto* list : {&publication.of_active, &publication.of_inactive})
+    parallel::reserve_anew(*list, 2 * table.capacity());
   events.events.reserve(publication.of_active.capacity());
   end_inactive(input, cache, publication, executor);
   release_unused(input, cache.points, publication, executor);
@@ -270,10 +269,11 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   // over it.
   if (input.keeps_previous) std::swap(cache.pairs, cache.previous_pairs);
   CachedPairList& next = cache.pairs;
+  parallel::reserve_anew(next, table.capacity());
   next.resize(table.size());
   parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
-  publication.touch_ns.reserve(table.capacity());
+  parallel::reserve_anew(publication.touch_ns, table.capacity());
   publication.touch_ns.resize(table.size());
   const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {

@@ -72,7 +72,7 @@ void forget_removed(const dynamics::BodyStore& bodies, BodyChanges& changes, Con
       });
   // Nobody reads the pairs of the step before the last any more.
   CachedPairList& left = cache.previous_pairs;
-  left.reserve(cache.pairs.capacity());
+  parallel::reserve_anew(left, cache.pairs.capacity());
   parallel::select(
       executor, count, kCachedGrain, counts, [&](std::size_t i) { return !is_of_removed(i); },
       [&](std::size_t kept) { left.resize(kept); },
@@ -143,7 +143,7 @@ class Step {
   void run() {
     crowded_partners_ = crowded_partners();
     resumed_ = begin_paused(sliced_ != nullptr ? sliced_->input : input_, world_.settings, world_.steps(),
-                            world_.forecasts, world_.sleep_access());
+                            world_.forecasts, world_.sleep_access(), executor_);
     if (in_use(world_.sleep_access())) wake_near_changes(world_.sleep_access(), executor_);
     forget_removed(world_.bodies, world_.body_changes, world_.cache, world_.events, executor_);
     forget_displaced(world_.body_changes, world_.cache, executor_);
@@ -329,7 +329,7 @@ void rest_after(WorldState& world, const StepInput& input, FrameReport& report, 
     return;
   }
   if (input.budget.kind != Budget::Kind::Deadline || !Islands::any_may_wait(of_frame)) return;
-  reserve_sets(resources.access);
+  reserve_sets(resources.access, executor);
   if (sliced == nullptr && report.degraded.bodies_held == 0 && !report.infeasible_forecast) return;
   const Nanoseconds of_a_frame =
       sliced != nullptr ? sliced->slice : input.budget.deadline - report.started - report.host_reserved;

@@ -123,10 +123,12 @@ std::size_t put_islands_to_sleep(const PairTable& table, const SleepAccess& acce
       [&](std::size_t i, std::size_t position) { sleep.slots[position] = static_cast<std::uint32_t>(i); });
   if (sleep.slots.empty()) return 0;
   const std::uint32_t set = set_that_wakes(sleep, SleepingSet::kNever);
-  for (const std::uint32_t slot : sleep.slots) {
-    add_to_set(sleep, set, slot, islands.root(slot));
-    bodies.put_to_sleep(slot);
-  }
+  parallel::serial_for(executor, sleep.slots.size(), kIslandGrain, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t slot : std::span(sleep.slots).subspan(begin, end - begin)) {
+      add_to_set(sleep, set, slot, islands.root(slot));
+      bodies.put_to_sleep(slot);
+    }
+  });
   take_pairs_of_sleepers(access, executor);
   return sleep.slots.size();
 }
@@ -207,7 +209,7 @@ void fall_asleep(const FallAsleepInput& input, const SleepAccess& access, FrameR
   if (!access.sleeping.on) return;
   SleepingState& sleep = access.sleeping;
   // The memory that an island will need, before it sleeps.
-  reserve_sets(access);
+  reserve_sets(access, executor);
   if (count_still(input, access, executor)) {
     report.fell_asleep = put_islands_to_sleep(input.table, access, executor);
   }

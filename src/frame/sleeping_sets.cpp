@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parallel/ranges.h"
+#include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
@@ -45,20 +46,63 @@ void join(SleepingState& sleep, std::span<const CachedPair> from, CachedPairList
   std::swap(list, sleep.merged);
 }
 
+// What one body's own part of waking is beside that of the BodyStore; `waited`: it was paused.
+void note_woken(const SleepAccess& access, std::uint32_t slot, bool waited) {
+  if (waited) {
+    // It has waited long enough, or is wanted.
+    access.bodies.frames_held[slot] = kMostFramesHeld;
+  } else {
+    access.sleeping.still_s[slot] = 0;
+  }
+}
+
+// Wakes the bodies of sleep.slots that still sleep.
+void wake_bodies(const SleepAccess& access, parallel::Executor& executor) {
+  const SleepingState& sleep = access.sleeping;
+  parallel::Tickets woken;
+  parallel::Tickets paused;
+  parallel::parallel_for(executor, sleep.slots.size(), kSetGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::size_t own_woken = 0;
+    std::size_t own_paused = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t slot = sleep.slots[k];
+      if (access.bodies.asleep[slot] == 0) continue;
+      const bool waited = access.bodies.begin_wake(slot);
+      note_woken(access, slot, waited);
+      ++own_woken;
+      own_paused += waited ? 1 : 0;
+    }
+    woken.take(own_woken);
+    paused.take(own_paused);
+  });
+  const std::size_t all = woken.take(0);
+  const std::size_t waited = paused.take(0);
+  access.bodies.count_woken(all, waited);
+  access.sleeping.woken += all - waited;
+}
+
 // The islands of a set that are to wake.
 void wake_requested_of(const SleepAccess& access, SleepingSet& set, parallel::Executor& executor) {
   SleepingState& sleep = access.sleeping;
   const auto wakes = [&](std::uint32_t slot) { return sleep.wake_requested[sleep.island[slot]] != 0; };
-  if (std::none_of(set.slots.begin(), set.slots.end(), wakes)) return;
-  for (const std::uint32_t slot : set.slots) {
-    if (wakes(slot) && access.bodies.asleep[slot] != 0) wake_body(access, slot);
-  }
-  std::erase_if(set.slots, wakes);
-  if (set.slots.empty()) {
+  const auto list = [&](bool that_wake) {
+    parallel::select(
+        executor, set.slots.size(), kSetGrain, sleep.counts,
+        [&](std::size_t k) { return wakes(set.slots[k]) == that_wake; },
+        [&](std::size_t count) { sleep.slots.resize(count); },
+        [&](std::size_t k, std::size_t position) { sleep.slots[position] = set.slots[k]; });
+  };
+  list(true);
+  if (sleep.slots.empty()) return;
+  wake_bodies(access, executor);
+  if (sleep.slots.size() == set.slots.size()) {
+    set.slots.clear();
     join(sleep, set.pairs, access.cache.pairs, executor);
     set.pairs.clear();
     return;
   }
+  list(false);
+  set.slots.assign(sleep.slots.begin(), sleep.slots.end());
   split(
       sleep, set.pairs, [&](const CachedPair& pair) { return sleeps(access, pair); }, sleep.taken, executor);
   join(sleep, sleep.taken, access.cache.pairs, executor);
@@ -66,23 +110,24 @@ void wake_requested_of(const SleepAccess& access, SleepingSet& set, parallel::Ex
 
 }  // namespace
 
-void reserve_sets(const SleepAccess& access) {
+void reserve_sets(const SleepAccess& access, parallel::Executor& executor) {
   reserve_slots(access);
   SleepingState& sleep = access.sleeping;
   const std::size_t slots = access.bodies.slot_count();
   const std::size_t pairs = access.cache.pairs.capacity();
-  for (CachedPairList* list : {&sleep.merged, &sleep.taken}) list->reserve(pairs);
+  for (CachedPairList* list : {&sleep.merged, &sleep.taken}) parallel::reserve_anew(*list, pairs);
   sleep.parent.reserve(slots);
   sleep.restless.reserve(slots);
   sleep.slots.reserve(slots);
   sleep.islands_paused.reserve(slots);
+  sleep.islands_sorting.reserve(slots);
   // One for each step that something may wait for, and what sleeps. Memory that is not used costs nothing.
   constexpr std::size_t kSets = 2 * (std::size_t{kMostStepsUnseen} + 1);
   sleep.sets.reserve(kSets);
   while (sleep.sets.size() < std::size_t{kMostStepsUnseen} + 1) sleep.sets.emplace_back();
   for (SleepingSet& set : sleep.sets) {
     set.slots.reserve(std::min(slots, kLeastOfSet + slots / kShareOfSet));
-    set.pairs.reserve(std::min(pairs, kLeastOfSet + pairs / kShareOfSet));
+    parallel::reserve(executor, set.pairs, std::min(pairs, kLeastOfSet + pairs / kShareOfSet));
     set.unseen.reserve(std::min(slots, kLeastOfSet + slots / kShareOfSet));
   }
 }
@@ -155,14 +200,10 @@ void take_pairs_of_sleepers(const SleepAccess& access, parallel::Executor& execu
 }
 
 void wake_body(const SleepAccess& access, std::uint32_t slot) {
-  if (access.bodies.paused[slot] != 0) {
-    // It has waited long enough, or is wanted.
-    access.bodies.frames_held[slot] = kMostFramesHeld;
-  } else {
-    access.sleeping.still_s[slot] = 0;
-    ++access.sleeping.woken;
-  }
-  access.bodies.wake(slot);
+  const bool waited = access.bodies.begin_wake(slot);
+  access.bodies.count_woken(1, waited ? 1 : 0);
+  note_woken(access, slot, waited);
+  access.sleeping.woken += waited ? 0 : 1;
 }
 
 void wake_requested_islands(const SleepAccess& access, parallel::Executor& executor) {

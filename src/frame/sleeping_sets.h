@@ -13,7 +13,7 @@ namespace poise::simulation {
 inline bool in_use(const SleepAccess& access) { return access.sleeping.on || access.bodies.asleep_count() > 0; }
 
 /// Memory for what sleeps and waits, before any of it does: a late frame must find it without asking for it.
-void reserve_sets(const SleepAccess& access);
+void reserve_sets(const SleepAccess& access, parallel::Executor& executor);
 /// Columns for all slots.
 void reserve_slots(const SleepAccess& access);
 

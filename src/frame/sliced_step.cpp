@@ -7,10 +7,13 @@
 #include "frame/budget/islands.h"
 #include "frame/run_frame.h"
 #include "frame/stage_list.h"
+#include "parallel/ranges.h"
 
 namespace poise::simulation {
 namespace {
 
+// Bodies of which a column is copied at once.
+constexpr std::size_t kHiddenGrain = 2048;
 // Of a frame: a step is done at once again if what must be done, and the part of refinement that it would not go
 // without, take less than this. Chosen.
 constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
@@ -188,16 +191,26 @@ FrameReport replay_slices(WorldState& world, const StepInput& input) {
 void hide_end(WorldState& world, SlicedStep& sliced) {
   dynamics::BodyStates& states = sliced.states;
   const dynamics::BodyStore& bodies = world.bodies;
-  constexpr std::size_t kColumns = dynamics::BodyStates::kColumns;
-  parallel::parallel_for(sliced.task.executor(), kColumns + 1, 1, [&](std::size_t k, std::size_t /*end*/, int) {
-    if (k < kColumns) {
-      states.columns[k] = bodies.*dynamics::BodyStore::kColumnsOfState[k];
-      return;
-    }
-    states.dynamic = bodies.dynamic;
-    states.asleep = bodies.asleep;
-    states.paused = bodies.paused;
-  });
+  parallel::Executor& executor = sliced.task.executor();
+  const std::size_t slots = bodies.slot_count();
+  const parallel::Ranges ranges(slots, kHiddenGrain);
+  const auto copy = [&](const auto& from, auto& to) {
+    // Once all are there, nothing; their pages are touched first here.
+    to.reserve(slots);
+    const std::size_t before = std::min(to.size(), slots);
+    parallel::serial_for(executor, slots - before, kHiddenGrain,
+                         [&](std::size_t, std::size_t end) { to.resize(before + end); });
+    to.resize(slots);
+    parallel::for_ranges(executor, ranges, [&](std::size_t, std::size_t begin, std::size_t end) {
+      std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin), from.begin() + static_cast<std::ptrdiff_t>(end),
+                to.begin() + static_cast<std::ptrdiff_t>(begin));
+    });
+  };
+  for (std::size_t k = 0; k < dynamics::BodyStates::kColumns; ++k)
+    copy(bodies.*dynamics::BodyStore::kColumnsOfState[k], states.columns[k]);
+  copy(bodies.dynamic, states.dynamic);
+  copy(bodies.asleep, states.asleep);
+  copy(bodies.paused, states.paused);
   states.dynamic_count = bodies.dynamic_count();
   states.asleep_count = bodies.asleep_count();
   states.paused_count = bodies.paused_count();

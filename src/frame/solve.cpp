@@ -286,11 +286,11 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   // All grow with the pairs, so that later frames that solve a larger share of them need no new memory.
   const std::size_t most = input.table.capacity();
   velocities.applied_impulse_ns.reserve(most);
-  velocities.rows.reserve(most);
-  velocities.row_of.reserve(most);
-  velocities.overlaps.reserve(solver::kOverlapsOfRow * most);
+  parallel::reserve_anew(velocities.rows, most);
+  parallel::reserve_anew(velocities.row_of, most);
+  parallel::reserve_anew(velocities.overlaps, solver::kOverlapsOfRow * most);
   velocities.scratch.activations.reserve(most);
-  velocities.not_bouncing.reserve(most);
+  parallel::reserve_anew(velocities.not_bouncing, most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());
   velocities.swept.trajectories.clear();
   velocities.swept.hits.clear();

@@ -64,6 +64,9 @@ class Executor {
   virtual void settle() = 0;
   /// Wakes sleeping workers before a run. Returns at once.
   virtual void wake() {}
+  /// Where the thread that calls run may be made to stand still between two runs, as it may between items of a run: for
+  /// long loops that are done one item after another.
+  virtual void stop_point() {}
   /// For the thread that calls run, between two runs.
   [[nodiscard]] virtual Waits waits() const { return {}; }
   /// The clock of the work: stands still while the executor does. The caller and workers in a step.
@@ -128,6 +131,16 @@ void parallel_for(Executor& executor, std::size_t n, std::size_t grain, Body&& b
     body(begin, begin + grain < n ? begin + grain : n, worker);
     return true;
   });
+}
+
+/// Calls body(begin, end) over [0, n) in chunks of `grain` >= 1, one after another on the calling thread, with a stop
+/// point after each.
+template <class Body>
+void serial_for(Executor& executor, std::size_t n, std::size_t grain, Body&& body) {
+  for (std::size_t begin = 0; begin < n; begin += grain) {
+    body(begin, begin + grain < n ? begin + grain : n);
+    executor.stop_point();
+  }
 }
 
 }  // namespace poise::parallel

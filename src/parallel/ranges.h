@@ -13,12 +13,16 @@
 
 namespace poise::parallel {
 
-/// [0, n) in consecutive ranges of nearly equal length, each of at least `least` items, at most kMost of them: so what
-/// is done once a range between two loops does not grow with n. The ranges depend on n and `least` alone.
+/// [0, n) in consecutive ranges of nearly equal length, each of at least `least` items. At most kMost of them, so that
+/// what is done once a range between two loops does not grow with n; but for so many items that a range would be longer
+/// than kLong, which takes too long for one item of a loop that has to stop in time. The ranges depend on n and `least`
+/// alone.
 struct Ranges {
   static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kLong = 8192;
   Ranges(std::size_t items, std::size_t least)
-      : n(items), count(std::clamp<std::size_t>(items / std::max<std::size_t>(least, 1), 1, kMost)) {}
+      : n(items),
+        count(std::clamp<std::size_t>(items / std::max<std::size_t>(least, 1), 1, std::max(kMost, items / kLong))) {}
   [[nodiscard]] std::size_t begin(std::size_t range) const { return n * range / count; }
   [[nodiscard]] std::size_t end(std::size_t range) const { return begin(range + 1); }
 
@@ -32,13 +36,32 @@ void for_ranges(Executor& executor, const Ranges& ranges, Body&& body) {
                [&](std::size_t k, std::size_t, int) { body(k, ranges.begin(k), ranges.end(k)); });
 }
 
+/// Elements of which the memory may be touched for the first time in one item of a loop: 16 small pages, which the
+/// system may take 0.2 ms for.
+template <class T>
+inline constexpr std::size_t kTouchGrain = std::max<std::size_t>((std::size_t{1} << 16U) / sizeof(T), 1);
+
+/// Memory for at least `n` elements; those that there are are copied in parallel.
+template <class T>
+void reserve(Executor& executor, UnsetVector<T>& list, std::size_t n) {
+  if (n <= list.capacity()) return;
+  UnsetVector<T> larger;
+  larger.reserve(n);
+  larger.resize(list.size());
+  parallel_for(executor, list.size(), kTouchGrain<T>, [&](std::size_t begin, std::size_t end, int) {
+    std::copy(list.begin() + static_cast<std::ptrdiff_t>(begin), list.begin() + static_cast<std::ptrdiff_t>(end),
+              larger.begin() + static_cast<std::ptrdiff_t>(begin));
+  });
+  list.swap(larger);
+}
+
 /// list.resize(n, value), but what that adds is set in parallel.
 template <class T>
 void resize(Executor& executor, UnsetVector<T>& list, std::size_t n, const T& value = {}) {
   const std::size_t before = list.size();
   list.resize(n);
   if (n <= before) return;
-  for_ranges(executor, {n - before, 64}, [&](std::size_t, std::size_t begin, std::size_t end) {
+  parallel_for(executor, n - before, kTouchGrain<T>, [&](std::size_t begin, std::size_t end, int) {
     std::fill(list.begin() + static_cast<std::ptrdiff_t>(before + begin),
               list.begin() + static_cast<std::ptrdiff_t>(before + end), value);
   });
@@ -112,6 +135,49 @@ void merge(Executor& executor, std::size_t least, const List& a, const List& b, 
   };
   merge_in(a, b);
   merge_in(b, a);
+}
+
+/// Sorts items of which no two are equal, in parallel and in pieces of about kRun items: runs, and then pairs of runs
+/// merged, each piece of the result by itself. `scratch` holds as many afterwards, of no meaning.
+template <class T, class Before>
+void sort(Executor& executor, std::vector<T>& list, std::vector<T>& scratch, Before&& before) {
+  constexpr std::size_t kRun = 2048;
+  const std::size_t n = list.size();
+  parallel_for(executor, n, kRun, [&](std::size_t begin, std::size_t end, int) {
+    std::sort(list.begin() + static_cast<std::ptrdiff_t>(begin), list.begin() + static_cast<std::ptrdiff_t>(end),
+              before);
+  });
+  if (n <= kRun) return;
+  scratch.resize(n);
+  for (std::size_t run = kRun; run < n; run *= 2) {
+    parallel_for(executor, n, kRun, [&](std::size_t begin, std::size_t end, int) {
+      const std::size_t first = begin - begin % (2 * run);
+      const std::span<const T> both = std::span<const T>(list).subspan(first, std::min(2 * run, n - first));
+      const std::span<const T> a = both.first(std::min(run, both.size()));
+      const std::span<const T> b = both.subspan(a.size());
+      // How many of the first k are of a.
+      const auto of_a = [&](std::size_t k) {
+        std::size_t low = k - std::min(k, b.size());
+        std::size_t high = std::min(k, a.size());
+        while (low < high) {
+          const std::size_t i = (low + high) / 2;
+          if (i < k && before(a[i], b[k - i - 1])) {
+            low = i + 1;
+          } else {
+            high = i;
+          }
+        }
+        return low;
+      };
+      const std::size_t from_a = of_a(begin - first);
+      const std::size_t to_a = of_a(end - first);
+      const std::span<const T> part_a = a.subspan(from_a, to_a - from_a);
+      const std::span<const T> part_b = b.subspan(begin - first - from_a, end - begin - part_a.size());
+      std::merge(part_a.begin(), part_a.end(), part_b.begin(), part_b.end(),
+                 scratch.begin() + static_cast<std::ptrdiff_t>(begin), before);
+    });
+    list.swap(scratch);
+  }
 }
 
 }  // namespace poise::parallel

@@ -44,6 +44,11 @@ void SlicedTask::Loops::run(WorkerFunction step) {
   inside_ = false;
 }
 
+void SlicedTask::Loops::stop_point() {
+  if (inside_ || std::this_thread::get_id() != task_.thread_->get_id()) return;
+  if (!std::exchange(task_.new_slice_, false) && task_.over()) task_.stand_still();
+}
+
 SlicedTask::~SlicedTask() {
   if (unfinished_) run_until(Clock::time_point::max());
   if (!thread_) return;

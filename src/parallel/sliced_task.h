@@ -15,10 +15,11 @@ namespace poise::parallel {
 
 /// A function that is run in slices of time, on a thread of its own that stands still between them.
 ///
-/// The function gives its loops to executor(). Where a slice is over it stops between two items of a loop, with all
-/// that it has on its stack, and goes on there in the next slice. What lies between loops is not interrupted, so a
-/// slice is told to end earlier than asked, by as much as lets one in a hundred end later. Each slice does one item at
-/// least. While the function stands still, no worker holds an item of it.
+/// The function gives its loops to executor(). Where a slice is over it stops between two items of a loop or at a stop
+/// point, with all that it has on its stack, and goes on there in the next slice. What lies between these is not
+/// interrupted, so a slice is told to end earlier than asked, by as much as lets one in a hundred end later. Each slice
+/// does one item, or what lies before a stop point, at least. While the function stands still, no worker holds an item
+/// of it.
 ///
 /// Invariant: of the caller's thread and the function's, one waits for the other. So either may read what the other
 /// wrote.
@@ -66,6 +67,7 @@ class SlicedTask {
     [[nodiscard]] bool commit(int worker) override { return workers_.commit(worker); }
     void settle() override { workers_.settle(); }
     void wake() override { workers_.wake(); }
+    void stop_point() override;
     [[nodiscard]] Waits waits() const override { return workers_.waits(); }
     [[nodiscard]] Clock::time_point time() const override { return Clock::now() - task_.stood_still_; }
 

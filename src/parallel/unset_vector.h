@@ -32,16 +32,26 @@ struct Unset : std::allocator<T> {
 template <class T>
 using UnsetVector = std::vector<T, Unset<T>>;
 
-/// At least `n` elements, of which none is kept: new memory is not filled from the old one, and is twice as much.
+/// Memory for at least `n` elements, of which none is kept where that is new memory: it is not filled from the old one.
+template <class T>
+void reserve_anew(UnsetVector<T>& list, std::size_t n) {
+  if (n <= list.capacity()) return;
+  list = UnsetVector<T>();
+  list.reserve(n);
+}
+
+/// The same; new memory is at least twice as much.
+template <class T>
+void make_room_anew(UnsetVector<T>& list, std::size_t n) {
+  const std::size_t twice = 2 * list.capacity();
+  if (n > list.capacity()) reserve_anew(list, n > twice ? n : twice);
+}
+
+/// At least `n` elements, of which none is kept where they need new memory.
 template <class T>
 void grow_anew(UnsetVector<T>& list, std::size_t n) {
-  if (n <= list.size()) return;
-  if (n > list.capacity()) {
-    const std::size_t twice = 2 * list.capacity();
-    list.clear();
-    list.reserve(n > twice ? n : twice);
-  }
-  list.resize(n);
+  make_room_anew(list, n);
+  if (n > list.size()) list.resize(n);
 }
 
 }  // namespace poise::parallel

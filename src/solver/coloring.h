@@ -38,11 +38,12 @@ class Coloring {
   void color(std::span<const Edge> edges, std::size_t bodies, parallel::Executor& executor);
   /// The same on the calling thread.
   void color(std::span<const Edge> edges, std::size_t bodies);
+  /// Forgets the colours, where it needs new memory.
   void reserve(std::size_t edges) {
-    bin_of_.reserve(edges);
-    tile_of_.reserve(edges);
-    by_tile_.reserve(edges);
-    order_.reserve(edges);
+    parallel::reserve_anew(bin_of_, edges);
+    parallel::reserve_anew(tile_of_, edges);
+    parallel::reserve_anew(by_tile_, edges);
+    parallel::reserve_anew(order_, edges);
     begin_.reserve(kColors + 1);
     if (edges >= kTiledEdges) reserve_tiles();
   }

@@ -5,9 +5,9 @@
 
 namespace poise::simulation {
 
-void PointCache::reserve(std::size_t slots) {
-  points.reserve(slots * kPointsOfPair);
-  forces.reserve(slots * kForcesOfPair);
+void PointCache::reserve(std::size_t slots, parallel::Executor& executor) {
+  parallel::reserve(executor, points, slots * kPointsOfPair);
+  parallel::reserve(executor, forces, slots * kForcesOfPair);
   free.reserve(slots);
 }
 

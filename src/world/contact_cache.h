@@ -27,7 +27,7 @@ struct PointCache {
   std::vector<std::uint32_t> free;
 
   /// Memory for at least `slots` slots; pages of those that are never used stay untouched.
-  void reserve(std::size_t slots);
+  void reserve(std::size_t slots, parallel::Executor& executor);
   /// Makes sure that there are `count` free slots.
   void reserve_slots(std::size_t count, parallel::Executor& executor);
   /// The n-th of the free slots that reserve_slots made sure of; take_slots(count) when all have been handed out. Any

@@ -59,8 +59,8 @@ struct SleepingState {
   std::vector<std::uint32_t> parent;          // scratch: the union-find forest
   std::vector<std::uint8_t> restless;         // scratch: islands of which a body moves
   std::vector<std::uint32_t> slots;           // scratch: of bodies that fall asleep, or roots of islands that may wait
-  std::vector<PausedIsland> islands_paused;   // scratch
-  std::vector<std::size_t> counts;            // scratch
+  std::vector<PausedIsland> islands_paused, islands_sorting;  // scratch
+  std::vector<std::size_t> counts;                            // scratch
 };
 
 }  // namespace poise::simulation

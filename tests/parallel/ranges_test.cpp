@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <numeric>
 #include <span>
@@ -21,6 +22,68 @@ TEST(Ranges, CoverAllItemsOnceAndAreNoMoreThanTheirBound) {
     EXPECT_EQ(ranges.end(ranges.count - 1), n);
     for (std::size_t k = 0; k + 1 < ranges.count; ++k) EXPECT_GE(ranges.end(k) - ranges.begin(k), 10U);
   }
+}
+
+// So that a loop over them can stop in time, however many items there are.
+TEST(Ranges, AreNeverMuchLongerThanLong) {
+  for (const std::size_t n : {std::size_t{600000}, std::size_t{5000001}}) {
+    const Ranges ranges(n, 1000);
+    EXPECT_EQ(ranges.end(ranges.count - 1), n);
+    for (std::size_t k = 0; k < ranges.count; ++k)
+      ASSERT_LE(ranges.end(k) - ranges.begin(k), Ranges::kLong + Ranges::kLong / 4);
+  }
+}
+
+TEST(Reserve, KeepsWhatThereIs) {
+  const auto executor = make_executor(ExecutorKind::Threads, 3);
+  UnsetVector<std::uint64_t> list;
+  resize(*executor, list, 100000, std::uint64_t{7});
+  for (std::size_t i = 0; i < list.size(); i += 3) list[i] = i;
+  reserve(*executor, list, 1000000);
+  EXPECT_GE(list.capacity(), 1000000U);
+  ASSERT_EQ(list.size(), 100000U);
+  for (std::size_t i = 0; i < list.size(); ++i) ASSERT_EQ(list[i], i % 3 == 0 ? i : 7U);
+  const std::uint64_t* const at = list.data();
+  reserve(*executor, list, 10);
+  EXPECT_EQ(list.data(), at);
+}
+
+TEST(ReserveAnew, ForgetsWhatThereIsOnlyWhereItNeedsMemory) {
+  UnsetVector<int> list(100, 3);
+  reserve_anew(list, 50);
+  EXPECT_EQ(list.size(), 100U);
+  make_room_anew(list, 101);
+  EXPECT_GE(list.capacity(), 200U);
+  EXPECT_TRUE(list.empty());
+}
+
+TEST(Sort, IsThatOfTheStandardLibraryWhateverTheLength) {
+  const auto executor = make_executor(ExecutorKind::Threads, 3);
+  std::vector<std::uint32_t> scratch;
+  for (const std::size_t n : {0U, 1U, 2U, 2047U, 2048U, 2049U, 6000U, 8192U, 100003U}) {
+    for (const std::uint64_t factor : {std::uint64_t{1}, std::uint64_t{0x9e3779b1}}) {
+      std::vector<std::uint32_t> list(n);
+      // All different: the factor is odd.
+      for (std::size_t i = 0; i < n; ++i) list[i] = static_cast<std::uint32_t>(i * factor);
+      std::vector<std::uint32_t> expected = list;
+      std::sort(expected.begin(), expected.end(), std::greater<>());
+      sort(*executor, list, scratch, std::greater<>());
+      ASSERT_EQ(list, expected) << n;
+    }
+  }
+}
+
+TEST(SerialFor, GoesThroughAllInOrder) {
+  const auto executor = make_executor(ExecutorKind::Threads, 2);
+  std::vector<std::size_t> begins;
+  std::size_t past = 0;
+  serial_for(*executor, 25, 10, [&](std::size_t begin, std::size_t end) {
+    EXPECT_EQ(begin, past);
+    begins.push_back(begin);
+    past = end;
+  });
+  EXPECT_EQ(past, 25U);
+  EXPECT_EQ(begins, (std::vector<std::size_t>{0, 10, 20}));
 }
 
 TEST(Select, WritesWhatIsKeptInOrder) {

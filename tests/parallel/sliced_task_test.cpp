@@ -80,6 +80,44 @@ TEST_P(SlicedTasks, ItsClockStandsStillBetweenSlices) {
   EXPECT_GE(ended, begun);
 }
 
+TEST_P(SlicedTasks, StopsAtStopPointsBetweenLoops) {
+  SlicedTask task(*workers);
+  constexpr std::size_t kItems = 20;
+  std::vector<std::size_t> done;
+  ASSERT_TRUE(task.begin(
+      [&] { serial_for(task.executor(), kItems, 1, [&](std::size_t begin, std::size_t) { done.push_back(begin); }); }));
+  std::size_t slices = 0;
+  while (task.unfinished()) {
+    const std::size_t before = done.size();
+    // Over before it begins: what lies before one stop point is done, and after that it stops at the next.
+    task.run_until(Clock::now());
+    ++slices;
+    EXPECT_LE(done.size(), before + 2);
+    ASSERT_LE(slices, 2 * kItems);
+  }
+  EXPECT_EQ(done.size(), kItems);
+  EXPECT_GE(slices, kItems / 2);
+}
+
+// The stop points of a part that is an item itself, as where another loop is inside.
+TEST_P(SlicedTasks, AStopPointWithinAnItemIsNone) {
+  SlicedTask task(*workers);
+  std::atomic<int> inner{0};
+  ASSERT_TRUE(task.begin([&] {
+    parallel_for(task.executor(), 4, 1, [&](std::size_t, std::size_t, int) {
+      serial_for(task.executor(), 10, 1, [&](std::size_t, std::size_t) { ++inner; });
+    });
+  }));
+  std::size_t slices = 0;
+  while (task.unfinished()) {
+    task.run_until(Clock::now());
+    ++slices;
+    EXPECT_EQ(inner % 10, 0);
+    ASSERT_LE(slices, 10U);
+  }
+  EXPECT_EQ(inner, 40);
+}
+
 TEST_P(SlicedTasks, ALoopWithinAnItemIsAPartOfIt) {
   SlicedTask task(*workers);
   std::atomic<int> inner{0};

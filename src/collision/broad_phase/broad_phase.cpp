@@ -23,9 +23,11 @@ constexpr double kLeastCellM = 1e-6;
 void BroadPhase::NearArrays::resize(std::size_t n) {
   // What is read past the end is set too.
   for (auto* values : {&x, &y, &z, &most_m, &least_m}) {
+    parallel::make_room_anew(*values, n + NearBalls::kPast);
     values->resize(n);
     values->resize(n + NearBalls::kPast, 0.0F);
   }
+  parallel::make_room_anew(tag, n + NearBalls::kPast);
   tag.resize(n);
   tag.resize(n + NearBalls::kPast, 0U);
   slot.resize(n);
@@ -83,7 +85,7 @@ void BroadPhase::find_cells(std::span<const MotionBound> bounds, parallel::Execu
   });
 }
 
-// Calls write(i, position) for n items, those of one segment after those of the one before, in order of i; fills
+// Calls write(i, position) for n items, those of one of segments_ after those of the one before, in order of i; fills
 // segment_begin_.
 template <class SegmentOf, class Write>
 void BroadPhase::into_segments(parallel::Executor& executor, std::size_t n, SegmentOf&& segment_of, Write&& write) {
@@ -92,15 +94,15 @@ void BroadPhase::into_segments(parallel::Executor& executor, std::size_t n, Segm
   segment_counts_.resize(ranges.count);
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     SegmentCounts& counts = segment_counts_[range];
-    counts.fill(0);
+    std::fill_n(counts.begin(), segments_, 0U);
     for (std::size_t i = begin; i < end; ++i) ++counts[segment_of(i)];
   });
   std::uint32_t sum = 0;
-  for (std::size_t segment = 0; segment < kSegments; ++segment) {
+  for (std::size_t segment = 0; segment < segments_; ++segment) {
     segment_begin_[segment] = sum;
     for (SegmentCounts& counts : segment_counts_) counts[segment] = std::exchange(sum, sum + counts[segment]);
   }
-  segment_begin_[kSegments] = sum;
+  segment_begin_[segments_] = sum;
   parallel::for_ranges(executor, ranges, [&](std::size_t range, std::size_t begin, std::size_t end) {
     SegmentCounts& next = segment_counts_[range];
     for (std::size_t i = begin; i < end; ++i) write(i, next[segment_of(i)]++);
@@ -146,11 +148,12 @@ void BroadPhase::sort_into_cells(std::span<const MotionBound> bounds, std::uint3
   bucket_begin_[buckets] = static_cast<std::uint32_t>(n);
   find_grids(bounds, executor);
   find_cells(bounds, executor);
-  segment_shift_ = std::countr_zero(buckets) - std::countr_zero(kSegments);
+  segments_ = segments_for(n);
+  segment_shift_ = std::max(std::countr_zero(buckets) - std::countr_zero(segments_), 0);
   into_segments(
       executor, n, [&](std::size_t i) { return bucket_of_[i] >> segment_shift_; },
       [&](std::size_t i, std::uint32_t position) { by_segment_[position] = static_cast<std::uint32_t>(i); });
-  parallel::parallel_for(executor, kSegments, n < 4 * kBoundGrain ? kSegments : 1,
+  parallel::parallel_for(executor, segments_, n < 4 * kBoundGrain ? segments_ : 1,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t segment = begin; segment < end; ++segment) fill_buckets(bounds, segment);
                          });
@@ -264,11 +267,12 @@ void BroadPhase::sort_pairs(std::size_t count, parallel::Executor& executor) {
   in_segments_.resize(found_.size());
   marks_.resize(found_.size());
   high_.resize(found_.size() + PartnerLists::kPast);
-  segment_shift_ = std::max(static_cast<int>(std::bit_width(slots)) - std::countr_zero(kSegments), 0);
+  segments_ = segments_for(count);
+  segment_shift_ = std::max(static_cast<int>(std::bit_width(slots)) - std::countr_zero(segments_), 0);
   into_segments(
       executor, count, [&](std::size_t i) { return found_[i].low >> segment_shift_; },
       [&](std::size_t i, std::uint32_t position) { in_segments_[position] = found_[i]; });
-  parallel::parallel_for(executor, kSegments, count < 4 * kBoundGrain ? kSegments : 1,
+  parallel::parallel_for(executor, segments_, count < 4 * kBoundGrain ? segments_ : 1,
                          [&](std::size_t begin, std::size_t end, int) {
                            for (std::size_t segment = begin; segment < end; ++segment) sort_segment(segment, slots);
                          });
@@ -289,6 +293,7 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
     count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   }
   if (count > found_.size()) {
+    parallel::reserve_anew(found_, count + count / 2);
     found_.resize(count + count / 2);
     count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   }

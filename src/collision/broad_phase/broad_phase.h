@@ -191,8 +191,12 @@ class BroadPhase {
 
   // Both counting sorts have two passes: into segments of keys, whose counts a range of items has at hand, and then
   // each segment by itself.
-  static constexpr std::size_t kSegments = 64;
-  using SegmentCounts = std::array<std::uint32_t, kSegments>;
+  static constexpr std::size_t kFewestSegments = 64, kMostSegments = 512, kOfSegment = 4096;
+  using SegmentCounts = std::array<std::uint32_t, kMostSegments>;
+  // A power of two, for so many items.
+  static std::size_t segments_for(std::size_t n) {
+    return std::clamp(std::bit_ceil(n / kOfSegment), kFewestSegments, kMostSegments);
+  }
   static constexpr int kGrids = 64;
   std::vector<Grid> grids_ = std::vector<Grid>(kGrids);
   std::vector<int> used_grids_;
@@ -203,7 +207,8 @@ class BroadPhase {
   parallel::UnsetVector<std::uint32_t> bucket_begin_;
   std::vector<std::array<double, kGrids>> widest_of_range_;  // scratch: per range of bounds and grid; negative: unused
   std::vector<SegmentCounts> segment_counts_;                // scratch: one a range of items
-  std::array<std::size_t, kSegments + 1> segment_begin_{};
+  std::array<std::size_t, kMostSegments + 1> segment_begin_{};
+  std::size_t segments_ = 0;                         // used ones
   int segment_shift_ = 0;                            // a key's segment is the key without so many bits
   parallel::UnsetVector<std::uint32_t> by_segment_;  // scratch: bounds, segment by segment of their buckets
   std::uint64_t block_mask_ = 0;

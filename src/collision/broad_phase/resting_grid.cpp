@@ -11,8 +11,10 @@ namespace poise::collision {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-// Buckets are changed in parallel by shards.
-constexpr std::size_t kShards = 16;
+// Buckets are changed in parallel by shards, of about so many bounds each.
+constexpr std::size_t kFewestShards = 16, kMostShards = 512, kOfShard = 4096;
+// Bounds that are counted one after another before the executor may stop.
+constexpr std::size_t kCountGrain = 16384;
 
 }  // namespace
 
@@ -25,13 +27,14 @@ void RestingGrid::in_shards(parallel::Executor& executor, std::size_t count, Slo
     }
     return;
   }
+  const std::size_t shards = std::clamp(std::bit_ceil(count / kOfShard), kFewestShards, kMostShards);
   // After the last shard what is not in.
-  std::array<std::size_t, kShards + 2> begins{};
+  std::array<std::size_t, kMostShards + 2> begins{};
   parallel::group(
-      executor, count, kGrain, kShards + 1, counts_,
+      executor, count, kGrain, shards + 1, counts_,
       [&](std::size_t i) {
         const std::uint32_t slot = slot_of(i);
-        return holds(slot) ? std::size_t{entries_[slot].bucket / kBlockCells % kShards} : kShards;
+        return holds(slot) ? entries_[slot].bucket / kBlockCells % shards : shards;
       },
       [&](std::span<const std::size_t> sizes) {
         std::partial_sum(sizes.begin(), sizes.end(), begins.begin() + 1);
@@ -40,7 +43,7 @@ void RestingGrid::in_shards(parallel::Executor& executor, std::size_t count, Slo
       [&](std::size_t i, std::size_t shard, std::size_t position) {
         by_shard_[begins[shard] + position] = slot_of(i);
       });
-  parallel::parallel_for(executor, kShards, 1, [&](std::size_t begin, std::size_t end, int) {
+  parallel::parallel_for(executor, shards, 1, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begins[begin]; k < begins[end]; ++k) change(by_shard_[k]);
   });
 }
@@ -93,14 +96,18 @@ void RestingGrid::change(std::span<const std::uint32_t> taken, std::span<const M
   ++version_;
   in_shards(
       executor, taken.size(), [&](std::size_t i) { return taken[i]; }, [&](std::uint32_t slot) { unlink(slot); });
-  for (const std::uint32_t slot : taken) {
-    POISE_ASSERT(holds(slot));
-    --in_grid_[static_cast<std::size_t>(entries_[slot].grid)];
-    entries_[slot].bucket = kNone;
-  }
+  parallel::serial_for(executor, taken.size(), kCountGrain, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t slot : taken.subspan(begin, end - begin)) {
+      POISE_ASSERT(holds(slot));
+      --in_grid_[static_cast<std::size_t>(entries_[slot].grid)];
+      entries_[slot].bucket = kNone;
+    }
+  });
   size_ = size_ - taken.size() + put.size();
   std::uint32_t slots = 0;
-  for (const MotionBound& bound : put) slots = std::max(slots, bound.slot + 1);
+  parallel::serial_for(executor, put.size(), kCountGrain, [&](std::size_t begin, std::size_t end) {
+    for (const MotionBound& bound : put.subspan(begin, end - begin)) slots = std::max(slots, bound.slot + 1);
+  });
   if (slots > entries_.size()) {
     Entry none{};
     none.bucket = kNone;
@@ -123,7 +130,10 @@ void RestingGrid::change(std::span<const std::uint32_t> taken, std::span<const M
       entry.bucket = static_cast<std::uint32_t>(bucket_of(entry.x, entry.y, entry.z, entry.grid, block_mask_));
     }
   });
-  for (const MotionBound& bound : put) ++in_grid_[static_cast<std::size_t>(entries_[bound.slot].grid)];
+  parallel::serial_for(executor, put.size(), kCountGrain, [&](std::size_t begin, std::size_t end) {
+    for (const MotionBound& bound : put.subspan(begin, end - begin))
+      ++in_grid_[static_cast<std::size_t>(entries_[bound.slot].grid)];
+  });
   in_shards(
       executor, put.size(), [&](std::size_t i) { return put[i].slot; }, [&](std::uint32_t slot) { link(slot); });
 }

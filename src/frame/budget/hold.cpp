@@ -2,23 +2,33 @@
 #include "frame/budget/hold.h"
 
 #include <algorithm>
+#include <functional>
+#include <span>
+
+#include "parallel/ranges.h"
 
 namespace poise::simulation {
 namespace {
 
+// Islands that are held one after another before the executor may stop.
+constexpr std::size_t kRootGrain = 8192;
+
 // Holds the islands of levels.held.roots.
-std::size_t hold(const RefineInput& input, const Islands& islands, CompletedLevels& levels) {
+std::size_t hold(const RefineInput& input, const Islands& islands, CompletedLevels& levels,
+                 parallel::Executor& executor) {
   HeldIslands& held = levels.held;
   const dynamics::BodyStore& bodies = input.scene.bodies;
-  for (const std::uint32_t root : held.roots) {
-    IslandSums::Island& island = islands[root];
-    island.held = true;
-    held.bodies += island.bodies;
-    held.pairs += island.pairs;
-    held.open += island.open;
-    levels.known.present -= island.contacts;
-    levels.known.unknown -= island.unknown;
-  }
+  parallel::serial_for(executor, held.roots.size(), kRootGrain, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t root : std::span(held.roots).subspan(begin, end - begin)) {
+      IslandSums::Island& island = islands[root];
+      island.held = true;
+      held.bodies += island.bodies;
+      held.pairs += island.pairs;
+      held.open += island.open;
+      levels.known.present -= island.contacts;
+      levels.known.unknown -= island.unknown;
+    }
+  });
   held.slots.resize(bodies.slot_count());
   const std::vector<std::uint32_t>& visited = input.motion.visited;
   islands.each(visited.size(), [&](std::uint32_t k) {
@@ -45,14 +55,13 @@ std::size_t hold_islands(const RefineInput& input, std::uint64_t contacts, Compl
     if (islands[root].contacts > 0) held.roots.push_back(root);
   });
   if (held.roots.size() > 1) islands.weigh_pairs(levels.progress);
-  std::sort(held.roots.begin(), held.roots.end(),
-            [&](std::uint32_t x, std::uint32_t y) { return islands.waits_before(x, y); });
+  islands.sort_by_turn(held.roots);
   std::uint64_t spared = 0;
   std::size_t count = 0;
   while (count < held.roots.size() && spared < contacts) spared += islands[held.roots[count++]].contacts;
   held.roots.resize(count);
-  std::sort(held.roots.begin(), held.roots.end());
-  return count > 0 ? hold(input, islands, levels) : 0;
+  parallel::sort(executor, held.roots, levels.islands.sorting, std::less<>());
+  return count > 0 ? hold(input, islands, levels, executor) : 0;
 }
 
 bool hold_as_recorded(const RefineInput& input, std::span<const std::uint32_t> roots, CompletedLevels& levels,
@@ -66,7 +75,7 @@ bool hold_as_recorded(const RefineInput& input, std::span<const std::uint32_t> r
   for (const std::uint32_t root : roots) {
     if (root < input.scene.bodies.slot_count() && islands.may_wait(root)) held.roots.push_back(root);
   }
-  if (!held.roots.empty()) degraded.bodies_held = hold(input, islands, levels);
+  if (!held.roots.empty()) degraded.bodies_held = hold(input, islands, levels, executor);
   return held.roots.size() == roots.size();
 }
 

@@ -222,6 +222,11 @@ bool Islands::near_rest(std::uint32_t root) const {
   return island.flying == 0 && island.moving * kFewOf <= island.bodies && island.fast * kVeryFewOf <= island.bodies;
 }
 
+void Islands::sort_by_turn(std::vector<std::uint32_t>& roots) const {
+  parallel::sort(executor_, roots, sums_.sorting,
+                 [this](std::uint32_t x, std::uint32_t y) { return waits_before(x, y); });
+}
+
 bool Islands::waits_before(std::uint32_t x, std::uint32_t y) const {
   const bool rests_x = near_rest(x);
   if (rests_x != near_rest(y)) return rests_x;

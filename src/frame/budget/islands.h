@@ -40,14 +40,17 @@ class Islands {
   /// Of the slots, those that are roots of islands that may wait, ascending.
   template <class Use>
   void for_each_that_may_wait(Use&& use) const {
-    for (const std::uint32_t slot : input_.motion.visited) {
-      if (may_wait(slot)) use(slot);
-    }
+    const std::span<const std::uint32_t> visited = input_.motion.visited;
+    parallel::serial_for(executor_, visited.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (const std::uint32_t slot : visited.subspan(begin, end - begin)) {
+        if (may_wait(slot)) use(slot);
+      }
+    });
   }
   [[nodiscard]] bool may_wait(std::uint32_t root) const;
   [[nodiscard]] bool near_rest(std::uint32_t root) const;
-  /// Who waits first: islands near rest before others, of both the least seen first.
-  [[nodiscard]] bool waits_before(std::uint32_t x, std::uint32_t y) const;
+  /// Sorts roots by who waits first: islands near rest before others, of both the least seen first.
+  void sort_by_turn(std::vector<std::uint32_t>& roots) const;
   [[nodiscard]] IslandSums::Island& operator[](std::uint32_t root) const { return sums_.islands[root]; }
   [[nodiscard]] std::uint32_t root_of(std::uint32_t slot) const { return roots_.root(slot); }
   /// Slot of a body that moves freely in a pair.
@@ -69,6 +72,7 @@ class Islands {
   void sum(std::size_t count, Use&& use);
   void unite_near(double apart_s);
   [[nodiscard]] double speed_mps(std::size_t slot) const;
+  [[nodiscard]] bool waits_before(std::uint32_t x, std::uint32_t y) const;
 
   const RefineInput& input_;
   const dynamics::BodyStore& bodies_;

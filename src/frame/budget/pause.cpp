@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "frame/view_cues.h"
+#include "parallel/ranges.h"
+#include "parallel/shared_counters.h"
 
 namespace poise::simulation {
 namespace {
@@ -24,6 +26,10 @@ constexpr double kLongerByTurns = 1.25;
 // What comes near in so many steps takes its turn together. Chosen: what meets something paused wakes it, which costs
 // more.
 constexpr double kApartSteps = 4;
+
+// Bodies that are paused, and islands that get their turns, one after another before the executor may stop; and those
+// that are looked at in one item of a loop.
+constexpr std::size_t kPauseGrain = 8192, kTurnGrain = 2048, kWakeGrain = 1024;
 
 double frame_ns(const StepInput& step, SteadyClock::time_point started, Nanoseconds host) {
   return static_cast<double>(Nanoseconds(step.budget.deadline - started - host).count());
@@ -59,8 +65,11 @@ class Turns {
   }
 
   // Of islands in the order in which they wait. Fills `paused`.
-  void deal(std::span<const std::uint32_t> waiting, std::uint64_t other_load, std::vector<PausedIsland>& paused) {
-    for (const std::uint32_t root : waiting) loads_[longest(root)] += load(root);
+  void deal(std::span<const std::uint32_t> waiting, std::uint64_t other_load, std::vector<PausedIsland>& paused,
+            parallel::Executor& executor) {
+    parallel::serial_for(executor, waiting.size(), kPauseGrain, [&](std::size_t begin, std::size_t end) {
+      for (const std::uint32_t root : waiting.subspan(begin, end - begin)) loads_[longest(root)] += load(root);
+    });
     // The best seen take part in every frame, as far as the others then still can in time. Without a viewer nobody is
     // better seen than others.
     double always = static_cast<double>(other_load);
@@ -76,10 +85,12 @@ class Turns {
     // As few turns as fit.
     std::size_t turns = 2;
     while (turns < kMostTurnsUnseen && always + of_frame(turns) > holds_) ++turns;
-    for (const std::uint32_t root : waiting.first(taking_turns)) {
-      const std::size_t waited = std::min<std::size_t>(input_.scene.bodies.frames_held[root], kMostFramesHeld);
-      give_turn(root, std::min(turns, longest(root) - waited), paused);
-    }
+    parallel::serial_for(executor, taking_turns, kTurnGrain, [&](std::size_t begin, std::size_t end) {
+      for (const std::uint32_t root : waiting.subspan(begin, end - begin)) {
+        const std::size_t waited = std::min<std::size_t>(input_.scene.bodies.frames_held[root], kMostFramesHeld);
+        give_turn(root, std::min(turns, longest(root) - waited), paused);
+      }
+    });
   }
 
  private:
@@ -152,21 +163,25 @@ void apply(const RefineInput& input, std::span<const PausedIsland> paused, Islan
     add_to_set(sleep, static_cast<std::uint32_t>(&set - sleep.sets.data()), island.root, island.root);
     access.bodies.pause(island.root);
   }
-  for (const std::uint32_t slot : input.motion.visited) {
-    if (access.bodies.dynamic[slot] == 0) continue;
-    const std::uint32_t root = islands.root_of(slot);
-    if (islands[root].steps_paused == 0) continue;
-    add_to_set(sleep, sleep.set_of[root], slot, root);
-    access.bodies.pause(slot);
-  }
+  const std::span<const std::uint32_t> visited = input.motion.visited;
+  parallel::serial_for(executor, visited.size(), kPauseGrain, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t slot : visited.subspan(begin, end - begin)) {
+      if (access.bodies.dynamic[slot] == 0) continue;
+      const std::uint32_t root = islands.root_of(slot);
+      if (islands[root].steps_paused == 0) continue;
+      add_to_set(sleep, sleep.set_of[root], slot, root);
+      access.bodies.pause(slot);
+    }
+  });
   note_unseen(input, paused, islands, resources);
+  executor.stop_point();
   take_pairs_of_sleepers(access, executor);
 }
 
 }  // namespace
 
 bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t steps, const Forecasts& forecasts,
-                  const SleepAccess& access) {
+                  const SleepAccess& access, parallel::Executor& executor) {
   SleepingState& sleep = access.sleeping;
   if (access.bodies.paused_count() == 0) return false;
   bool all =
@@ -178,23 +193,30 @@ bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uin
     const double wanted_ns = times.ns_of_load * static_cast<double>(times.load + paused_load(sleep));
     all = wanted_ns <= kAmple * frame_ns(step, SteadyClock::now(), Nanoseconds(0));
   }
+  parallel::Shared<int> any(0);
   const auto wake = [&](std::uint32_t slot) {
-    sleep.wake_requested[sleep.island[slot]] = 1;
-    sleep.any_wake_requested = true;
+    parallel::raise(sleep.wake_requested[sleep.island[slot]]);
+    if (any.get() == 0) any.set(1);
   };
   const ViewQuery view_query(step.view);
   for (const SleepingSet& set : sleep.sets) {
     if (!waits(set)) continue;
     if (all || set.wakes <= steps) {
-      for (const std::uint32_t slot : set.slots) wake(slot);
+      parallel::parallel_for(executor, set.slots.size(), kWakeGrain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t k = begin; k < end; ++k) wake(set.slots[k]);
+      });
       continue;
     }
-    for (const SleepingSet::Unseen& ball : set.unseen) {
-      if (access.bodies.paused[ball.slot] == 0 || !in_frustum(view_query, ball.center_m, ball.radius_m)) continue;
-      const std::size_t most = most_turns(step.view, visible_angle_urad(view_query, ball.center_m, ball.body_radius_m));
-      if (most == kMostTurns || steps - ball.since >= most) wake(ball.slot);
-    }
+    parallel::parallel_for(executor, set.unseen.size(), kWakeGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (const SleepingSet::Unseen& ball : std::span(set.unseen).subspan(begin, end - begin)) {
+        if (access.bodies.paused[ball.slot] == 0 || !in_frustum(view_query, ball.center_m, ball.radius_m)) continue;
+        const std::size_t most =
+            most_turns(step.view, visible_angle_urad(view_query, ball.center_m, ball.body_radius_m));
+        if (most == kMostTurns || steps - ball.since >= most) wake(ball.slot);
+      }
+    });
   }
+  sleep.any_wake_requested = sleep.any_wake_requested || any.get() != 0;
   return all;
 }
 
@@ -202,7 +224,7 @@ bool pause_as_recorded(const RefineInput& input, std::span<const PausedIsland> r
                        const PauseResources& resources, parallel::Executor& executor) {
   if (recorded.empty()) return true;
   if (!Islands::any_may_wait(input)) return false;
-  reserve_sets(resources.access);
+  reserve_sets(resources.access, executor);
   Islands islands(input, resources.levels.islands, executor);
   islands.find(resources.levels.progress, kApartSteps * input.terms.dt_s);
   islands.weigh_bodies();
@@ -241,8 +263,7 @@ bool IslandTurns::find(double frame_ns, bool in_slices) {
   if (in_slices) holds_ = std::max(holds_, kLongerByTurns * static_cast<double>(other_load_));
   if (waiting.empty()) return false;
   islands.weigh_bodies();
-  std::sort(waiting.begin(), waiting.end(),
-            [&](std::uint32_t x, std::uint32_t y) { return islands.waits_before(x, y); });
+  islands.sort_by_turn(waiting);
   return true;
 }
 
@@ -250,8 +271,9 @@ void IslandTurns::deal() {
   SleepingState& sleep = resources_.access.sleeping;
   std::vector<PausedIsland>& paused = sleep.islands_paused;
   paused.clear();
-  Turns(input_, *islands_, resources_, holds_).deal(sleep.slots, other_load_, paused);
-  std::sort(paused.begin(), paused.end(), [](const PausedIsland& x, const PausedIsland& y) { return x.root < y.root; });
+  Turns(input_, *islands_, resources_, holds_).deal(sleep.slots, other_load_, paused, executor_);
+  parallel::sort(executor_, paused, sleep.islands_sorting,
+                 [](const PausedIsland& x, const PausedIsland& y) { return x.root < y.root; });
   if (resources_.log != nullptr) resources_.log->paused(paused);
   apply(input_, paused, *islands_, resources_, executor_);
 }

@@ -22,7 +22,7 @@ namespace poise::simulation {
 /// is requested to wake. True if all.
 /// `steps`: that have ended.
 bool begin_paused(const StepInput& step, const WorldSettings& settings, std::uint64_t steps, const Forecasts& forecasts,
-                  const SleepAccess& access);
+                  const SleepAccess& access, parallel::Executor& executor);
 
 struct PauseResources {
   CompletedLevels& levels;  ///< its memory for islands

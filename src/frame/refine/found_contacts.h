@@ -61,7 +61,7 @@ class FoundContacts {
     std::uint32_t next = 0, past = 0;
   };
   void enlarge(std::size_t entries) {
-    entries_.clear();  // so that nothing is copied
+    parallel::make_room_anew(entries_, entries);
     entries_.resize(entries);
     std::construct_at(&entries_.front())->reach_m = std::numeric_limits<double>::max();
   }

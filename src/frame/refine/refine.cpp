@@ -181,8 +181,8 @@ void note_outcome(bool apart, std::uint64_t units, Outcome outcome, WorkerTally&
 }
 
 void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor) {
-  levels.progress.reserve(table.capacity());
-  levels.cues.reserve(table.capacity());
+  parallel::reserve_anew(levels.progress, table.capacity());
+  parallel::reserve_anew(levels.cues, table.capacity());
   levels.progress.resize(table.size());
   levels.found.begin(table.capacity(), static_cast<std::size_t>(executor.concurrency()));
   levels.cues.resize(table.size());

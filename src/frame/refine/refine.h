@@ -67,10 +67,12 @@ struct IslandSums {
   parallel::UnsetVector<std::uint32_t> parent;  ///< one a slot: the union-find forest
   OccupiedCells cells;
   parallel::UnsetVector<Island> islands;  ///< one a slot, those of roots are in use
+  std::vector<std::uint32_t> sorting;     ///< scratch: roots
 
   void reserve(std::size_t slot_count) {
     parent.reserve(slot_count);
     islands.reserve(slot_count);
+    sorting.reserve(slot_count);
     cells.reserve(slot_count);
   }
 };
