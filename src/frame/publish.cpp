@@ -99,21 +99,16 @@ Vec3 touch_impulse_ns(const PublishInput& input, std::size_t m) {
   return pair.a == pair.low() ? impulse_ns : Vec3(-impulse_ns);
 }
 
-// What a solved pair tells the caller. The plane of a pair stands second in the row, whatever its slot.
-Contact contact_at(const PublishInput& input, const PointCache& points, std::uint32_t index,
-                   const solver::ContactRow* row, const Vec3& applied_ns) {
+// What the solved pair of a manifold tells the caller. The plane of a pair stands second in the row, whatever its slot.
+Contact contact_at(const PublishInput& input, const PointCache& points, std::size_t m) {
+  const std::uint32_t index = input.manifolds.manifolds[m].pair;
   const ActivePair& pair = input.table.pairs[index];
-  Contact contact;
-  contact.a = input.scene.bodies.id_of(pair.low());
-  contact.b = input.scene.bodies.id_of(pair.high());
-  contact.level = input.levels.progress[index].solved_level();
   const double sign = pair.a == pair.low() ? 1.0 : -1.0;
-  const solver::PlacedPoint point = impact_point_of(input.motion, points, pair, input.manifolds.points[index].slot);
-  contact.normal = sign * point.normal;
-  contact.point_m = input.motion.poses[pair.a].position_m + point.arm_m;
+  Contact contact = contact_outline(input, points, m);
   contact.gap_m = solved_gap_m(input.solved_pair(points), index);
-  contact.impulse_ns = sign * applied_ns;
-  if (row != nullptr) contact.impulse_ns += sign * row->impact_ns();
+  contact.impulse_ns = sign * input.velocities.applied_impulse_ns[m];
+  if (const solver::ContactRow* row = input.velocities.row(input.manifolds, m))
+    contact.impulse_ns += sign * row->impact_ns();
   list_points({input.motion, points, pair, input.manifolds.points[index]}, sign, contact);
   return contact;
 }
@@ -312,6 +307,20 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   make_events(input, publication, cache, events, executor);
 }
 
+Contact contact_outline(const PublishInput& input, const PointCache& points, std::size_t m) {
+  const std::uint32_t index = input.manifolds.manifolds[m].pair;
+  const ActivePair& pair = input.table.pairs[index];
+  const double sign = pair.a == pair.low() ? 1.0 : -1.0;
+  Contact contact;
+  contact.a = input.scene.bodies.id_of(pair.low());
+  contact.b = input.scene.bodies.id_of(pair.high());
+  contact.level = input.levels.progress[index].solved_level();
+  const solver::PlacedPoint point = impact_point_of(input.motion, points, pair, input.manifolds.points[index].slot);
+  contact.normal = sign * point.normal;
+  contact.point_m = input.motion.poses[pair.a].position_m + point.arm_m;
+  return contact;
+}
+
 std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& points, std::span<const BodyId> removed,
                                    ContactListing listing) {
   const Manifolds& manifolds = input.manifolds;
@@ -320,8 +329,7 @@ std::vector<Contact> list_contacts(const PublishInput& input, const PointCache& 
     if (listing != ContactListing::Solved && !touches(input, points, m)) continue;
     const std::uint32_t pair = manifolds.manifolds[m].pair;
     if (was_removed(removed, input.table.pairs[pair])) continue;
-    contacts.push_back(
-        contact_at(input, points, pair, input.velocities.row(manifolds, m), input.velocities.applied_impulse_ns[m]));
+    contacts.push_back(contact_at(input, points, m));
   }
   add_swept_contacts(input, removed, contacts);
   return contacts;

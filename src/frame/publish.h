@@ -40,6 +40,9 @@ struct Publication {
 void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
              parallel::Executor& executor);
 
+/// Of the contact of a manifold its bodies, level, place and normal, and nothing else. Any thread between steps.
+Contact contact_outline(const PublishInput& input, const PointCache& points, std::size_t manifold);
+
 /// Which pairs of the last step are listed.
 enum class ContactListing : std::uint8_t {
   Touching,  ///< those that touch, as events tell

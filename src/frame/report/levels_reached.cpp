@@ -15,7 +15,7 @@ double radius_m(const WorldState& world, BodyId body) {
 }
 
 // What a viewer can notice of an error at a contact: the cues of the policy but for how long the pair has waited.
-double weight_of(const WorldState& world, const View& view, const Contact& contact) {
+double weight_of(const WorldState& world, const ViewQuery& view, const Contact& contact) {
   PairView pair_view;
   pair_view.point_m = contact.point_m;
   pair_view.normal = contact.normal;
@@ -42,14 +42,23 @@ LevelsReached levels_reached(const WorldState& world, const View& view) {
   constexpr std::uint8_t kUntouched = 0xffU;
   LevelsReached reached;
   std::vector<std::uint8_t> least(world.bodies.slot_count(), kUntouched);
-  for (const Contact& contact :
-       list_contacts(publish_input(world), world.cache.points, world.body_changes.removed, ContactListing::Solved)) {
+  const ViewQuery view_query(view);
+  const auto count = [&](const Contact& contact) {
     const std::size_t place = bin_of(world, contact);
-    reached.weight[place] += weight_of(world, view, contact);
+    reached.weight[place] += weight_of(world, view_query, contact);
     for (const BodyId body : {contact.a, contact.b}) {
       if (world.bodies.dynamic[body.slot] != 0)
         least[body.slot] = std::min(least[body.slot], static_cast<std::uint8_t>(place));
     }
+  };
+  const PublishInput published = publish_input(world);
+  if (published.velocities.swept.hits.empty()) {
+    for (std::size_t m = 0; m < published.manifolds.manifolds.size(); ++m)
+      count(contact_outline(published, world.cache.points, m));
+  } else {
+    // What met within the step is one contact with what touched before.
+    for (const Contact& contact : list_contacts(published, world.cache.points, {}, ContactListing::Solved))
+      count(contact);
   }
   for (const std::uint8_t place : least) {
     if (place != kUntouched) ++reached.bodies[place];

@@ -5,7 +5,7 @@
 
 namespace poise::simulation {
 
-/// How deep the step that has just ended got, for StepInput::measure_levels. Lists the contacts of the step.
+/// How deep the step that has just ended got, for StepInput::measure_levels.
 LevelsReached levels_reached(const WorldState& world, const View& view);
 
 }  // namespace poise::simulation
