@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "dynamics/conserved.h"
+#include "frame/report/conserved_report.h"
 #include "frame/report/levels_reached.h"
 #include "frame/report/trace.h"
 #include "frame/run_frame.h"
@@ -65,14 +65,13 @@ FrameReport run_and_refer(simulation::WorldState& world, const StepInput& input)
 }
 
 void measure_energy(const simulation::WorldState& world, FrameReport& report) {
-  const auto sum = [&] { return dynamics::conserved_sums(world.bodies, world.settings.gravity_mps2); };
   Conserved sums;
   if (report.unfinished) {
     std::optional<Conserved>& kept = world.sliced->sums;
-    if (!kept) kept = sum();
+    if (!kept) kept = simulation::conserved(world);
     sums = *kept;
   } else {
-    sums = sum();
+    sums = simulation::conserved(world);
   }
   report.kinetic_j = sums.kinetic_j;
   report.potential_j = sums.potential_j;

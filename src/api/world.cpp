@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "collision/time_of_impact/least_extent.h"
-#include "dynamics/conserved.h"
 #include "frame/budget/frame_time.h"
+#include "frame/report/conserved_report.h"
 #include "frame/run_frame.h"
 #include "frame/sliced_step.h"
 #include "world/validation.h"
@@ -306,7 +306,7 @@ void World::decisions(FrameDecisions& decisions) const {
     simulation::DecisionLog().merge(decisions);
   }
 }
-Conserved World::conserved() const { return dynamics::conserved_sums(state_->bodies, state_->settings.gravity_mps2); }
+Conserved World::conserved() const { return simulation::conserved(*state_); }
 
 std::uint64_t World::state_hash() const {
   const dynamics::BodyStore& bodies = state_->bodies;

@@ -3,9 +3,9 @@
 
 namespace poise::dynamics {
 
-Conserved conserved_sums(const BodyStore& bodies, const Vec3& gravity_mps2) {
+Conserved conserved_sums(const BodyStore& bodies, const Vec3& gravity_mps2, std::size_t begin, std::size_t end) {
   Conserved sums;
-  for (std::size_t i = 0; i < bodies.slot_count(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     if (bodies.dynamic[i] == 0 && bodies.asleep[i] == 0) continue;
     const Vec3 x = bodies.position(i);
     const Vec3 v = bodies.velocity(i);

@@ -168,6 +168,7 @@ void wake_near_changes(const SleepAccess& access, parallel::Executor& executor) 
     return std::binary_search(sleep.changed_statics.begin(), sleep.changed_statics.end(), slot);
   };
   for (const SleepingSet& set : sleep.sets) {
+    if (sleep.changed_statics.empty()) break;
     for (const CachedPair& pair : set.pairs) {
       if (access.bodies.asleep[pair.low] != 0 && changed_statics(pair.high)) request_island_wake(access, pair.low);
       if (access.bodies.asleep[pair.high] != 0 && changed_statics(pair.low)) request_island_wake(access, pair.high);

@@ -49,7 +49,7 @@ TEST(BodyStore, ARemovedBodyLeavesNoMotionBehind) {
   bodies.remove(slot);
   EXPECT_EQ(bodies.dynamic_count(), 0U);
   EXPECT_TRUE(bodies.velocity(slot).isZero(0));
-  EXPECT_TRUE(conserved_sums(bodies, Vec3(0, 0, -9.81)).momentum_ns.isZero(0));
+  EXPECT_TRUE(conserved_sums(bodies, Vec3(0, 0, -9.81), 0, bodies.slot_count()).momentum_ns.isZero(0));
 }
 
 TEST(Conserved, SumsOneBodyInClosedForm) {
@@ -58,7 +58,7 @@ TEST(Conserved, SumsOneBodyInClosedForm) {
   bodies.set_position(slot, Vec3(1, 0, 3));
   bodies.set_velocity(slot, Vec3(0, 4, 0));
   bodies.set_spin(slot, Vec3(0, 0, 5));
-  const Conserved sums = conserved_sums(bodies, Vec3(0, 0, -10));
+  const Conserved sums = conserved_sums(bodies, Vec3(0, 0, -10), 0, bodies.slot_count());
   EXPECT_TRUE(sums.momentum_ns.isApprox(Vec3(0, 8, 0)));
   // x cross p = (1, 0, 3) x (0, 8, 0) = (-24, 0, 8); I w = 0.4 * 2 * 0.25 * 5 = 1.
   EXPECT_TRUE(sums.angular_momentum_js.isApprox(Vec3(-24, 0, 9)));

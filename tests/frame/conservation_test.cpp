@@ -189,5 +189,36 @@ TEST(Bounce, ADroppedBallComesToRestWhenTheClosedFormSays) {
   EXPECT_NEAR(stage.at(ball).position_m.z(), 0.1, 1e-3);
 }
 
+// Added up in parts, which threads share.
+TEST(ConservedSums, OfManyBodiesAreTheSameOnAnyNumberOfThreads) {
+  std::vector<Conserved> sums;
+  for (const int threads : {1, 3}) {
+    WorldSettings settings;
+    settings.gravity_mps2 = Vec3(0, 0, -9.81);
+    settings.threads = threads;
+    Stage stage(settings, 0.2);
+    const ShapeId ball = stage.ball(0.1);
+    for (int i = 0; i < 6000; ++i) {
+      stage.add(ball, Vec3(i % 80, i / 80, 1.0 + 0.001 * i));
+      ASSERT_TRUE(stage.world.set_velocity(stage.bodies.back(), Vec3(0.1, 0.01 * i, 0), Vec3::UnitZ()).ok());
+    }
+    sums.push_back(stage.world.conserved());
+    double kinetic_j = 0;
+    double height_m = 0;
+    for (const BodyId body : stage.bodies) {
+      kinetic_j += stage.at(body).velocity_mps.squaredNorm();
+      height_m += stage.at(body).position_m.z();
+    }
+    // All have the same mass, and turn at 1 rad/s: I = 0.4 m r^2.
+    const double mass_kg = sums.back().momentum_ns.x() / (0.1 * 6000);
+    EXPECT_NEAR(sums.back().potential_j, mass_kg * 9.81 * height_m, 1e-9 * sums.back().potential_j);
+    EXPECT_NEAR(sums.back().kinetic_j, 0.5 * mass_kg * (kinetic_j + 6000 * 0.4 * 0.01), 1e-9 * sums.back().kinetic_j);
+  }
+  EXPECT_EQ(sums[0].momentum_ns, sums[1].momentum_ns);
+  EXPECT_EQ(sums[0].angular_momentum_js, sums[1].angular_momentum_js);
+  EXPECT_EQ(sums[0].kinetic_j, sums[1].kinetic_j);
+  EXPECT_EQ(sums[0].potential_j, sums[1].potential_j);
+}
+
 }  // namespace
 }  // namespace poise
