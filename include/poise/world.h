@@ -74,13 +74,14 @@ struct WorldSettings {
   /// nothing. They wake when a moving body comes near, or when the caller changes one of them or a body that they rest
   /// on. Costs nothing if off.
   bool sleeping = false;
-  /// Where a frame would not meet its deadline, or has no time to refine, islands may wait, for up to seven frames in a
-  /// row, out of the view of a viewer up to 31: their bodies keep position and velocity and get no forces, and their
-  /// contacts go on without being listed. Where not even finding the pairs of all bodies fits, they take turns, and are
-  /// not looked at in between (Degraded::bodies_paused), unless a moving body, the caller or the view comes near them.
-  /// What moves in them is seen in slow motion meanwhile, and is as accurate as without. Those near rest wait first
-  /// (docs/scheduling.md says what that is), and with NearRest no others. Counted in Degraded::bodies_held. Never
-  /// without gravity, with StepInput::backtracking, or without a deadline.
+  /// Where a frame would not meet its deadline, or has no time to refine, islands may wait, for up to seven steps in a
+  /// row, out of the view of a viewer up to 31 (a step is one frame, or with StepInput::may_slice several): their
+  /// bodies keep position and velocity and get no forces, and their contacts go on without being listed. Where not even
+  /// finding the pairs of all bodies fits, they take turns, and are not looked at in between (Degraded::bodies_paused),
+  /// unless a moving body, the caller or the view comes near them. What moves in them is seen in slow motion meanwhile,
+  /// and is as accurate as without. Those near rest wait first (docs/scheduling.md says what that is), and with
+  /// NearRest no others. Counted in Degraded::bodies_held. Never without gravity, with StepInput::backtracking, or
+  /// without a deadline.
   IslandsWait islands_wait = IslandsWait::Any;
   int substeps = 2;  ///< of the contact solver, 1 to 16
   /// Share of frames with a deadline whose tail may take longer than its reserve, in [1e-5, 0.5]. A smaller share needs
