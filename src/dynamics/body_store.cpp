@@ -121,10 +121,10 @@ bool BodyStore::begin_wake(std::uint32_t slot) {
   return waited;
 }
 
-void BodyStore::count_woken(std::size_t bodies, std::size_t paused) {
+void BodyStore::count_woken(std::size_t bodies, std::size_t of_paused) {
   dynamic_count_ += bodies;
   asleep_count_ -= bodies;
-  paused_count_ -= paused;
+  paused_count_ -= of_paused;
 }
 
 void BodyStore::exchange(BodyStates& states) noexcept {

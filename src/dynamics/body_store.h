@@ -88,7 +88,7 @@ struct BodyStore {
   /// The parts of wake(): of one body, for different ones in any threads, which returns whether it only waited; and
   /// then the counts of all of them.
   bool begin_wake(std::uint32_t slot);
-  void count_woken(std::size_t bodies, std::size_t paused);
+  void count_woken(std::size_t bodies, std::size_t of_paused);
 
   /// Exchanges them for those of another time, of the same bodies. In constant time.
   void exchange(BodyStates& states) noexcept;
