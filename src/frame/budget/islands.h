@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "frame/refine/refine.h"
 #include "frame/view_cues.h"
 #include "parallel/disjoint_sets.h"
