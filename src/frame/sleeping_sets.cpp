@@ -200,8 +200,8 @@ void take_pairs_of_sleepers(const SleepAccess& access, parallel::Executor& execu
 }
 
 void wake_body(const SleepAccess& access, std::uint32_t slot) {
-  const bool waited = access.bodies.begin_wake(slot);
-  access.bodies.count_woken(1, waited ? 1 : 0);
+  const bool waited = access.bodies.paused[slot] != 0;
+  access.bodies.wake(slot);
   note_woken(access, slot, waited);
   access.sleeping.woken += waited ? 0 : 1;
 }

@@ -195,7 +195,7 @@ void hide_end(WorldState& world, SlicedStep& sliced) {
   const std::size_t slots = bodies.slot_count();
   const parallel::Ranges ranges(slots, kHiddenGrain);
   const auto copy = [&](const auto& from, auto& to) {
-    // Once all are there, nothing; their pages are touched first here.
+    // New memory is touched here for the first time. Afterwards there is none.
     to.reserve(slots);
     const std::size_t before = std::min(to.size(), slots);
     parallel::serial_for(executor, slots - before, kHiddenGrain,
