@@ -39,10 +39,8 @@ std::vector<io::StudyCell> population_row(const StudyRun& run, const StudyRunCos
   const simulation::RunFigures whole = simulation::run_figures(all, {run.deadline});
   const simulation::RunFigures last = simulation::run_figures(all.subspan(third), {run.deadline});
   std::vector<double> e_seen_rel;
-  double held = 0;
   double most_pairs = 0;
   for (const simulation::RunFrame& frame : all) {
-    held += static_cast<double>(frame.report.degraded.bodies_held);
     most_pairs = std::max(most_pairs, static_cast<double>(frame.report.candidate_pairs));
     const auto& reference = frame.report.reference;
     if (reference && reference->e_seen_mps && reference->change_mps.value_or(0) > 0)
@@ -70,10 +68,8 @@ std::vector<io::StudyCell> population_row(const StudyRun& run, const StudyRunCos
       whole.frame_ms.p99,
       last.frame_ms.p50,
       cell(last.level_mean.has_value(), last.level_mean.value_or(0)),
-      cell(last.frames > last.degraded.frames_unfinished,
-           static_cast<double>(last.frames) /
-               static_cast<double>(std::max<std::uint64_t>(last.frames - last.degraded.frames_unfinished, 1))),
-      all.empty() ? 0 : held / static_cast<double>(all.size()),
+      cell(last.frames_a_step().has_value(), last.frames_a_step().value_or(0)),
+      whole.held_mean(),
       whole.sleep.asleep_mean,
       cell(whole.reference.e_seen_mps.has_value(), whole.reference.e_seen_mps.value_or(simulation::Percentiles{}).p50),
       cell(!e_seen_rel.empty(), simulation::percentile(e_seen_rel, 0.5)),

@@ -65,11 +65,18 @@ int study_constant_time(const StudyConstantTimeOptions& o) {
   if (!scene) return refuse("study constant-time", scene.error());
   Progress progress(!o.common.quiet);
   io::StudyTable table = begin_study("constant-time", "poise study constant-time");
-  table.columns = {{"bodies", "bodies", 0},          {"deadline_p50_ms", "p50 ms under the deadline", 2},
-                   {"deadline_p99_ms", "p99 ms", 2}, {"miss_rate", "misses %", 2},
-                   {"infeasible", "infeasible", 0},  {"machine", "machine", 0},
-                   {"own", "forecast + overrun", 0}, {"degraded_frames", "degraded", 0},
-                   {"level_mean", "mean level", 2},  {"full_p50_ms", "p50 ms without", 2},
+  table.columns = {{"bodies", "bodies", 0},
+                   {"deadline_p50_ms", "p50 ms under the deadline", 2},
+                   {"deadline_p99_ms", "p99 ms", 2},
+                   {"miss_rate", "misses %", 2},
+                   {"infeasible", "infeasible", 0},
+                   {"machine", "machine", 0},
+                   {"own", "forecast + overrun", 0},
+                   {"degraded_frames", "degraded", 0},
+                   {"level_mean", "mean level", 2},
+                   {"frames_a_step", "frames a step", 1},
+                   {"held_mean", "bodies that waited", 0},
+                   {"full_p50_ms", "p50 ms without", 2},
                    {"full_p99_ms", "p99 ms", 2}};
   const double deadline_ms = scene.value().deadline_ms();
   table.facts = {{"scene", scene.value().name()},
@@ -97,8 +104,9 @@ int study_constant_time(const StudyConstantTimeOptions& o) {
     const auto of_full = [&](double ms) { return full ? io::StudyCell(ms) : io::StudyCell(); };
     table.rows.push_back({bodies, f.frame_ms.p50, f.frame_ms.p99, 100 * m.rate, m.infeasible, m.machine,
                           m.overrun + m.forecast, f.degraded.frames,
-                          f.level_mean ? io::StudyCell(*f.level_mean) : io::StudyCell(), of_full(w.frame_ms.p50),
-                          of_full(w.frame_ms.p99)});
+                          f.level_mean ? io::StudyCell(*f.level_mean) : io::StudyCell(),
+                          f.frames_a_step() ? io::StudyCell(*f.frames_a_step()) : io::StudyCell(), f.held_mean(),
+                          of_full(w.frame_ms.p50), of_full(w.frame_ms.p99)});
     full = full && w.frame_ms.p50 < kTooLong * deadline_ms;
     if (2 * m.infeasible > m.releases) break;
   }

@@ -192,6 +192,17 @@ struct RunFigures {
   SweptFigures swept;
   SleepFigures sleep;
   ReferenceRunFigures reference;
+
+  /// Frames for each step that ended in them: 1 unless steps take several. Undefined where none ended.
+  [[nodiscard]] std::optional<double> frames_a_step() const {
+    const std::uint64_t ended = frames - degraded.frames_unfinished;
+    if (ended == 0) return std::nullopt;
+    return static_cast<double>(frames) / static_cast<double>(ended);
+  }
+  /// Bodies that waited, a frame.
+  [[nodiscard]] double held_mean() const {
+    return frames == 0 ? 0 : static_cast<double>(degraded.bodies_held) / static_cast<double>(frames);
+  }
 };
 
 /// Computes the figures of a run. A pure function of the frames and terms; no clock.
