@@ -38,7 +38,7 @@ def points(rows, x, y, low_high=None):
     for row in rows:
         point = [number(row[x]), number(row[y])]
         if low_high:
-            point += [float(part) for part in re.findall(r"[\d.]+", row[low_high])]
+            point += [number(row[name]) for name in low_high]
         if point[1] is not None:
             made.append(point)
     return sorted(made)
@@ -57,22 +57,23 @@ def chart(id_, title, x_label, lines, levels=(), x_log=False, y_log=False, y_fro
 
 
 def compliance():
-    rows = table("scheduling.md", "### Compliance", "times what is served")
+    rows = table("deadlines.md", "## Compliance", "x served")
     alphas = list(dict.fromkeys(row["alpha"] for row in rows))
     lines, levels = [], []
     for i, alpha in enumerate(alphas):
         of_alpha = [row for row in rows if row["alpha"] == alpha]
-        values = points(of_alpha, "times what is served", "by overrun or forecast", "95 % from, to")
-        lines.append(line(f"alpha = {alpha}", values))
-        levels.append((f"allowed: {alpha}", number(alpha), i))
+        values = points(of_alpha, "x served", "forecast + overrun %", ("95 % from", "to"))
+        allowed = 100 * number(alpha)
+        lines.append(line(f"alpha = {allowed:g} %", values))
+        levels.append((f"allowed: {allowed:g} %", allowed, i))
     title = "misses by forecast or overrun, %"
     return 1, [chart("misses", title, "bodies, in multiples of what full refinement serves", lines, levels, x_log=True)]
 
 
 def constant_time():
-    rows = table("scheduling.md", "### Near-constant time", "mean level")
-    under = points(rows, "bodies", "p99")
-    full = points(rows, "bodies", "p99 2")
+    rows = table("deadlines.md", "## Near-constant time", "mean level")
+    under = points(rows, "bodies", "p99 ms")
+    full = points(rows, "bodies", "p99 ms 2")
     level = points(rows, "bodies", "mean level")
     times = chart("frame-time", "99 of 100 frames take at most, ms", "bodies",
                   [line("under the deadline", under), line("without", full)], [("deadline", 16, None)],
@@ -82,7 +83,7 @@ def constant_time():
 
 
 def population():
-    rows = table("scheduling.md", "## Population", "islands wait")
+    rows = table("deadlines.md", "## Population", "islands wait")
     times, levels = [], []
     for wait, name in (("yes", "islands may wait"), ("no", "every body in every frame")):
         of_wait = [row for row in rows if row["islands wait"] == wait]
@@ -94,7 +95,7 @@ def population():
 
 
 def overload():
-    rows = table("scheduling.md", "## Overload", "level up")
+    rows = table("deadlines.md", "## Overload", "level up")
     charts = []
     for drive in dict.fromkeys(row["driven"] for row in rows):
         of_drive = [row for row in rows if row["driven"] == drive]

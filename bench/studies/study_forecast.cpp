@@ -81,7 +81,7 @@ void add_study_forecast_options(CLI::App& command, StudyForecastOptions& o) {
                    "Leave out frames of which the machine took time away, to see the program's own variation alone");
   command.footer(
       "Examples:\n"
-      "  poise study forecast --markdown forecast.md --picture forecast.png      what docs/scheduling.md shows; 2 "
+      "  poise study forecast --markdown forecast.md --picture forecast.png      what docs/deadlines.md shows; 2 "
       "minutes\n"
       "  poise study forecast --scene gas --bodies 500 --alpha 0.05 --json -\n\n"
       "Frames are recorded once, back to back under the deadline, and each method is played on the same ones, knowing "

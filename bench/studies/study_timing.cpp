@@ -47,7 +47,7 @@ void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
   add_shared(command, o, true);
   command.footer(
       "Example:\n"
-      "  poise study cost --markdown cost.md --json cost.json     what docs/scheduling.md shows; takes minutes\n"
+      "  poise study cost --markdown cost.md --json cost.json     what docs/deadlines.md shows; takes minutes\n"
       "  poise study cost --bodies 200 --frames 10 --settle 60 --markdown -\n\n"
       "Each population runs under the deadline of its frames, so that every stage is the one of a run. Times are of "
       "the wall: run it on a quiet machine.");
@@ -65,7 +65,7 @@ void add_study_cache_options(CLI::App& command, StudyTimingOptions& o) {
   add_shared(command, o, true);
   command.footer(
       "Example:\n"
-      "  poise study cache --markdown cache.md     what docs/scheduling.md shows; takes a minute\n\n"
+      "  poise study cache --markdown cache.md     what docs/deadlines.md shows; takes a minute\n\n"
       "Without a limit, so that all pairs are at their deepest level in both. To start anew, every body is moved away "
       "and back before the frame.");
 }
@@ -109,7 +109,7 @@ void add_study_free_options(CLI::App& command, StudyTimingOptions& o) {
   add_shared(command, o, false);
   command.footer(
       "Example:\n"
-      "  poise study free --markdown free.md     what docs/scheduling.md shows; needs valgrind, takes about a "
+      "  poise study free --markdown free.md     what docs/deadlines.md shows; needs valgrind, takes about a "
       "minute\n\n"
       "Runs this program under valgrind's callgrind, on one thread and by the work clock, and counts the instructions "
       "inside World::step. Exit code 1 where\n"

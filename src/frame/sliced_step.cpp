@@ -62,7 +62,7 @@ void exchange(WorldState& world, SlicedStep& sliced) {
 // Returns whether the step has ended.
 bool go_on(WorldState& world, SlicedStep& sliced, SteadyClock::time_point until) {
   if (sliced.moving) exchange(world, sliced);
-  const bool ended = sliced.task.run_until(until);
+  const bool ended = sliced.task.run_until(until, world.settings.alpha);
   if (ended) {
     sliced.moving = false;
   } else if (sliced.moving) {

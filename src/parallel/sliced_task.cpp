@@ -2,6 +2,7 @@
 #include "parallel/sliced_task.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <system_error>
 #include <utility>
 
@@ -12,11 +13,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How much earlier than asked a slice stops: what items and the parts between loops make it too long by in all but one
-// of a hundred slices. That is followed step by step (stochastic approximation, Robbins and Monro 1951), so a time in
-// which the system took the processor says no more than any other. Chosen.
-constexpr std::chrono::nanoseconds kFirstLead = 500us, kLeastLead = 100us, kMostLead = 2ms;
-constexpr std::chrono::nanoseconds kMore = 100us, kLess = kMore / 100;
+// How much earlier than asked a slice stops: what items and the parts between loops make it too long by in all but the
+// share of slices that may be late. That is followed step by step (stochastic approximation, Robbins and Monro 1951),
+// so a time in which the system took the processor says no more than any other. Chosen.
+constexpr std::chrono::nanoseconds kLeastLead = 100us, kMostLead = 2ms, kMore = 100us;
+
+// Half a millisecond where one in a hundred may be late, and as much again for each further tenth. Chosen.
+std::chrono::nanoseconds first_lead(double late) {
+  std::chrono::nanoseconds lead = 500us;
+  for (double share = 0.01; share > 1.5 * late && lead < kMostLead; share /= 10) lead += 500us;
+  return lead;
+}
 
 }  // namespace
 
@@ -61,7 +68,6 @@ SlicedTask::~SlicedTask() {
 
 bool SlicedTask::begin(std::function<void()> function) {
   if (!thread_) {
-    lead_ = kFirstLead;
     try {
       // It waits for its first turn, so thread_ is set when it runs the function.
       thread_.emplace([this] { live(); });
@@ -75,15 +81,17 @@ bool SlicedTask::begin(std::function<void()> function) {
   return true;
 }
 
-bool SlicedTask::run_until(Clock::time_point until) {
-  const Clock::time_point stop = until == Clock::time_point::max() ? until : until - lead_;
+bool SlicedTask::run_until(Clock::time_point until, double late) {
+  if (!lead_) lead_ = first_lead(late);
+  const Clock::time_point stop = until == Clock::time_point::max() ? until : until - *lead_;
   std::unique_lock<std::mutex> hold(mutex_);
   set_stop(stop);
   running_ = true;
   turn_.notify_all();
   turn_.wait(hold, [&] { return !running_; });
   if (unfinished_) {
-    lead_ = std::clamp<Clock::duration>(lead_ + (Clock::now() > until ? kMore : -kLess), kLeastLead, kMostLead);
+    const std::chrono::nanoseconds less(static_cast<std::int64_t>(late * static_cast<double>(kMore.count())));
+    lead_ = std::clamp<Clock::duration>(*lead_ + (Clock::now() > until ? kMore : -less), kLeastLead, kMostLead);
   }
   return !unfinished_;
 }

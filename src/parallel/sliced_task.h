@@ -17,9 +17,9 @@ namespace poise::parallel {
 ///
 /// The function gives its loops to executor(). Where a slice is over it stops between two items of a loop or at a stop
 /// point, with all that it has on its stack, and goes on there in the next slice. What lies between these is not
-/// interrupted, so a slice is told to end earlier than asked, by as much as lets one in a hundred end later. Each slice
-/// does one item, or what lies before a stop point, at least. While the function stands still, no worker holds an item
-/// of it.
+/// interrupted, so a slice is told to end earlier than asked, by as much as lets no more than a share of them end
+/// later. Each slice does one item, or what lies before a stop point, at least. While the function stands still, no
+/// worker holds an item of it.
 ///
 /// Invariant: of the caller's thread and the function's, one waits for the other. So either may read what the other
 /// wrote.
@@ -41,8 +41,11 @@ class SlicedTask {
   bool begin(std::function<void()> function);
   /// Begun, and has not returned.
   [[nodiscard]] bool unfinished() const { return unfinished_; }
-  /// Runs a slice that ends about `until`; returns whether the function has returned.
-  bool run_until(Clock::time_point until);
+  /// Runs a slice that ends about `until`, and of a share `late`, in (0, 0.5], of all slices later; returns whether the
+  /// function has returned.
+  bool run_until(Clock::time_point until, double late = 0.01);
+  /// How much earlier than `until` the next slice is told to stop.
+  [[nodiscard]] Clock::duration lead() const { return lead_.value_or(Clock::duration{0}); }
   /// CPU time of the function's thread in the last slice.
   [[nodiscard]] std::chrono::nanoseconds slice_cpu() const { return slice_cpu_; }
 
@@ -91,7 +94,7 @@ class SlicedTask {
   bool unfinished_ = false;
   bool new_slice_ = false;                   // nothing was done in it yet; of the function's thread
   std::atomic<Clock::rep> stop_at_{};        // workers ask it between items
-  Clock::duration lead_;                     // how much earlier a slice is told to stop
+  std::optional<Clock::duration> lead_;      // how much earlier a slice is told to stop
   std::chrono::nanoseconds stood_still_{0};  // since it began
   std::chrono::nanoseconds slice_cpu_{0};
   std::optional<std::jthread> thread_;

@@ -152,6 +152,22 @@ TEST(RunFigures, MeasuresRefinementAgainstTheTimeThatWasThereForIt) {
   EXPECT_FALSE(run_figures({}, {true}).refinement_used);
 }
 
+TEST(RunFigures, CountsRefinementOfAStepThatTookSeveralFramesWhole) {
+  std::vector<RunFrame> frames(4);
+  for (RunFrame& frame : frames) {
+    frame.report.times.refine = milliseconds(6);
+    frame.report.unfinished = true;
+  }
+  frames[2].report.unfinished = false;
+  frames[2].report.refine_available = milliseconds(20);
+  frames[2].report.pairs_left = 5;
+  const RunFigures figures = run_figures(frames, {true});
+  EXPECT_DOUBLE_EQ(figures.refinement_used.value(), 18.0 / 20.0);
+  EXPECT_EQ(figures.frames_a_step().value(), 4);
+  frames[2].report.unfinished = true;
+  EXPECT_FALSE(run_figures(frames, {true}).frames_a_step());
+}
+
 TEST(RunFigures, SaysHowOftenTheReserveHeld) {
   std::vector<RunFrame> frames(4);
   for (RunFrame& frame : frames) {

@@ -99,6 +99,27 @@ TEST_P(SlicedTasks, StopsAtStopPointsBetweenLoops) {
   EXPECT_GE(slices, kItems / 2);
 }
 
+TEST_P(SlicedTasks, StopsTheEarlierTheFewerMayBeLate) {
+  const auto first = [&](double late) {
+    SlicedTask task(*workers);
+    EXPECT_TRUE(task.begin([] {}));
+    EXPECT_TRUE(task.run_until(Clock::time_point::max(), late));
+    return task.lead();
+  };
+  EXPECT_EQ(first(0.2), first(0.01));
+  EXPECT_EQ(first(0.001), 2 * first(0.01));
+  EXPECT_EQ(first(1e-6), 4 * first(0.01));
+
+  SlicedTask task(*workers);
+  ASSERT_TRUE(task.begin([&] { serial_for(task.executor(), 400, 1, [](std::size_t, std::size_t) {}); }));
+  auto lead = first(0.001);
+  while (!task.run_until(kOver, 0.001)) {
+    EXPECT_EQ(task.lead(), std::min(lead + std::chrono::microseconds(100), 4 * first(0.01))) << "it was late";
+    lead = task.lead();
+  }
+  EXPECT_EQ(lead, 4 * first(0.01));
+}
+
 // The stop points of a part that is an item itself, as where another loop is inside.
 TEST_P(SlicedTasks, AStopPointWithinAnItemIsNone) {
   SlicedTask task(*workers);

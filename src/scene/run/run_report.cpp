@@ -197,9 +197,14 @@ std::optional<double> level_mean(const RunFigures& figures) {
 std::optional<double> refinement_used(std::span<const RunFrame> frames, bool all) {
   double used_ms = 0;
   double available_ms = 0;
+  // Of a step that took several frames the time available stands in the frame that ended it.
+  double of_step_ms = 0;
   for (const RunFrame& frame : frames) {
+    of_step_ms += ms(frame.report.times.refine);
+    if (frame.report.unfinished) continue;
+    const double step_ms = std::exchange(of_step_ms, 0.0);
     if (frame.report.refine_available.count() <= 0 || (!all && frame.report.pairs_left == 0)) continue;
-    used_ms += ms(frame.report.times.refine);
+    used_ms += step_ms;
     available_ms += ms(frame.report.refine_available);
   }
   if (available_ms <= 0) return std::nullopt;
