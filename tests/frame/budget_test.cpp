@@ -316,6 +316,26 @@ TEST(Capacity, AFullFrontLeavesThePairAtItsLevelAndIsCounted) {
   }
 }
 
+TEST(Capacity, FrontsThatWaitForTheirTurnFillNoPoolUnderADeadline) {
+  WorldSettings settings = falling();
+  settings.max_front_entries = 512;  // less than the first levels of all pairs
+  settings.threads = 1;
+  settings.policy.kind = scheduler::PolicyKind::EqualLevels;  // each pair to its first level before any goes on
+  Stage stage(settings, 0.2);
+  stage.jacks(300, 5);
+  std::size_t ranked = 0;
+  for (int i = 0; i < 90; ++i) {
+    simulation::WorldAccess::of(stage.world).forecasts.pair_cost_ns = 1e18;
+    StepInput input = step_of(1.0 / 60);
+    input.budget = Budget::within(std::chrono::minutes(1));
+    const FrameReport report = stage.world.step(input);
+    EXPECT_EQ(report.fronts_full, 0U);
+    EXPECT_EQ(report.pairs_left, 0U);
+    ranked += report.pairs_ranked;
+  }
+  EXPECT_GT(ranked, 0U);
+}
+
 TEST(Capacity, AFullFrontUnderADeadlineIsCountedToo) {
   WorldSettings settings = falling();
   settings.max_front_entries = 64;  // less than one pair of boxes needs that lie on each other

@@ -59,6 +59,10 @@ class FrontPool {
     if (segment_count_ == max_segments_) return {};
     return {entries() + entry_count_, max_entries_ - entry_count_};
   }
+  /// Less than a quarter is free: fronts that wait for their next level leave it to those that come to an end.
+  [[nodiscard]] bool scarce() const {
+    return entry_count_ > max_entries_ / 4 * 3 || segment_count_ > max_segments_ / 4 * 3;
+  }
   /// Makes a segment of the first `count` entries of room() and returns its index.
   std::uint32_t keep(std::uint32_t count) {
     segments()[segment_count_] = {entry_count_, count, {}};

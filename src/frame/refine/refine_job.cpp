@@ -232,7 +232,9 @@ class OpenRefinement::Job {
     const RefineInput& input = run_.input;
     const collision::PairLevel& level = hand.progress.level;
     hand.again = true;
-    if (perceptual_ && level.next_units <= kSmallUnits && !level.next_is_polygons()) {
+    const bool small = perceptual_ && level.next_units <= kSmallUnits && !level.next_is_polygons();
+    // A front that waits takes memory; one whose pair comes to its end gives it back.
+    if (small || run_.pools[static_cast<std::size_t>(worker_)].scarce()) {
       hand.band = run_.bands.highest();
       return true;
     }
