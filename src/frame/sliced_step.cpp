@@ -161,9 +161,8 @@ FrameReport run_slice(WorldState& world, const StepInput& input) {
   if (!ended) note_unfinished(world, report);
   if (sliced.input.record && ended) world.decisions->finished(report.frame);
   if (sliced.input.record && !ended) world.decisions->unfinished(report.frame);
-  report.waited = (world.executor->waits() - waits_before).slept;
   report.times.total = SteadyClock::now() - start;
-  account_slice(input, sliced.task.slice_cpu(), report);
+  account_slice(input, {sliced.task.slice_cpu(), world.executor->waits() - waits_before}, report);
   return report;
 }
 

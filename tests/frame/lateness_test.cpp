@@ -52,6 +52,24 @@ TEST(Lateness, OfAFrameThatWasReleasedLateIsNotCalledInfeasible) {
   EXPECT_EQ(punctual.report.cause, MissCause::Infeasible);
 }
 
+TEST(Lateness, OfASliceIsTheMachinesWhereItHeldTheStepsThreadOrAnAwaitedWorkerUp) {
+  StepInput input;
+  input.budget = Budget::until(kStart + milliseconds(16));
+  const auto cause = [&](Nanoseconds cpu, const parallel::Waits& waits) {
+    FrameReport report;
+    report.started = kStart;
+    report.times.total = milliseconds(18);
+    account_slice(input, {cpu, waits}, report);
+    EXPECT_EQ(report.lateness, milliseconds(2));
+    EXPECT_EQ(report.waited, waits.slept);
+    return report.cause;
+  };
+  EXPECT_EQ(cause(milliseconds(18), {}), MissCause::Forecast);
+  EXPECT_EQ(cause(milliseconds(16), {}), MissCause::Machine) << "the thread of the step was not run";
+  EXPECT_EQ(cause(milliseconds(15), {milliseconds(3), Nanoseconds(0)}), MissCause::Forecast) << "it waited for work";
+  EXPECT_EQ(cause(milliseconds(15), {milliseconds(3), milliseconds(2)}), MissCause::Machine) << "nor was the worker";
+}
+
 TEST(Lateness, WithTheHostsWorkIsJudgedAgainstTheWholePeriod) {
   InventedFrame late;
   late.report.release_delay = milliseconds(6);

@@ -361,10 +361,11 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   ++facts.frames;
 }
 
-void account_slice(const StepInput& step, Nanoseconds cpu, FrameReport& report) {
+void account_slice(const StepInput& step, const CallerTime& caller, FrameReport& report) {
+  report.waited = caller.waits.slept;
   if (step.budget.kind != Budget::Kind::Deadline) return;
   report.budget = step.budget.deadline - report.started;
-  report.off_cpu = std::max(Nanoseconds(0), report.times.total - cpu - report.waited);
+  report.off_cpu = std::max(Nanoseconds(0), report.times.total - caller.cpu - report.waited) + caller.waits.held_up;
   // What is left over goes on in the next frame, so nothing is infeasible.
   report.mandatory = report.host_reserved;
   report.longest_overrun = report.overrun_off_cpu = {};

@@ -72,8 +72,8 @@ scheduler::TailWork tail_work(const Forecasts& forecasts, const FrameCounts& cou
 void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points,
                   const CallerTime& caller, Forecasts& forecasts, FrameReport& report);
 
-/// How late a frame was in which a part of a step was done in `cpu` of its thread, and why.
-void account_slice(const StepInput& step, Nanoseconds cpu, FrameReport& report);
+/// How late a frame was in which a part of a step was done, and why. `caller` is the thread of that step.
+void account_slice(const StepInput& step, const CallerTime& caller, FrameReport& report);
 
 /// Classifies a frame anew once the host's own work of it is done: it took `actual` from the end of the step, of which
 /// the machine took away `off_cpu`. A pure function of the report.
