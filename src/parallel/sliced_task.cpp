@@ -16,12 +16,14 @@ using namespace std::chrono_literals;
 // How much earlier than asked a slice stops: what items and the parts between loops make it too long by in all but the
 // share of slices that may be late. That is followed step by step (stochastic approximation, Robbins and Monro 1951),
 // so a time in which the system took the processor says no more than any other. Chosen.
-constexpr std::chrono::nanoseconds kLeastLead = 100us, kMostLead = 2ms, kMore = 100us;
+constexpr std::chrono::nanoseconds kLeastLead = 100us, kMore = 100us;
+// However often it does, three quarters of a slice are left. Chosen.
+constexpr int kMostOfSlice = 4;
 
 // Half a millisecond where one in a hundred may be late, and as much again for each further tenth. Chosen.
 std::chrono::nanoseconds first_lead(double late) {
   std::chrono::nanoseconds lead = 500us;
-  for (double share = 0.01; share > 1.5 * late && lead < kMostLead; share /= 10) lead += 500us;
+  for (double share = 0.01; share > 1.5 * late; share /= 10) lead += 500us;
   return lead;
 }
 
@@ -82,16 +84,18 @@ bool SlicedTask::begin(std::function<void()> function) {
 }
 
 bool SlicedTask::run_until(Clock::time_point until, double late) {
-  if (!lead_) lead_ = first_lead(late);
-  const Clock::time_point stop = until == Clock::time_point::max() ? until : until - *lead_;
+  const bool whole = until == Clock::time_point::max();
+  const Clock::duration lead = lead_.value_or(first_lead(late));
+  const Clock::duration most = whole ? Clock::duration{0} : (until - Clock::now()) / kMostOfSlice;
   std::unique_lock<std::mutex> hold(mutex_);
-  set_stop(stop);
+  set_stop(until - std::min(lead, most));
   running_ = true;
   turn_.notify_all();
   turn_.wait(hold, [&] { return !running_; });
   if (unfinished_) {
     const std::chrono::nanoseconds less(static_cast<std::int64_t>(late * static_cast<double>(kMore.count())));
-    lead_ = std::clamp<Clock::duration>(*lead_ + (Clock::now() > until ? kMore : -less), kLeastLead, kMostLead);
+    lead_ = Clock::now() > until ? std::max(lead, std::min<Clock::duration>(lead + kMore, most))
+                                 : std::max<Clock::duration>(lead - less, kLeastLead);
   }
   return !unfinished_;
 }

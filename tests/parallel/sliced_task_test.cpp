@@ -100,24 +100,28 @@ TEST_P(SlicedTasks, StopsAtStopPointsBetweenLoops) {
 }
 
 TEST_P(SlicedTasks, StopsTheEarlierTheFewerMayBeLate) {
-  const auto first = [&](double late) {
+  // How much earlier after so many slices that were late.
+  const auto lead_after = [&](int slices, std::chrono::nanoseconds length, double late) {
     SlicedTask task(*workers);
-    EXPECT_TRUE(task.begin([] {}));
-    EXPECT_TRUE(task.run_until(Clock::time_point::max(), late));
+    std::atomic<Clock::time_point> until{};
+    EXPECT_TRUE(task.begin([&] {
+      serial_for(task.executor(), 1000, 1, [&](std::size_t, std::size_t) {
+        while (Clock::now() <= until.load()) std::this_thread::yield();
+      });
+    }));
+    for (int i = 0; i < slices; ++i) {
+      until = Clock::now() + length;
+      EXPECT_FALSE(task.run_until(until, late));
+    }
     return task.lead();
   };
-  EXPECT_EQ(first(0.2), first(0.01));
-  EXPECT_EQ(first(0.001), 2 * first(0.01));
-  EXPECT_EQ(first(1e-6), 4 * first(0.01));
-
-  SlicedTask task(*workers);
-  ASSERT_TRUE(task.begin([&] { serial_for(task.executor(), 400, 1, [](std::size_t, std::size_t) {}); }));
-  auto lead = first(0.001);
-  while (!task.run_until(kOver, 0.001)) {
-    EXPECT_EQ(task.lead(), std::min(lead + std::chrono::microseconds(100), 4 * first(0.01))) << "it was late";
-    lead = task.lead();
-  }
-  EXPECT_EQ(lead, 4 * first(0.01));
+  using namespace std::chrono_literals;
+  EXPECT_EQ(lead_after(1, 30ms, 0.2), 600us);
+  EXPECT_EQ(lead_after(1, 30ms, 0.01), 600us);
+  EXPECT_EQ(lead_after(2, 30ms, 0.01), 700us);
+  EXPECT_EQ(lead_after(1, 30ms, 0.001), 1100us);
+  EXPECT_EQ(lead_after(1, 30ms, 1e-6), 2600us);
+  EXPECT_LE(lead_after(8, 4ms, 0.01), 1ms) << "a quarter of the slice";
 }
 
 // The stop points of a part that is an item itself, as where another loop is inside.
