@@ -92,7 +92,7 @@ std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, do
   scores.push_back(score_of(tracked("tracked quantile of a linear forecast", ours), tails, alpha, skip));
   scores.back().beyond_clip = ours.margin.beyond_clip();
   Tracker without{{}, scheduler::TrackedQuantile(alpha), false};
-  scores.push_back(score_of(tracked("the same without last frame's visits", without), tails, alpha, skip));
+  scores.push_back(score_of(tracked("the same without last frame's point iterations", without), tails, alpha, skip));
   scores.back().beyond_clip = without.margin.beyond_clip();
   Tracker bare{{}, scheduler::TrackedQuantile(alpha), true};
   scores.push_back(

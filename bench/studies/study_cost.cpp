@@ -60,10 +60,6 @@ struct Timed {
   }
 };
 
-Nanoseconds deadline_of(const StudyTimingOptions& o, double dt_s) {
-  return Nanoseconds(static_cast<std::int64_t>(1e6 * o.deadline_ms.value_or(1e3 * dt_s)));
-}
-
 Result<FrameReport> next_frame(SceneRun& run, const StudyTimingOptions& o, std::uint64_t frame) {
   constexpr double kStepS = 1.0 / 60;
   const Status ready = run.before_frame(frame);
@@ -71,7 +67,7 @@ Result<FrameReport> next_frame(SceneRun& run, const StudyTimingOptions& o, std::
   StepInput input;
   input.dt_s = kStepS;
   input.view = run.view();
-  input.budget = Budget::within(deadline_of(o, kStepS));
+  if (o.deadline_ms) input.budget = Budget::within(Nanoseconds(static_cast<std::int64_t>(1e6 * *o.deadline_ms)));
   const FrameReport report = run.world().step(input);
   if (report.status != StepStatus::Done) return bad_input("the step was refused: its input is out of range");
   return report;

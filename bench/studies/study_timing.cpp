@@ -41,7 +41,8 @@ void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
   add_whole(command, "--skip", o.skip, 0, kMaxSceneFrames, "Frames before the falling ones (default 40)");
   add_whole(command, "--settle", o.settle, 0, kMaxSceneFrames,
             "Frames before the settled ones, from the start (default 600)");
-  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6, "Deadline of a frame in ms (default: the time step)");
+  add_number(command, "--deadline", o.deadline_ms, 0, true, 1e6,
+             "Deadline of a frame in ms (default: none, every pair is refined)");
   add_whole(command, "--rounds", o.rounds, 1, 100, "How often all populations are run in turn (default 1)");
   add_whole(command, "--threads", o.threads, 0, 256, "Threads, 0 = as many as the machine has (default 0)");
   add_shared(command, o, true);
@@ -49,8 +50,8 @@ void add_study_cost_options(CLI::App& command, StudyTimingOptions& o) {
       "Example:\n"
       "  poise study cost --markdown cost.md --json cost.json     what docs/deadlines.md shows; takes minutes\n"
       "  poise study cost --bodies 200 --frames 10 --settle 60 --markdown -\n\n"
-      "Each population runs under the deadline of its frames, so that every stage is the one of a run. Times are of "
-      "the wall: run it on a quiet machine.");
+      "Under a deadline that does not fit, islands wait, and stages do less. Times are of the wall: run it on a quiet "
+      "machine.");
 }
 
 void add_study_cache_options(CLI::App& command, StudyTimingOptions& o) {

@@ -89,14 +89,14 @@ std::string cache_json(const CacheDocument& document) {
 
 std::string cache_markdown(const CacheDocument& document) {
   std::string text = fmt::format(
-      "{}, {} bodies, every pair at its deepest level: medians of {} frames with what is kept and {} without\n\n| "
-      "stage | kept, ms | anew, ms | kept / anew |\n|---|---:|---:|---:|\n",
+      "{}, {} bodies, every pair at its deepest level: medians of {} frames with the contact cache and {} "
+      "without\n\n| stage | cached, ms | anew, ms | cached / anew |\n|---|---:|---:|---:|\n",
       document.scene, document.bodies, document.frames_retained, document.frames_anew);
   for (const CacheRow& row : document.rows)
     text += fmt::format("| {} | {:.3f} | {:.3f} | {:.2f} |\n", row.stage, row.cached_ms, row.anew_ms, row.share());
   text += fmt::format(
       "\n{:.0f} pairs a frame need no refinement; each saves {:.0f} ns of finding and refining. Levels completed a "
-      "frame: {:.0f} with what is kept, {:.0f} without.\n\n",
+      "frame: {:.0f} with the cache, {:.0f} without.\n\n",
       document.cached_pairs, document.saved_ns_per_pair(), document.levels_retained, document.levels_anew);
   return text + by_text(document.by);
 }

@@ -103,11 +103,11 @@ TEST(RenderLoad, KeepsTheProcessorForAsLongAsItSays) {
   EXPECT_GE(load.off_cpu.count(), 0);
 }
 
-RecordedTail tail_of(std::uint64_t contacts, std::uint64_t visits, Nanoseconds actual) {
+RecordedTail tail_of(std::uint64_t contacts, std::uint64_t iterations, Nanoseconds actual) {
   RecordedTail tail;
   tail.forecast_for.bodies = 100;
   tail.forecast_for.contacts = contacts;
-  tail.forecast_for.point_iterations = visits;
+  tail.forecast_for.point_iterations = iterations;
   tail.contacts = contacts;
   tail.actual = actual;
   return tail;
@@ -131,8 +131,8 @@ TEST(ForecastTrial, WorkThatRepeatsFromFrameToFrameIsForeseenByItsVisitsAlone) {
   // the previous frame carry all of it.
   std::vector<RecordedTail> tails;
   for (int i = 0; i < 1500; ++i) {
-    const std::uint64_t visits = (i / 40) % 2 == 0 ? 2000 : 20000;
-    tails.push_back(tail_of(300, visits, microseconds(200) + Nanoseconds(50 * visits)));
+    const std::uint64_t iterations = (i / 40) % 2 == 0 ? 2000 : 20000;
+    tails.push_back(tail_of(300, iterations, microseconds(200) + Nanoseconds(50 * iterations)));
   }
   const std::vector<ForecastScore> scores = try_forecasts(tails, 0.01, 200);
   EXPECT_LT(scores[0].reserve_over_actual, 0.75 * scores[1].reserve_over_actual);
