@@ -44,7 +44,7 @@ class SlicedTask {
   /// Runs a slice that ends about `until`, and of a share `late`, in (0, 0.5], of all slices later; returns whether the
   /// function has returned.
   bool run_until(Clock::time_point until, double late = 0.01);
-  /// How much earlier than `until` the next slice is told to stop.
+  /// How much earlier than `until` the next slice is told to stop; at most a quarter of it.
   [[nodiscard]] Clock::duration lead() const { return lead_.value_or(Clock::duration{0}); }
   /// CPU time of the function's thread in the last slice.
   [[nodiscard]] std::chrono::nanoseconds slice_cpu() const { return slice_cpu_; }
