@@ -43,6 +43,9 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(1.0, 1e5));
   app.add_option("--deadline", options.deadline_ms, "Of a frame, ms, which pulses from a quarter of it to twice (8)")
       ->check(CLI::Range(1e-3, 1e4));
+  app.add_option("--work", options.soak.work, "Instead: node-pair expansions of a frame, the same on every machine")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000}))
+      ->excludes("--deadline");
   app.add_option("--threads", options.soak.threads, "Threads of the World (default 2)")->check(CLI::Range(1, 256));
   app.add_option("--seed", options.soak.seed, "Of the bodies and of where the viewer looks");
   app.add_option("--scene", options.scene, "A scene of one stream, with a camera (default scenes/pour.json)");
@@ -61,7 +64,10 @@ nlohmann::ordered_json document(const Options& options, const SoakCounts& counts
   json["frames"] = counts.frames;
   json["warm_up_cycles"] = warm_up;
   json["per_second"] = options.soak.per_second;
-  json["deadline_ms"] = options.deadline_ms;
+  if (options.soak.work)
+    json["work_units"] = *options.soak.work;
+  else
+    json["deadline_ms"] = options.deadline_ms;
   json["threads"] = options.soak.threads;
   json["seed"] = options.soak.seed;
   json["bodies"] = {{"added", counts.added},

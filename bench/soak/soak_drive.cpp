@@ -144,6 +144,12 @@ StepInput SoakDrive::input() {
   return input;
 }
 
+Budget SoakDrive::budget() const {
+  const double share = kBudgets[counts_.frames / kFramesOfBudget % kBudgets.size()];
+  if (settings_.work) return Budget::work(static_cast<std::uint64_t>(share * static_cast<double>(*settings_.work)));
+  return Budget::within(Nanoseconds(std::llround(share * static_cast<double>(settings_.deadline.count()))));
+}
+
 Result<SoakFrame> SoakDrive::step() {
   Status done = remove_due();
   if (done) done = add_due();
@@ -151,9 +157,8 @@ Result<SoakFrame> SoakDrive::step() {
   ask_stale();
   StepInput input = this->input();
   SoakFrame frame;
-  const double share = kBudgets[counts_.frames / kFramesOfBudget % kBudgets.size()];
   input.record = true;
-  input.budget = Budget::within(Nanoseconds(std::llround(share * static_cast<double>(settings_.deadline.count()))));
+  input.budget = budget();
   const std::uint64_t before = allocations();
   frame.report = first_.world().step(input);
   frame.allocations = allocations() - before;

@@ -18,6 +18,7 @@ inline constexpr std::uint64_t kCycle = 900;
 struct SoakSettings {
   double per_second = 1000;  ///< bodies that come while the tray is filled
   Nanoseconds deadline{8'000'000};
+  std::optional<std::uint64_t> work;  ///< node-pair expansions of a frame, in place of the deadline
   int threads = 2;
   std::uint64_t seed = 1;
 };
@@ -62,6 +63,7 @@ class SoakDrive {
   Status add_due();
   void ask_stale();
   StepInput input();
+  [[nodiscard]] Budget budget() const;
 
   Scene scene_;
   SoakSettings settings_;
