@@ -167,6 +167,51 @@ TEST(LiveLoop, StartsTheSceneAgainWithWhatWasSet) {
   EXPECT_EQ(records[records.size() - 3].frame.new_bodies.size(), 14U);
 }
 
+// No machine does anything in a tenth of a microsecond.
+TEST(LiveLoop, AStepThatDoesNotFitTakesSeveralFrames) {
+  Started setup;
+  setup.ask(SetDeadline{1e-4});
+  bool paused = false;
+  std::uint64_t asked_at = 0;
+  const auto stops = [&](int) {
+    const bool unfinished = setup.run.scene_run().world().step_unfinished();
+    if (unfinished && asked_at == 0) {
+      setup.ask(SetAlpha{0.05});
+      setup.ask(PourBodies{2});
+      setup.ask(SetPaused{true});
+      asked_at = setup.run.status().frame;
+    }
+    // All that was asked for is done in its order, and not before the step has ended.
+    EXPECT_TRUE(!unfinished || setup.run.scene_run().world().settings().alpha != 0.05);
+    paused = asked_at > 0 && setup.run.status().paused;
+    return paused;
+  };
+  setup.go(100'000, stops);
+  ASSERT_GT(asked_at, 0U) << "a step was unfinished";
+  EXPECT_TRUE(paused);
+  EXPECT_FALSE(setup.run.goes_on());
+  EXPECT_EQ(setup.run.scene_run().world().settings().alpha, 0.05);
+  EXPECT_EQ(setup.run.status().bodies, 9U) << "they come before the next step";
+  EXPECT_EQ(setup.run.status().bodies_asked, 11U);
+  setup.records();
+  setup.ask(SetPaused{false});
+  setup.go(25);
+  // Nothing moves in a frame whose step goes on.
+  std::size_t told = 0, moved = 0;
+  double z_m = 0;
+  for (const LiveRecord& record : setup.records()) {
+    if (!record.has_frame) continue;
+    const double now_m = record.frame.bodies.front().pose.position_m.z();
+    if (told++ > 0 && now_m != z_m) ++moved;
+    z_m = now_m;
+  }
+  EXPECT_EQ(told, 26U) << "the beginning too";
+  EXPECT_LT(moved, 24U);
+  setup.go(400);
+  EXPECT_GT(setup.run.status().frames_a_step, 1.0);
+  EXPECT_EQ(setup.run.status().bodies, 11U);
+}
+
 TEST(LiveLoop, RefusesTheOneWhoAsksAndChangesNothing) {
   Started setup(
       R"({"name": "s", "dt_s": 0.01, "materials": {"wood": {}}, "shapes": {"ball": {"sphere": {"radius_m": 1}}},

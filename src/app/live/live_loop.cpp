@@ -48,7 +48,10 @@ class Loop {
   void begin_grid() { grid_ = simulation::ReleaseGrid(SteadyClock::now(), run_.dt_s(), run_.deadline()); }
 
   Status take_requests() {
-    while (link_.requests.take(request_)) {
+    while (waiting_ || link_.requests.take(request_)) {
+      // What changes the World waits until no step is unfinished, and what was asked for later with it.
+      waiting_ = run_.waits(request_.message);
+      if (waiting_) break;
       const Nanoseconds deadline = run_.deadline();
       const bool waited = !run_.goes_on();
       const Status applied = run_.apply(request_.message);
@@ -131,6 +134,7 @@ class Loop {
   const LiveLoopSettings& settings_;
   simulation::ReleaseGrid grid_;
   LiveRequest request_;
+  bool waiting_ = false;  ///< request_ is still to be done
   LiveRecord record_;
   std::vector<LiveReply> replies_;
   MissCause before_ = MissCause::None;

@@ -43,6 +43,7 @@ std::string status_json(const LiveStatus& status, std::uint64_t frames_dropped, 
                     {"recent_frames", frames},
                     {"late", recent},
                     {"speed", status.speed},
+                    {"frames_a_step", status.frames_a_step},
                     {"left_out", status.left_out},
                     {"dropped", frames_dropped},
                     {"browsers", browsers}}}});

@@ -27,6 +27,7 @@ struct LiveStatus {
   /// Of the last frames, at most kRecentFrames: late ones by cause (MissCause), on time at 0.
   std::array<std::uint32_t, 6> recent{};
   double speed = 0;            ///< simulated time over time, of the last frames; 0: unknown
+  double frames_a_step = 1;    ///< of the last frames: more where steps are done in slices
   std::uint64_t left_out = 0;  ///< frames for which the network had no room
 };
 inline constexpr std::size_t kRecentFrames = 300;

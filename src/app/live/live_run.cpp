@@ -17,7 +17,9 @@ constexpr std::uint64_t kMostAtOnce = 64;
 constexpr std::uint64_t kMostRemoved = 1000;
 /// Frames for which bodies wait for room before they are no longer wanted. Chosen.
 constexpr std::uint32_t kFramesWithoutRoom = 300;
-constexpr std::size_t kFramesOfSpeed = 60;
+/// The speed is that of the last so many frames, or of as many as hold so many steps, but of no more than the second
+/// number of frames. Chosen.
+constexpr std::size_t kFramesOfSpeed = 60, kStepsOfSpeed = 8, kMostOfSpeed = 600;
 
 Status only(const Result<std::uint64_t>& result) { return result ? Status(Done{}) : Status(result.error()); }
 
@@ -45,7 +47,7 @@ Status LiveRun::start_again() {
   observed_ = false;
   steps_ = to_pour_ = to_remove_ = 0;
   recent_.clear();
-  started_.clear();
+  forget_speed();
   ++starts_;
   return Done{};
 }
@@ -69,6 +71,12 @@ Status LiveRun::change_bodies(std::uint64_t wanted) {
   poured_at_once_ = std::clamp<std::uint64_t>(to_pour_ / kFramesOfPouring, 1, kMostAtOnce);
   without_room_ = 0;
   return Done{};
+}
+
+bool LiveRun::waits(const LiveMessage& message) const {
+  const bool changes = std::holds_alternative<SetAlpha>(message) || std::holds_alternative<SetWeight>(message) ||
+                       std::holds_alternative<SetPolicy>(message) || std::holds_alternative<StartAgain>(message);
+  return changes && run_.world().step_unfinished();
 }
 
 Status LiveRun::apply(const LiveMessage& message) {
@@ -100,7 +108,7 @@ Status LiveRun::apply(const LiveMessage& message) {
     } else if constexpr (std::is_same_v<Asked, SetPaused>) {
       paused_ = asked.on;
       steps_ = 0;
-      started_.clear();
+      forget_speed();
     } else if constexpr (std::is_same_v<Asked, StepFrames>) {
       paused_ = true;
       steps_ = std::min(steps_ + asked.count, kMostSteps);
@@ -113,6 +121,7 @@ Status LiveRun::apply(const LiveMessage& message) {
 }
 
 Status LiveRun::move_bodies() {
+  if (run_.world().step_unfinished()) return Done{};
   if (to_remove_ > 0) {
     const std::uint64_t at_once = std::min(to_remove_, kMostRemoved);
     to_remove_ -= at_once;
@@ -143,16 +152,28 @@ Result<StepInput> LiveRun::before_frame() {
   input.max_level = scene_.max_level;
   input.polygons = scene_.polygons;
   input.backtracking = scene_.backtracking;
+  input.may_slice = run_.world().settings().islands_wait == IslandsWait::Any;
   return input;
+}
+
+void LiveRun::forget_speed() {
+  begun_.clear();
+  steps_of_begun_ = 0;
 }
 
 void LiveRun::after_frame(const FrameReport& report) {
   ++frame_;
-  if (steps_ > 0) --steps_;
+  if (steps_ > 0 && !report.unfinished) --steps_;
   recent_.push_back(report.cause);
   if (recent_.size() > kRecentFrames) recent_.pop_front();
-  started_.push_back(report.started);
-  if (started_.size() > kFramesOfSpeed) started_.pop_front();
+  begun_.push_back({report.started, !report.unfinished});
+  steps_of_begun_ += report.unfinished ? 0 : 1;
+  while (begun_.size() > kFramesOfSpeed) {
+    const std::size_t left = steps_of_begun_ - (begun_.front().ended ? 1 : 0);
+    if (left < kStepsOfSpeed && begun_.size() <= kMostOfSpeed) break;
+    steps_of_begun_ = left;
+    begun_.pop_front();
+  }
 }
 
 Status LiveRun::observe(const FrameReport* report, capture::SeenFrame& frame) {
@@ -174,9 +195,12 @@ LiveStatus LiveRun::status() const {
   status.bodies_asked = status.bodies + to_pour_ - to_remove_;
   status.frame = frame_;
   for (const MissCause cause : recent_) ++status.recent[static_cast<std::size_t>(cause)];
-  if (started_.size() > 1 && !paused_) {
-    const double real_s = std::chrono::duration<double>(started_.back() - started_.front()).count();
-    if (real_s > 0) status.speed = static_cast<double>(started_.size() - 1) * scene_.dt_s / real_s;
+  if (begun_.size() > 1 && !paused_) {
+    // A frame's step counts in the time from its beginning to that of the next frame.
+    const std::size_t steps = steps_of_begun_ - (begun_.back().ended ? 1 : 0);
+    const double real_s = std::chrono::duration<double>(begun_.back().at - begun_.front().at).count();
+    if (real_s > 0) status.speed = static_cast<double>(steps) * scene_.dt_s / real_s;
+    if (steps > 0) status.frames_a_step = static_cast<double>(begun_.size() - 1) / static_cast<double>(steps);
   }
   return status;
 }

@@ -24,11 +24,13 @@ class LiveRun {
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
+  /// Whether `message` changes the World, and would end a step that goes on, however long that takes.
+  [[nodiscard]] bool waits(const LiveMessage& message) const;
   /// Does what is asked. Refused, and nothing changes: what the World refuses, and what cannot be done in this scene.
   Status apply(const LiveMessage& message);
 
-  /// Whether the next frame is to be done.
-  [[nodiscard]] bool goes_on() const { return !paused_ || steps_ > 0; }
+  /// Whether the next frame is to be done. A pause begins when no step is unfinished.
+  [[nodiscard]] bool goes_on() const { return !paused_ || steps_ > 0 || run_.world().step_unfinished(); }
   /// Adds and removes the bodies that are due before the next frame, and says how it is to be stepped; the budget is
   /// the caller's.
   Result<StepInput> before_frame();
@@ -53,6 +55,7 @@ class LiveRun {
   Status move_bodies();
   [[nodiscard]] std::uint64_t dynamic_bodies() const;
   [[nodiscard]] View view() const;
+  void forget_speed();
 
   const Scene& scene_;
   SceneRunOptions start_;
@@ -63,14 +66,19 @@ class LiveRun {
   std::optional<Vec3> gaze_;    ///< empty: that of the camera
   bool paused_ = false;
   bool observed_ = false;
-  std::uint64_t steps_ = 0;  ///< to be done while paused
+  std::uint64_t steps_ = 0;  ///< to be done while paused, each to its end
   std::uint64_t frame_ = 0;  ///< number of the next
   std::uint64_t starts_ = 1;
   std::uint64_t to_pour_ = 0, to_remove_ = 0;
   std::uint64_t poured_at_once_ = 1;
   std::uint32_t without_room_ = 0;  ///< frames in a row in which none could be poured
   std::deque<MissCause> recent_;
-  std::deque<SteadyClock::time_point> started_;  ///< frames since it was paused last
+  struct Begun {
+    SteadyClock::time_point at;
+    bool ended = false;  ///< its step did not go on in the next frame
+  };
+  std::deque<Begun> begun_;         ///< frames since it was paused last
+  std::size_t steps_of_begun_ = 0;  ///< those of them that ended
 };
 
 }  // namespace poise::app

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { kCauses, kStages } from "../data/frames.js";
 
-const kCount = {
+/** Where counts stand in the facts of a frame. */
+export const kCount = {
   bodies: 0,
   candidate_pairs: 1,
   coarse_pairs: 2,

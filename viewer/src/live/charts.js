@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import uPlot from "uplot";
 
+import { kCount } from "../capture/frame_table.js";
 import { axis, createChart } from "../charts/chart.js";
 import { drawMark } from "../charts/marks.js";
 import { kCauses, kStages } from "../data/frames.js";
@@ -25,7 +26,11 @@ export class Recent {
     if (this.frames.length > 0 && facts.frame < this.frames[this.frames.length - 1].frame) this.clear();
     // The same frame is sent again to those who come while the run is paused.
     if (!facts.measured || this.frames[this.frames.length - 1]?.frame === facts.frame) return;
-    const { frame, times_ms, levels, cause } = facts;
+    const { frame, times_ms, cause, counts } = facts;
+    // Until a step ends that takes several frames, contacts are those of the one before.
+    const held = counts[kCount.bodies_held];
+    const isUnfinished = held > 0 && held + counts[kCount.asleep] >= counts[kCount.bodies];
+    const levels = (isUnfinished && this.frames[this.frames.length - 1]?.levels) || facts.levels;
     this.frames.push({ frame, times_ms, levels, cause, deadline_ms });
     if (this.frames.length > kFrames) this.frames.shift();
   }
@@ -95,7 +100,7 @@ const still = {
   height: 124,
 };
 const frameAxis = (colors) => axis(colors, { size: 22, values: (u, ticks) => ticks.map((tick) => number(tick, 7)) });
-const valueAxis = (colors) => axis(colors, { size: 42, values: (u, ticks) => ticks.map((tick) => number(tick, 4)) });
+const valueAxis = (colors) => axis(colors, { size: 52, values: (u, ticks) => ticks.map((tick) => number(tick, 4)) });
 
 /** Late frames are marked above; returns where, in CSS pixels. */
 function drawLate(u, recent, colors) {

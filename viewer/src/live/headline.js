@@ -40,7 +40,8 @@ export function levelReached(recent, finest) {
 export function bodiesThere(status) {
   const coming = status.bodies_asked - status.bodies;
   const isSlow = status.speed > 0 && status.speed < 0.97;
-  const running = isSlow ? `Slower than real time: ${percent(status.speed)}.` : "In real time.";
+  const steps = status.frames_a_step >= 1.05 ? `: a step takes ${number(status.frames_a_step)} frames` : "";
+  const running = isSlow ? `Slower than real time, ${percent(status.speed)}${steps}.` : "In real time.";
   const pace = status.paused ? "Paused." : running;
   return {
     mark: "none",
