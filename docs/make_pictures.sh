@@ -4,7 +4,7 @@
 # in two: NAME.png is light and NAME-dark.png dark, and one command makes both.
 #
 #   docs/make_pictures.sh --list            the pictures, how long each takes, and its command
-#   docs/make_pictures.sh --check           compares this list with docs/images and with what the pages show
+#   docs/make_pictures.sh --check           compares this list with docs/images and with what the pages show, and looks for the tables
 #   docs/make_pictures.sh                   makes the short ones
 #   docs/make_pictures.sh levels.png ...    makes these, however long they take
 #
@@ -75,6 +75,11 @@ check() {
   for name in $(ls "$IMAGES"); do
     grep -qE "images/${name//./\\.}[)\"]" README.md docs/*.md scenes/README.md && continue
     echo "$IMAGES/$name: no page shows it"
+    failed=1
+  done
+  for name in $(list | sed -n 's/.*from_table \([^ ]*\) .*/\1/p'); do
+    docs/table_figures.py "$name" >/dev/null 2>&1 && continue
+    echo "docs/table_figures.py: finds no table of the study $name"
     failed=1
   done
   return $failed

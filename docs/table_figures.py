@@ -111,7 +111,7 @@ def overload():
 
 def levels():
     rows = table("levels.md", "Means over the pairs of a group", "to reach")
-    pairs = table("levels.md", "Mean error of dv as a share", "measure 1, 3 mm")
+    pairs = table("levels.md", "Mean error of dv as a share", "oracle 1, 3 mm")
     places = list(dict.fromkeys(row["level"] for row in rows))
     charts = []
     for group in dict.fromkeys(row["group"] for row in rows):
@@ -126,7 +126,7 @@ def levels():
         targets = values(models[0], "to reach")
         if targets:
             lines.append(line("to reach", targets, "dots"))
-        measured = [number(row["measure 1, 3 mm"]) for row in pairs if row["group"] == group]
+        measured = [number(row["oracle 1, 3 mm"]) for row in pairs if row["group"] == group]
         oracle = max(sum(measured) / len(measured), 0.001)
         count = len({row["pair"] for row in pairs if row["group"] == group})
         charts.append(chart(group, f"{group}, {count} pairs of shapes: mean error of dv", "level", lines,
