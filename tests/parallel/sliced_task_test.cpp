@@ -102,8 +102,8 @@ TEST_P(SlicedTasks, StopsAtStopPointsBetweenLoops) {
 TEST_P(SlicedTasks, StopsTheEarlierTheFewerMayBeLate) {
   // How much earlier after so many slices that were late.
   const auto lead_after = [&](int slices, std::chrono::nanoseconds length, double late) {
+    std::atomic<Clock::time_point> until{};  // lives until the task has ended
     SlicedTask task(*workers);
-    std::atomic<Clock::time_point> until{};
     EXPECT_TRUE(task.begin([&] {
       serial_for(task.executor(), 1000, 1, [&](std::size_t, std::size_t) {
         while (Clock::now() <= until.load()) std::this_thread::yield();
