@@ -94,6 +94,7 @@ HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, P
   const PairProgress& progress = input.levels.progress[i];
   if (progress.apart() || knows_separations(pair, progress)) return;
   for (const std::uint32_t body : {pair.a, pair.b}) parallel::prefetch(input.motion.poses[body]);
+  hwy::Prefetch(&input.scene.bodies.shape[pair.b]);
   const bool refined = progress.level.level > 0 && !progress.from_cache();
   if (refined) parallel::prefetch(input.levels.found.of(progress));
   if (pair.cached.slot == kNoSlot) return;

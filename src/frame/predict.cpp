@@ -33,7 +33,7 @@ BodyBounds make_body_bounds(const PredictInput& input, const collision::Pose& po
   made.meshed = shape.surface != nullptr;
   if (shape.kind == ShapeKind::Plane) {
     made.plane = true;
-    made.position_m = pose.rotation * shape.plane_normal;
+    made.position_m.noalias() = pose.rotation * shape.plane_normal;
     made.bound_m = made.position_m.dot(pose.position_m) + shape.plane_offset_m;
     return made;
   }

@@ -298,9 +298,8 @@ HWY_INLINE void begin_total(D d, const PointLanes<T>& point, const Triple<V>& n,
 }
 
 template <class T>
-IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<PointLanes<T>> manifold_points,
-                         std::span<TotalLanes<T>> totals, const SubstepTerms<T>& terms, std::uint32_t iteration,
-                         const BodyLanes<T>& bodies) {
+IterationChange<T> solve(ContactBlock& block, const SolvedLanes<T>& lanes, const SubstepTerms<T>& terms,
+                         std::uint32_t iteration, const BodyLanes<T>& bodies) {
   const hn::CappedTag<T, kLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
@@ -308,6 +307,8 @@ IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<Po
   // Positions change in the first iteration alone.
   const bool push = iteration == 0;
   const bool moved = iteration <= 1;
+  PairLanes<T>& shared = lanes.pairs;
+  const std::span<TotalLanes<T>> totals = lanes.totals;
   IterationChange<T> changed;
   for (std::size_t lane = 0; lane < block.count; lane += hn::Lanes(d)) {
     Pairs<V> pairs = pairs_at(d, block, shared, lane, bodies, moved ? MotionRead::All : MotionRead::Velocities);
@@ -315,8 +316,8 @@ IterationChange<T> solve(ContactBlock& block, PairLanes<T>& shared, std::span<Po
     const V friction = hn::Load(d, shared.friction + lane);
     bool any_pushed = false;
     LaneChange<V> here = {zero, zero, zero, zero, zero};
-    for (std::size_t p = 0; p < manifold_points.size(); ++p) {
-      PointLanes<T>& point = manifold_points[p];
+    for (std::size_t p = 0; p < lanes.manifold_points.size(); ++p) {
+      PointLanes<T>& point = lanes.manifold_points[p];
       const auto load_at = [&](const T* from) HWY_ATTR { return hn::Load(d, from + lane); };
       const Triple<V> n = load(d, point.normal, lane);
       const Triple<V> rate = load(d, point.rate, lane);
@@ -385,17 +386,15 @@ void warm_double(const ContactBlock& block, const PairLanes<double>& pairs,
                  std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
   warm(block, pairs, manifold_points, bodies);
 }
-IterationChange<float> solve_float(ContactBlock& block, PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
+IterationChange<float> solve_float(ContactBlock& block, const SolvedLanes<float>& lanes,
                                    const SubstepTerms<float>& terms, std::uint32_t iteration,
                                    const BodyLanes<float>& bodies) {
-  return solve(block, pairs, manifold_points, totals, terms, iteration, bodies);
+  return solve(block, lanes, terms, iteration, bodies);
 }
-IterationChange<double> solve_double(ContactBlock& block, PairLanes<double>& pairs,
-                                     std::span<PointLanes<double>> manifold_points,
-                                     std::span<TotalLanes<double>> totals, const SubstepTerms<double>& terms,
-                                     std::uint32_t iteration, const BodyLanes<double>& bodies) {
-  return solve(block, pairs, manifold_points, totals, terms, iteration, bodies);
+IterationChange<double> solve_double(ContactBlock& block, const SolvedLanes<double>& lanes,
+                                     const SubstepTerms<double>& terms, std::uint32_t iteration,
+                                     const BodyLanes<double>& bodies) {
+  return solve(block, lanes, terms, iteration, bodies);
 }
 
 }  // namespace poise::solver::HWY_NAMESPACE
@@ -429,17 +428,15 @@ void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
                       std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies) {
   HWY_DYNAMIC_DISPATCH(warm_double)(block, pairs, manifold_points, bodies);
 }
-IterationChange<float> solve_block(ContactBlock& block, PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
+IterationChange<float> solve_block(ContactBlock& block, const SolvedLanes<float>& lanes,
                                    const SubstepTerms<float>& terms, std::uint32_t iteration,
                                    const BodyLanes<float>& bodies) {
-  return HWY_DYNAMIC_DISPATCH(solve_float)(block, pairs, manifold_points, totals, terms, iteration, bodies);
+  return HWY_DYNAMIC_DISPATCH(solve_float)(block, lanes, terms, iteration, bodies);
 }
-IterationChange<double> solve_block(ContactBlock& block, PairLanes<double>& pairs,
-                                    std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
+IterationChange<double> solve_block(ContactBlock& block, const SolvedLanes<double>& lanes,
                                     const SubstepTerms<double>& terms, std::uint32_t iteration,
                                     const BodyLanes<double>& bodies) {
-  return HWY_DYNAMIC_DISPATCH(solve_double)(block, pairs, manifold_points, totals, terms, iteration, bodies);
+  return HWY_DYNAMIC_DISPATCH(solve_double)(block, lanes, terms, iteration, bodies);
 }
 
 }  // namespace poise::solver

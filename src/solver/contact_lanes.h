@@ -135,16 +135,22 @@ void warm_start_block(const ContactBlock& block, const PairLanes<float>& pairs,
 void warm_start_block(const ContactBlock& block, const PairLanes<double>& pairs,
                       std::span<const PointLanes<double>> manifold_points, const BodyLanes<double>& bodies);
 
+/// What an iteration reads and writes of a block. By reference, so that it is in registers: spans that were just put on
+/// the stack are waited for.
+template <class T>
+struct SolvedLanes {
+  PairLanes<T>& pairs;
+  std::span<PointLanes<T>> manifold_points;
+  std::span<TotalLanes<T>> totals;  ///< one an entry of `manifold_points`
+};
+
 /// Solves the contact points of a block one after another, the normal impulse before friction. `iteration` counts those
 /// of the substep from 0 on: in the first one certain penetration is corrected by moving the bodies apart, and later
-/// ones move nothing. Without terms.watch it is the only one, and the totals, one an entry of `manifold_points`, are
-/// those of terms.totals.
-IterationChange<float> solve_block(ContactBlock& block, PairLanes<float>& pairs,
-                                   std::span<PointLanes<float>> manifold_points, std::span<TotalLanes<float>> totals,
+/// ones move nothing. Without terms.watch it is the only one, and the totals are those of terms.totals.
+IterationChange<float> solve_block(ContactBlock& block, const SolvedLanes<float>& lanes,
                                    const SubstepTerms<float>& terms, std::uint32_t iteration,
                                    const BodyLanes<float>& bodies);
-IterationChange<double> solve_block(ContactBlock& block, PairLanes<double>& pairs,
-                                    std::span<PointLanes<double>> manifold_points, std::span<TotalLanes<double>> totals,
+IterationChange<double> solve_block(ContactBlock& block, const SolvedLanes<double>& lanes,
                                     const SubstepTerms<double>& terms, std::uint32_t iteration,
                                     const BodyLanes<double>& bodies);
 

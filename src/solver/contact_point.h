@@ -35,7 +35,7 @@ struct PlacedPoint {
 
 HWY_INLINE PlacedPoint placed_point(const collision::Pose& a, const collision::Pose& b, const ContactPoint& point) {
   PlacedPoint now;
-  now.normal = b.rotation * point.normal;
+  now.normal.noalias() = b.rotation * point.normal;
   const Vec3 arm_a = a.rotation * point.on_a_m;
   now.gap_m = now.normal.dot((b.position_m - a.position_m) - arm_a) + point.plane_b_m;
   now.arm_m = arm_a + (0.5 * now.gap_m) * now.normal;

@@ -72,7 +72,8 @@ TEST(ContactSums, AreTheWrenchOfAllOverlapsWeightedByDepth) {
     ++checked;
     ContactSums sums;
     add_to_sums(frame, front, sums);
-    const PairContact contact = make_contact(frame, sums, pose_a.rotation);
+    PairContact contact;
+    make_contact(frame, sums, pose_a.rotation, contact);
     EXPECT_LT((contact.direction - l / weights).norm(), 1e-12);
     EXPECT_LT((contact.moment_a_m - ta / weights).norm(), 1e-12);
     EXPECT_LT((contact.moment_b_m - tb / weights).norm(), 1e-12);
@@ -88,7 +89,8 @@ TEST(ContactSums, ACoarseLevelAllowsForWhatItsSpheresOverstate) {
   ContactSums sums;
   const FrontEntry roots[] = {{0, 0}};
   add_to_sums(frame, roots, sums);
-  const PairContact contact = make_contact(frame, sums, Mat3::Identity());
+  PairContact contact;
+  make_contact(frame, sums, Mat3::Identity(), contact);
   const double mean = static_cast<double>(jack->tree.protrusion_mean_m[0]);
   const double most = static_cast<double>(jack->tree.protrusion_max_m[0]);
   EXPECT_GT(most, mean);

@@ -136,7 +136,9 @@ TEST(FittedSums, HaveTheSameBitsOnEveryInstructionSet) {
 PairContact answer(const PairFrame& frame, std::span<const FrontEntry> front) {
   ContactSums sums;
   add_to_sums(frame, front, sums);
-  return make_contact(frame, sums, Mat3::Identity());
+  PairContact contact;
+  make_contact(frame, sums, Mat3::Identity(), contact);
+  return contact;
 }
 
 PairFrame balls(double radius_a_m, double radius_b_m, const Vec3& between_m, std::array<ShapePtr, 2>& shapes) {

@@ -44,8 +44,9 @@ struct FrontSegment {
 
 /// Arena for the fronts that one worker makes in one frame. Invariant: entries and segments keep their address until
 /// clear(). Only its worker writes; any thread may read published segments. The address space is reserved once
-/// and never grows; pages that no front has reached cost no memory.
-class FrontPool {
+/// and never grows; pages that no front has reached cost no memory. Pools of workers that lie side by side share no
+/// cache line: each is written for every level of a pair.
+class alignas(64) FrontPool {
  public:
   explicit FrontPool(std::uint32_t max_entries)
       : entry_bytes_(new std::byte[sizeof(FrontEntry) * max_entries]),

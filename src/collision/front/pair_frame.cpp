@@ -37,11 +37,11 @@ PairFrame make_pair_frame(const Shape& a, const Pose& pose_a, const Shape& b, co
   if (frame.with_plane()) {
     const Vec3 normal = pose_b.rotation * b.plane_normal;
     const double height = normal.dot(pose_b.position_m) + b.plane_offset_m;
-    frame.plane_normal = to_a * normal;
+    frame.plane_normal.noalias() = to_a * normal;
     frame.plane_height_m = height - normal.dot(pose_a.position_m);
   } else {
-    frame.rotation = to_a * pose_b.rotation;
-    frame.offset_m = to_a * (pose_b.position_m - pose_a.position_m);
+    frame.rotation.noalias() = to_a * pose_b.rotation;
+    frame.offset_m.noalias() = to_a * (pose_b.position_m - pose_a.position_m);
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column) {
         frame.rounded.rotation[3 * row + column] = static_cast<float>(frame.rotation(row, column));

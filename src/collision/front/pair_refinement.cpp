@@ -232,8 +232,8 @@ Quantum run_quantum(const PairFrame& frame, std::span<FrontPool> pools, int work
 ManifoldPoint impact_point(const PairContact& contact, const Mat3& rotation_a) {
   ManifoldPoint manifold_point;
   const double length = contact.direction.norm();
-  if (length > 0) manifold_point.normal = rotation_a.transpose() * (contact.direction / length);
-  manifold_point.point_m = rotation_a.transpose() * contact.arm_m;
+  if (length > 0) manifold_point.normal.noalias() = rotation_a.transpose() * (contact.direction / length);
+  manifold_point.point_m.noalias() = rotation_a.transpose() * contact.arm_m;
   manifold_point.gap_m = contact.estimated_separation_m;
   manifold_point.certain_separation_m = std::max(contact.estimated_separation_m, contact.certain_separation_m);
   return manifold_point;
@@ -249,7 +249,7 @@ void publish_level(const PairFrame& frame, const Mat3& rotation_a, const LevelPr
   const SegmentChain& points = progress.sampled ? progress.nearest : progress.front;
   pair.points = points.first;
   pair.point_entries = points.entries;
-  found.contact = make_contact(frame, progress.sums, rotation_a);
+  make_contact(frame, progress.sums, rotation_a, found.contact);
   pair.apart = !found.contact.present;
   // Certain penetration is an upper bound of the separation, so what is farther away leaves the nearest surfaces in.
   const bool narrows = frame.fitted && !pair.apart;

@@ -10,21 +10,23 @@ namespace poise::collision {
 namespace {
 
 /// One impulse along the mean direction at the mean point (DO eq. 1).
-PairContact finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a) {
-  PairContact contact;
-  if (!(sums.weight > 0)) return contact;
+void finish_fitted(const PairFrame& frame, const FittedSums& sums, const Mat3& rotation_a, PairContact& contact) {
+  if (!(sums.weight > 0)) {
+    contact = {};
+    return;
+  }
   Vec3 direction = sums.direction;
   if (direction.isZero(0)) direction = frame.with_plane() ? Vec3(-frame.plane_normal) : frame.offset_m;
   if (direction.isZero(0)) direction = Vec3::UnitZ();
   contact.direction = (rotation_a * direction).normalized();
-  contact.arm_m = rotation_a * (sums.point_m / sums.weight);
+  contact.arm_m.noalias() = rotation_a * (sums.point_m / sums.weight);
   contact.moment_a_m = contact.arm_m.cross(contact.direction);
   contact.moment_b_m = (contact.arm_m - rotation_a * frame.offset_m).cross(contact.direction);
   contact.certain_separation_m = sums.cores_m;
   // Certain penetration counts whatever the fitted spheres say.
   contact.estimated_separation_m = std::min(sums.fitted_m, sums.cores_m);
+  contact.spheres_m = 0;
   contact.present = true;
-  return contact;
 }
 
 void add_weighted(WrenchSum& sum, double weight, const SphereContact& contact) {
@@ -170,11 +172,16 @@ void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, 
   }
 }
 
-PairContact make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a) {
-  if (frame.fitted) return finish_fitted(frame, sums.fitted.weight > 0 ? sums.fitted : sums.fitted_near, rotation_a);
-  PairContact contact;
+void make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a, PairContact& contact) {
+  if (frame.fitted) {
+    finish_fitted(frame, sums.fitted.weight > 0 ? sums.fitted : sums.fitted_near, rotation_a, contact);
+    return;
+  }
   const WrenchSum& sum = sums.touching.weight_m > 0 ? sums.touching : sums.near;
-  if (!(sum.weight_m > 0)) return contact;
+  if (!(sum.weight_m > 0)) {
+    contact = {};
+    return;
+  }
   const double scale = 1.0 / sum.weight_m;
   const Vec3 direction = scale * sum.direction;
   const Vec3 moment_a = scale * sum.moment_m2;
@@ -188,7 +195,6 @@ PairContact make_contact(const PairFrame& frame, const ContactSums& sums, const 
   contact.estimated_separation_m = sums.estimated_separation_m;
   contact.certain_separation_m = sums.certain_separation_m;
   contact.present = true;
-  return contact;
 }
 
 }  // namespace poise::collision

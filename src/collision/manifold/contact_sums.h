@@ -74,6 +74,7 @@ struct PairContact {
 /// spheres with their estimated separation. Lanes without an entry say nothing.
 void node_contacts(const PairFrame& frame, std::span<const FrontEntry> entries, NodeContacts& into);
 
-PairContact make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a);
+/// Made in its place: a copy of what has just been written in small parts waits for them.
+void make_contact(const PairFrame& frame, const ContactSums& sums, const Mat3& rotation_a, PairContact& contact);
 
 }  // namespace poise::collision

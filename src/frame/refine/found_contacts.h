@@ -43,7 +43,11 @@ class FoundContacts {
   void keep(PairProgress& pair, double reach_m, int worker) {
     if (pair.found != 0 || pair.level.level == 0) return;
     Room& room = rooms_[static_cast<std::size_t>(worker)];
-    if (!pair.level.apart || entries_[room.next].reach_m < reach_m) pair.found = room.next++;
+    if (is_kept(pair.level, entries_[room.next].reach_m, reach_m)) pair.found = room.next++;
+  }
+  /// Would keep() give a pair an entry? `found_m`: how far the level has looked.
+  [[nodiscard]] static bool is_kept(const collision::PairLevel& level, double found_m, double reach_m) {
+    return !level.apart || found_m < reach_m;
   }
   /// Gives a pair an entry of its own, whatever was found of it.
   void put(PairProgress& pair, const collision::LevelContact& found, int worker) {

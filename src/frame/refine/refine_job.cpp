@@ -89,11 +89,13 @@ class OpenRefinement::Job {
       if (item == scheduler::PriorityBands::kNone) return false;
       Hand& hand = batch_.hands[batch_.count++];
       hand.item = item;
-      hand.progress = run_.levels.progress[item];
+      const PairProgress& known = run_.levels.progress[item];
+      hand.progress = known;
       hand.ended = Outcome::Completed;
       hand.completed = hand.again = hand.newly_ranked = false;
       if (!in_order() && !hand.progress.ranked && !rank(hand)) continue;
-      if (!admits(hand.progress.level.next_units)) return stop();
+      // Not of the copy, which is still being written.
+      if (!admits(known.level.next_units)) return stop();
       refine(hand);
       if (hand.ended == Outcome::Cut) return stop();
     } while (batch_.count < Batch::kMost && batch_units_ < run_.input.policy.quantum_units);
@@ -111,7 +113,10 @@ class OpenRefinement::Job {
         const std::uint32_t ahead = batch_.next + kPosesAhead;
         if (ahead < batch_.past && run_.levels.progress[ahead].refinable()) {
           const ActivePair& pair = table.pairs[ahead];
-          for (const std::uint32_t body : {pair.a, pair.b}) parallel::prefetch(run_.input.motion.poses[body]);
+          for (const std::uint32_t body : {pair.a, pair.b}) {
+            parallel::prefetch(run_.input.motion.poses[body]);
+            hwy::Prefetch(&run_.input.scene.bodies.shape[body]);
+          }
         }
         const PairProgress& pair = run_.levels.progress[batch_.next++];
         if (pair.refinable() && !pair.full) return batch_.next - 1;
@@ -262,8 +267,11 @@ class OpenRefinement::Job {
       if (hand.completed) {
         const bool was_apart = pair.apart();
         pair.level = hand.progress.level;
-        copy_found(hand, run_.levels.found.open(pair, worker_));
-        run_.levels.found.keep(pair, run_.input.table.pairs[hand.item].reach_m, worker_);
+        const double reach_m = run_.input.table.pairs[hand.item].reach_m;
+        if (pair.found != 0 || FoundContacts::is_kept(pair.level, hand.found.reach_m, reach_m)) {
+          copy_found(hand, run_.levels.found.open(pair, worker_));
+          run_.levels.found.keep(pair, reach_m, worker_);
+        }
         if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
       }
       if (hand.ended == Outcome::Full) pair.full = true;
