@@ -68,6 +68,9 @@ void for_each_bit(std::uint64_t bits, Use&& use) {
   for (; bits != 0; bits &= bits - 1U) use(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
+// Bodies of rows lie anywhere in memory: what is known of them is prefetched some rows ahead.
+constexpr std::size_t kChangesAhead = 8;
+
 // The rounds of impacts over the rows of a step.
 class Rounds {
  public:
@@ -131,6 +134,12 @@ class Rounds {
     return turn.first ? !gate.fast && last == 0 : last + steps_ < turn.now;
   }
 
+  // What skips() reads of a row. Other workers have written it since the last round.
+  HWY_INLINE void prefetch_changes(const RowActivation& gate) const {
+    hwy::Prefetch(&changed_[gate.a]);
+    hwy::Prefetch(&changed_[gate.b]);
+  }
+
   void add(std::size_t i, ImpactBatch& batch) const {
     const RowActivation& gate = activations_[i];
     batch.add(static_cast<std::uint32_t>(i), gate.a, gate.b);
@@ -160,6 +169,7 @@ class Rounds {
     ImpactBatch batch;
     RowList by_points, overlapping;
     for (std::size_t i = begin; i < end; ++i) {
+      if (distant_ && i + kChangesAhead < activations_.size()) prefetch_changes(activations_[i + kChangesAhead]);
       RowActivation& gate = activations_[i];
       if (skips(turn, gate)) continue;
       if (!gate.ready) {
