@@ -184,8 +184,11 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
   velocities.scratch.activations.resize(manifolds.manifolds.size());
   velocities.row_of.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> order = manifolds.coloring.order();
+  constexpr std::size_t kManifoldsAhead = 8;
+  const bool distant = order.size() > parallel::kPairsAtHand;
   parallel::parallel_for(executor, order.size(), kRowGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
+      if (distant && k + kManifoldsAhead < end) parallel::prefetch(manifolds.manifolds[order[k + kManifoldsAhead]]);
       const solver::Manifold& manifold = manifolds.manifolds[order[k]];
       velocities.scratch.activations[k] = {manifold.a, manifold.b, manifold.fast, false};
       velocities.row_of[order[k]] = static_cast<std::uint32_t>(k);

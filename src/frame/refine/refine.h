@@ -41,8 +41,8 @@ struct RefineInput {
   [[nodiscard]] PairRefiner refiner() const { return {scene, terms.contact, policy.quantum_units}; }
 };
 
-/// What one worker did in a refinement; put together when all have ended.
-struct WorkerTally {
+/// What one worker did in a refinement; put together when all have ended. Written after each job.
+struct alignas(64) WorkerTally {
   std::uint64_t units = 0;
   std::uint64_t jobs = 0, discarded = 0, separated = 0, full = 0;
   std::uint32_t longest_pair = 0;  ///< in the pair table: of the longest piece
@@ -106,6 +106,7 @@ struct CompletedLevels {
   parallel::Waits waits;     ///< under a deadline: of the calling thread, for jobs of others
   int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
   bool learns = false;       ///< FrameDecisions::learns
+  bool points_due = true;    ///< contact points of some pair may be
 
   HeldIslands held;
   IslandSums islands;                 ///< scratch

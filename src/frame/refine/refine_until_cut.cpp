@@ -150,6 +150,10 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const SteadyClock::time_point end = executor.time();
   levels.waits = executor.waits() - waits_before;
   levels.present = open.contacts.get();
+  // Who comes to the end has made its points, but for one whose front did not fit.
+  const bool all_ended = open.ended.get() == static_cast<std::int64_t>(input.table.known_of_chunk.back().refinable);
+  levels.points_due = !all_ended || std::any_of(levels.tallies.begin(), levels.tallies.end(),
+                                                [](const WorkerTally& tally) { return tally.full > 0; });
   const std::uint64_t left = expected_solved(forecasts, levels.present);
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = budget.tail_forecast(left);
