@@ -55,15 +55,18 @@ HWY_INLINE void weigh(const NodeContacts& contacts, std::size_t count, float rea
   }
 }
 
-// The nearest cluster of each contact, and its squared distance: 1 at a distance of size_m, or at an angle of 45
-// degrees.
+// The nearest cluster of each contact, of those from `first` on, and a bit for each contact that is near enough to join
+// it: at most size_m away, or at an angle of at most 45 degrees, or a part of each. Bits, because no processor foresees
+// which are.
 struct NearestClusters {
-  alignas(32) float distance[kLanes];
   alignas(32) float cluster[kLanes];
+  std::uint32_t near;
 };
 
-HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& state, NearestClusters& into) {
+HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& state, std::size_t first,
+                             NearestClusters& into) {
   const hn::CappedTag<float, kLanes> d;
+  into.near = 0;
   for (std::size_t k = 0; k < kLanes; k += hn::Lanes(d)) {
     const auto at = [&](const float* of) HWY_ATTR { return hn::Load(d, of + k); };
     const auto px = at(contacts.point_m[0]);
@@ -74,7 +77,7 @@ HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& s
     const auto nz = at(contacts.normal[2]);
     auto least = hn::Set(d, std::numeric_limits<float>::max());
     auto nearest = hn::Zero(d);
-    for (std::size_t c = 0; c < state.count; ++c) {
+    for (std::size_t c = first; c < state.count; ++c) {
       const auto square = [&](auto of, float mean) HWY_ATTR {
         const auto difference = hn::Sub(of, hn::Set(d, mean));
         return hn::Mul(difference, difference);
@@ -89,7 +92,9 @@ HWY_INLINE void find_nearest(const NodeContacts& contacts, const ClusterState& s
       least = hn::IfThenElse(nearer, distance, least);
       nearest = hn::IfThenElse(nearer, hn::Set(d, static_cast<float>(c)), nearest);
     }
-    hn::Store(least, d, into.distance + k);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Le(least, hn::Set(d, 1.0F)), bits);
+    into.near |= std::uint32_t{bits[0]} << k;
     hn::Store(nearest, d, into.cluster + k);
   }
 }
@@ -153,8 +158,8 @@ HWY_INLINE void join(const NodeContacts& contacts, const WeightedContacts& weigh
   sums.certain_separation_m = std::min(sums.certain_separation_m, contacts.certain_separation_m[lane]);
 }
 
+// Begins a cluster where there is room for one more.
 void begin(const NodeContacts& contacts, const WeightedContacts& weighted, std::size_t lane, ClusterState& state) {
-  if (state.count == ClusterState::kMost) merge_nearest(state);
   const std::size_t cluster = state.count++;
   ClusterState::Sums& sums = state.sums[cluster];
   std::copy_n(weighted.normal_m + 4 * lane, 4, sums.normal_m);
@@ -175,17 +180,21 @@ void add(const NodeContacts& contacts, std::size_t count, ClusterState& state) {
   weigh(contacts, count, state.reach_m, weighted);
   std::uint32_t left = 0;
   for (std::size_t lane = 0; lane < count; ++lane) left |= (weighted.weight_m[lane] > 0 ? 1U : 0U) << lane;
+  // Clusters from here on are new: no contact that is left is near any before them.
+  std::size_t first = 0;
   while (left != 0) {
     NearestClusters nearest;
-    find_nearest(contacts, state, nearest);
-    for (std::uint32_t lanes = left; lanes != 0; lanes &= lanes - 1) {
+    find_nearest(contacts, state, first, nearest);
+    for (std::uint32_t lanes = left & nearest.near; lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-      if (!(nearest.distance[lane] <= 1.0F)) continue;
       join(contacts, weighted, lane, state.sums[static_cast<std::size_t>(nearest.cluster[lane])]);
-      left &= ~(1U << lane);
     }
+    left &= ~nearest.near;
     if (left == 0) break;
     // None is near the first of the others.
+    const bool full = state.count == ClusterState::kMost;
+    if (full) merge_nearest(state);
+    first = full ? 0 : state.count;
     begin(contacts, weighted, static_cast<std::size_t>(std::countr_zero(left)), state);
     left &= left - 1;
   }
