@@ -121,9 +121,14 @@ class Rounds {
 
   // Some of the rows of a run.
   struct RowList {
-    std::uint32_t row[ImpactBatch::kRows];
+    std::uint32_t row[ImpactBatch::kRows + 1];
     std::size_t count = 0;
     void add(std::size_t i) { row[count++] = static_cast<std::uint32_t>(i); }
+    // Without a branch: no processor foresees which.
+    void add_if(bool wanted, std::size_t i) {
+      row[count] = static_cast<std::uint32_t>(i);
+      count += wanted ? 1U : 0U;
+    }
     [[nodiscard]] std::span<const std::uint32_t> all() const { return std::span(row).first(count); }
   };
 
@@ -167,11 +172,13 @@ class Rounds {
   // Rows of one colour; true if one needed an impulse.
   bool answer(const Turn& turn, std::size_t begin, std::size_t end) {
     ImpactBatch batch;
-    RowList by_points, overlapping;
+    RowList awake, by_points, overlapping;
     for (std::size_t i = begin; i < end; ++i) {
       if (distant_ && i + kChangesAhead < activations_.size()) prefetch_changes(activations_[i + kChangesAhead]);
+      awake.add_if(!skips(turn, activations_[i]), i);
+    }
+    for (const std::uint32_t i : awake.all()) {
       RowActivation& gate = activations_[i];
-      if (skips(turn, gate)) continue;
       if (!gate.ready) {
         system_.source->fill(i);
         activate(system_.rows[i], gate);
