@@ -113,9 +113,9 @@ void write_back_block(const ContactSystem& system, const SubstepTimes& times, Co
   LaneImpulses impulses;
   collect_lanes(shared, manifold_points, totals, forces, impulses);
   for (std::size_t lane = 0; lane < block.count; ++lane) {
-    const auto vector = [&](const double(&of)[3][kLanes]) { return Vec3(of[0][lane], of[1][lane], of[2][lane]); };
-    const Vec3 sum = vector(impulses.impulse_ns);
-    const Vec3 moment_a = vector(impulses.moment_a_nms);
+    // Read where they are: copies that were just written number by number are waited for where they are read in pairs.
+    const Eigen::Map<const Vec3> sum(impulses.impulse_ns[lane]);
+    const Eigen::Map<const Vec3> moment_a(impulses.moment_a_nms[lane]);
     system.applied_impulse_ns[block.pair[lane]] = sum;
     const bool pushed = (std::uint32_t{block.pushed} >> lane & 1U) != 0;
     if (!pushed && sum.isZero(0) && moment_a.isZero(0)) continue;
@@ -129,13 +129,16 @@ void write_back_block(const ContactSystem& system, const SubstepTimes& times, Co
     }
     if (a.inverse_mass > 0) {
       a.velocity_mps -= a.inverse_mass * sum;
-      a.spin_radps -= system.inverse_inertia[block.a[lane]] * moment_a;
+      a.spin_radps.noalias() -= system.inverse_inertia[block.a[lane]] * moment_a;
       a.solved = true;
     }
     if (b.inverse_mass > 0) {
       const Vec3 a_to_b = system.poses[block.b[lane]].position_m - system.poses[block.a[lane]].position_m;
       b.velocity_mps += b.inverse_mass * sum;
-      b.spin_radps += system.inverse_inertia[block.b[lane]] * (moment_a - a_to_b.cross(sum));
+      const Vec3 moment_b(moment_a.x() - (a_to_b.y() * sum.z() - a_to_b.z() * sum.y()),
+                          moment_a.y() - (a_to_b.z() * sum.x() - a_to_b.x() * sum.z()),
+                          moment_a.z() - (a_to_b.x() * sum.y() - a_to_b.y() * sum.x()));
+      b.spin_radps.noalias() += system.inverse_inertia[block.b[lane]] * moment_b;
       b.solved = true;
     }
   }

@@ -237,16 +237,6 @@ void ContactSolver::Buffers::iteration(parallel::Executor& executor, Visit&& vis
 
 namespace {
 
-template <class T>
-std::array<T, 6> added_in(const Acceleration& pull, double h_s) {
-  std::array<T, 6> added;
-  for (std::size_t k = 0; k < 3; ++k) {
-    added[k] = static_cast<T>(h_s * pull.linear_mps2[static_cast<int>(k)]);
-    added[k + 3] = static_cast<T>(h_s * pull.angular_radps2[static_cast<int>(k)]);
-  }
-  return added;
-}
-
 // The figures of a motion one after another: v, w, x, q.
 template <class T>
 T* figures(MotionChange<T>& motion) {
@@ -258,13 +248,15 @@ template <class T>
 void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
   T* const now = figures(lanes.motions[i]);
   T* const begun = figures(lanes.begun[i]);
-  const std::array<T, 6> added = added_in<T>(system.accelerations[i], h_s);
-  for (std::size_t k = 0; k < 6; ++k) {
+  const Acceleration& pull = system.accelerations[i];
+  const auto begin = [&](std::size_t k, double rate) {
     const T before = now[k];
     // The changes of the last substep came from forces and contacts: both are applied again.
-    now[k] = first ? before + added[k] : before + (before - begun[k]);
+    now[k] = first ? before + static_cast<T>(h_s * rate) : before + (before - begun[k]);
     begun[k] = before;
-  }
+  };
+  for (int k = 0; k < 3; ++k) begin(static_cast<std::size_t>(k), pull.linear_mps2[k]);
+  for (int k = 0; k < 3; ++k) begin(static_cast<std::size_t>(k + 3), pull.angular_radps2[k]);
 }
 
 template <class T>

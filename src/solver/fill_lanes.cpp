@@ -183,8 +183,11 @@ void collect(const PairLanes<T>& shared, std::span<const PointLanes<T>> manifold
       impulse = sum(impulse, given);
       moment = sum(moment, cross(get(d, point.arm, lane), given));
     }
-    put(d, impulse, impulses.impulse_ns, lane);
-    put(d, moment, impulses.moment_a_nms, lane);
+    const std::uint32_t all = (1U << hn::Lanes(d)) - 1U;
+    store_rows(d, Columns<V>{{impulse.x, impulse.y, impulse.z, zero}}, all,
+               [&](std::size_t k) { return impulses.impulse_ns[lane + k]; });
+    store_rows(d, Columns<V>{{moment.x, moment.y, moment.z, zero}}, all,
+               [&](std::size_t k) { return impulses.moment_a_nms[lane + k]; });
   }
 }
 

@@ -30,10 +30,11 @@ void fill_lanes(const LaneSources& sources, PairLanes<float>& shared, StartLanes
 void fill_lanes(const LaneSources& sources, PairLanes<double>& shared, StartLanes<double>& start,
                 std::span<PointLanes<double>> manifold_points);
 
-/// The total impulse that the b of each pair received in the step, and its moment about the centre of mass of a.
+/// The total impulse that the b of each pair received in the step, and its moment about the centre of mass of a: a row
+/// of three numbers and a zero for each pair.
 struct LaneImpulses {
-  alignas(64) double impulse_ns[3][kLanes];
-  alignas(64) double moment_a_nms[3][kLanes];
+  alignas(64) double impulse_ns[kLanes][4];
+  alignas(64) double moment_a_nms[kLanes][4];
 };
 
 /// Where the forces of the last substep go: of each lane in use so many, one after another.
