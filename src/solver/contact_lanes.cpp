@@ -112,8 +112,8 @@ HWY_INLINE void give(const Arms<V>& arms, const Triple<V>& impulse, Pairs<V>& pa
 template <class D, class T>
 HWY_INLINE Arms<hn::Vec<D>> arms_of(D d, const PointLanes<T>& point, const Triple<hn::Vec<D>>& a_to_b,
                                     std::size_t lane) {
-  const auto arm = load(d, point.arm, lane);
-  return {arm, difference(arm, a_to_b)};
+  // Loaded twice: GCC 12 copies the first in pieces that are larger than what it has just written, which waits.
+  return {load(d, point.arm, lane), difference(load(d, point.arm, lane), a_to_b)};
 }
 
 // Change of the speed along m by a unit impulse along l: l . K m.

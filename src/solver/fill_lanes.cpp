@@ -47,7 +47,8 @@ struct Poses {
   Triple<V> position;
   Turn<V> rotation;
 };
-HWY_INLINE Poses poses_of(Doubles d, const collision::Pose* const* of) {
+// Made in its place, figure by figure: GCC 12 copies whole structures through memory.
+HWY_INLINE void read_poses(Doubles d, const collision::Pose* const* of, Poses& into) {
   static_assert(sizeof(collision::Pose) == 12 * sizeof(double));
   const auto quad = [&](std::size_t offset) HWY_ATTR {
     return columns_of(d, [&](std::size_t lane) { return figures_at<const double>(of[lane], 0, offset); });
@@ -55,10 +56,15 @@ HWY_INLINE Poses poses_of(Doubles d, const collision::Pose* const* of) {
   const Columns<V> one = quad(0);
   const Columns<V> two = quad(4);
   const Columns<V> three = quad(8);
-  return {{one.at[0], one.at[1], one.at[2]},
-          {{{one.at[3], two.at[0], two.at[1]},
-            {two.at[2], two.at[3], three.at[0]},
-            {three.at[1], three.at[2], three.at[3]}}}};
+  const auto set = [](Triple<V>& to, const V& x, const V& y, const V& z) HWY_ATTR {
+    to.x = x;
+    to.y = y;
+    to.z = z;
+  };
+  set(into.position, one.at[0], one.at[1], one.at[2]);
+  set(into.rotation.column[0], one.at[3], two.at[0], two.at[1]);
+  set(into.rotation.column[1], two.at[2], two.at[3], three.at[0]);
+  set(into.rotation.column[2], three.at[1], three.at[2], three.at[3]);
 }
 
 // The lanes of a register whose bits are set, from a lane of the block on.
@@ -121,8 +127,10 @@ void fill(const LaneSources& sources, PairLanes<T>& shared, StartLanes<T>& start
     put(d, a.spin, start.spin_a, lane);
     put(d, b.spin, start.spin_b, lane);
     put(d, Triple<V>{zero, zero, zero}, shared.shift, lane);
-    const Poses pose_a = poses_of(d, sources.pose_a + lane);
-    const Poses pose_b = poses_of(d, sources.pose_b + lane);
+    Poses pose_a;
+    Poses pose_b;
+    read_poses(d, sources.pose_a + lane, pose_a);
+    read_poses(d, sources.pose_b + lane, pose_b);
     const Triple<V> a_to_b = difference(pose_b.position, pose_a.position);
     put(d, a_to_b, shared.a_to_b, lane);
     const V per_newton =

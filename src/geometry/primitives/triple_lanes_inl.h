@@ -16,22 +16,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Multiplications and additions stay apart: fused ones would round differently from one instruction set to the next.
 
-// Three numbers in each lane. Copied one register at a time: GCC 12 copies a plain structure in pieces that are larger
-// than what was just written one by one, and each waits until all of that is in the cache.
+// Three numbers in each lane.
 template <class V>
 struct Triple {
   V x, y, z;
-
-  Triple() = default;
-  HWY_INLINE Triple(const V& of_x, const V& of_y, const V& of_z) : x(of_x), y(of_y), z(of_z) {}
-  HWY_INLINE Triple(const Triple& other) : x(other.x), y(other.y), z(other.z) {}
-  HWY_INLINE Triple& operator=(const Triple& other) {
-    x = other.x;
-    y = other.y;
-    z = other.z;
-    return *this;
-  }
-  ~Triple() = default;
 };
 
 template <class V>
