@@ -4,7 +4,8 @@
 namespace poise::dynamics {
 namespace {
 
-// Numbers one by one: vectors that are written number by number and read in pairs are waited for, and here each would be.
+// Numbers one by one: vectors that are written number by number and read in pairs are waited for, and here each would
+// be.
 struct Three {
   double x = 0, y = 0, z = 0;
 };

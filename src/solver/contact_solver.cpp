@@ -344,8 +344,8 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       const std::span<TotalLanes<T>> totals =
           keeps_totals ? all.totals_of(blocks[i]) : std::span(here).first(blocks[i].manifold_points);
       if (distant && i + 1 < blocks.size()) prefetch_motions(bodies, blocks[i + 1]);
-      const IterationChange<T> change = solve_block(blocks[i], {all.pairs[i], all.manifold_points_of(blocks[i]), totals},
-                                                    substep_terms, round, bodies);
+      const IterationChange<T> change = solve_block(
+          blocks[i], {all.pairs[i], all.manifold_points_of(blocks[i]), totals}, substep_terms, round, bodies);
       if (substep_terms.watch) changes[i] = widened(change);
       if (last_substep && !substep_terms.watch) apply(i, totals);
     });
