@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "collision/instruction_sets.h"
@@ -86,6 +88,135 @@ TEST(ManifoldClusters, EachSpotBecomesOnePointAtItsWeightedMeans) {
       EXPECT_LT((found->normal - normal.normalized()).norm(), 1e-5);
       EXPECT_NEAR(found->gap_m, gap, 1e-8);
       EXPECT_NEAR(found->certain_separation_m, gap + 0.001, 1e-8);
+    }
+  }
+}
+
+// The same, written plainly: every contact is compared with every cluster, each time.
+class PlainClusters {
+ public:
+  void add(std::span<const NodeContact> block) {
+    std::vector<std::size_t> left;
+    for (std::size_t k = 0; k < block.size(); ++k) {
+      if (weight_of(block[k]) > 0) left.push_back(k);
+    }
+    while (!left.empty()) {
+      std::vector<std::pair<std::size_t, std::size_t>> joined;
+      for (const std::size_t k : left) {
+        const Cluster as_cluster = begun(block[k]);
+        std::size_t nearest = clusters_.size();
+        float least = std::numeric_limits<float>::max();
+        for (std::size_t c = 0; c < clusters_.size(); ++c) {
+          const float distance = distance_of(as_cluster, clusters_[c]);
+          if (distance < least) nearest = c;
+          least = std::min(least, distance);
+        }
+        if (least <= 1.0F) joined.emplace_back(k, nearest);
+      }
+      for (const auto& [k, cluster] : joined) {
+        join(begun(block[k]), clusters_[cluster]);
+        std::erase(left, k);
+      }
+      if (left.empty()) break;
+      if (clusters_.size() == ClusterState::kMost) merge_nearest();
+      clusters_.push_back(begun(block[left.front()]));
+      left.erase(left.begin());
+    }
+    for (Cluster& cluster : clusters_) {
+      if (cluster.weight > 1.25F * cluster.mean_weight) update(cluster);
+    }
+  }
+  std::vector<ManifoldPoint> points() {
+    for (Cluster& cluster : clusters_) update(cluster);
+    while (clusters_.size() > kMaxManifoldPoints) merge_nearest();
+    std::vector<ManifoldPoint> made;
+    for (const Cluster& cluster : clusters_) {
+      const double gap = static_cast<double>(cluster.gap);
+      made.push_back({cluster.direction.cast<double>().normalized(), cluster.center.cast<double>(), gap,
+                      std::max(gap, static_cast<double>(cluster.certain))});
+    }
+    return made;
+  }
+
+ private:
+  using Three = Eigen::Vector3f;
+  struct Cluster {
+    Three normals, points, direction, center;  // sums, and means
+    float weight, mean_weight, gap, certain;
+  };
+  static float weight_of(const NodeContact& contact) {
+    return std::max(static_cast<float>(kReach) - static_cast<float>(contact.gap_m), 0.0F);
+  }
+  static Cluster begun(const NodeContact& contact) {
+    const float weight = weight_of(contact);
+    const Three normal = contact.normal.cast<float>();
+    const Three point = contact.point_m.cast<float>();
+    return {weight * normal,
+            weight * point,
+            normal,
+            point,
+            weight,
+            weight,
+            static_cast<float>(contact.gap_m),
+            static_cast<float>(contact.certain_m)};
+  }
+  static float square(const Three& of) { return (of.x() * of.x() + of.y() * of.y()) + of.z() * of.z(); }
+  static float distance_of(const Cluster& a, const Cluster& b) {
+    const auto inverse_square = static_cast<float>(1.0 / (kSize * kSize));
+    return square(a.center - b.center) * inverse_square + square(a.direction - b.direction) * (1.0F / 0.586F);
+  }
+  static void join(const Cluster& gone, Cluster& kept) {
+    kept.normals += gone.normals;
+    kept.points += gone.points;
+    kept.weight += gone.weight;
+    kept.gap = std::min(kept.gap, gone.gap);
+    kept.certain = std::min(kept.certain, gone.certain);
+  }
+  static void update(Cluster& cluster) {
+    const float length = std::sqrt(square(cluster.normals));
+    if (length > 0) cluster.direction = cluster.normals / length;
+    cluster.center = cluster.points / cluster.weight;
+    cluster.mean_weight = cluster.weight;
+  }
+  void merge_nearest() {
+    std::pair<std::size_t, std::size_t> nearest{0, 1};
+    float least = std::numeric_limits<float>::max();
+    for (std::size_t i = 0; i < clusters_.size(); ++i) {
+      for (std::size_t j = i + 1; j < clusters_.size(); ++j) {
+        const float distance = distance_of(clusters_[i], clusters_[j]);
+        if (distance < least) nearest = {i, j};
+        least = std::min(least, distance);
+      }
+    }
+    join(clusters_[nearest.second], clusters_[nearest.first]);
+    update(clusters_[nearest.first]);
+    clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(nearest.second));
+  }
+
+  std::vector<Cluster> clusters_;
+};
+
+TEST(ManifoldClusters, AreThoseOfEveryContactComparedWithEveryCluster) {
+  std::mt19937_64 random(25);
+  for (int round = 0; round < 400; ++round) {
+    // From one spot to many that overlap, so that clusters are begun, joined and merged in every order.
+    const double spread = 0.05 * (1 + round % 12);
+    std::vector<NodeContact> all;
+    for (std::size_t k = 0; k < 1 + random() % 60; ++k) {
+      const double gap = kReach - 0.012 * random_vector(random, 1).cwiseAbs().x();
+      all.push_back({random_vector(random, 1).normalized(), random_vector(random, spread), gap, gap + 0.001});
+    }
+    const ManifoldPoints points = clustered(all, 8);
+    PlainClusters plain;
+    for (std::size_t begin = 0; begin < all.size(); begin += 8)
+      plain.add(std::span(all).subspan(begin, std::min<std::size_t>(8, all.size() - begin)));
+    const std::vector<ManifoldPoint> expected = plain.points();
+    ASSERT_EQ(points.count, expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      EXPECT_EQ(points.point[k].normal, expected[k].normal) << round;
+      EXPECT_EQ(points.point[k].point_m, expected[k].point_m) << round;
+      EXPECT_EQ(points.point[k].gap_m, expected[k].gap_m);
+      EXPECT_EQ(points.point[k].certain_separation_m, expected[k].certain_separation_m);
     }
   }
 }
