@@ -132,7 +132,7 @@ class PlainClusters {
     std::vector<ManifoldPoint> made;
     for (const Cluster& cluster : clusters_) {
       const double gap = static_cast<double>(cluster.gap);
-      made.push_back({cluster.direction.cast<double>().normalized(), cluster.center.cast<double>(), gap,
+      made.push_back({Vec3(cluster.direction.cast<double>()).normalized(), cluster.center.cast<double>(), gap,
                       std::max(gap, static_cast<double>(cluster.certain))});
     }
     return made;
