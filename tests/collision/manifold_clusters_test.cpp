@@ -200,11 +200,12 @@ TEST(ManifoldClusters, AreThoseOfEveryContactComparedWithEveryCluster) {
   std::mt19937_64 random(25);
   for (int round = 0; round < 400; ++round) {
     // From one spot to many that overlap, so that clusters are begun, joined and merged in every order.
-    const double spread = 0.05 * (1 + round % 12);
+    const double spread = 0.03 * (1 + round % 12);
     std::vector<NodeContact> all;
     for (std::size_t k = 0; k < 1 + random() % 60; ++k) {
       const double gap = kReach - 0.012 * random_vector(random, 1).cwiseAbs().x();
-      all.push_back({random_vector(random, 1).normalized(), random_vector(random, spread), gap, gap + 0.001});
+      const Vec3 normal = (Vec3::UnitZ() + random_vector(random, 0.1 * (round % 5))).normalized();
+      all.push_back({normal, random_vector(random, spread), gap, gap + 0.001});
     }
     const ManifoldPoints points = clustered(all, 8);
     PlainClusters plain;
