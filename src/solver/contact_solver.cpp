@@ -249,14 +249,14 @@ void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool 
   T* const now = figures(lanes.motions[i]);
   T* const begun = figures(lanes.begun[i]);
   const Acceleration& pull = system.accelerations[i];
-  const auto begin = [&](std::size_t k, double rate) {
+  const auto begin = [&](int k, double rate) {
     const T before = now[k];
     // The changes of the last substep came from forces and contacts: both are applied again.
     now[k] = first ? before + static_cast<T>(h_s * rate) : before + (before - begun[k]);
     begun[k] = before;
   };
-  for (int k = 0; k < 3; ++k) begin(static_cast<std::size_t>(k), pull.linear_mps2[k]);
-  for (int k = 0; k < 3; ++k) begin(static_cast<std::size_t>(k + 3), pull.angular_radps2[k]);
+  for (int k = 0; k < 3; ++k) begin(k, pull.linear_mps2[k]);
+  for (int k = 0; k < 3; ++k) begin(k + 3, pull.angular_radps2[k]);
 }
 
 template <class T>
