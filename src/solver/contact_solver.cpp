@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <type_traits>
@@ -19,6 +20,7 @@
 #include "solver/impulse_lanes.h"
 #include "solver/iteration_change.h"
 #include "solver/iteration_limit.h"
+#include "solver/iteration_threads.h"
 #include "solver/prefetch_blocks.h"
 #include "solver/settling.h"
 
@@ -39,6 +41,8 @@ constexpr double kFarOfStill = 0.01;
 constexpr double kDiverged = 2;
 // How many blocks ahead what they read is prefetched.
 constexpr std::size_t kPairsAhead = 3, kAhead = 1;
+// With as many iterations in a substep, or more, threads are used only if they pay.
+constexpr std::uint32_t kManyIterations = 8;
 
 }  // namespace
 
@@ -56,7 +60,9 @@ struct ContactSolver::Buffers {
   EnergyGuard energy;
   bool keeps_totals = false;
   bool distant = false;  // what the pairs name is in no cache near by: it is prefetched
-  double alone_j = 0;    // of this substep without contacts; contacts only reduce it
+  // Each precision by itself: pairs take three times as long in double precision.
+  IterationThreads single_threads, twofold_threads;
+  double alone_j = 0;  // of this substep without contacts; contacts only reduce it
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -69,9 +75,15 @@ struct ContactSolver::Buffers {
     }
   }
 
+  template <class T>
+  IterationThreads& threads() {
+    return sizeof(T) == sizeof(float) ? single_threads : twofold_threads;
+  }
+
   std::size_t make_blocks(const ContactSystem& system, parallel::Executor& executor);
+  // All blocks, colour by colour; on the calling thread if `alone`.
   template <class Visit>
-  void iteration(parallel::Executor& executor, Visit&& visit);
+  void iteration(bool alone, parallel::Executor& executor, Visit&& visit);
   template <class Visit>
   void for_impulses(Visit&& visit);
   // Calls visit(block, where its numbers begin) for each block; returns how many there are.
@@ -149,7 +161,7 @@ void ContactSolver::Buffers::mix(parallel::Executor& executor) {
     change_impulses(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), &roots[at], &after[at],
                     &swept[at]);
   });
-  iteration(executor, [&](std::size_t i) {
+  iteration(twofold_threads.alone(), executor, [&](std::size_t i) {
     warm_start_block(blocks[i], twofold.pairs[i], twofold.manifold_points_of(blocks[i]), twofold.bodies());
   });
   const bool diverged = !(energy.joules(twofold.motions) <= kDiverged * std::max(swept_j, alone_j));
@@ -223,8 +235,12 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
 }
 
 template <class Visit>
-void ContactSolver::Buffers::iteration(parallel::Executor& executor, Visit&& visit) {
+void ContactSolver::Buffers::iteration(bool alone, parallel::Executor& executor, Visit&& visit) {
   constexpr std::size_t kGrain = 4;
+  if (alone) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) visit(i);
+    return;
+  }
   for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
     const std::size_t first = block_begin[color];
     parallel::parallel_for(executor, block_begin[color + 1] - first, kGrain,
@@ -312,7 +328,7 @@ template <class T>
 void ContactSolver::Buffers::fill(const ContactSystem& system, const BlockTerms& terms, Lanes<T>& all,
                                   parallel::Executor& executor) {
   const BodyLanes<T> bodies = all.bodies();
-  iteration(executor, [&](std::size_t i) {
+  iteration(threads<T>().alone(), executor, [&](std::size_t i) {
     if (distant && i + kPairsAhead < blocks.size()) prefetch_pairs(system, blocks[i + kPairsAhead]);
     if (distant && i + kAhead < blocks.size()) prefetch_points(system, blocks[i + kAhead]);
     fill_block(system, terms, blocks[i], all.pairs[i], all);
@@ -339,7 +355,9 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
   for (std::uint32_t round = 0; round < limit.iterations(result.far) && !result.settled; ++round) {
     ++ended.iterations;
     if (limit.mixed && round == 0) read_impulses(before);
-    iteration(executor, [&, &substep_terms = terms](std::size_t i) {
+    const bool measures = threads<T>().measures();
+    const auto begun = measures ? executor.time() : std::chrono::steady_clock::time_point{};
+    iteration(threads<T>().alone(), executor, [&, &substep_terms = terms](std::size_t i) {
       std::array<TotalLanes<T>, collision::kMaxManifoldPoints> here;
       const std::span<TotalLanes<T>> totals =
           keeps_totals ? all.totals_of(blocks[i]) : std::span(here).first(blocks[i].manifold_points);
@@ -349,6 +367,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
       if (substep_terms.watch) changes[i] = widened(change);
       if (last_substep && !substep_terms.watch) apply(i, totals);
     });
+    if (measures) threads<T>().note(executor.time() - begun);
     if (!terms.watch) break;
     const IterationChange<double> sum = sum_of(changes);
     result.far = sum.residual_j > kFarOfStill * still_mps(settings) * sum.impulse_sum_ns;
@@ -381,6 +400,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
   const bool watch = limit.most > 1;
   reserve<T>(system, limit.mixed, watch || settings.substeps > 2, executor);
   Lanes<T>& all = lanes<T>();
+  threads<T>().begin(limit.most >= kManyIterations && executor.concurrency() > 1);
   // Lanes that were not used in the last step do not know what rests.
   const bool everything = !std::exchange(all.used_last, true) || !system.only_active;
   (std::is_same_v<T, float> ? twofold.used_last : single.used_last) = false;
@@ -441,10 +461,11 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
     end_substep(i, h_s, all);
     land(all.motions[i], system.bodies[i]);
   });
-  if (watch) iteration(executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
+  const bool alone = threads<T>().alone();
+  if (watch) iteration(alone, executor, [&](std::size_t i) { give(i, all.totals_of(blocks[i])); });
   if (std::ranges::any_of(blocks, [](const ContactBlock& block) { return block.shifted != 0; })) {
     for_blocks([&](std::size_t i) { measure_angular_change(system, blocks[i], all.pairs[i]); });
-    iteration(executor, [&](std::size_t i) { return_angular_momentum(system, blocks[i], all.pairs[i]); });
+    iteration(alone, executor, [&](std::size_t i) { return_angular_momentum(system, blocks[i], all.pairs[i]); });
   }
   return ended;
 }

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "solver/iteration_threads.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <utility>
+#include <vector>
+
+namespace poise::solver {
+namespace {
+
+using std::chrono::nanoseconds;
+
+// What iterations take on a machine.
+struct Machine {
+  nanoseconds alone, all;
+  nanoseconds cold{0};  // more, for the first after a change from one way to the other
+};
+
+// Makes the iterations of a step; says of each whether it was made alone.
+std::vector<bool> step(IterationThreads& threads, const Machine& machine, int iterations, bool choice = true) {
+  std::vector<bool> made;
+  threads.begin(choice);
+  for (int i = 0; i < iterations; ++i) {
+    const bool alone = threads.alone();
+    const bool changed = !made.empty() && made.back() != alone;
+    if (threads.measures())
+      threads.note((alone ? machine.alone : machine.all) + (changed ? machine.cold : nanoseconds(0)));
+    made.push_back(alone);
+  }
+  return made;
+}
+
+constexpr int kTrials = IterationThreads::kTrials;
+
+TEST(IterationThreads, GoesTheWayThatTookLessTime) {
+  for (const bool alone : {true, false}) {
+    IterationThreads threads;
+    const Machine machine{nanoseconds(alone ? 5 : 9), nanoseconds(7)};
+    const std::vector<bool> first = step(threads, machine, 20);
+    for (int i = 0; i < 20; ++i) {
+      const bool expected = i < kTrials || (i >= 2 * kTrials && alone);
+      EXPECT_EQ(first[static_cast<std::size_t>(i)], expected) << i;
+    }
+    EXPECT_EQ(step(threads, machine, 4), std::vector<bool>(4, alone)) << "and stays there";
+  }
+}
+
+TEST(IterationThreads, DoesNotTimeTheFirstIterationAfterAChange) {
+  IterationThreads threads;
+  const Machine machine{nanoseconds(9), nanoseconds(7), nanoseconds(100)};
+  step(threads, machine, 2 * kTrials);
+  EXPECT_FALSE(threads.alone()) << "the first by all found cold caches";
+}
+
+TEST(IterationThreads, MeasuresAgainAfterSomeSteps) {
+  IterationThreads threads;
+  step(threads, {nanoseconds(5), nanoseconds(7)}, 20);
+  const Machine later{nanoseconds(9), nanoseconds(7)};
+  for (std::uint32_t k = 1; k < IterationThreads::kSteps; ++k) {
+    ASSERT_EQ(step(threads, later, 2), std::vector<bool>(2, true)) << k;
+    ASSERT_FALSE(threads.measures());
+  }
+  step(threads, later, 20);
+  EXPECT_EQ(step(threads, later, 3), std::vector<bool>(3, false));
+}
+
+TEST(IterationThreads, GoesOnMeasuringInTheNextStep) {
+  IterationThreads threads;
+  const Machine machine{nanoseconds(5), nanoseconds(7)};
+  std::vector<bool> made;
+  for (int k = 0; k < 4; ++k) {
+    for (const bool alone : step(threads, machine, 2)) made.push_back(alone);
+  }
+  EXPECT_EQ(made, (std::vector<bool>{true, true, true, false, false, false, true, true}));
+}
+
+TEST(IterationThreads, WithoutAChoiceNothingIsAloneOrMeasured) {
+  IterationThreads threads;
+  step(threads, {nanoseconds(5), nanoseconds(7)}, 20);
+  ASSERT_TRUE(threads.alone());
+  for (std::uint32_t k = 0; k < 2 * IterationThreads::kSteps; ++k) {
+    ASSERT_EQ(step(threads, {}, 3, false), std::vector<bool>(3, false));
+    ASSERT_FALSE(threads.measures());
+  }
+  threads.begin(true);
+  EXPECT_TRUE(threads.alone()) << "what was measured still holds";
+}
+
+}  // namespace
+}  // namespace poise::solver
