@@ -47,6 +47,15 @@ TEST(IterationThreads, GoesTheWayThatTookLessTime) {
   }
 }
 
+TEST(IterationThreads, StaysWithAllThreadsWhereAloneSavesLittle) {
+  IterationThreads threads;
+  step(threads, {nanoseconds(91), nanoseconds(100)}, 20);
+  EXPECT_FALSE(threads.alone());
+  IterationThreads others;
+  step(others, {nanoseconds(89), nanoseconds(100)}, 20);
+  EXPECT_TRUE(others.alone());
+}
+
 TEST(IterationThreads, DoesNotTimeTheFirstIterationAfterAChange) {
   IterationThreads threads;
   const Machine machine{nanoseconds(9), nanoseconds(7), nanoseconds(100)};
