@@ -237,8 +237,11 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
 template <class Visit>
 void ContactSolver::Buffers::iteration(bool alone, parallel::Executor& executor, Visit&& visit) {
   constexpr std::size_t kGrain = 4;
+  constexpr std::size_t kAloneGrain = 64;
   if (alone) {
-    for (std::size_t i = 0; i < blocks.size(); ++i) visit(i);
+    parallel::serial_for(executor, blocks.size(), kAloneGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
     return;
   }
   for (std::size_t color = 0; color + 2 < block_begin.size(); ++color) {
