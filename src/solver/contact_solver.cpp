@@ -60,7 +60,7 @@ struct ContactSolver::Buffers {
   EnergyGuard energy;
   bool keeps_totals = false;
   bool distant = false;  // what the pairs name is in no cache near by: it is prefetched
-  // Each precision by itself: pairs take three times as long in double precision.
+  // Each precision by itself: their iterations take different times.
   IterationThreads single_threads, twofold_threads;
   double alone_j = 0;  // of this substep without contacts; contacts only reduce it
   Lanes<float> single;

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <utility>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
+
+#include "solver/contact_bench.h"
 
 namespace poise::solver {
 namespace {
@@ -95,6 +98,59 @@ TEST(IterationThreads, WithoutAChoiceNothingIsAloneOrMeasured) {
   }
   threads.begin(true);
   EXPECT_TRUE(threads.alone()) << "what was measured still holds";
+}
+
+// Four workers of which one does all, on a clock of its own: loops of all workers take one time, and parts of loops of
+// the calling thread alone another.
+class Clocked final : public parallel::Executor {
+ public:
+  Clocked(nanoseconds run, nanoseconds part) : run_(run), part_(part) {}
+  [[nodiscard]] int concurrency() const override { return 4; }
+  void run(parallel::WorkerFunction step) override {
+    ++runs;
+    now_ += run_;
+    while (step(0)) {
+    }
+  }
+  std::size_t run_with(const parallel::Patience& /*patience*/, parallel::WorkerFunction step) override {
+    run(step);
+    return 0;
+  }
+  [[nodiscard]] bool commit(int /*worker*/) override { return true; }
+  void settle() override {}
+  void stop_point() override {
+    ++parts;
+    now_ += part_;
+  }
+  [[nodiscard]] std::chrono::steady_clock::time_point time() const override { return now_; }
+
+  int runs = 0, parts = 0;
+
+ private:
+  nanoseconds run_, part_;
+  std::chrono::steady_clock::time_point now_;
+};
+
+TEST(IterationThreads, TheContactSolverGoesTheQuickerWay) {
+  for (const bool alone : {true, false}) {
+    Clocked executor(nanoseconds(alone ? 900 : 100), nanoseconds(500));
+    Bench bench;
+    bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);
+    const std::uint32_t floor = bench.add_body(0);
+    for (int i = 0; i < 60; ++i) {
+      const Vec3 place(3.0 * i, 0, 0);
+      const std::uint32_t body = bench.add_body(1, place);
+      bench.add_pair(floor, body, Vec3::UnitZ(), {place + Vec3(0.5, 0.5, -0.5), place + Vec3(-0.5, 0.4, -0.5)});
+    }
+    const auto step = [&] { bench.solver.solve(bench.system(), bench.settings, executor); };
+    for (int i = 0; i < 10; ++i) step();
+    EXPECT_GT(executor.parts, 0) << "both ways were tried";
+    EXPECT_GT(executor.runs, 0);
+    executor.runs = executor.parts = 0;
+    for (int i = 0; i < 5; ++i) step();
+    EXPECT_EQ(executor.parts > 0, alone);
+    EXPECT_EQ(executor.runs == 0, alone) << executor.runs;
+  }
 }
 
 }  // namespace
