@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <variant>
@@ -53,7 +54,14 @@ struct Done {};
 /// The result of a call that returns no value.
 using Status = Result<Done>;
 
-/// An Error of kind BadInput.
-inline Error bad_input(std::string message) { return {ErrorKind::BadInput, std::move(message)}; }
+/// `text` with a '?' for each control character, so that names out of files cannot break a message into lines.
+inline std::string one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, '?');
+  return text;
+}
+
+/// An Error of kind BadInput. Its message is `message` as one line.
+inline Error bad_input(std::string message) { return {ErrorKind::BadInput, one_line(std::move(message))}; }
 
 }  // namespace poise

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "poise/assets/mesh_file.h"
 #include "poise/scene/scene.h"
@@ -107,6 +108,28 @@ TEST(ImportDraft, RefusesMeshesThatAreReadTooOften) {
   settings.most_read = 79;
   EXPECT_EQ(draft_refusal(draft, settings, save),
             "its meshes have more than 79 vertices and triangles together, each as often as it is used");
+}
+
+TEST(ImportDraft, NamesMeshesInOneLine) {
+  io::SceneDraft draft;
+  draft.name = "made";
+  draft.meshes.push_back({"a\nb", "/nowhere/x\n.stl", nullptr, Mat3::Identity()});
+  io::DraftSolid solid;
+  solid.kind = io::SolidKind::Mesh;
+  io::DraftBody body;
+  body.solids.push_back(solid);
+  draft.bodies.push_back(body);
+  const auto save = [](const std::filesystem::path&, const std::string&) { return Status(Done{}); };
+  EXPECT_EQ(draft_refusal(draft, {}, save), "mesh 'a?b': /nowhere/x?.stl: cannot be read: no such file");
+  auto triangle = std::make_shared<TriangleMesh>();
+  triangle->vertices_m = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle->triangles = {{0, 1, 2}};
+  draft.meshes[0].mesh = triangle;
+  io::WrittenDraft written;
+  // What it says of the mesh does not depend on whether the text is a scene.
+  (void)io::draft_text(draft, {}, "s.json", save, written);
+  EXPECT_EQ(written.warnings,
+            std::vector<std::string>{"mesh 'a?b' encloses no volume: it is its surface, 0.001 m thick"});
 }
 
 TEST(ImportDraft, OverwritesNoMeshOfTheModel) {

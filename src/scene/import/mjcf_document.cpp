@@ -41,7 +41,7 @@ Result<const MjcfDocument::Element*> MjcfDocument::parse(const std::string& text
   bytes_ += text.size();
   if (bytes_ > kMostModelBytes) return bad_input(name + ": with what it includes it has more than 64 MiB");
   auto& file = *files_.emplace_back(std::make_unique<tinyxml2::XMLDocument>());
-  names_[&file] = name;
+  names_[&file] = one_line(name);
   if (file.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS || file.RootElement() == nullptr)
     return bad_input(fmt::format("{}: line {}: not valid XML ({})", name, file.ErrorLineNum(), file.ErrorName()));
   return file.RootElement();
