@@ -286,8 +286,8 @@ class DraftWriter {
     if (!report) return refused(report.error().message);
     read.shell = report.value().solidity == Solidity::Shell;
     if (read.shell && !told_[index])
-      written_.warnings.push_back(one_line(fmt::format(
-          "mesh '{}' encloses no volume: it is its surface, {} m thick", draft.name, settings_.shell_thickness_m)));
+      written_.warnings.push_back(one_line(fmt::format("mesh '{}' encloses no volume: it is its surface, {} m thick",
+                                                       draft.name, settings_.shell_thickness_m)));
     told_[index] = told_[index] || read.shell;
     return read;
   }
