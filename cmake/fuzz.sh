@@ -50,7 +50,10 @@ one() {
   memory="$(sed -n 's/^stat::peak_rss_mb: *//p' "$keep/$reader.log")"
   printf '%-8s %10s %8s %8s  %s\n' "$reader" "${runs:--}" "${rate:--}" "${memory:--}" "$( ((status == 0)) && echo held || echo "BROKE: $keep/$reader.log")"
   # The log may be out of reach where this ran.
-  if ((status != 0)); then grep -E '^(broken promise|Base64|==[0-9]+==ERROR)|runtime error:|^SUMMARY' "$keep/$reader.log" || tail -n 20 "$keep/$reader.log"; fi
+  if ((status != 0)); then
+    grep -E '^(broken promise|==[0-9]+==ERROR)|runtime error:|^SUMMARY' "$keep/$reader.log" || tail -n 20 "$keep/$reader.log"
+    find "$keep/$reader" -name 'broke-*' -printf '%f, base64: ' -exec base64 -w 0 {} \; -printf '\n'
+  fi
   return "$status"
 }
 export -f one
