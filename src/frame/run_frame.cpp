@@ -234,7 +234,6 @@ class Step {
     if (log != nullptr) log->crowded_partners(crowded_partners_);
     if (frame_.candidates.discarded > 0) report_.degraded.crowded_partners = crowded_partners_;
     report_.times.refine = laps_.lap();
-    make_points_left(input, world_.pools, frame_.levels, executor_);
   }
 
   // Substeps of this frame.

@@ -28,10 +28,11 @@ struct Forecasts {
   scheduler::DurationForecast host_work;
   scheduler::TailForecast head;  ///< of what comes before refinement; its contacts are the active pairs
   TimeFacts times;
-  double solved_share = 1;   ///< of the pairs that are not separated; learned
-  double unit_cost_ns = 60;  ///< of a node-pair expansion: a prior, replaced by what is measured
-  double pair_cost_ns = 0;   ///< likewise of refining a pair to its end, by all workers together; 0: not known
-  double rank_cost_ns = 30;  ///< likewise of ranking a pair, by all workers together
+  double solved_share = 1;    ///< of the pairs that are not separated; learned
+  double unit_cost_ns = 60;   ///< of a node-pair expansion: a prior, replaced by what is measured
+  double pair_cost_ns = 0;    ///< likewise of refining a pair to its end, by all workers together; 0: not known
+  double entry_cost_ns = 12;  ///< likewise of making contact points, an entry of a front, by all workers together
+  double rank_cost_ns = 30;   ///< likewise of ranking a pair, by all workers together
 };
 
 }  // namespace poise::simulation

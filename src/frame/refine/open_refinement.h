@@ -41,6 +41,7 @@ struct OpenRefinement {
     scheduler::FrameFacts facts;
     scheduler::FrameBudget budget;
     double solved_share = 1;     ///< of the pairs not found separated
+    double entry_cost_ns = 0;    ///< of making contact points, an entry (entries_due), by all workers together
     DecisionLog* log = nullptr;  ///< of a step that is recorded
   };
   /// What a job has found out of one pair.
@@ -51,8 +52,9 @@ struct OpenRefinement {
     Outcome ended = Outcome::Completed;  ///< of the last level
     bool newly_ranked = false;           ///< by this job; then `cues` are those that were found
     scheduler::PairCues cues;
-    bool completed = false;  ///< at least one level
-    bool again = false;      ///< the next level has its turn later, in this band
+    bool completed = false;        ///< at least one level
+    bool again = false;            ///< the next level has its turn later, in this band
+    std::uint32_t due_before = 0;  ///< entries_due of what was known before
     std::uint32_t band = 0;
   };
   /// What one worker holds: the pairs of its job, which become everybody's when the job commits.
@@ -72,6 +74,7 @@ struct OpenRefinement {
   std::optional<PairCueSource> cues;                ///< of the run
   parallel::Shared<std::int64_t> contacts{0};       ///< pairs not found separated
   parallel::Shared<std::int64_t> ended{0};          ///< pairs that have come as deep as they go
+  parallel::Shared<std::int64_t> due{0};            ///< entries that contact points are to be made of when all is over
   parallel::Shared<int> cut{0};                     ///< not 0: the time is up for a job that was next
   std::optional<parallel::Shares> chunks_in_order;  ///< there: pairs go as they stand, whatever their score
   SteadyClock::time_point in_order_until{};         ///< but no longer than this

@@ -271,6 +271,8 @@ void refine(const RefineInput& given, const RefineResources& resources, Complete
     refine_by_rounds(refinement,
                      budget.kind == Budget::Kind::Work ? budget.work_units : std::numeric_limits<std::uint64_t>::max());
   }
+  if (budget.kind != Budget::Kind::Deadline || input.step.replay != nullptr)
+    make_points_left(input, resources.pools, levels, executor);
   if (levels.learns) observe_gains(input, levels, resources.learned.observed());
   sum_tallies(input, levels, resources.forecasts, report);
 }

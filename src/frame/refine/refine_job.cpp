@@ -91,6 +91,7 @@ class OpenRefinement::Job {
       hand.item = item;
       const PairProgress& known = run_.levels.progress[item];
       hand.progress = known;
+      hand.due_before = known.level.level > 0 ? entries_due(known, run_.levels.found.of(known)) : 0;
       hand.ended = Outcome::Completed;
       hand.completed = hand.again = hand.newly_ranked = false;
       if (!in_order() && !hand.progress.ranked && !rank(hand)) continue;
@@ -133,14 +134,16 @@ class OpenRefinement::Job {
   // May a piece of the next `units` begin? If so it counts as begun.
   [[nodiscard]] bool admits(std::uint64_t units) {
     const std::uint64_t piece = std::min<std::uint64_t>(units, run_.input.policy.quantum_units);
-    const bool admitted =
-        run_.budget.admits(now_, unwatched_units_ + piece, solved_of(run_.solved_share, open_.contacts.get()));
+    const bool admitted = run_.budget.admits(now_ + points_due(), unwatched_units_ + piece,
+                                             solved_of(run_.solved_share, open_.contacts.get()));
     if (admitted) {
       unwatched_units_ += piece;
       batch_units_ += piece;
     }
     return admitted;
   }
+  // How long it takes to make the contact points of the pairs as they are.
+  [[nodiscard]] Nanoseconds points_due() const { return time_of_points(run_.entry_cost_ns, open_.due.get()); }
   // Since this worker's first job.
   [[nodiscard]] Nanoseconds off_cpu() const {
     return std::max(Nanoseconds(0), now_ - tally_.begun - (parallel::thread_cpu_time() - tally_.cpu_before));
@@ -254,6 +257,7 @@ class OpenRefinement::Job {
   void publish() {
     std::int64_t more_contacts = 0;
     std::int64_t more_ended = 0;
+    std::int64_t more_due = 0;
     for (const Hand& hand : std::span(batch_.hands).first(batch_.count)) {
       PairProgress& pair = run_.levels.progress[hand.item];
       pair.seen = hand.progress.seen;
@@ -273,6 +277,7 @@ class OpenRefinement::Job {
           run_.levels.found.keep(pair, reach_m, worker_);
         }
         if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
+        more_due += std::int64_t{entries_due(pair, hand.found)} - hand.due_before;
       }
       if (hand.ended == Outcome::Full) pair.full = true;
       if (!pair.refinable() || pair.full) ++more_ended;
@@ -280,6 +285,7 @@ class OpenRefinement::Job {
     }
     if (more_contacts != 0) open_.contacts.add(more_contacts);
     if (more_ended != 0) open_.ended.add(more_ended);
+    if (more_due != 0) open_.due.add(more_due);
     if (cut_) open_.cut.set(1);
     for (const RefinementNote& note : batch_.notes) run_.log->note(worker_, note.item, note.kind, note.when);
   }

@@ -16,9 +16,7 @@ collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed
 
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
                      collision::LevelContact& found, std::span<const collision::FrontPool> pools) {
-  // A level with none after it has made its points. Asked first, because that of most pairs is in no cache near by.
-  if (!progress.level.refinable()) return;
-  if (progress.level.level == 0 || progress.apart() || progress.from_cache() || !found.points_due) return;
+  if (entries_due(progress, found) == 0) return;
   collision::make_points(frame_of(refiner, posed), pools, progress.level, found);
 }
 

@@ -88,6 +88,23 @@ void run_in_order(const RefinementTime& time, const RefineResources& resources, 
   learn_pair_cost(executor.time() - time.begin, open.ended.get(), 1, resources.forecasts);
 }
 
+// At most so often as long as expected: the machine may have been in between. Chosen.
+constexpr double kMostOfExpected = 4;
+
+// What remains of the pairs that came to no end: their contact points.
+void make_points_due(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels,
+                     parallel::Executor& executor) {
+  constexpr std::int64_t kLeastEntries = 1000;
+  const std::int64_t due = resources.open.due.get();
+  levels.points_due = due > 0;
+  const SteadyClock::time_point begun = executor.time();
+  make_points_left(input, resources.pools, levels, executor);
+  if (due < kLeastEntries) return;
+  const double measured_ns = static_cast<double>((executor.time() - begun).count()) / static_cast<double>(due);
+  double& cost_ns = resources.forecasts.entry_cost_ns;
+  cost_ns += 0.2 * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
+}
+
 // What may be refined by score, until the cut. False where there was no time to rank any.
 bool run_ranked(const RefineInput& input, const RefinementTime& time, const RefineResources& resources,
                 CompletedLevels& levels, FrameReport& report, parallel::Executor& executor) {
@@ -128,11 +145,13 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const FramePlan plan = plan_frame(input, start, forecasts, levels, report, executor);
   OpenRefinement& open = resources.open;
   open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
-                                       forecasts.solved_share, resources.log});
+                                       forecasts.solved_share, forecasts.entry_cost_ns, resources.log});
   open.cues.emplace(open.run->input);
   reserve_for_jobs(input.table, levels.tallies.size(), resources);
   open.contacts.set(plan.present);
   open.ended.set(0);
+  open.due.set(0);
+  levels.points_due = false;
   levels.present = plan.present;
   open.cut.set(0);
   open.chunks_in_order.reset();
@@ -150,10 +169,6 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const SteadyClock::time_point end = executor.time();
   levels.waits = executor.waits() - waits_before;
   levels.present = open.contacts.get();
-  // Who comes to the end has made its points, but for one whose front did not fit.
-  const bool all_ended = open.ended.get() == static_cast<std::int64_t>(input.table.known_of_chunk.back().refinable);
-  levels.points_due = !all_ended || std::any_of(levels.tallies.begin(), levels.tallies.end(),
-                                                [](const WorkerTally& tally) { return tally.full > 0; });
   const std::uint64_t left = expected_solved(forecasts, levels.present);
   report.reserve_at_cut = budget.reserve(left);
   report.tail_forecast = budget.tail_forecast(left);
@@ -168,10 +183,12 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   if (report.jobs_abandoned > 0) held_up = report.waited;
   report.off_cpu = std::min(report.waited, held_up);
   const Nanoseconds own_off_cpu = end - run_begun - (parallel::thread_cpu_time() - cpu_before) - report.waited;
-  const Nanoseconds past_cut = std::max(Nanoseconds(0), end - last_cut);
+  const Nanoseconds of_points = time_of_points(forecasts.entry_cost_ns, open.due.get());
+  const Nanoseconds past_cut = std::max(Nanoseconds(0), end + of_points - last_cut);
   const Nanoseconds taken = std::min(past_cut, std::max(Nanoseconds(0), own_off_cpu) + report.off_cpu);
   note_overrun(past_cut - taken, taken, report);
   for (const WorkerTally& tally : levels.tallies) note_overrun(tally.overrun, tally.overrun_off_cpu, report);
+  make_points_due(input, resources, levels, executor);
 }
 
 }  // namespace poise::simulation
