@@ -53,7 +53,9 @@ Nanoseconds FrameBudget::tail_forecast(std::uint64_t contacts) const {
 }
 
 Nanoseconds FrameBudget::reserve(std::uint64_t contacts) const {
-  return from_ns(margin * static_cast<double>(tail_forecast(contacts).count()));
+  const Nanoseconds forecast = tail_forecast(contacts);
+  const Nanoseconds all(sum(forecast.count(), tail_optional.count()));
+  return std::max(from_ns(margin * static_cast<double>(forecast.count())), all);
 }
 
 TimePoint FrameBudget::cut(std::uint64_t contacts) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace poise::scheduler {
 namespace {
@@ -103,12 +104,37 @@ bool LinearForecast::learn(std::span<const double> values, Nanoseconds actual) {
   const double noise_us = kNoise * std::max(forecast_us, 10.0);
   const double denominator = noise_us * noise_us + xpx;
   for (std::size_t i = 0; i < size_; ++i) {
-    // No work has a negative cost. A negative coefficient would cancel the reserve of other counts.
-    coefficient_us_[i] = std::max(0.0, coefficient_us_[i] + px[i] / denominator * residual_us);
+    coefficient_us_[i] += px[i] / denominator * residual_us;
     for (std::size_t j = 0; j < size_; ++j) covariance_[i][j] -= px[i] * px[j] / denominator;
   }
+  bound();
   widen();
   return true;
+}
+
+// No work has a negative cost: a negative coefficient would cancel the reserve of other counts. It becomes 0, and the
+// others what they are likely to be then, by the covariance: of counts that vary together only the sum of their costs
+// is known, and that stays. Were it only cut off, what the others have gained on its account would stay with them, and
+// the forecast would grow with each frame that took less time than it (the nearest point within the bounds, Simon 2010,
+// one bound after another).
+void LinearForecast::bound() {
+  std::array<Row, kMostFeatures> left = covariance_;
+  for (std::size_t bounds = 0; bounds < size_; ++bounds) {
+    const auto end = coefficient_us_.begin() + static_cast<std::ptrdiff_t>(size_);
+    const auto least = std::min_element(coefficient_us_.begin(), end);
+    if (*least >= 0) return;
+    const auto k = static_cast<std::size_t>(least - coefficient_us_.begin());
+    const double below_us = std::exchange(coefficient_us_[k], 0.0);
+    const Row with = left[k];
+    if (!(with[k] > 0)) continue;
+    for (std::size_t i = 0; i < size_; ++i) {
+      if (i != k) coefficient_us_[i] -= with[i] / with[k] * below_us;
+      for (std::size_t j = 0; j < size_; ++j) left[i][j] -= with[i] * with[j] / with[k];
+    }
+    // What is at its bound stays there, whatever becomes of the others.
+    for (std::size_t i = 0; i < size_; ++i) left[i][k] = left[k][i] = 0;
+  }
+  for (std::size_t i = 0; i < size_; ++i) coefficient_us_[i] = std::max(coefficient_us_[i], 0.0);
 }
 
 // Adds the drift of one frame to every variance, up to its first value.

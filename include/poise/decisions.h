@@ -40,6 +40,8 @@ struct FrameDecisions {
   std::uint32_t active_pairs = 0;      ///< of the step; detects decisions of another scene
   std::uint32_t substeps = 0;          ///< of the contact solver; 0: as in the settings
   std::uint32_t point_iterations = 0;  ///< limit of that solver in a substep; 0: its default limit
+  /// Of each substep, after how many iterations there was no time for another; 0: it ended by itself. Empty: all did.
+  std::vector<std::uint32_t> stopped_after;
   std::uint32_t crowded_partners = 0;  ///< that a body in a crowd kept (Degraded); 0: as in the settings
   bool unfinished = false;             ///< the step goes on in the next frame (StepInput::may_slice): nothing else
   bool learns = false;  ///< with a budget: scores of later steps depend on what completed (Policy::learning, onset)

@@ -250,11 +250,10 @@ class Step {
     PointCache& points = world_.cache.points;
     begin_solve(input, frame_.velocities, executor_);
     solve_impacts(input, points, frame_.velocities, report_, executor_);
-    const std::uint32_t most = max_iterations();
+    const IterationsAllowed allowed = iterations_allowed();
     const solver::Convergence ended =
-        solve_contacts(input, most, points, world_.contact_solver, frame_.velocities, executor_);
-    report_.point_iterations = ended.point_iterations;
-    if (ended.cut_short) report_.degraded.point_iterations = most;
+        solve_contacts(input, allowed, points, world_.contact_solver, frame_.velocities, executor_);
+    note_iterations(input, allowed, ended);
     if (!terms_.backtracking) return;
     if (!world_.swept_pool)
       world_.swept_pool = std::make_unique<collision::FrontPool>(world_.settings.max_front_entries);
@@ -276,18 +275,35 @@ class Step {
     return input;
   }
 
-  // How many point iterations a substep may make: as many as the solver makes by itself, or before a deadline as many
-  // as fit, or as another run decided.
-  [[nodiscard]] std::uint32_t max_iterations() {
-    std::uint32_t most = solver::kMaxPointIterations;
+  // How many iterations resting contact may make: as many as the solver makes by itself, or before a deadline as many
+  // as there is time for, or as another run decided.
+  [[nodiscard]] IterationsAllowed iterations_allowed() {
+    IterationsAllowed allowed;
     if (input_.replay != nullptr) {
-      if (input_.replay->point_iterations > 0) most = input_.replay->point_iterations;
+      if (input_.replay->point_iterations > 0) allowed.most = input_.replay->point_iterations;
+      allowed.repeated = input_.replay->stopped_after;
     } else if (input_.budget.kind == Budget::Kind::Deadline) {
-      most = iterations_in_time(world_.forecasts, for_iterations(), counts(), executor_.time(),
-                                frame_.velocities.point_count, report_);
-      if (input_.record) world_.decisions->point_iterations(most < solver::kMaxPointIterations ? most : 0);
+      const StepInput input = for_iterations();
+      allowed.most = iterations_in_time(world_.forecasts, input, counts(), executor_.time(),
+                                        frame_.velocities.point_count, report_);
+      allowed.until = iterations_end(world_.forecasts, input, counts(), report_);
     }
-    return most;
+    return allowed;
+  }
+
+  void note_iterations(const SolveInput& input, const IterationsAllowed& allowed, const solver::Convergence& ended) {
+    report_.point_iterations = ended.point_iterations;
+    if (ended.cut_short) {
+      const std::uint64_t made = ended.point_iterations / static_cast<std::uint64_t>(input.substeps);
+      report_.degraded.point_iterations = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(made, 1, allowed.most));
+    }
+    if (!allowed.until) return;
+    const solver::IterationsMade& made = world_.contact_solver.made();
+    world_.forecasts.times.iterated = made.beyond;
+    world_.forecasts.times.iterations_end = made.ended;
+    if (!input_.record) return;
+    world_.decisions->point_iterations(allowed.most < solver::kMaxPointIterations ? allowed.most : 0);
+    world_.decisions->stopped_after(made.stopped_after);
   }
 
   WorldState& world_;

@@ -334,11 +334,13 @@ solver::ContactSystem contact_system(const SolveInput& input, PointCache& points
           true};
 }
 
-solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_iterations, PointCache& points,
+solver::Convergence solve_contacts(const SolveInput& input, const IterationsAllowed& allowed, PointCache& points,
                                    solver::ContactSolver& contact_solver, Velocities& velocities,
                                    parallel::Executor& executor) {
   solver::SolveSettings settings = input.settings();
-  settings.point_iterations = max_iterations;
+  settings.point_iterations = allowed.most;
+  settings.until = allowed.until;
+  settings.repeated = allowed.repeated;
   return contact_solver.solve(contact_system(input, points, velocities), settings, executor);
 }
 

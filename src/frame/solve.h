@@ -62,9 +62,14 @@ solver::Convergence solve_impacts(const SolveInput& input, const PointCache& poi
 /// What resting contact is solved of, after begin_solve and solve_impacts.
 solver::ContactSystem contact_system(const SolveInput& input, PointCache& points, Velocities& velocities);
 
-/// Then forces and the contacts, with at most `max_iterations` point iterations a substep. Warm started from the
-/// impulses in `points`, and leaves the new ones there.
-solver::Convergence solve_contacts(const SolveInput& input, std::uint32_t max_iterations, PointCache& points,
+/// How many iterations resting contact may make: fields of SolveSettings.
+struct IterationsAllowed {
+  std::uint32_t most = solver::kMaxPointIterations;  ///< point_iterations
+  std::optional<SteadyClock::time_point> until;      ///< likewise
+  std::span<const std::uint32_t> repeated;           ///< likewise
+};
+/// Then forces and the contacts. Warm started from the impulses in `points`, and leaves the new ones there.
+solver::Convergence solve_contacts(const SolveInput& input, const IterationsAllowed& allowed, PointCache& points,
                                    solver::ContactSolver& contact_solver, Velocities& velocities,
                                    parallel::Executor& executor);
 

@@ -20,6 +20,7 @@
 #include "solver/impulse_lanes.h"
 #include "solver/iteration_change.h"
 #include "solver/iteration_limit.h"
+#include "solver/iteration_stop.h"
 #include "solver/iteration_threads.h"
 #include "solver/prefetch_blocks.h"
 #include "solver/settling.h"
@@ -51,6 +52,7 @@ struct ContactSolver::Buffers {
   std::vector<std::size_t> block_begin;          // per colour, then the serial ones, then the end
   std::vector<std::size_t> lanes_of_range;       // scratch of make_blocks
   std::vector<IterationChange<double>> changes;  // one a block, where iterations converge
+  IterationStop stop;
   AndersonMixing mixing;
   Settling settling;
   // Of all impulses that are iterated, in the order of impulse_lanes.h: the root of the mass that each moves, and the
@@ -355,7 +357,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     mixing.begin(find_roots());
     alone_j = energy.joules_alone(system, twofold.begun, settings.dt_s / settings.substeps);
   }
-  for (std::uint32_t round = 0; round < limit.iterations(result.far) && !result.settled; ++round) {
+  for (std::uint32_t round = 0;; ++round) {
     ++ended.iterations;
     if (limit.mixed && round == 0) read_impulses(before);
     const bool measures = threads<T>().measures();
@@ -387,8 +389,11 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     }
     result.collision = mean.collides();
     if (limit.only_collisions && !result.collision) break;
+    if (result.settled || round + 1 >= limit.iterations(result.far)) break;
+    result.stopped = stop.stops(round);
     // A plain iteration comes last.
-    if (limit.mixed && !result.settled && round + 1 < limit.iterations(result.far)) mix(executor);
+    if (result.stopped) break;
+    if (limit.mixed) mix(executor);
   }
   return result;
 }
@@ -434,6 +439,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
                      std::span<const PointLanes<T>>(all.manifold_points_of(blocks[i])), totals);
   };
   SubstepTerms<T> terms = terms_of<T>(settings, watch);
+  stop.begin(settings, executor);
   Convergence ended;
   for (int substep = 0; substep < settings.substeps; ++substep) {
     terms.begun_s = static_cast<T>(substep * h_s);
@@ -448,7 +454,9 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
     });
     IterationLimit limit_here = limit;
     limit_here.only_collisions = limit.only_collisions && substep == 0;
+    stop.begin_substep(substep);
     const Iterated done = iterate(Iterating<T>{system, settings, limit_here, terms}, last, give, ended, executor);
+    stop.end_substep();
     if (limit_here.only_collisions && !done.collision) return std::nullopt;
     if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
     if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });
@@ -457,7 +465,8 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
         add_late_impulses<T>(blocks[i], substep * h_s, all.pairs[i], all.manifold_points_of(blocks[i]));
       });
     ended.reached = ended.reached && done.reached;
-    ended.cut_short = ended.cut_short || (!done.settled && limit.iterations(done.far) < full.iterations(done.far));
+    ended.cut_short =
+        ended.cut_short || done.stopped || (!done.settled && limit.iterations(done.far) < full.iterations(done.far));
   }
   ended.point_iterations = ended.iterations * system.point_count * (limit.mixed ? kMixedIterationCost : 1U);
   for_bodies([&](std::size_t i) {
@@ -472,6 +481,8 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
   }
   return ended;
 }
+
+const IterationsMade& ContactSolver::made() const { return buffers_->stop.outcome(); }
 
 ContactSolver::ContactSolver() : buffers_(std::make_unique<Buffers>()) {}
 ContactSolver::~ContactSolver() = default;

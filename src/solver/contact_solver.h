@@ -61,6 +61,8 @@ class ContactSolver {
   /// and iterations end as it says. Fills moved_m and turned_rad. The same bits on any number of threads and
   /// instruction set.
   Convergence solve(const ContactSystem& system, const SolveSettings& settings, parallel::Executor& executor);
+  /// Of the last solve. Times only if it had to end in time.
+  [[nodiscard]] const IterationsMade& made() const;
 
  private:
   struct Buffers;

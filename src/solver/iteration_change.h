@@ -26,6 +26,7 @@ struct Iterated {
   bool settled = false;
   bool far = true;         ///< from still
   bool collision = false;  ///< bodies collide
+  bool stopped = false;    ///< there was no time for more
 };
 
 template <class T>

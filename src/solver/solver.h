@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +53,18 @@ struct SolveSettings {
   Stopping stopping;
   std::uint32_t point_iterations = kMaxPointIterations;  ///< limit for a substep, at their cost, but at least one
                                                          ///< iteration; unused where `stopping` converges
+  /// With the contact solver: no iteration but the first of a substep is begun that is not likely to end by then, by
+  /// the clock of the executor.
+  std::optional<std::chrono::steady_clock::time_point> until = std::nullopt;
+  /// Likewise: so many iterations of each substep and no more, as another run was stopped after; 0: as many as without.
+  std::span<const std::uint32_t> repeated = {};
+};
+
+/// How the iterations of the contact solver in a step were stopped by SolveSettings::until.
+struct IterationsMade {
+  std::vector<std::uint32_t> stopped_after;       ///< one a substep: how many it made; 0: it was not stopped
+  std::chrono::nanoseconds beyond{0};             ///< time of all but the first of each substep
+  std::chrono::steady_clock::time_point ended{};  ///< the last one
 };
 
 /// Approach speed below which a contact counts as at rest: what gravity adds in a step, or a rounding bound without

@@ -17,6 +17,7 @@ void DecisionLog::begin(std::uint64_t frame, std::size_t active_pairs, std::size
   reused_.reserve(most_steps);
   held_.clear();
   paused_.clear();
+  stopped_after_.clear();
   resumed_ = false;
   held_.reserve(most_steps);
   if (lanes_.size() < workers) lanes_.resize(workers);
@@ -30,6 +31,7 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.steps.clear();
   decisions.reused.clear();
   decisions.held.clear();
+  decisions.stopped_after.clear();
   decisions.paused.clear();
   decisions.resumed = false;
   decisions.substeps = decisions.point_iterations = decisions.crowded_partners = 0;
@@ -43,6 +45,7 @@ void DecisionLog::merge(FrameDecisions& decisions) const {
   decisions.crowded_partners = crowded_partners_;
   decisions.reused = reused_;
   decisions.held = held_;
+  decisions.stopped_after = stopped_after_;
   decisions.paused = paused_;
   decisions.resumed = resumed_;
   std::sort(decisions.reused.begin(), decisions.reused.end());

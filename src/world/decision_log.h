@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -47,6 +48,12 @@ class DecisionLog {
   void substeps(std::uint32_t count) { substeps_ = count; }
   /// Likewise the point iterations that a substep may make (0: as many as the solver does by itself).
   void point_iterations(std::uint32_t most) { point_iterations_ = most; }
+  /// FrameDecisions::stopped_after.
+  void stopped_after(std::span<const std::uint32_t> iterations) {
+    stopped_after_.clear();
+    if (std::any_of(iterations.begin(), iterations.end(), [](std::uint32_t made) { return made > 0; }))
+      stopped_after_.assign(iterations.begin(), iterations.end());
+  }
   /// FrameDecisions::crowded_partners.
   void crowded_partners(std::uint32_t count) { crowded_partners_ = count; }
   void reused(std::uint32_t pair) { reused_.push_back(pair); }
@@ -73,7 +80,7 @@ class DecisionLog {
   std::uint64_t frame_ = 0;
   std::size_t active_pairs_ = 0;
   std::uint32_t substeps_ = 0, point_iterations_ = 0, crowded_partners_ = 0;
-  std::vector<std::uint32_t> reused_, held_;
+  std::vector<std::uint32_t> reused_, held_, stopped_after_;
   std::vector<PausedIsland> paused_;
   bool resumed_ = false;
   bool learns_ = false;

@@ -18,6 +18,9 @@ struct TimeFacts {
   double ns_of_load = 0;              ///< what one of these wants of a frame, with its refinement; learned
   std::uint64_t manifold_points = 0;  ///< of the last frame: point iterations that a substep makes at least
   scheduler::TailWork tail_work;      ///< of this frame; its contacts are those that were expected
+  Nanoseconds optional{0};  ///< of this frame: what the point iterations beyond one a substep were expected to take;
+  Nanoseconds iterated{0};  ///< what those that were made took; and
+  SteadyClock::time_point iterations_end{};  ///< when they ended; if none were to end in time, 0
   scheduler::TailWork head_work;
 };
 
@@ -27,9 +30,11 @@ struct Forecasts {
   scheduler::TrackedQuantile margin;
   scheduler::DurationForecast host_work;
   scheduler::TailForecast head;  ///< of what comes before refinement; its contacts are the active pairs
+  scheduler::TailForecast rest;  ///< of what comes after the iterations of resting contact
   TimeFacts times;
   double solved_share = 1;    ///< of the pairs that are not separated; learned
   double unit_cost_ns = 60;   ///< of a node-pair expansion: a prior, replaced by what is measured
+  double iteration_ns = 10;   ///< likewise of a point iteration beyond one a substep, by all workers together
   double pair_cost_ns = 0;    ///< likewise of refining a pair to its end, by all workers together; 0: not known
   double entry_cost_ns = 12;  ///< likewise of making contact points, an entry of a front, by all workers together
   double rank_cost_ns = 30;   ///< likewise of ranking a pair, by all workers together

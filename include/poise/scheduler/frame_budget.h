@@ -13,22 +13,24 @@ namespace poise::scheduler {
 using TimePoint = std::chrono::steady_clock::time_point;
 
 /// Decides, job by job, whether refinement may continue: t_cut = deadline - host work still to come - reserve. The
-/// reserve is the forecast of the whole tail (the part after refinement) for the contacts that are published now, times
-/// the tracked margin. A plain value for one frame; any number of threads may read it. It does not depend on geometry:
-/// a *contact* is any item that the tail has to process, a *unit* any amount of refinement. Sums saturate at the range
-/// of TimePoint.
+/// reserve is the forecast of what the tail (the part after refinement) must do for the contacts that are published
+/// now, times the tracked margin; and no less than that forecast without a margin and what the tail may do beside: it
+/// leaves that out where the rest takes longer. A plain value for one frame; any number of threads may read it. It does
+/// not depend on geometry: a *contact* is any item that the tail has to process, a *unit* any amount of refinement.
+/// Sums saturate at the range of TimePoint.
 struct FrameBudget {
-  bool limited = false;                       ///< false: there is no deadline
-  TimePoint deadline{};                       ///< of the frame, host work included
-  Nanoseconds host_work{0};                   ///< still to come after the step
-  Nanoseconds tail_fixed{0};                  ///< point forecast of the tail without contacts
-  double tail_per_contact_ns = 0;             ///< point forecast for each contact
-  double margin = 1;                          ///< factor from point forecast to reserve
+  bool limited = false;            ///< false: there is no deadline
+  TimePoint deadline{};            ///< of the frame, host work included
+  Nanoseconds host_work{0};        ///< still to come after the step
+  Nanoseconds tail_fixed{0};       ///< point forecast of the tail without contacts
+  double tail_per_contact_ns = 0;  ///< point forecast for each contact
+  Nanoseconds tail_optional{0};    ///< what the tail does beside where there is time; no margin is kept for it
+  double margin = 1;               ///< factor from point forecast to reserve
   TimePoint earliest_cut = TimePoint::min();  ///< refinement may go on until here, whatever the reserve
   double unit_cost_ns = 40;                   ///< of one unit (Poise: a node-pair expansion) on one thread, nanoseconds
   double job_overhead_ns = 150;
 
-  /// Point forecast of the tail for this number of contacts; the margin is tracked against it.
+  /// Point forecast of what the tail must do for this number of contacts; the margin is tracked against it.
   [[nodiscard]] Nanoseconds tail_forecast(std::uint64_t contacts) const;
   /// Time reserved for the tail with this number of contacts.
   [[nodiscard]] Nanoseconds reserve(std::uint64_t contacts) const;

@@ -61,6 +61,7 @@ class LinearForecast {
   using Row = std::array<double, kMostFeatures>;
   [[nodiscard]] bool accepts(std::span<const double> values) const;
   void set_initial_variance(double share);
+  void bound();
   void widen();
   std::size_t size_ = 0;
   std::array<std::string, kMostFeatures> name_;

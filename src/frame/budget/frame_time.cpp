@@ -50,6 +50,15 @@ scheduler::TailWork head_work(const TimeFacts& times, std::size_t dynamic_bodies
   return work;
 }
 
+// After the iterations of resting contact.
+scheduler::TailWork rest_work(const FrameCounts& counts, std::size_t contacts) {
+  scheduler::TailWork work;
+  work.bodies = counts.dynamic_bodies - counts.levels.held.bodies;
+  work.contacts = contacts;
+  work.candidate_pairs = counts.table.size();
+  return work;
+}
+
 FrameCounts counts_of(const RefineInput& input, const CompletedLevels& levels) {
   return {input.terms.contact, input.scene.bodies.dynamic_count(), input.substeps, input.table, levels};
 }
@@ -80,17 +89,21 @@ constexpr double kShareOfIterations = 0.5;
 // once. So this much of a frame belongs to refinement wherever it has that much to do. Chosen.
 constexpr double kShareOfRefinement = 0.2;
 
-// With a margin, what a point iteration costs.
-double iteration_ns(const Forecasts& forecasts) {
-  constexpr double kLeastNs = 0.01;  // no division by nothing
-  return std::max(kLeastNs, forecasts.tail.coefficients_us()[scheduler::TailForecast::kPointIterations] *
-                                forecasts.margin.factor());
+// What point iterations beyond one a substep take. Those that take longer are stopped by the clock, so there is no
+// margin.
+Nanoseconds iterations_forecast(const Forecasts& forecasts, double iterations) {
+  return Nanoseconds(static_cast<std::int64_t>(iterations * forecasts.iteration_ns));
 }
 
-// Without a margin.
-Nanoseconds iterations_forecast(const Forecasts& forecasts, std::uint64_t iterations) {
-  return Nanoseconds(static_cast<std::int64_t>(
-      static_cast<double>(iterations) * forecasts.tail.coefficients_us()[scheduler::TailForecast::kPointIterations]));
+// They took so long.
+void learn_iterations(Nanoseconds took, std::uint64_t iterations, Forecasts& forecasts) {
+  constexpr std::uint64_t kLeast = 1000;
+  // The machine may have been in between. Chosen.
+  constexpr double kMostOfExpected = 4;
+  if (iterations < kLeast || took <= Nanoseconds(0)) return;
+  const double measured_ns = ns_of(took) / static_cast<double>(iterations);
+  double& cost_ns = forecasts.iteration_ns;
+  cost_ns += 0.2 * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
 }
 
 // The point iterations of a substep that time is reserved for. `share`: of the contacts that do not wait.
@@ -100,7 +113,7 @@ double iterations_reserved(const Forecasts& forecasts, scheduler::TailWork work,
   const double least = share * static_cast<double>(times.manifold_points);
   work.point_iterations = 0;
   const double free_ns = ns_of(left) - forecasts.margin.factor() * ns_of(forecasts.tail.forecast(work));
-  const double fit = kShareOfIterations * free_ns / (iteration_ns(forecasts) * substeps);
+  const double fit = kShareOfIterations * free_ns / (forecasts.iteration_ns * substeps);
   return std::min(share * times.iterations_a_substep, std::max(least, fit));
 }
 
@@ -109,10 +122,13 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
                 Forecasts& forecasts, FramePlan& plan) {
   scheduler::TailWork& work = forecasts.times.tail_work;
   const Nanoseconds left = step.budget.deadline - host - now;
-  work.point_iterations =
-      static_cast<std::uint64_t>(iterations_reserved(forecasts, work, substeps, left, plan.share) * substeps);
+  const double all = iterations_reserved(forecasts, work, substeps, left, plan.share) * substeps;
+  const double least = std::min(all, plan.share * static_cast<double>(forecasts.times.manifold_points) * substeps);
+  work.point_iterations = static_cast<std::uint64_t>(least);
   plan.budget = scheduler::make_frame_budget(step.budget.deadline, host, forecasts.tail, forecasts.margin, work,
                                              forecasts.unit_cost_ns);
+  plan.budget.tail_optional = forecasts.times.optional = iterations_forecast(forecasts, all - least);
+  work.point_iterations = static_cast<std::uint64_t>(all);
 }
 
 // What refinement is to have, if there is work for so long.
@@ -278,7 +294,7 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   report.host_reserved = host;
   report.tail_work = forecasts.times.tail_work;
   report.reserve_at_cut = plan.budget.reserve(plan.expected);
-  report.tail_forecast = plan.budget.tail_forecast(plan.expected);
+  report.tail_forecast = plan.budget.tail_forecast(plan.expected) + plan.budget.tail_optional;
   report.cut_margin = plan.budget.margin;
   return plan;
 }
@@ -289,12 +305,19 @@ std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& st
   scheduler::TailWork work = tail_work(forecasts, counts, report.contact_pairs);
   work.point_iterations = 0;
   const Nanoseconds spent = now - report.refine_started - report.times.refine;
-  const double rest_ns = std::max(0.0, forecasts.margin.factor() * ns_of(forecasts.tail.forecast(work)) - ns_of(spent));
+  const double rest_ns = std::max(0.0, ns_of(forecasts.tail.forecast(work)) - ns_of(spent));
   const double left_ns = ns_of(step.budget.deadline - report.host_reserved - now) - rest_ns;
   const int substeps = counts.levels.substeps > 0 ? counts.levels.substeps : counts.substeps;
   // To the nearest whole iteration over all points.
-  const double iterations = left_ns / (iteration_ns(forecasts) * substeps) + 0.5 * static_cast<double>(manifold_points);
+  const double iterations = left_ns / (forecasts.iteration_ns * substeps) + 0.5 * static_cast<double>(manifold_points);
   return static_cast<std::uint32_t>(std::clamp(iterations, 1.0, static_cast<double>(solver::kMaxPointIterations)));
+}
+
+SteadyClock::time_point iterations_end(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
+                                       const FrameReport& report) {
+  const double rest_ns =
+      forecasts.margin.factor() * ns_of(forecasts.rest.forecast(rest_work(counts, report.contact_pairs)));
+  return step.budget.deadline - report.host_reserved - Nanoseconds(static_cast<std::int64_t>(rest_ns));
 }
 
 void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points,
@@ -312,28 +335,31 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   const Nanoseconds of_refinement = tallies.empty() ? Nanoseconds(0) : tallies[0].off_cpu;
   const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement) + caller.waits.held_up;
   // Nor is what the contact solver iterated beyond once a substep.
-  const std::uint64_t least_iterations =
-      std::min<std::uint64_t>(report.point_iterations, manifold_points * static_cast<std::uint64_t>(substeps));
-  const Nanoseconds of_iterations =
-      std::min(times.solve, iterations_forecast(forecasts, report.point_iterations - least_iterations));
+  const Nanoseconds of_iterations = std::min(times.solve, std::exchange(forecasts.times.iterated, Nanoseconds(0)));
   report.mandatory = times.total - (times.refine - report.planning) - of_rest - of_iterations + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
-  // But iterations beyond those that were expected were made in time that was left over.
-  report.tail_left_over = iterations_forecast(
-      forecasts, report.point_iterations - std::min(report.point_iterations, report.tail_work.point_iterations));
+  // But iterations are made in time that is left over.
+  const Nanoseconds least_forecast = report.tail_forecast - forecasts.times.optional;
+  const Nanoseconds least_actual = report.tail_actual - of_iterations;
+  forecasts.margin.observe(least_actual, least_forecast);
+  report.tail_beyond_clip = scheduler::beyond_clip(least_actual, least_forecast);
+  report.tail_left_over = std::max(Nanoseconds(0), of_iterations - forecasts.times.optional);
   report.tail_forecast += report.tail_left_over;
-  report.reserve_at_cut += Nanoseconds(static_cast<std::int64_t>(report.cut_margin * ns_of(report.tail_left_over)));
-  forecasts.margin.observe(report.tail_actual, report.tail_forecast);
-  report.tail_beyond_clip = scheduler::beyond_clip(report.tail_actual, report.tail_forecast);
+  report.reserve_at_cut += report.tail_left_over;
   const std::int64_t present = counts.levels.present;
   if (present > 0) {
     forecasts.solved_share +=
         0.2 * (static_cast<double>(report.contact_pairs) / static_cast<double>(present) - forecasts.solved_share);
   }
   scheduler::TailWork done = tail_work(forecasts, counts, report.contact_pairs);
-  done.point_iterations = report.point_iterations;
-  forecasts.tail.learn(done, report.tail_actual);
+  done.point_iterations =
+      std::min<std::uint64_t>(report.point_iterations, manifold_points * static_cast<std::uint64_t>(substeps));
+  forecasts.tail.learn(done, least_actual);
+  learn_iterations(of_iterations, report.point_iterations - done.point_iterations, forecasts);
+  const auto iterations_end = std::exchange(forecasts.times.iterations_end, SteadyClock::time_point{});
+  if (iterations_end != SteadyClock::time_point{})
+    forecasts.rest.learn(rest_work(counts, report.contact_pairs), report.started + times.total - iterations_end);
   TimeFacts& facts = forecasts.times;
   forecasts.head.learn(facts.head_work, times.predict + times.broad_phase + times.coarse);
   facts.candidate_pairs = report.candidate_pairs;
@@ -383,6 +409,7 @@ void forget_times(Forecasts& forecasts, double alpha, const scheduler::TimePrior
   const bool known = priors.frames > 0;
   forecasts.tail = known ? scheduler::TailForecast(priors.tail_us) : scheduler::TailForecast();
   forecasts.head = known ? scheduler::TailForecast(priors.head_us) : scheduler::TailForecast();
+  forecasts.rest = scheduler::TailForecast();
   // A margin that is too small is mended by a few late frames, one that is too large (that run may have had the machine
   // to share) takes hundreds to forget.
   const double log_quantile = known && std::isfinite(priors.log_quantile)

@@ -56,10 +56,14 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
                      CompletedLevels& levels, FrameReport& report, parallel::Executor& executor);
 
 /// After the manifolds are listed, at `now`: how many point iterations a substep may make
-/// (solver::SolveSettings::visits) so that the tail, with its margin, ends in time; as many as the solver makes by
+/// (solver::SolveSettings::point_iterations) so that the tail is likely to end in time; as many as the solver makes by
 /// itself where that fits. At least 1.
 std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
                                  SteadyClock::time_point now, std::uint64_t manifold_points, const FrameReport& report);
+
+/// When the last of them is to end, so that what comes after it, with its margin, ends in time.
+SteadyClock::time_point iterations_end(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
+                                       const FrameReport& report);
 
 /// Of so many pairs that are not separated, how many are likely to have a contact.
 std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present);
