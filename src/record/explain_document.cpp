@@ -188,6 +188,10 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   if (f.decisions.point_iterations > 0)
     text +=
         fmt::format("resting contact had time for {} point iterations in a substep\n", f.decisions.point_iterations);
+  if (!f.decisions.stopped_after.empty())
+    text += fmt::format(
+        "resting contact was stopped by the clock after {} iterations in its substeps (0: it ended by itself)\n",
+        fmt::join(f.decisions.stopped_after, " and "));
   if (f.decisions.crowded_partners > 0)
     text += fmt::format("no time for all pairs of crowds: {} for each body in one\n", f.decisions.crowded_partners);
   if (f.decisions.substeps > 0)
@@ -368,6 +372,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"paused", paused_json(f.decisions)},
           {"resumed", f.decisions.resumed},
           {"point_iterations", f.decisions.point_iterations},
+          {"stopped_after", f.decisions.stopped_after},
           {"crowded_partners", f.decisions.crowded_partners},
           {"pairs", counts_json(e)},
           {"refined", std::move(refined)},

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostWorkers = 256;
 constexpr unsigned kKindBits = 2;
 // Bits of the byte of marks of a frame.
-constexpr std::uint8_t kLearns = 1, kCrowded = 2, kUnfinished = 4;
+constexpr std::uint8_t kLearns = 1, kCrowded = 2, kUnfinished = 4, kStopped = 8;
 
 // Seven bits a byte, the lowest first; the top bit means that more bytes follow (LEB128 of the DWARF standard).
 void put(std::uint64_t value, std::string& out) {
@@ -184,6 +184,22 @@ void take_paused(Reader& reader, FrameDecisions& d) {
   for (const std::uint32_t root : roots) d.paused.push_back({root, reader.byte()});
 }
 
+// One a substep, if there are any.
+void put_stopped(const FrameDecisions& d, std::string& out) {
+  if (d.stopped_after.empty()) return;
+  put(d.stopped_after.size(), out);
+  for (const std::uint32_t iterations : d.stopped_after) put(iterations, out);
+}
+
+void take_stopped(bool there, Reader& reader, FrameDecisions& d) {
+  constexpr std::uint32_t kMostSubsteps = 16;
+  d.stopped_after.clear();
+  if (!there) return;
+  const std::uint32_t count = reader.number32();
+  if (count == 0 || count > kMostSubsteps) return reader.refuse();
+  for (std::uint32_t k = 0; k < count; ++k) d.stopped_after.push_back(reader.number32());
+}
+
 // 0, or 1 and the times.
 void put_times(const std::optional<RecordedTimes>& times, std::string& out) {
   out.push_back(times ? '\1' : '\0');
@@ -226,8 +242,9 @@ void write_frame(const RecordedFrame& frame, std::string& out) {
   put(d.substeps, out);
   put(d.point_iterations, out);
   out.push_back(static_cast<char>((d.learns ? kLearns : 0) | (d.crowded_partners > 0 ? kCrowded : 0) |
-                                  (d.unfinished ? kUnfinished : 0)));
+                                  (d.unfinished ? kUnfinished : 0) | (d.stopped_after.empty() ? 0 : kStopped)));
   if (d.crowded_partners > 0) put(d.crowded_partners, out);
+  put_stopped(d, out);
   put_ascending(d.reused, out);
   put_ascending(d.held, out);
   put_paused(d, out);
@@ -246,10 +263,11 @@ Status read_frame(std::string_view bytes, RecordedFrame& frame) {
   d.substeps = reader.number32();
   d.point_iterations = reader.number32();
   const std::uint8_t marks = reader.byte();
-  if (marks > (kLearns | kCrowded | kUnfinished)) reader.refuse();
+  if (marks > (kLearns | kCrowded | kUnfinished | kStopped)) reader.refuse();
   d.unfinished = (marks & kUnfinished) != 0;
   d.learns = (marks & kLearns) != 0;
   d.crowded_partners = (marks & kCrowded) != 0 ? reader.number32() : 0;
+  take_stopped((marks & kStopped) != 0, reader, d);
   take_ascending(d.active_pairs, reader, d.reused);
   take_ascending(kMostSlots, reader, d.held);
   take_paused(reader, d);

@@ -31,7 +31,7 @@ class IterationStop {
     first_ended_.reset();
     if (!settings_->until) return;
     before_ = executor_->time();
-    until_ = begun_ + (*settings_->until - begun_) * (substep + 1) / settings_->substeps;
+    until_ = begun_ + (*settings_->until - begun_) / settings_->substeps * (substep + 1);
   }
   /// After an iteration, the first of which is 0, where another one would be made: is there no time for it? It is
   /// expected to take as long as this one.

@@ -68,6 +68,7 @@ RecordedFrame some_frame(std::uint64_t number) {
   frame.decisions.point_iterations = number % 4 == 1 ? 300 * static_cast<std::uint32_t>(number) : 0;
   frame.decisions.crowded_partners = number % 5 == 3 ? 130 : 0;
   frame.decisions.learns = number % 2 == 0;
+  if (number % 3 == 1) frame.decisions.stopped_after = {static_cast<std::uint32_t>(number), 0, 70};
   for (std::uint32_t pair = 3; pair < 40 * number && pair < 5000; pair += 7) frame.decisions.reused.push_back(pair);
   for (std::uint32_t slot = 1; slot < 3 * number; slot += 5) frame.decisions.held.push_back(slot);
   for (std::uint64_t i = 0; i < 20 * (number % 4); ++i)

@@ -116,6 +116,22 @@ TEST(FrameBudget, ReserveNeverFallsBelowTheTrackedQuantile) {
   EXPECT_GT(exceeded, 0.03 * (kFrames - 1000));
 }
 
+TEST(FrameBudget, KeepsNoMarginForWhatMayBeLeftOut) {
+  FrameBudget budget;
+  budget.limited = true;
+  budget.deadline = kStart + milliseconds(16);
+  budget.tail_fixed = milliseconds(2);
+  budget.tail_per_contact_ns = 1000;
+  budget.margin = 1.5;
+  EXPECT_EQ(budget.reserve(1000), microseconds(4500));
+  budget.tail_optional = milliseconds(1);
+  EXPECT_EQ(budget.tail_forecast(1000), milliseconds(3)) << "what must be done";
+  EXPECT_EQ(budget.reserve(1000), microseconds(4500)) << "where that takes no longer, all of it has time";
+  budget.tail_optional = milliseconds(2);
+  EXPECT_EQ(budget.reserve(1000), milliseconds(5)) << "all that is expected";
+  EXPECT_EQ(budget.cut(1000), kStart + milliseconds(11));
+}
+
 TEST(FrameBudget, IsMadeOfAForecastOfTheHostsOwnFeatures) {
   constexpr std::array<ForecastFeature, 3> kFeatures{{{"constant", 100}, {"joints", 2}, {"contacts_k", 400}}};
   const LinearForecast tail(kFeatures);

@@ -46,6 +46,40 @@ TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
   EXPECT_FALSE(alone.solve().cut_short) << "one box settles before";
 }
 
+TEST(Rest, IterationsEndWithTheirTimeAndAreRepeatedWithoutAClock) {
+  const auto speeds = [](const Bench& bench) {
+    std::vector<double> all;
+    for (const SolverBody& body : bench.bodies)
+      all.insert(all.end(), body.velocity_mps.begin(), body.velocity_mps.end());
+    return all;
+  };
+  Bench whole;
+  stack(whole, 10);
+  const Convergence converged = whole.solve();
+  EXPECT_EQ(whole.solver.made().stopped_after, std::vector<std::uint32_t>(2, 0)) << "nothing stopped them";
+  EXPECT_EQ(whole.solver.made().beyond, std::chrono::nanoseconds(0)) << "nobody asked for times";
+  Bench late;
+  stack(late, 10);
+  late.settings.until = std::chrono::steady_clock::time_point{};
+  const Convergence ended = late.solve();
+  EXPECT_EQ(late.solver.made().stopped_after, std::vector<std::uint32_t>(2, 1)) << "one a substep has to be made";
+  EXPECT_TRUE(ended.cut_short);
+  EXPECT_EQ(ended.iterations, 2U);
+  EXPECT_NE(speeds(late), speeds(whole));
+  Bench again;
+  stack(again, 10);
+  const std::vector<std::uint32_t> stopped_after = late.solver.made().stopped_after;
+  again.settings.repeated = stopped_after;
+  EXPECT_EQ(again.solve().iterations, 2U);
+  EXPECT_EQ(speeds(again), speeds(late));
+  Bench early;
+  stack(early, 10);
+  early.settings.until = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  EXPECT_EQ(early.solve().iterations, converged.iterations);
+  EXPECT_EQ(speeds(early), speeds(whole)) << "time that is not needed changes nothing";
+  EXPECT_GT(early.solver.made().beyond, std::chrono::nanoseconds(0));
+}
+
 TEST(Rest, ABodyOnTheFloorStaysWhereItIs) {
   Bench bench;
   bench.settings.gravity_mps2 = Vec3(0, 0, -9.81);

@@ -409,7 +409,10 @@ void forget_times(Forecasts& forecasts, double alpha, const scheduler::TimePrior
   const bool known = priors.frames > 0;
   forecasts.tail = known ? scheduler::TailForecast(priors.tail_us) : scheduler::TailForecast();
   forecasts.head = known ? scheduler::TailForecast(priors.head_us) : scheduler::TailForecast();
-  forecasts.rest = scheduler::TailForecast();
+  // A part of the tail; nothing is known of how much. Chosen.
+  scheduler::TailForecast::Features rest_us = forecasts.tail.coefficients_us();
+  for (double& us : rest_us) us *= 0.5;
+  forecasts.rest = scheduler::TailForecast(rest_us);
   // A margin that is too small is mended by a few late frames, one that is too large (that run may have had the machine
   // to share) takes hundreds to forget.
   const double log_quantile = known && std::isfinite(priors.log_quantile)
