@@ -87,11 +87,11 @@ void SoakFigures::add(const SoakFrame& frame) {
   if (!std::isfinite(report.kinetic_j) || !std::isfinite(report.potential_j)) ++not_finite_;
   if (frame.allocations > 0) ++now_.frames_that_allocated;
   if (report.lateness.count() > 0) ++now_.late;
-  if (report.tail_forecast.count() > 0 && report.tail_actual.count() > 0) {
+  if (report.tail_forecast.count() > 0 && report.tail_needed().count() > 0) {
     ++now_.forecast;
-    if (report.tail_actual <= report.reserve_at_cut) ++now_.covered;
+    if (report.tail_needed() <= report.reserve_at_cut) ++now_.covered;
     const double ratio =
-        static_cast<double>(report.tail_actual.count()) / static_cast<double>(report.tail_forecast.count());
+        static_cast<double>(report.tail_needed().count()) / static_cast<double>(report.tail_forecast.count());
     const double bin = (std::log2(ratio) + kOctaves / 2) * kBinsOfOctave;
     ++ratios_[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(ratios_.size() - 1)))];
   }

@@ -22,21 +22,12 @@ struct Method {
 struct Tracker {
   scheduler::TailForecast tail;
   scheduler::TrackedQuantile margin;
-  bool point_iterations = true;
 
-  [[nodiscard]] scheduler::TailWork work_of(scheduler::TailWork work) const {
-    if (!point_iterations) work.point_iterations = work.coarse_contacts = 0;
-    return work;
-  }
-  [[nodiscard]] Nanoseconds point(const RecordedTail& frame) const {
-    return tail.forecast(work_of(frame.forecast_for));
-  }
+  [[nodiscard]] Nanoseconds point(const RecordedTail& frame) const { return tail.forecast(frame.forecast_for); }
   void learn(const RecordedTail& frame) {
     margin.observe(frame.actual, point(frame));
     scheduler::TailWork work = frame.forecast_for;
     work.contacts = frame.contacts;
-    work.point_iterations = frame.point_iterations;
-    work = work_of(work);
     tail.learn(work, frame.actual);
   }
 };
@@ -88,13 +79,10 @@ Method tracked(const std::string& name, Tracker& tracker) {
 
 std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, double alpha, std::size_t skip) {
   std::vector<ForecastScore> scores;
-  Tracker ours{{}, scheduler::TrackedQuantile(alpha), true};
+  Tracker ours{{}, scheduler::TrackedQuantile(alpha)};
   scores.push_back(score_of(tracked("tracked quantile of a linear forecast", ours), tails, alpha, skip));
   scores.back().beyond_clip = ours.margin.beyond_clip();
-  Tracker without{{}, scheduler::TrackedQuantile(alpha), false};
-  scores.push_back(score_of(tracked("the same without last frame's point iterations", without), tails, alpha, skip));
-  scores.back().beyond_clip = without.margin.beyond_clip();
-  Tracker bare{{}, scheduler::TrackedQuantile(alpha), true};
+  Tracker bare{{}, scheduler::TrackedQuantile(alpha)};
   scores.push_back(
       score_of({"linear forecast, no margin", [&](const RecordedTail& frame) { return ns_of(bare.point(frame)); },
                 [&](const RecordedTail& frame) { bare.learn(frame); }},

@@ -12,10 +12,9 @@ namespace poise::simulation {
 
 /// The tail of one frame of a run: its counts before and after, and its duration.
 struct RecordedTail {
-  scheduler::TailWork forecast_for;    ///< FrameReport::tail_work
-  std::uint64_t contacts = 0;          ///< number that was solved in the end
-  std::uint64_t point_iterations = 0;  ///< number made within the reserve
-  Nanoseconds actual{0};               ///< > 0; without work done in time left over
+  scheduler::TailWork forecast_for;  ///< FrameReport::tail_work
+  std::uint64_t contacts = 0;        ///< number that was solved in the end
+  Nanoseconds actual{0};             ///< > 0; of what it had to do
 };
 
 /// Quality of one method of computing a reserve.
@@ -30,10 +29,9 @@ struct ForecastScore {
   std::uint64_t beyond_clip = 0;  ///< only for our tracker: ratios outside the range of its bound
 };
 
-/// Replays recorded tails frame by frame. Each method knows only the frames before: our tracker, the tracker without
-/// the solver iterations of the previous frame, the point forecast alone, the mean of all previous frames, mean + 3
-/// standard deviations, and the 1 - alpha quantile of the last 200 frames. The first `skip` frames are for learning and
-/// are not measured. A pure function; alpha in [1e-5, 0.5].
+/// Replays recorded tails frame by frame. Each method knows only the frames before: our tracker, the point forecast
+/// alone, the mean of all previous frames, mean + 3 standard deviations, and the 1 - alpha quantile of the last 200
+/// frames. The first `skip` frames are for learning and are not measured. A pure function; alpha in [1e-5, 0.5].
 std::vector<ForecastScore> try_forecasts(std::span<const RecordedTail> tails, double alpha, std::size_t skip);
 
 }  // namespace poise::simulation

@@ -31,12 +31,8 @@ std::vector<simulation::RecordedTail> tails_of(const std::vector<simulation::Run
     const FrameReport& r = frame.report;
     if (undisturbed && static_cast<double>(r.off_cpu.count()) > kDisturbed * static_cast<double>(r.tail_actual.count()))
       continue;
-    if (r.tail_actual.count() <= 0) continue;
-    // Subtracts the work done in time left over, which needed no reserve, by its share of the forecast.
-    const double kept = 1 - static_cast<double>(r.tail_left_over.count()) /
-                                static_cast<double>(std::max<std::int64_t>(r.tail_forecast.count(), 1));
-    const Nanoseconds actual(static_cast<std::int64_t>(kept * static_cast<double>(r.tail_actual.count())));
-    tails.push_back({r.tail_work, r.contact_pairs, std::min(r.point_iterations, r.tail_work.point_iterations), actual});
+    if (r.tail_needed().count() <= 0) continue;
+    tails.push_back({r.tail_work, r.contact_pairs, r.tail_needed()});
   }
   return tails;
 }

@@ -179,11 +179,14 @@ struct FrameReport {
   // Budget (wall clock only; 0 otherwise)
   Nanoseconds budget{0};          ///< from the start of the step to its deadline
   Nanoseconds release_delay{0};   ///< from StepInput::release to the start of the step
-  Nanoseconds reserve_at_cut{0};  ///< reserved for the tail when refinement ended, without tail_left_over
-  Nanoseconds tail_forecast{0};   ///< point forecast of the tail, without margin
-  Nanoseconds tail_left_over{0};  ///< part of tail_forecast: solver iterations that use time left over by refinement
+  Nanoseconds reserve_at_cut{0};  ///< reserved for the tail when refinement ended
+  Nanoseconds tail_forecast{0};   ///< point forecast of what the tail must do, without margin
   Nanoseconds tail_actual{0};     ///< from the end of refinement to the end of the step
-  bool tail_beyond_clip = false;  ///< tail_actual / tail_forecast is outside the range in which the bound on missed
+  /// Part of tail_actual: iterations of resting contact beyond one a substep, which are made as far as there is time.
+  Nanoseconds tail_optional{0};
+  /// What the tail had to do.
+  [[nodiscard]] Nanoseconds tail_needed() const { return tail_actual - tail_optional; }
+  bool tail_beyond_clip = false;  ///< tail_needed() / tail_forecast is outside the range in which the bound on missed
                                   ///< deadlines holds
   scheduler::TailWork tail_work;  ///< the work for which tail_forecast was made
   Nanoseconds planning{0};        ///< part of StageTimes::refine: computing the reserve and choosing the work to
@@ -197,7 +200,7 @@ struct FrameReport {
   Nanoseconds host_actual{0};  ///< measured duration of the host's work, set by the caller of the frame; World does not
                                ///< set it
   /// Everything but refinement, host work included, without the time in which the system did not run the thread, and
-  /// without solver iterations beyond one a substep (these by forecast).
+  /// without tail_optional.
   Nanoseconds mandatory{0};
   Nanoseconds mandatory_forecast{0};  ///< point forecast of `mandatory` at the start of the frame
   bool infeasible_forecast = false;   ///< the forecast mandatory work, without the tail's margin, does not fit

@@ -18,8 +18,7 @@ struct TimeFacts {
   double ns_of_load = 0;              ///< what one of these wants of a frame, with its refinement; learned
   std::uint64_t manifold_points = 0;  ///< of the last frame: point iterations that a substep makes at least
   scheduler::TailWork tail_work;      ///< of this frame; its contacts are those that were expected
-  Nanoseconds optional{0};  ///< of this frame: what the point iterations beyond one a substep were expected to take;
-  Nanoseconds iterated{0};  ///< what those that were made took; and
+  Nanoseconds iterated{0};            ///< of this frame: what point iterations beyond one a substep took; and
   SteadyClock::time_point iterations_end{};  ///< when they ended; if none were to end in time, 0
   scheduler::TailWork head_work;
 };

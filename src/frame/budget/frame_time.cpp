@@ -127,8 +127,7 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
   work.point_iterations = static_cast<std::uint64_t>(least);
   plan.budget = scheduler::make_frame_budget(step.budget.deadline, host, forecasts.tail, forecasts.margin, work,
                                              forecasts.unit_cost_ns);
-  plan.budget.tail_optional = forecasts.times.optional = iterations_forecast(forecasts, all - least);
-  work.point_iterations = static_cast<std::uint64_t>(all);
+  plan.budget.tail_optional = iterations_forecast(forecasts, all - least);
 }
 
 // What refinement is to have, if there is work for so long.
@@ -294,7 +293,7 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   report.host_reserved = host;
   report.tail_work = forecasts.times.tail_work;
   report.reserve_at_cut = plan.budget.reserve(plan.expected);
-  report.tail_forecast = plan.budget.tail_forecast(plan.expected) + plan.budget.tail_optional;
+  report.tail_forecast = plan.budget.tail_forecast(plan.expected);
   report.cut_margin = plan.budget.margin;
   return plan;
 }
@@ -335,18 +334,13 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   const Nanoseconds of_refinement = tallies.empty() ? Nanoseconds(0) : tallies[0].off_cpu;
   const Nanoseconds of_rest = std::max(Nanoseconds(0), own - of_refinement) + caller.waits.held_up;
   // Nor is what the contact solver iterated beyond once a substep.
-  const Nanoseconds of_iterations = std::min(times.solve, std::exchange(forecasts.times.iterated, Nanoseconds(0)));
-  report.mandatory = times.total - (times.refine - report.planning) - of_rest - of_iterations + report.host_reserved;
+  report.tail_optional = std::min(times.solve, std::exchange(forecasts.times.iterated, Nanoseconds(0)));
+  report.mandatory =
+      times.total - (times.refine - report.planning) - of_rest - report.tail_optional + report.host_reserved;
   classify_again(report, times.total + report.host_reserved - report.budget);
   // The margin is tracked against the very forecast that the reserve was made of, whatever that one did not foresee.
-  // But iterations are made in time that is left over.
-  const Nanoseconds least_forecast = report.tail_forecast - forecasts.times.optional;
-  const Nanoseconds least_actual = report.tail_actual - of_iterations;
-  forecasts.margin.observe(least_actual, least_forecast);
-  report.tail_beyond_clip = scheduler::beyond_clip(least_actual, least_forecast);
-  report.tail_left_over = std::max(Nanoseconds(0), of_iterations - forecasts.times.optional);
-  report.tail_forecast += report.tail_left_over;
-  report.reserve_at_cut += report.tail_left_over;
+  forecasts.margin.observe(report.tail_needed(), report.tail_forecast);
+  report.tail_beyond_clip = scheduler::beyond_clip(report.tail_needed(), report.tail_forecast);
   const std::int64_t present = counts.levels.present;
   if (present > 0) {
     forecasts.solved_share +=
@@ -355,8 +349,8 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   scheduler::TailWork done = tail_work(forecasts, counts, report.contact_pairs);
   done.point_iterations =
       std::min<std::uint64_t>(report.point_iterations, manifold_points * static_cast<std::uint64_t>(substeps));
-  forecasts.tail.learn(done, least_actual);
-  learn_iterations(of_iterations, report.point_iterations - done.point_iterations, forecasts);
+  forecasts.tail.learn(done, report.tail_needed());
+  learn_iterations(report.tail_optional, report.point_iterations - done.point_iterations, forecasts);
   const auto iterations_end = std::exchange(forecasts.times.iterations_end, SteadyClock::time_point{});
   if (iterations_end != SteadyClock::time_point{})
     forecasts.rest.learn(rest_work(counts, report.contact_pairs), report.started + times.total - iterations_end);

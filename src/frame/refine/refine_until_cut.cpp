@@ -171,7 +171,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   levels.present = open.contacts.get();
   const std::uint64_t left = expected_solved(forecasts, levels.present);
   report.reserve_at_cut = budget.reserve(left);
-  report.tail_forecast = budget.tail_forecast(left) + budget.tail_optional;
+  report.tail_forecast = budget.tail_forecast(left);
   report.tail_work.contacts = left;
   const SteadyClock::time_point last_cut = std::max(first_cut, budget.cut(left));
   report.refine_available = last_cut - start;

@@ -96,13 +96,13 @@ TailFigures tail_figures(std::span<const RunFrame> frames, double alpha) {
     const FrameReport& report = frame.report;
     if (report.tail_forecast.count() <= 0 || report.tail_actual.count() <= 0) continue;
     ++tail.frames;
-    if (report.tail_actual <= report.reserve_at_cut) covered += 1;
+    if (report.tail_needed() <= report.reserve_at_cut) covered += 1;
     ratio += ms(report.reserve_at_cut) / ms(report.tail_actual);
     used_ms += ms(std::min(report.tail_actual, report.reserve_at_cut));
     reserved_ms += ms(report.reserve_at_cut);
-    const double short_by_ms = ms(report.tail_actual - report.reserve_at_cut);
+    const double short_by_ms = ms(report.tail_needed() - report.reserve_at_cut);
     loss_ms += std::max((1 - alpha) * short_by_ms, -alpha * short_by_ms);
-    against_forecast.push_back(ms(report.tail_actual) / ms(report.tail_forecast));
+    against_forecast.push_back(ms(report.tail_needed()) / ms(report.tail_forecast));
     tail.margin_last = report.cut_margin;
     if (report.tail_beyond_clip) ++tail.beyond_clip;
   }

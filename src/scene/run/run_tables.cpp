@@ -73,7 +73,7 @@ void time_columns(const FrameReport& r, FrameRow& row) {
   row.column("budget_ms", ms(r.budget));
   row.column("reserve_at_cut_ms", ms(r.reserve_at_cut));
   row.column("tail_forecast_ms", ms(r.tail_forecast));
-  row.column("tail_left_over_ms", ms(r.tail_left_over));
+  row.column("tail_optional_ms", ms(r.tail_optional));
   row.column("tail_actual_ms", ms(r.tail_actual));
   row.column("planning_ms", ms(r.planning));
   row.column("ranking_ms", ms(r.ranking));
