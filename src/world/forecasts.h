@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "poise/scheduler/forecast.h"
@@ -22,6 +23,13 @@ struct TimeFacts {
   SteadyClock::time_point iterations_end{};  ///< when they ended; if none were to end in time, 0
   scheduler::TailWork head_work;
 };
+
+/// Moves what something is expected to cost towards what it took, and to no more than four times as much: the machine
+/// may have been in between.
+inline void follow(double measured_ns, double& cost_ns) {
+  constexpr double kMostOfExpected = 4, kNewShare = 0.2;  // chosen
+  cost_ns += kNewShare * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
+}
 
 /// Forecasts of what the parts of a frame take, learned from the frames before. Not part of the state.
 struct Forecasts {

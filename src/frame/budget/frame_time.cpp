@@ -98,12 +98,8 @@ Nanoseconds iterations_forecast(const Forecasts& forecasts, double iterations) {
 // They took so long.
 void learn_iterations(Nanoseconds took, std::uint64_t iterations, Forecasts& forecasts) {
   constexpr std::uint64_t kLeast = 1000;
-  // The machine may have been in between. Chosen.
-  constexpr double kMostOfExpected = 4;
   if (iterations < kLeast || took <= Nanoseconds(0)) return;
-  const double measured_ns = ns_of(took) / static_cast<double>(iterations);
-  double& cost_ns = forecasts.iteration_ns;
-  cost_ns += 0.2 * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
+  follow(ns_of(took) / static_cast<double>(iterations), forecasts.iteration_ns);
 }
 
 // The point iterations of a substep that time is reserved for. `share`: of the contacts that do not wait.

@@ -188,7 +188,6 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
   levels.cues.resize(table.size());
   levels.known = table.known_of_chunk.back();
   levels.substeps = 0;
-  levels.points_due = true;
   levels.reused.clear();
   levels.held.clear();
   levels.tallies.assign(static_cast<std::size_t>(executor.concurrency()), WorkerTally{});
@@ -218,7 +217,6 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
 
 void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
                       parallel::Executor& executor) {
-  if (!levels.points_due) return;
   const PairTable& table = input.table;
   parallel::parallel_for(executor, table.chunks(), 1, [&](std::size_t first, std::size_t past, int) {
     for (std::size_t chunk = first; chunk < past; ++chunk) {
@@ -270,9 +268,8 @@ void refine(const RefineInput& given, const RefineResources& resources, Complete
     report.cues_refused = fill_all_cues(input, levels, executor);
     refine_by_rounds(refinement,
                      budget.kind == Budget::Kind::Work ? budget.work_units : std::numeric_limits<std::uint64_t>::max());
-  }
-  if (budget.kind != Budget::Kind::Deadline || input.step.replay != nullptr)
     make_points_left(input, resources.pools, levels, executor);
+  }
   if (levels.learns) observe_gains(input, levels, resources.learned.observed());
   sum_tallies(input, levels, resources.forecasts, report);
 }

@@ -106,7 +106,6 @@ struct CompletedLevels {
   parallel::Waits waits;     ///< under a deadline: of the calling thread, for jobs of others
   int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
   bool learns = false;       ///< FrameDecisions::learns
-  bool points_due = true;    ///< contact points of some pair may be
 
   HeldIslands held;
   IslandSums islands;                 ///< scratch
@@ -132,9 +131,8 @@ struct RefineResources {
 void refine(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,
             parallel::Executor& executor);
 
-/// After refinement: the manifold points of the pairs that the budget left before their deepest level. Work that the
-/// frame must do. Writes these and nothing else of what was found: workers that are not waited for may still read the
-/// rest.
+/// The end of refinement: the manifold points of the pairs that the budget left before their deepest level. Writes
+/// these and nothing else of what was found: workers that are not waited for may still read the rest.
 void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
                       parallel::Executor& executor);
 

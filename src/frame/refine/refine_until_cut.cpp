@@ -88,21 +88,17 @@ void run_in_order(const RefinementTime& time, const RefineResources& resources, 
   learn_pair_cost(executor.time() - time.begin, open.ended.get(), 1, resources.forecasts);
 }
 
-// At most so often as long as expected: the machine may have been in between. Chosen.
-constexpr double kMostOfExpected = 4;
-
 // What remains of the pairs that came to no end: their contact points.
-void make_points_due(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels,
-                     parallel::Executor& executor) {
+void finish_points(const RefineInput& input, const RefineResources& resources, CompletedLevels& levels,
+                   parallel::Executor& executor) {
   constexpr std::int64_t kLeastEntries = 1000;
   const std::int64_t due = resources.open.due.get();
-  levels.points_due = due > 0;
+  if (due == 0) return;
   const SteadyClock::time_point begun = executor.time();
   make_points_left(input, resources.pools, levels, executor);
   if (due < kLeastEntries) return;
-  const double measured_ns = static_cast<double>((executor.time() - begun).count()) / static_cast<double>(due);
-  double& cost_ns = resources.forecasts.entry_cost_ns;
-  cost_ns += 0.2 * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
+  follow(static_cast<double>((executor.time() - begun).count()) / static_cast<double>(due),
+         resources.forecasts.entry_cost_ns);
 }
 
 // What may be refined by score, until the cut. False where there was no time to rank any.
@@ -151,7 +147,6 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   open.contacts.set(plan.present);
   open.ended.set(0);
   open.due.set(0);
-  levels.points_due = false;
   levels.present = plan.present;
   open.cut.set(0);
   open.chunks_in_order.reset();
@@ -188,7 +183,7 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const Nanoseconds taken = std::min(past_cut, std::max(Nanoseconds(0), own_off_cpu) + report.off_cpu);
   note_overrun(past_cut - taken, taken, report);
   for (const WorkerTally& tally : levels.tallies) note_overrun(tally.overrun, tally.overrun_off_cpu, report);
-  make_points_due(input, resources, levels, executor);
+  finish_points(input, resources, levels, executor);
 }
 
 }  // namespace poise::simulation
