@@ -24,14 +24,10 @@
 #include "solver/iteration_threads.h"
 #include "solver/prefetch_blocks.h"
 #include "solver/settling.h"
+#include "solver/substep.h"
 
 namespace poise::solver {
 namespace {
-
-// Share of a certain overlap that a substep takes back, and the greatest speed of that. Larger values make a pair pop
-// that has just been refined.
-constexpr double kPushShare = 0.1;
-constexpr double kMaxPushMps = 0.3;
 
 // No more iterations once one changes no approach speed by more than this share of the rest speed.
 constexpr double kSettledOfStill = 3e-5;
@@ -256,56 +252,6 @@ void ContactSolver::Buffers::iteration(bool alone, parallel::Executor& executor,
   for (std::size_t i = block_begin[block_begin.size() - 2]; i < block_begin.back(); ++i) visit(i);
 }
 
-namespace {
-
-// The figures of a motion one after another: v, w, x, q.
-template <class T>
-T* figures(MotionChange<T>& motion) {
-  return motion.v;
-}
-
-// Begins a substep: forces, and from the second one on what contacts gave in the one before.
-template <class T>
-void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
-  T* const now = figures(lanes.motions[i]);
-  T* const begun = figures(lanes.begun[i]);
-  const Acceleration& pull = system.accelerations[i];
-  const auto begin = [&](int k, double rate) {
-    const T before = now[k];
-    // The changes of the last substep came from forces and contacts: both are applied again.
-    now[k] = first ? before + static_cast<T>(h_s * rate) : before + (before - begun[k]);
-    begun[k] = before;
-  };
-  for (int k = 0; k < 3; ++k) begin(k, pull.linear_mps2[k]);
-  for (int k = 0; k < 3; ++k) begin(k + 3, pull.angular_radps2[k]);
-}
-
-template <class T>
-void end_substep(std::size_t i, double h_s, Lanes<T>& lanes) {
-  T* const now = figures(lanes.motions[i]);
-  for (std::size_t k = 0; k < 6; ++k) now[k + 6] += static_cast<T>(h_s) * now[k];
-}
-
-template <class T>
-SubstepTerms<T> terms_of(const SolveSettings& settings, bool watch) {
-  const double h_s = settings.dt_s / settings.substeps;
-  SubstepTerms<T> terms;
-  terms.h_s = static_cast<T>(h_s);
-  terms.still_mps = static_cast<T>(still_mps(settings));
-  terms.push_share = static_cast<T>(kPushShare);
-  terms.most_push_m = static_cast<T>(kMaxPushMps * h_s);
-  terms.watch = watch;
-  return terms;
-}
-
-// The last substep adds those of the one before it too, which are still at hand.
-SubstepTotals totals_in(int substep, int substeps) {
-  const int left = substeps - 1 - substep;
-  return {substep > (left == 0 ? 1 : 0), left == 0 && substep > 0, left != 1};
-}
-
-}  // namespace
-
 template <class T>
 void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bool keeps,
                                      parallel::Executor& executor) {
@@ -351,6 +297,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
   const BodyLanes<T> bodies = all.bodies();
   Iterated result;
   result.reached = !settings.stopping.converges();
+  stop.begin_substep();
   MeanChange mean;
   settling.begin();
   if (limit.mixed) {
@@ -395,6 +342,7 @@ Iterated ContactSolver::Buffers::iterate(const Iterating<T>& how, bool last_subs
     if (result.stopped) break;
     if (limit.mixed) mix(executor);
   }
+  stop.end_substep();
   return result;
 }
 
@@ -454,9 +402,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
     });
     IterationLimit limit_here = limit;
     limit_here.only_collisions = limit.only_collisions && substep == 0;
-    stop.begin_substep(substep);
     const Iterated done = iterate(Iterating<T>{system, settings, limit_here, terms}, last, give, ended, executor);
-    stop.end_substep();
     if (limit_here.only_collisions && !done.collision) return std::nullopt;
     if (limit.mixed && !done.settled && done.far) take_back(system, h_s);
     if (watch) for_blocks([&](std::size_t i) { add_totals(blocks[i], substep == 0, all); });

@@ -24,14 +24,14 @@ class IterationStop {
     executor_ = &executor;
     outcome_.stopped_after.assign(static_cast<std::size_t>(settings.substeps), 0);
     outcome_.beyond = {};
+    substep_ = 0;
     if (settings.until) begun_ = outcome_.ended = executor.time();
   }
-  void begin_substep(int substep) {
-    substep_ = static_cast<std::size_t>(substep);
+  void begin_substep() {
     first_ended_.reset();
     if (!settings_->until) return;
     before_ = executor_->time();
-    until_ = begun_ + (*settings_->until - begun_) / settings_->substeps * (substep + 1);
+    until_ = begun_ + (*settings_->until - begun_) / settings_->substeps * static_cast<int>(substep_ + 1);
   }
   /// After an iteration, the first of which is 0, where another one would be made: is there no time for it? It is
   /// expected to take as long as this one.
@@ -48,6 +48,7 @@ class IterationStop {
     return stop;
   }
   void end_substep() {
+    ++substep_;
     if (!settings_->until) return;
     outcome_.ended = executor_->time();
     if (first_ended_) outcome_.beyond += outcome_.ended - *first_ended_;

@@ -6,74 +6,13 @@
 #include <vector>
 
 #include "frame/pair_progress.h"
+#include "frame/recorded_run.h"
 #include "frame/scenes.h"
-#include "geometry/meshes.h"
 #include "verify/world_access.h"
 #include "world/decision_log.h"
 
 namespace poise {
 namespace {
-
-/// A run with a wall-clock budget, so that no two runs are alike, and with all features of a step.
-struct Case {
-  const char* name = "";
-  ContactModel contact = ContactModel::Fitted;
-  scheduler::PolicyKind policy = scheduler::PolicyKind::Perceptual;
-  bool polygons = false, backtracking = false, sleeping = false;
-  int frames = 60;
-};
-
-struct Recorded {
-  std::vector<FrameDecisions> decisions;
-  std::vector<std::uint64_t> hashes;
-  std::vector<std::vector<PairOutcome>> outcomes;
-  std::size_t completed = 0, left = 0, asleep = 0, swept = 0;
-  std::uint32_t by_polygons = 0;
-};
-
-WorldSettings settings_of(const Case& c, ExecutorKind executor, int threads) {
-  WorldSettings settings;
-  settings.gravity_mps2 = Vec3(0, 0, -9.81);
-  settings.contact = c.contact;
-  settings.policy.kind = c.policy;
-  settings.sleeping = c.sleeping;
-  settings.executor = executor;
-  settings.threads = threads;
-  return settings;
-}
-
-// Balls that fall asleep before jacks fall onto them.
-void fill_for_sleep(Stage& stage) {
-  stage.plane(Vec3::UnitZ(), 0);
-  const ShapeId ball = stage.ball(0.5);
-  for (int i = 0; i < 16; ++i) stage.add(ball, Vec3(1.001 * (i % 4), 1.001 * (i / 4), 0.5));
-  const ShapeId jack = stage.jack();
-  for (int i = 0; i < 8; ++i) stage.add(jack, Vec3(1.4 * (i % 3), 1.5 * (i / 3), 6), Vec3::Zero(), Vec3(1, 0.2 * i, 0));
-}
-
-void fill(const Case& c, Stage& stage) {
-  if (c.sleeping) return fill_for_sleep(stage);
-  stage.jacks(60, 4.0);
-  if (c.polygons) {
-    const ShapeId box = stage.world.add_shape(
-        make_mesh_shape(test::box_mesh(Vec3(0.6, 0.6, 0.6)), {.depth = 1, .preset = TreePreset::Fast}).value());
-    for (int i = 0; i < 8; ++i)
-      stage.add(box, Vec3(-1 + 0.7 * (i % 4), 0.4 * (i / 4), 0.9 + 0.8 * (i / 4)), Vec3(0, 0, -2), Vec3(1, 2, 0.3 * i));
-  }
-  if (c.backtracking) {
-    const ShapeId ball = stage.ball(0.05);
-    for (int i = 0; i < 6; ++i) stage.add(ball, Vec3(-1.8, -1.2 + 0.4 * i, 0.8 + 0.2 * i), Vec3(120, 0, 0));
-  }
-}
-
-StepInput input_of(const Case& c) {
-  StepInput input = step_of(1.0 / 60);
-  input.polygons = c.polygons;
-  input.backtracking = c.backtracking;
-  const Vec3 forward = Vec3(-1, 1, -0.5).normalized();
-  input.view = {true, Vec3(8, -8, 5), forward, Vec3::UnitZ(), 0.87, 1.78, forward};
-  return input;
-}
 
 // The budget varies: on any machine some frames refine nothing and some refine everything; the others refine what time
 // permits.
@@ -113,20 +52,6 @@ Recorded record(const Case& c, int threads) {
     recorded.by_polygons += report.level_histogram[kPolygonBin];
   }
   return recorded;
-}
-
-/// The first frame with a different state, or the number of frames.
-std::size_t frames_alike(const Case& c, const Recorded& recorded, ExecutorKind executor, int threads) {
-  Stage stage(settings_of(c, executor, threads), 0.2);
-  fill(c, stage);
-  StepInput input = input_of(c);
-  for (std::size_t i = 0; i < recorded.hashes.size(); ++i) {
-    input.replay = &recorded.decisions[i];
-    const FrameReport report = stage.world.step(input);
-    EXPECT_EQ(report.status, StepStatus::Done) << c.name << ", frame " << i;
-    if (stage.world.state_hash() != recorded.hashes[i]) return i;
-  }
-  return recorded.hashes.size();
 }
 
 std::vector<Case> cases() {
@@ -195,41 +120,6 @@ TEST(Decisions, WhatInfeasibleFramesLeftOutIsLeftOutAgain) {
   first->reused.clear();
   EXPECT_EQ(frames_alike(c, whole, ExecutorKind::Serial, 1), static_cast<std::size_t>(first - whole.decisions.begin()))
       << "what is reused is part of what is decided";
-}
-
-TEST(Decisions, IterationsThatTheClockStoppedAreStoppedAgain) {
-  const Case c{.name = "stopped"};
-  Stage stage(settings_of(c, ExecutorKind::Threads, 3), 0.2);
-  fill(c, stage);
-  StepInput input = input_of(c);
-  input.record = true;
-  input.budget = Budget::within(std::chrono::hours(1));
-  Recorded recorded;
-  std::size_t first_stopped = 0;
-  std::size_t stopped = 0;
-  for (std::size_t i = 0; i < 90; ++i) {
-    // From here on all of the hour is kept for what comes after the iterations.
-    scheduler::TailForecast::Features rest_us{};
-    rest_us[0] = i < 50 ? 0 : 1e10;
-    simulation::WorldAccess::of(stage.world).forecasts.rest = scheduler::TailForecast(rest_us);
-    const FrameReport report = stage.world.step(input);
-    recorded.decisions.emplace_back();
-    stage.world.decisions(recorded.decisions.back());
-    recorded.hashes.push_back(stage.world.state_hash());
-    const std::vector<std::uint32_t>& after = recorded.decisions.back().stopped_after;
-    if (after.empty()) continue;
-    EXPECT_GE(i, 50U);
-    EXPECT_EQ(after.size(), 2U) << "one a substep";
-    EXPECT_LE(*std::max_element(after.begin(), after.end()), 1U) << "after the first there was no time";
-    EXPECT_GT(report.degraded.point_iterations, 0U);
-    if (stopped++ == 0) first_stopped = i;
-  }
-  EXPECT_GT(stopped, 30U);
-  EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Serial, 1), recorded.hashes.size());
-  EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Tbb, 2), recorded.hashes.size());
-  Recorded whole = recorded;
-  whole.decisions[first_stopped].stopped_after.clear();
-  EXPECT_EQ(frames_alike(c, whole, ExecutorKind::Serial, 1), first_stopped);
 }
 
 // Balls in one place, and a few that lie side by side.

@@ -52,10 +52,7 @@ RecordHeader some_header() {
   header.paced = true;
   header.deadline_ms = 16.7;
   header.machine = {"Linux", "a processor", 8};
-  header.build.version = "1.2.3";
-  header.build.commit = "abc";
-  header.build.compiler = "GNU";
-  header.build.flags = "-O3";
+  header.build = {"1.2.3", "abc", "GNU", "-O3"};
   return header;
 }
 

@@ -30,7 +30,7 @@ TEST(StudyTimes, ForecastPlaysEveryMethodOnTheSameFrames) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json study = json::parse(result.out, nullptr, false);
   EXPECT_EQ(study.at("schema"), "poise.forecast/1");
-  ASSERT_EQ(study.at("rows").size(), 12U);
+  ASSERT_EQ(study.at("rows").size(), 10U);
   for (const json& row : study.at("rows")) {
     EXPECT_GE(row.at("exceeded"), 0.0);
     EXPECT_LE(row.at("exceeded"), 100.0);
