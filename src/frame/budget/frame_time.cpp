@@ -310,8 +310,9 @@ std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& st
 
 SteadyClock::time_point iterations_end(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
                                        const FrameReport& report) {
-  const double rest_ns =
-      forecasts.margin.factor() * ns_of(forecasts.rest.forecast(rest_work(counts, report.contact_pairs)));
+  constexpr double kMostNs = 1e18;  // far beyond any frame, and within the range of Nanoseconds
+  const Nanoseconds rest = forecasts.rest.forecast(rest_work(counts, report.contact_pairs));
+  const double rest_ns = std::min(kMostNs, forecasts.margin.factor() * ns_of(rest));
   return step.budget.deadline - report.host_reserved - Nanoseconds(static_cast<std::int64_t>(rest_ns));
 }
 
