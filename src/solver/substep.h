@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "solver/contact_blocks.h"
 #include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
 
