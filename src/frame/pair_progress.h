@@ -70,6 +70,7 @@ struct PairProgress {
   std::uint8_t band = 0;    ///< as CachedPair::band, likewise
   std::uint8_t waited = 0;  ///< as CachedPair::frames_waited, at most 255
   bool ranked = false;      ///< in this frame
+  bool points_due = false;  ///< under a deadline: if it comes no further, its contact points are to be made in the end
   /// Band of the score that its next level waits with, or its last one had; 0: none was found.
   std::uint8_t turn = 0;
   Stop stop = Stop::None;

@@ -41,7 +41,7 @@ struct OpenRefinement {
     scheduler::FrameFacts facts;
     scheduler::FrameBudget budget;
     double solved_share = 1;     ///< of the pairs not found separated
-    double entry_cost_ns = 0;    ///< of making contact points, an entry (entries_due), by all workers together
+    double entry_cost_ns = 0;    ///< of making contact points, an entry (entries_of_points), by all workers together
     DecisionLog* log = nullptr;  ///< of a step that is recorded
   };
   /// What a job has found out of one pair.
@@ -54,7 +54,7 @@ struct OpenRefinement {
     scheduler::PairCues cues;
     bool completed = false;        ///< at least one level
     bool again = false;            ///< the next level has its turn later, in this band
-    std::uint32_t due_before = 0;  ///< entries_due of what was known before
+    std::uint32_t due_before = 0;  ///< entries of its contact points that were due before
     std::uint32_t band = 0;
   };
   /// What one worker holds: the pairs of its job, which become everybody's when the job commits.

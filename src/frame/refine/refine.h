@@ -152,7 +152,7 @@ scheduler::FrameFacts frame_facts(const RefineInput& input);
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
                 const PairProgress& progress, const collision::LevelContact& found, std::uint32_t index);
 
-/// How long it takes to make contact points of so many entries (entries_due), by all workers together.
+/// How long it takes to make contact points of so many entries (entries_of_points), by all workers together.
 inline Nanoseconds time_of_points(double entry_cost_ns, std::int64_t entries) {
   return Nanoseconds(static_cast<std::int64_t>(entry_cost_ns * static_cast<double>(entries)));
 }

@@ -91,7 +91,8 @@ class OpenRefinement::Job {
       hand.item = item;
       const PairProgress& known = run_.levels.progress[item];
       hand.progress = known;
-      hand.due_before = known.level.level > 0 ? entries_due(known, run_.levels.found.of(known)) : 0;
+      // Not by what was found, which the caller may be writing (make_points_left).
+      hand.due_before = known.points_due ? entries_of_points(known.level) : 0;
       hand.ended = Outcome::Completed;
       hand.completed = hand.again = hand.newly_ranked = false;
       if (!in_order() && !hand.progress.ranked && !rank(hand)) continue;
@@ -134,7 +135,7 @@ class OpenRefinement::Job {
   // May a piece of the next `units` begin? If so it counts as begun.
   [[nodiscard]] bool admits(std::uint64_t units) {
     const std::uint64_t piece = std::min<std::uint64_t>(units, run_.input.policy.quantum_units);
-    const bool admitted = run_.budget.admits(now_ + points_due(), unwatched_units_ + piece,
+    const bool admitted = run_.budget.admits(now_ + time_of_points_due(), unwatched_units_ + piece,
                                              solved_of(run_.solved_share, open_.contacts.get()));
     if (admitted) {
       unwatched_units_ += piece;
@@ -143,7 +144,7 @@ class OpenRefinement::Job {
     return admitted;
   }
   // How long it takes to make the contact points of the pairs as they are.
-  [[nodiscard]] Nanoseconds points_due() const { return time_of_points(run_.entry_cost_ns, open_.due.get()); }
+  [[nodiscard]] Nanoseconds time_of_points_due() const { return time_of_points(run_.entry_cost_ns, open_.due.get()); }
   // Since this worker's first job.
   [[nodiscard]] Nanoseconds off_cpu() const {
     return std::max(Nanoseconds(0), now_ - tally_.begun - (parallel::thread_cpu_time() - tally_.cpu_before));
@@ -277,7 +278,8 @@ class OpenRefinement::Job {
           run_.levels.found.keep(pair, reach_m, worker_);
         }
         if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
-        more_due += std::int64_t{entries_due(pair, hand.found)} - hand.due_before;
+        pair.points_due = points_due(pair, hand.found);
+        more_due += std::int64_t{pair.points_due ? entries_of_points(pair.level) : 0U} - hand.due_before;
       }
       if (hand.ended == Outcome::Full) pair.full = true;
       if (!pair.refinable() || pair.full) ++more_ended;

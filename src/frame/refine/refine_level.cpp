@@ -16,7 +16,7 @@ collision::PairFrame frame_of(const PairRefiner& refiner, const PosedPair& posed
 
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
                      collision::LevelContact& found, std::span<const collision::FrontPool> pools) {
-  if (entries_due(progress, found) == 0) return;
+  if (!points_due(progress, found)) return;
   collision::make_points(frame_of(refiner, posed), pools, progress.level, found);
 }
 

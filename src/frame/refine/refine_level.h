@@ -124,14 +124,16 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   return Outcome::Completed;
 }
 
-/// Entries of its front that the manifold points of a pair are still to be made of, if its deepest completed level
-/// counts, and what goes with a pair. 0: it has none to make.
-inline std::uint32_t entries_due(const PairProgress& progress, const collision::LevelContact& found) {
-  constexpr std::uint32_t kEntriesOfPair = 16;  // what a pair takes beside them; chosen
+/// Are the manifold points of a pair still to be made, if its deepest completed level counts?
+inline bool points_due(const PairProgress& progress, const collision::LevelContact& found) {
   // A level with none after it has made its points. Asked first, because what was found of most pairs is in no cache.
-  if (!progress.level.refinable() || progress.level.level == 0) return 0;
-  if (progress.apart() || progress.from_cache() || !found.points_due) return 0;
-  return progress.level.point_entries + kEntriesOfPair;
+  if (!progress.level.refinable() || progress.level.level == 0) return false;
+  return !progress.apart() && !progress.from_cache() && found.points_due;
+}
+/// How many entries of its front they are made of, and what goes with a pair.
+inline std::uint32_t entries_of_points(const collision::PairLevel& level) {
+  constexpr std::uint32_t kEntriesOfPair = 16;  // what a pair takes beside them; chosen
+  return level.point_entries + kEntriesOfPair;
 }
 /// Makes the manifold points of a pair that are due. Its front is still there.
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
