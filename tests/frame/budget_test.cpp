@@ -130,6 +130,36 @@ TEST(Ranking, TheBestSeenAreRankedInEveryFrameAndTheOthersInTurn) {
   EXPECT_EQ(chosen.size(), 40U);
 }
 
+TEST(Budget, TimeIsKeptForTheContactPointsOfPairsThatComeToNoEnd) {
+  WorldSettings settings = falling();
+  settings.policy.kind = scheduler::PolicyKind::Random;  // compares pairs at each level
+  Stage stage(settings, 0.2);
+  stage.jacks(300, 6);
+  simulation::WorldState& world = simulation::WorldAccess::of(stage.world);
+  StepInput input = step_of(1.0 / 60);
+  std::size_t stopped = 0;
+  for (int i = 0; i < 100; ++i) {
+    world.forecasts.pair_cost_ns = 1e18;  // so long that the order matters
+    // In every other frame one entry takes longer than the hour that there is.
+    const bool dear = i % 2 == 1;
+    world.forecasts.entry_cost_ns = dear ? 1e15 : 1;
+    input.budget = Budget::within(std::chrono::hours(1));
+    const FrameReport report = stage.world.step(input);
+    EXPECT_TRUE(dear || report.pairs_left == 0) << "there was an hour for them";
+    const simulation::CompletedLevels& levels = world.outputs.levels;
+    std::int64_t due = 0;
+    for (const simulation::PairProgress& pair : levels.progress) {
+      if (!pair.points_due) continue;
+      due += simulation::entries_of_points(pair.level);
+      EXPECT_FALSE(levels.found.of(pair).points_due) << "they are made in the end";
+    }
+    EXPECT_EQ(world.open.due.get(), due);
+    EXPECT_TRUE(dear || due == 0);
+    if (due > 0 && report.pairs_left > 0) ++stopped;
+  }
+  EXPECT_GT(stopped, 5U) << "nothing was refined any more once there were points to make";
+}
+
 TEST(Budget, NoMorePairsAreRankedThanThereIsTimeForAndTheOthersHaveTheirTurnTheSame) {
   Stage stage(falling(), 0.2);
   stage.jacks(500, 6);
