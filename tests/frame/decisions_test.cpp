@@ -219,6 +219,28 @@ TEST(Decisions, CountedWorkDecidesAlikeOnAnyThreadsAndInTheSameOrder) {
   }
 }
 
+// Independent of the machine: how far each pair comes is counted.
+TEST(Decisions, CountedWorkIsDoneAgainToTheBitWithEachContactModel) {
+  for (const ContactModel contact : {ContactModel::Fitted, ContactModel::Wrench, ContactModel::Paper}) {
+    const Case c{.name = "counted work", .contact = contact};
+    Recorded recorded;
+    Stage stage(settings_of(c, ExecutorKind::Threads, 2), 0.2);
+    fill(c, stage);
+    StepInput input = input_of(c);
+    input.record = true;
+    input.budget = Budget::work(60);
+    for (int i = 0; i < c.frames; ++i) {
+      recorded.left += stage.world.step(input).pairs_left;
+      recorded.decisions.emplace_back();
+      stage.world.decisions(recorded.decisions.back());
+      recorded.hashes.push_back(stage.world.state_hash());
+    }
+    EXPECT_GT(recorded.left, 100U) << "nothing was left coarse";
+    EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Serial, 1), recorded.hashes.size()) << static_cast<int>(contact);
+    EXPECT_EQ(frames_alike(c, recorded, ExecutorKind::Threads, 3), recorded.hashes.size()) << static_cast<int>(contact);
+  }
+}
+
 TEST(Decisions, CompletedStepsAreTheLevelsThatTheReportCounts) {
   const Case c{.name = "fitted"};
   Stage stage(settings_of(c, ExecutorKind::Threads, 3), 0.2);

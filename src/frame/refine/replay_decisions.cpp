@@ -88,6 +88,7 @@ class Replay {
       if (keeps_fronts()) complete_elsewhere();
       note_stops();
     }
+    if (keeps_fronts()) make_points_left(input_, pools_, levels_, executor_);
     return fits_ && std::all_of(left_.begin(), left_.end(), [](std::uint8_t left) { return left == 0; });
   }
 
