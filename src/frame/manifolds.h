@@ -6,7 +6,7 @@
 
 #include "frame/refine/refine.h"
 #include "solver/contact_solver.h"
-#include "solver/impact_row.h"
+#include "solver/impacts/impact_row.h"
 
 /// Stage *manifolds*: contact points of each pair from its deepest completed level or the contact cache, and the list
 /// of those that the solver takes.

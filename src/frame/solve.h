@@ -5,7 +5,7 @@
 
 #include "frame/manifolds.h"
 #include "solver/contact_solver.h"
-#include "solver/impact_row.h"
+#include "solver/impacts/impact_row.h"
 #include "solver/solver.h"
 
 /// Stage *solve*: impulses of impacts, then forces and contacts, then (with backtracking) what meets within the step.

@@ -7,7 +7,7 @@
 
 #include "parallel/executor.h"
 #include "poise/types.h"
-#include "solver/contact_point.h"
+#include "solver/contacts/contact_point.h"
 #include "solver/solver.h"
 
 namespace poise::solver {

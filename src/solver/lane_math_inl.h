@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include "geometry/primitives/triple_lanes_inl.h"
-#include "solver/contact_lanes.h"
+#include "solver/contacts/contact_lanes.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace poise::solver::HWY_NAMESPACE {

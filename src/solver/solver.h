@@ -11,8 +11,8 @@
 #include "collision/manifold/manifold_point.h"
 #include "parallel/executor.h"
 #include "solver/coloring.h"
-#include "solver/contact_point.h"
-#include "solver/impact_row.h"
+#include "solver/contacts/contact_point.h"
+#include "solver/impacts/impact_row.h"
 
 namespace poise::solver {
 

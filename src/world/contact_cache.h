@@ -9,7 +9,7 @@
 #include "parallel/executor.h"
 #include "parallel/unset_vector.h"
 #include "poise/types.h"
-#include "solver/contact_point.h"
+#include "solver/contacts/contact_point.h"
 
 /// The contact cache: what pairs of bodies take from one frame to the next. Part of the state.
 namespace poise::simulation {

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "collision/manifold/manifold_point.h"
-#include "solver/contact_point.h"
+#include "solver/contacts/contact_point.h"
 #include "world/contact_cache.h"
 
 /// What refinement finds of a pair takes the place of what is cached of it.

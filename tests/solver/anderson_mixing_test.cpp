@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/anderson_mixing.h"
+#include "solver/iterations/anderson_mixing.h"
 
 #include <gtest/gtest.h>
 

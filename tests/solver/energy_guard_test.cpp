@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/energy_guard.h"
+#include "solver/iterations/energy_guard.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/impact_lanes.h"
+#include "solver/impacts/impact_lanes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/impact_row.h"
+#include "solver/impacts/impact_row.h"
 
 #include <gtest/gtest.h>
 

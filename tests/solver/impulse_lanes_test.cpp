@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/impulse_lanes.h"
+#include "solver/iterations/impulse_lanes.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "collision/instruction_sets.h"
-#include "solver/energy_lanes.h"
+#include "solver/iterations/energy_lanes.h"
 
 namespace poise::solver {
 namespace {

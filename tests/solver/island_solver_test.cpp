@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "solver/contact_bench.h"
-#include "solver/settling.h"
+#include "solver/iterations/settling.h"
 
 namespace poise::solver {
 namespace {

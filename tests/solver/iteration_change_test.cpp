@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/iteration_change.h"
+#include "solver/iterations/iteration_change.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/iteration_threads.h"
+#include "solver/iterations/iteration_threads.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/mixing_lanes.h"
+#include "solver/iterations/mixing_lanes.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "frame/ccd/swept_contact.h"
 #include "frame/kinematic.h"
 #include "parallel/shared_counters.h"
-#include "solver/impact_row.h"
+#include "solver/impacts/impact_row.h"
 #include "solver/solver.h"
 
 namespace poise::simulation {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "parallel/prefetch.h"
-#include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
+#include "solver/contacts/contact_lanes.h"
 
 /// Prefetches what a block's pairs need, some blocks ahead: pairs of one colour lie far apart in memory.
 namespace poise::solver {

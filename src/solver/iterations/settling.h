@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
+#include "solver/contacts/contact_lanes.h"
 
 namespace poise::solver {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/contact_lanes.h"
-#include "solver/iteration_limit.h"
+#include "solver/contacts/contact_lanes.h"
+#include "solver/iterations/iteration_limit.h"
 
 /// The iterations of a substep: what one of them has changed, and whether another one is worth it.
 namespace poise::solver {

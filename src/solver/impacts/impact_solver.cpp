@@ -5,9 +5,9 @@
 
 #include "parallel/prefetch.h"
 #include "parallel/shared_counters.h"
-#include "solver/impact_lanes.h"
+#include "solver/impacts/impact_iteration.h"
+#include "solver/impacts/impact_lanes.h"
 #include "solver/solver.h"
-#include "solver/solver_iteration.h"
 
 namespace poise::solver {
 namespace {

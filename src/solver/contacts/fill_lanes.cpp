@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "solver/fill_lanes.cpp"
+#define HWY_TARGET_INCLUDE "solver/contacts/fill_lanes.cpp"
 #include <hwy/foreach_target.h>
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
@@ -9,7 +9,7 @@
 #include <cstddef>
 
 #include "collision/manifold/manifold_point.h"
-#include "solver/fill_lanes.h"
+#include "solver/contacts/fill_lanes.h"
 #include "solver/lane_math_inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/angular_balance.h"
+#include "solver/contacts/angular_balance.h"
 
 #include <Eigen/LU>
 

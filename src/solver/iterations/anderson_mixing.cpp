@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "solver/anderson_mixing.h"
+#include "solver/iterations/anderson_mixing.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include <algorithm>
 
-#include "solver/mixing_lanes.h"
+#include "solver/iterations/mixing_lanes.h"
 
 namespace poise::solver {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "parallel/unset_vector.h"
-#include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
+#include "solver/contacts/contact_lanes.h"
 
 namespace poise::solver {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "solver/impact_lanes.cpp"
+#define HWY_TARGET_INCLUDE "solver/impacts/impact_lanes.cpp"
 #include <hwy/foreach_target.h>
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
 #include <algorithm>
 
-#include "solver/impact_lanes.h"
+#include "solver/impacts/impact_lanes.h"
 #include "solver/lane_math_inl.h"
 
 HWY_BEFORE_NAMESPACE();

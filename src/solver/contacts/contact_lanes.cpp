@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "solver/contact_lanes.cpp"
+#define HWY_TARGET_INCLUDE "solver/contacts/contact_lanes.cpp"
 #include <hwy/foreach_target.h>
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
 #include <algorithm>
 
-#include "solver/contact_lanes.h"
+#include "solver/contacts/contact_lanes.h"
 #include "solver/lane_math_inl.h"
 
 HWY_BEFORE_NAMESPACE();

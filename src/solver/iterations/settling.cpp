@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solver/settling.h"
+#include "solver/iterations/settling.h"
 
 #include <cstddef>
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
-#include "solver/energy_lanes.h"
+#include "solver/contacts/contact_lanes.h"
+#include "solver/iterations/energy_lanes.h"
 
 namespace poise::solver {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "solver/anderson_mixing.h"
+#include "solver/iterations/anderson_mixing.h"
 
 /// The sums of AndersonMixing over all numbers, in lanes. Each is summed in the order of the numbers, so its bits
 /// depend on no instruction set.

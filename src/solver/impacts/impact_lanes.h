@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "poise/types.h"
-#include "solver/impact_row.h"
+#include "solver/impacts/impact_row.h"
 
 namespace poise::solver {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "solver/contact_lanes.h"
+#include "solver/contacts/contact_lanes.h"
 
 /// The impulses of a block as numbers one after another, for what treats all of them alike: contact point by contact
 /// point, and of each lane in use that along the normal and, where a pair of the block has friction, the three across

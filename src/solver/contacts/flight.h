@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "solver/contact_blocks.h"
 #include "solver/contact_solver.h"
+#include "solver/contacts/contact_blocks.h"
 
 namespace poise::solver {
 

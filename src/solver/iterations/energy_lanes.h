@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "solver/contact_lanes.h"
+#include "solver/contacts/contact_lanes.h"
 
 /// The kinetic energy of EnergyGuard, several bodies at a time, with the bits of one after another.
 namespace poise::solver {

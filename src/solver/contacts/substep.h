@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "solver/contact_blocks.h"
-#include "solver/contact_lanes.h"
 #include "solver/contact_solver.h"
+#include "solver/contacts/contact_blocks.h"
+#include "solver/contacts/contact_lanes.h"
 
 /// How a substep of the contact solver begins and ends for a body, and what its lanes are to know of it.
 namespace poise::solver {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "solver/contact_blocks.h"
+#include "solver/contacts/contact_blocks.h"
 
 #include <algorithm>
 #include <cstddef>
 
-#include "solver/fill_lanes.h"
+#include "solver/contacts/fill_lanes.h"
 
 namespace poise::solver {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "solver/contact_blocks.h"
+#include "solver/contacts/contact_blocks.h"
 
 /// Returns the angular momentum that contacts took or added by moving bodies otherwise than with their final velocity.
 ///

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "solver/energy_lanes.cpp"
+#define HWY_TARGET_INCLUDE "solver/iterations/energy_lanes.cpp"
 #include <hwy/foreach_target.h>
 // Highway compiles this file once for each instruction set, so it comes after foreach_target.
 #include <hwy/highway.h>
 
-#include "solver/energy_lanes.h"
+#include "solver/iterations/energy_lanes.h"
 #include "solver/lane_math_inl.h"
 
 HWY_BEFORE_NAMESPACE();

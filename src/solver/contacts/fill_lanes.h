@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "solver/contact_blocks.h"
+#include "solver/contacts/contact_blocks.h"
 
 /// The ways between the records of pairs, in double precision and one after another, and the lanes of the solver.
 namespace poise::solver {
