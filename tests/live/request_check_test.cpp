@@ -8,7 +8,7 @@
 namespace poise::app {
 namespace {
 
-const std::string kToken(32, 'a');
+const std::string kExpectedToken(32, 'a');
 
 RequestHead head_of(std::string_view target, std::string_view host = "127.0.0.1:80",
                     std::optional<std::string_view> origin = {}, bool upgrade = false) {
@@ -16,12 +16,12 @@ RequestHead head_of(std::string_view target, std::string_view host = "127.0.0.1:
 }
 
 TEST(RequestCheck, GivesThePageToThoseWhoKnowTheToken) {
-  const RequestCheck check(kToken, "127.0.0.1", 80);
-  const std::string page = "/" + kToken + "/";
+  const RequestCheck check(kExpectedToken, "127.0.0.1", 80);
+  const std::string page = "/" + kExpectedToken + "/";
   EXPECT_EQ(check.answer(head_of(page)), RequestAnswer::Page);
   EXPECT_EQ(check.answer(head_of(page, "localhost:80")), RequestAnswer::Page);
-  for (const std::string& other :
-       {std::string("/"), std::string(""), "/" + kToken, page + "x", "/" + std::string(32, 'b') + "/", page + "?a"})
+  for (const std::string& other : {std::string("/"), std::string(""), "/" + kExpectedToken, page + "x",
+                                   "/" + std::string(32, 'b') + "/", page + "?a"})
     EXPECT_EQ(check.answer(head_of(other)), RequestAnswer::NotFound) << other;
   RequestHead post = head_of(page);
   post.method = "POST";
@@ -29,8 +29,8 @@ TEST(RequestCheck, GivesThePageToThoseWhoKnowTheToken) {
 }
 
 TEST(RequestCheck, NeedsTheOriginOfItsOwnPageForASocket) {
-  const RequestCheck check(kToken, "127.0.0.1", 80);
-  const std::string socket = "/" + kToken + "/socket";
+  const RequestCheck check(kExpectedToken, "127.0.0.1", 80);
+  const std::string socket = "/" + kExpectedToken + "/socket";
   EXPECT_EQ(check.answer(head_of(socket, "127.0.0.1:80", "http://127.0.0.1:80", true)), RequestAnswer::Socket);
   EXPECT_EQ(check.answer(head_of(socket, "localhost:80", "http://localhost:80", true)), RequestAnswer::Socket);
   for (const std::string_view origin : {"http://localhost:80", "https://127.0.0.1:80", "http://127.0.0.1:81", "null",
@@ -41,14 +41,14 @@ TEST(RequestCheck, NeedsTheOriginOfItsOwnPageForASocket) {
 }
 
 TEST(RequestCheck, KnowsItsOwnNamesAlone) {
-  const std::string page = "/" + kToken + "/";
-  const RequestCheck near(kToken, "127.0.0.1", 80);
+  const std::string page = "/" + kExpectedToken + "/";
+  const RequestCheck near(kExpectedToken, "127.0.0.1", 80);
   for (const std::string_view host : {"evil.example:80", "127.0.0.1", "127.0.0.1:81", "10.0.0.1:80", "", "0.0.0.0:80"})
     EXPECT_EQ(near.answer(head_of(page, host)), RequestAnswer::Forbidden) << host;
-  const RequestCheck bound(kToken, "10.0.0.1", 80);
+  const RequestCheck bound(kExpectedToken, "10.0.0.1", 80);
   EXPECT_EQ(bound.answer(head_of(page, "10.0.0.1:80")), RequestAnswer::Page);
   EXPECT_EQ(bound.answer(head_of(page, "10.0.0.2:80")), RequestAnswer::Forbidden);
-  const RequestCheck all(kToken, "0.0.0.0", 80);
+  const RequestCheck all(kExpectedToken, "0.0.0.0", 80);
   EXPECT_EQ(all.answer(head_of(page, "10.0.0.2:80")), RequestAnswer::Page);
   EXPECT_EQ(all.answer(head_of(page, "[fe80::1]:80")), RequestAnswer::Page);
   EXPECT_EQ(all.answer(head_of(page, "evil.example:80")), RequestAnswer::Forbidden);

@@ -26,7 +26,7 @@ io::LevelsRow row(std::size_t pair, const char* model, simulation::ProbeLevel le
   return made;
 }
 
-io::LevelsDocument study() {
+io::LevelsDocument levels_study() {
   io::LevelsDocument d;
   d.half = "report";
   d.touches = 100;
@@ -42,7 +42,7 @@ io::LevelsDocument study() {
 }
 
 TEST(LevelsDocument, EachRowHasTheMembersOfItsSchema) {
-  const json found = json::parse(io::levels_json(study()));
+  const json found = json::parse(io::levels_json(levels_study()));
   EXPECT_EQ(found.at("schema"), "poise.levels/2");
   ASSERT_EQ(found.at("rows").size(), 7U);
   const json& first = found.at("rows").at(0);
@@ -60,7 +60,7 @@ TEST(LevelsDocument, EachRowHasTheMembersOfItsSchema) {
 }
 
 TEST(LevelsDocument, SummariesAreMeansOverThePairsOfAGroup) {
-  const std::vector<io::LevelsSummary> all = io::summaries(study());
+  const std::vector<io::LevelsSummary> all = io::summaries(levels_study());
   ASSERT_EQ(all.size(), 4U);
   EXPECT_EQ(all[0].pairs, 2U);
   EXPECT_DOUBLE_EQ(all[0].dv.mean, 0.35);
@@ -73,7 +73,7 @@ TEST(LevelsDocument, SummariesAreMeansOverThePairsOfAGroup) {
 }
 
 TEST(LevelsDocument, ASetbackIsWorseByMoreThanTwoPercentAndTheUncertainty) {
-  io::LevelsDocument d = study();
+  io::LevelsDocument d = levels_study();
   const std::vector<io::LevelsSetback> found = io::setbacks(d);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].row, 4U);
@@ -84,22 +84,22 @@ TEST(LevelsDocument, ASetbackIsWorseByMoreThanTwoPercentAndTheUncertainty) {
 }
 
 TEST(LevelsDocument, TablesHaveALineAPairAndModelAndALineAGroupAndLevel) {
-  const std::string text = io::levels_table(study());
+  const std::string text = io::levels_table(levels_study());
   EXPECT_NE(text.find("0.400  0.100     0.040"), std::string::npos) << text;
   EXPECT_NE(text.find("0.45"), std::string::npos);
   EXPECT_NE(text.find("0.12 missed"), std::string::npos) << "the mean of 0.10 and 0.335";
   EXPECT_NE(text.find("2.0 missed"), std::string::npos) << "refinement of 400 ns for overlap tests of 200 ns";
-  const auto rows = lines(io::levels_markdown(study()));
+  const auto rows = lines(io::levels_markdown(levels_study()));
   EXPECT_EQ(std::count_if(rows.begin(), rows.end(), [](const std::string& line) { return line.starts_with("| "); }),
             4 + 5 + 3);
-  const auto values = lines(io::levels_csv(study()));
+  const auto values = lines(io::levels_csv(levels_study()));
   ASSERT_EQ(values.size(), 8U);
   EXPECT_EQ(std::count(values[0].begin(), values[0].end(), ','), std::count(values[1].begin(), values[1].end(), ','));
   EXPECT_TRUE(values[7].starts_with("\"a, \"\"b\"\"\",\"c\",other,wrench,1,100,0.8,"));
 }
 
 TEST(LevelsDocument, AChartAGroupALineAModelAndPolygonsRightOfTheDeepestLevel) {
-  const std::vector<app::LineChart> charts = io::levels_charts(study());
+  const std::vector<app::LineChart> charts = io::levels_charts(levels_study());
   ASSERT_EQ(charts.size(), 2U);
   EXPECT_EQ(charts[0].title, "round, 2 pairs of shapes: mean error of dv");
   EXPECT_EQ(charts[0].x_names, (std::vector<std::string>{"0", "1", "2", "polygons"}));

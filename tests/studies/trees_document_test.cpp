@@ -42,7 +42,7 @@ io::TreeDocument one_tree() {
   return d;
 }
 
-io::TreesDocument study() {
+io::TreesDocument trees_study() {
   io::TreesDocument d;
   d.study = "meshes";
   io::TreesRow row = io::row_of_tree_json(io::tree_json(one_tree())).value();
@@ -70,29 +70,29 @@ TEST(TreesDocument, ReadsARowFromWhatPoiseTreeWrites) {
 }
 
 TEST(TreesDocument, WritesTheSameFiguresAsJsonMarkdownTableAndCsv) {
-  const json found = json::parse(io::trees_json(study()));
+  const json found = json::parse(io::trees_json(trees_study()));
   EXPECT_EQ(found.at("schema"), "poise.trees/1");
   EXPECT_EQ(found.at("rows").at(0).at("cpu_s"), 2.5);
   EXPECT_EQ(found.at("rows").at(0).at("levels").at(1).at("protrusion_max_of_diagonal"), 0.1);
   EXPECT_EQ(found.at("rows").at(1).at("refused"), "no tree: exit code 3");
 
-  const std::vector<std::string> markdown = lines(io::trees_markdown(study()));
+  const std::vector<std::string> markdown = lines(io::trees_markdown(trees_study()));
   EXPECT_EQ(markdown[0], "| mesh | triangles | preset | CPU s | MiB | nodes | level 1 | covered % |");
   EXPECT_EQ(markdown[1], "|---|---|---|---|---|---|---|---|");
   EXPECT_EQ(markdown[2], "| a \"cow\" | 5856 | fast | 2.50 | 3 | 9 | 10.00 / 5.00 / 2.250 | 99.9900 |");
 
-  const std::string table = io::trees_table(study());
+  const std::string table = io::trees_table(trees_study());
   EXPECT_NE(table.find("10.00 / 5.00 / 2.250"), std::string::npos) << table;
   EXPECT_NE(table.find("none.obj  no tree: exit code 3"), std::string::npos) << table;
 
-  const std::vector<std::string> csv = lines(io::trees_csv(study()));
+  const std::vector<std::string> csv = lines(io::trees_csv(trees_study()));
   ASSERT_EQ(csv.size(), 3U) << "a line a level; a refused mesh has none";
   EXPECT_EQ(csv[2], "\"a \"\"cow\"\"\",5856,fast,1,2.5,1.25,3145728,9,1,8,10,5,2.25,1,0.9999");
   EXPECT_EQ(std::ranges::count(csv[0], ','), 14);
 }
 
 TEST(TreesDocument, AStudyOfRefusedMeshesAloneIsATableToo) {
-  io::TreesDocument d = study();
+  io::TreesDocument d = trees_study();
   d.rows.erase(d.rows.begin());
   EXPECT_NE(io::trees_table(d).find("none.obj  no tree"), std::string::npos) << io::trees_table(d);
   EXPECT_EQ(lines(io::trees_csv(d)).size(), 1U);
