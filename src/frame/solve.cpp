@@ -67,8 +67,13 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
 // Fills the rows of impacts.
 class PairRows final : public solver::RowSource {
  public:
-  PairRows(const SolveInput& input, const PointCache& points, Velocities& velocities, parallel::Tickets& degenerate)
-      : input_(input), points_(points), velocities_(velocities), degenerate_(degenerate) {}
+  // What the rows of a step are counted in.
+  struct Counts {
+    parallel::Tickets degenerate;
+    parallel::Tickets overlaps;  // places for overlapping points that have been given away
+  };
+  PairRows(const SolveInput& input, const PointCache& points, Velocities& velocities, Counts& counts)
+      : input_(input), points_(points), velocities_(velocities), counts_(counts) {}
   // Prefetches what fill() reads and writes of a manifold.
   HWY_INLINE void prefetch(std::size_t m) const {
     const solver::Manifold& manifold = input_.manifolds.manifolds[m];
@@ -88,6 +93,21 @@ class PairRows final : public solver::RowSource {
     parallel::prefetch(velocities_.rows[velocities_.row_of[m]]);
   }
   void fill(std::size_t k) const override {
+    auto place = static_cast<std::uint32_t>(counts_.overlaps.take(solver::kOverlapsOfRow));
+    fill(k, place);
+  }
+  // Places for the overlapping points of the fast ones of some manifolds, one after another: neighbours in memory are
+  // written by the same thread.
+  std::uint32_t take_places(std::size_t begin, std::size_t end) const {
+    std::size_t count = 0;
+    for (std::size_t m = begin; m < end; ++m) {
+      const solver::Manifold& manifold = input_.manifolds.manifolds[m];
+      if (manifold.fast && manifold.restitution > 0) count += manifold.point_count;
+    }
+    return static_cast<std::uint32_t>(count > 0 ? counts_.overlaps.take(count) : 0);
+  }
+  // The overlapping points of the row have their places from `place` on, which is moved behind them.
+  void fill(std::size_t k, std::uint32_t& place) const {
     const std::uint32_t index = input_.manifolds.coloring.order()[k];
     const solver::Manifold& manifold = input_.manifolds.manifolds[index];
     const ActivePair& pair = input_.table.pairs[manifold.pair];
@@ -103,7 +123,7 @@ class PairRows final : public solver::RowSource {
     row.friction = manifold.friction;
     row.a_to_b_m = input_.motion.poses[pair.b].position_m - input_.motion.poses[pair.a].position_m;
     if (points.point_count > 1 && row.restitution > 0 && may_overlap(pair, progress, points))
-      list_overlaps(pair, manifold, k, row);
+      list_overlaps(pair, manifold, k, place, row);
     if (progress.from_cache()) {
       row.arm_m = single.arm_m;
       row.wrench = {single.normal, row.arm_m.cross(single.normal), (row.arm_m - row.a_to_b_m).cross(single.normal)};
@@ -118,7 +138,7 @@ class PairRows final : public solver::RowSource {
     const auto& inverse_inertia = input_.motion.inverse_inertia;
     if (!solver::prepare_wrench(inverse_mass[pair.a], inverse_inertia[pair.a], inverse_mass[pair.b],
                                 inverse_inertia[pair.b], row.wrench, row.turns)) {
-      degenerate_.take(1);
+      counts_.degenerate.take(1);
     }
     if (input_.terms.contact == ContactModel::Paper) {
       row.gap_m = solved_gap_m(solved_pair(input_, points_), manifold.pair);
@@ -135,21 +155,21 @@ class PairRows final : public solver::RowSource {
   }
 
   // The points of the manifold that certainly penetrate.
-  void list_overlaps(const ActivePair& pair, const solver::Manifold& manifold, std::size_t k,
+  void list_overlaps(const ActivePair& pair, const solver::Manifold& manifold, std::size_t k, std::uint32_t& place,
                      solver::ContactRow& row) const {
     const collision::Pose& a = input_.motion.poses[pair.a];
     const collision::Pose& b = input_.motion.poses[pair.b];
-    std::uint32_t count = 0;
+    const std::uint32_t first = place;
     for (std::uint32_t p = manifold.point_begin; p < manifold.point_begin + manifold.point_count; ++p) {
       const solver::PlacedPoint point = solver::placed_point(a, b, points_.points[p]);
       if (point.certain_separation_m > 0) continue;
-      velocities_.overlaps[k * solver::kOverlapsOfRow + count] = {point.normal, point.arm_m.cross(point.normal),
-                                                                  (point.arm_m - row.a_to_b_m).cross(point.normal),
-                                                                  row.restitution};
-      ++count;
+      velocities_.overlaps[place++] = {point.normal, point.arm_m.cross(point.normal),
+                                       (point.arm_m - row.a_to_b_m).cross(point.normal), row.restitution};
       row.overlap_reach_m = std::max(row.overlap_reach_m, point.arm_m.norm());
     }
-    velocities_.scratch.activations[k].overlap_count = count;
+    solver::RowActivation& gate = velocities_.scratch.activations[k];
+    gate.overlaps_begin = first;
+    gate.overlap_count = static_cast<std::uint8_t>(place - first);
   }
 
   // Sphere contacts of the paper's model, from the front of the pair.
@@ -173,7 +193,7 @@ class PairRows final : public solver::RowSource {
   const SolveInput& input_;
   const PointCache& points_;
   Velocities& velocities_;
-  parallel::Tickets& degenerate_;
+  Counts& counts_;
 };
 
 // An activation for each row, none of the rows filled.
@@ -190,7 +210,10 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
     for (std::size_t k = begin; k < end; ++k) {
       if (distant && k + kManifoldsAhead < end) parallel::prefetch(manifolds.manifolds[order[k + kManifoldsAhead]]);
       const solver::Manifold& manifold = manifolds.manifolds[order[k]];
-      velocities.scratch.activations[k] = {manifold.a, manifold.b, manifold.fast, false};
+      solver::RowActivation& gate = velocities.scratch.activations[k];
+      gate = {manifold.a, manifold.b};
+      gate.fast = manifold.fast;
+      gate.ready = false;
       velocities.row_of[order[k]] = static_cast<std::uint32_t>(k);
     }
   });
@@ -204,17 +227,18 @@ void fill_fast_rows(const Manifolds& manifolds, const PairRows& source, Velociti
   const bool distant = manifolds.manifolds.size() > parallel::kPairsAtHand;
   parallel::parallel_for(executor, manifolds.manifolds.size(), kFillGrain,
                          [&](std::size_t begin, std::size_t end, int) {
+                           std::uint32_t place = source.take_places(begin, end);
                            for (std::size_t m = begin; m < end; ++m) {
                              if (distant && m + kAhead < end) source.prefetch(m + kAhead);
                              if (!manifolds.manifolds[m].fast) continue;
                              const std::uint32_t row = velocities.row_of[m];
-                             source.fill(row);
+                             source.fill(row, place);
                              solver::activate(velocities.rows[row], velocities.scratch.activations[row]);
                            }
                          });
 }
 
-// What closes fast enough to rebound is the business of impacts: its manifold has no points for the contact solver.
+// What closes fast enough to rebound is the business of impacts: the contact solver leaves it out.
 void leave_bouncing(const Manifolds& all, Velocities& velocities, parallel::Executor& executor) {
   velocities.point_count = all.manifold_points;
   velocities.bounced = false;
@@ -238,13 +262,9 @@ void leave_bouncing(const Manifolds& all, Velocities& velocities, parallel::Exec
   velocities.bounced = rows.take(0) > 0;
   velocities.point_count -= points.take(0);
   if (!velocities.bounced) return;
-  velocities.not_bouncing.resize(count);
+  velocities.left_out.resize(count);
   parallel::for_ranges(executor, {count, kRowGrain}, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) {
-      solver::Manifold& manifold = velocities.not_bouncing[m];
-      manifold = all.manifolds[m];
-      if (bounces(velocities.row_of[m])) manifold.point_count = 0;
-    }
+    for (std::size_t m = begin; m < end; ++m) velocities.left_out[m] = bounces(velocities.row_of[m]) ? 1 : 0;
   });
 }
 
@@ -279,8 +299,8 @@ solver::System impact_system(const SolveInput& input, Velocities& velocities) {
 
 void fill_rows(const SolveInput& input, const PointCache& points, Velocities& velocities,
                parallel::Executor& executor) {
-  parallel::Tickets degenerate;
-  const PairRows source(input, points, velocities, degenerate);
+  PairRows::Counts counts;
+  const PairRows source(input, points, velocities, counts);
   deactivate_rows(input, velocities, executor);
   for (std::size_t k = 0; k < input.manifolds.manifolds.size(); ++k) source.fill(k);
 }
@@ -293,7 +313,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   parallel::reserve_anew(velocities.row_of, most);
   parallel::reserve_anew(velocities.overlaps, solver::kOverlapsOfRow * most);
   velocities.scratch.activations.reserve(most);
-  parallel::reserve_anew(velocities.not_bouncing, most);
+  parallel::reserve_anew(velocities.left_out, most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());
   velocities.swept.trajectories.clear();
   velocities.swept.hits.clear();
@@ -307,14 +327,14 @@ solver::Convergence solve_impacts(const SolveInput& input, const PointCache& poi
     leave_bouncing(input.manifolds, velocities, executor);
     return {};
   }
-  parallel::Tickets degenerate;
-  const PairRows source(input, points, velocities, degenerate);
+  PairRows::Counts counts;
+  const PairRows source(input, points, velocities, counts);
   deactivate_rows(input, velocities, executor);
   fill_fast_rows(input.manifolds, source, velocities, executor);
   solver::System system = impact_system(input, velocities);
   system.source = &source;
   const solver::Convergence ended = solver::solve_impacts(system, input.settings(), executor);
-  report.degenerate = degenerate.take(0);
+  report.degenerate = counts.degenerate.take(0);
   leave_bouncing(input.manifolds, velocities, executor);
   return ended;
 }
@@ -324,14 +344,15 @@ solver::ContactSystem contact_system(const SolveInput& input, PointCache& points
           velocities.accelerations,
           input.motion.inverse_inertia,
           input.motion.poses,
-          velocities.bounced ? velocities.not_bouncing : input.manifolds.manifolds,
+          input.manifolds.manifolds,
           points.points,
           points.forces,
           velocities.applied_impulse_ns,
           input.manifolds.coloring,
           velocities.point_count,
           input.motion.visited,
-          true};
+          true,
+          velocities.bounced ? std::span<const std::uint8_t>(velocities.left_out) : std::span<const std::uint8_t>()};
 }
 
 solver::Convergence solve_contacts(const SolveInput& input, const IterationsAllowed& allowed, PointCache& points,

@@ -38,10 +38,10 @@ struct Velocities {
   SweptContacts swept;            ///< with backtracking
 
   solver::SolveScratch scratch;
-  std::vector<solver::PointContact> points;              // scratch: sphere contacts of the paper's model
-  std::vector<std::uint32_t> points_begin;               // scratch, per manifold: likewise
-  parallel::UnsetVector<solver::Manifold> not_bouncing;  // scratch: the manifolds, where some bounce
-  bool bounced = false;                                  // scratch: some do
+  std::vector<solver::PointContact> points;      // scratch: sphere contacts of the paper's model
+  std::vector<std::uint32_t> points_begin;       // scratch, per manifold: likewise
+  bool bounced = false;                          ///< impacts keep some manifolds: those that
+  parallel::UnsetVector<std::uint8_t> left_out;  ///< says, one a manifold
 
   /// What impacts did to a manifold; null where there was none.
   [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t manifold) const {

@@ -215,7 +215,7 @@ std::size_t ContactSolver::Buffers::make_blocks(const ContactSystem& system, par
       block.begin = static_cast<std::uint32_t>(first);
       block.count = static_cast<std::uint8_t>(std::min(width(color), pairs_begin(color + 1) - first));
       for (const std::uint32_t pair : coloring.order().subspan(first, block.count))
-        block.manifold_points = std::max(block.manifold_points, system.pairs[pair].point_count);
+        block.manifold_points = std::max(block.manifold_points, system.solved_points(pair));
       lanes += block.manifold_points;
     }
     lanes_of_range[range] = lanes;

@@ -18,7 +18,7 @@ struct Manifold {
   std::uint32_t a = 0, b = 0;  ///< solver bodies
   std::uint32_t point_begin = 0, force_begin = 0;
   std::uint32_t pair = 0;        ///< the caller's index of the pair
-  std::uint8_t point_count = 0;  ///< at most collision::kMaxManifoldPoints; 0: not in resting contact in this step
+  std::uint8_t point_count = 0;  ///< at most collision::kMaxManifoldPoints
   bool fast = false;             ///< set by the caller: the pair may have an impact
   double friction = 0;           ///< Coulomb's coefficient, >= 0
   double restitution =
@@ -37,11 +37,17 @@ struct ContactSystem {
   std::span<ContactForce> forces;  ///< one a contact point: in, those of the last step (warm start); out, of this one
   std::span<Vec3> applied_impulse_ns;  ///< out, one a pair: the impulse that b received in the step
   const Coloring& coloring;
-  std::uint64_t point_count = 0;  ///< of all pairs
+  std::uint64_t point_count = 0;  ///< of all pairs that are not left out
   /// With `only_active`, of all bodies those that may move, or are not what they were in the last step with the same
   /// solver; the others were at rest then and are.
   std::span<const std::uint32_t> active = {};
   bool only_active = false;
+  std::span<const std::uint8_t> left_out = {};  ///< one a pair, or none: 1 of a pair that is not in resting contact
+
+  /// Contact points of a pair that are solved.
+  [[nodiscard]] std::uint8_t solved_points(std::uint32_t pair) const {
+    return left_out.empty() || left_out[pair] == 0 ? pairs[pair].point_count : std::uint8_t{0};
+  }
 };
 
 /// Lanes of the solver: eight pairs of a colour side by side. Invariant: buffers only grow.

@@ -22,15 +22,17 @@ void IslandSolver::find_islands(const ContactSystem& system) {
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0U);
   parallel::DisjointSets sets(parent_);
-  for (const Manifold& pair : system.pairs) {
-    if (pair.point_count > 0 && is_dynamic(system, pair.a) && is_dynamic(system, pair.b)) sets.unite(pair.a, pair.b);
+  for (std::uint32_t p = 0; p < system.pairs.size(); ++p) {
+    const Manifold& pair = system.pairs[p];
+    if (system.solved_points(p) > 0 && is_dynamic(system, pair.a) && is_dynamic(system, pair.b))
+      sets.unite(pair.a, pair.b);
   }
   islands_.clear();
   island_of_.assign(count, kNone);
   for (std::uint32_t p = 0; p < system.pairs.size(); ++p) {
     const Manifold& pair = system.pairs[p];
     const std::uint32_t dynamic = is_dynamic(system, pair.a) ? pair.a : pair.b;
-    if (pair.point_count == 0 || !is_dynamic(system, dynamic)) {
+    if (system.solved_points(p) == 0 || !is_dynamic(system, dynamic)) {
       system.applied_impulse_ns[p] = Vec3::Zero();
       continue;
     }

@@ -91,13 +91,16 @@ enum class RowKind : std::uint8_t {
 /// What an iteration reads before it touches a row: small, because many looks end here.
 struct RowActivation {
   std::uint32_t a = 0, b = 0;
-  bool fast = true;   ///< its bodies move fast enough relative to each other that it may need an impulse
-  bool ready = true;  ///< the row holds what an impact needs
+  /// Contact points that certainly penetrate, if the manifold has several: of System::overlaps. Set by who fills the
+  /// row.
+  std::uint32_t overlaps_begin = 0;
+  std::uint8_t overlap_count = 0;
   RowKind kind = RowKind::Wrench;
-  bool bounces = false;             ///< out: it closes fast enough to rebound, and is left to the impact phase
-  std::uint32_t overlap_count = 0;  ///< contact points that certainly penetrate, if the manifold has several; set by
-                                    ///< who fills the row
+  bool fast = true;          ///< its bodies move fast enough relative to each other that it may need an impulse
+  bool ready : 1 = true;     ///< the row holds what an impact needs
+  bool bounces : 1 = false;  ///< out: it closes fast enough to rebound, and is left to the impact phase
 };
+static_assert(sizeof(RowActivation) == 16);
 
 /// Notes that a row has been filled.
 inline void activate(const ContactRow& row, RowActivation& gate) {
@@ -125,7 +128,7 @@ struct SolveScratch {
 inline constexpr std::size_t kOverlapsOfRow = collision::kMaxManifoldPoints;
 
 /// The bodies and rows of one step. `rows` are in the order of `coloring`; `points` and `overlaps` are those of
-/// the rows, the latter kOverlapsOfRow places for each row.
+/// the rows.
 struct System {
   std::span<SolverBody> bodies;
   std::span<ContactRow> rows;

@@ -23,7 +23,7 @@ HWY_INLINE void prefetch_forces(const ContactSystem& system, const Manifold& pai
 HWY_INLINE void prefetch_points(const ContactSystem& system, const ContactBlock& block) {
   for (const std::uint32_t name : system.coloring.order().subspan(block.begin, block.count)) {
     const Manifold& pair = system.pairs[name];
-    if (pair.point_count == 0) continue;
+    if (system.solved_points(name) == 0) continue;
     for (std::size_t p = 0; p < pair.point_count; ++p) parallel::prefetch(system.points[pair.point_begin + p]);
     prefetch_forces(system, pair);
     for (const std::uint32_t body : {pair.a, pair.b}) {
@@ -37,7 +37,7 @@ HWY_INLINE void prefetch_points(const ContactSystem& system, const ContactBlock&
 HWY_INLINE void prefetch_results(const ContactSystem& system, const ContactBlock& block) {
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     const Manifold& pair = system.pairs[block.pair[lane]];
-    if (pair.point_count == 0) continue;
+    if (system.solved_points(block.pair[lane]) == 0) continue;
     prefetch_forces(system, pair);
     parallel::prefetch(system.applied_impulse_ns[block.pair[lane]]);
     for (const std::uint32_t body : {pair.a, pair.b}) {

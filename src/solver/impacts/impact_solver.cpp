@@ -53,8 +53,8 @@ bool answer_points(const System& system, ContactRow& row, double dt_s, double st
 bool answer_overlaps(const System& system, std::size_t i, double still_mps) {
   ContactRow& row = system.rows[i];
   bool solved = false;
-  for (const OverlapPoint& point :
-       system.overlaps.subspan(i * kOverlapsOfRow, system.scratch.activations[i].overlap_count)) {
+  const RowActivation& gate = system.scratch.activations[i];
+  for (const OverlapPoint& point : system.overlaps.subspan(gate.overlaps_begin, gate.overlap_count)) {
     Wrench single{point.normal, point.moment_a_m, point.moment_b_m};
     const double closing = approach_mps(single, system.bodies[row.a], system.bodies[row.b]);
     if (row.restitution * closing <= still_mps) continue;
@@ -194,9 +194,10 @@ class Rounds {
     look(batch);
     bool solved = give(turn, batch);
     for_each_bit(batch.needs | batch.overlaps_rebound, [&](std::size_t k) {
-      if (activations_[batch.row[k]].overlap_count == 0) return;
+      const RowActivation& gate = activations_[batch.row[k]];
+      if (gate.overlap_count == 0) return;
       overlapping.add(batch.row[k]);
-      if (distant_) prefetch_lines(&system_.overlaps[batch.row[k] * kOverlapsOfRow], 3);
+      if (distant_) prefetch_lines(&system_.overlaps[gate.overlaps_begin], 3);
     });
     for (const std::uint32_t i : by_points.all()) {
       if (!answer_points(system_, system_.rows[i], dt_s_, lanes_.still_mps)) continue;
@@ -211,15 +212,18 @@ class Rounds {
     bool solved = false;
     for (std::size_t next = 0; next < rows.size();) {
       ImpactBatch batch;
+      std::uint32_t row_of[ImpactBatch::kRows];
       for (; next < rows.size() && batch.count + kOverlapsOfRow <= ImpactBatch::kRows; ++next) {
         const RowActivation& gate = activations_[rows[next]];
-        const auto first = static_cast<std::uint32_t>(rows[next] * kOverlapsOfRow);
-        for (std::uint32_t p = first; p < first + gate.overlap_count; ++p) batch.add(p, gate.a, gate.b);
+        for (std::uint32_t p = gate.overlaps_begin; p < gate.overlaps_begin + gate.overlap_count; ++p) {
+          row_of[batch.count] = rows[next];
+          batch.add(p, gate.a, gate.b);
+        }
       }
       look_at_overlaps(lanes_, batch);
       std::size_t done = system_.rows.size();
       for_each_bit(batch.rebounds, [&](std::size_t k) {
-        const std::size_t i = batch.row[k] / kOverlapsOfRow;
+        const std::size_t i = row_of[k];
         if (std::exchange(done, i) == i || !answer_overlaps(system_, i, lanes_.still_mps)) return;
         note_change(turn, activations_[i].a, activations_[i].b);
         solved = true;
@@ -266,7 +270,7 @@ Convergence solve_impacts(const System& system, const SolveSettings& settings, p
     activations.resize(system.rows.size());
     for (std::size_t i = 0; i < system.rows.size(); ++i) {
       const ContactRow& row = system.rows[i];
-      activations[i] = {row.a, row.b, true, true, RowKind::Wrench, false, activations[i].overlap_count};
+      activations[i] = {row.a, row.b, activations[i].overlaps_begin, activations[i].overlap_count};
       activate(row, activations[i]);
     }
   } else if (std::none_of(activations.begin(), activations.end(),
