@@ -81,7 +81,7 @@ bool meets_sleeper(const dynamics::BodyStore& bodies, const PairRecord& pair) {
 }
 
 // What of a cached pair counts now.
-void use_cached(const CoarseInput& input, ActivePair& pair, PairProgress& progress) {
+void use_cached(const CoarseInput& input, ActivePair& pair, PairStart& start) {
   const double size_m = pair.skin_m / kSkin;
   // Two balls, or a ball and a plane: their only level is exact, and the mandatory part computes it anyway.
   const BodyBounds& a = input.motion.body_bounds[pair.a];
@@ -89,16 +89,15 @@ void use_cached(const CoarseInput& input, ActivePair& pair, PairProgress& progre
   const bool exact = a.depth == 0 && b.depth == 0 && !a.meshed && !b.meshed;
   const bool caches = !exact && input.terms.contact != ContactModel::Paper;  // the paper's model answers fronts
   pair.reach_m = caches ? pair.margin_m + kReachOfSize * size_m : pair.margin_m;
-  progress.cached = CacheUse::None;
   const CachedPair& cached = pair.cached;
-  progress.cached_level = cached.level;
+  start.cached_level = cached.level;
   if (!caches || cached.reach_m == 0) return;
   if (cached.moved_m + pair.margin_m <= cached.reach_m) {
-    progress.cached = cached.apart ? CacheUse::Separated : CacheUse::Points;
+    start.cached = cached.apart ? CacheUse::Separated : CacheUse::Points;
   } else if (cached.apart && cached.level > 0) {
-    if (cached.moved_m <= cached.reach_m + kSinkOfSize * size_m) progress.cached = CacheUse::Parted;
+    if (cached.moved_m <= cached.reach_m + kSinkOfSize * size_m) start.cached = CacheUse::Parted;
   } else if (cached.level > 0 && cached.moved_m <= kHoldOfSize * size_m) {
-    progress.cached = CacheUse::Expired;
+    start.cached = CacheUse::Expired;
   }
 }
 
@@ -117,16 +116,17 @@ bool roots_near(const BodyBounds& a, const BodyBounds& b, double margin_m) {
 }
 
 // What the forecasts ask of a pair before refinement.
-void count_known(const ActivePair& pair, const PairProgress& progress, bool swept, KnownCount& known) {
+void count_known(const ActivePair& pair, const PairStart& start, bool swept, KnownCount& known) {
   // What backtracking will know of a pair is not known yet.
-  if (progress.refinable() || swept) {
+  const bool apart = start.cached == CacheUse::Separated || start.cached == CacheUse::Parted;
+  if (start.refinable() || swept) {
     ++known.refinable;
     known.seen = std::max(known.seen, pair.cached.seen);
   }
-  if (pair.cached.slot == kNoSlot && (!progress.apart() || progress.refinable() || swept)) ++known.without_slot;
-  if (progress.apart()) return;
+  if (pair.cached.slot == kNoSlot && (!apart || start.refinable() || swept)) ++known.without_slot;
+  if (apart) return;
   ++known.present;
-  if (progress.cached != CacheUse::None) return;
+  if (start.cached != CacheUse::None) return;
   ++known.unknown;
   if (pair.cached.reach_m > 0 && (pair.cached.apart || pair.cached.level > 0)) ++known.outdated;
 }
@@ -200,19 +200,24 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
     pair.skin_m = near.skin_m;
     cached.take(pair.low(), pair.high(), pair.cached);
     // Made in its place: a copy of what has just been written in small parts waits for them.
-    PairProgress& progress = *std::construct_at(&table.start[k]);
-    progress.seen = pair.cached.seen;
-    progress.band = pair.cached.band;
-    progress.waited = static_cast<std::uint8_t>(std::min<std::uint32_t>(pair.cached.frames_waited, 0xff));
+    PairStart& start = *std::construct_at(&table.start[k]);
+    start.seen = pair.cached.seen;
+    start.band = pair.cached.band;
+    start.waited = static_cast<std::uint8_t>(std::min<std::uint32_t>(pair.cached.frames_waited, 0xff));
     const BodyBounds& a = body_bounds[pair.a];
     const BodyBounds& b = body_bounds[pair.b];
-    progress.level.deepest = std::min(input.terms.max_level, std::max(a.depth, b.depth));
+    start.deepest = std::min(input.terms.max_level, std::max(a.depth, b.depth));
     if (input.terms.polygons && (a.meshed || b.meshed)) {
+      collision::PairLevel level;
+      level.deepest = start.deepest;
       collision::allow_polygons(*input.scene.bodies.shape[pair.a], *input.scene.bodies.shape[pair.b],
-                                input.terms.max_level, progress.level);
+                                input.terms.max_level, level);
+      start.deepest = level.deepest;
+      start.polygons = level.polygons;
+      start.next_units = level.next_units;
     }
-    use_cached(input, pair, progress);
-    count_known(pair, progress, swept.fast(pair.a) || swept.fast(pair.b), known);
+    use_cached(input, pair, start);
+    count_known(pair, start, swept.fast(pair.a) || swept.fast(pair.b), known);
   }
   // Not where it begins: the chunk before reads that.
   KnownCount& counted = table.known_of_chunk[chunk];

@@ -65,7 +65,7 @@ struct PairTable {
   [[nodiscard]] std::size_t capacity() const { return pairs.capacity(); }
 
   parallel::UnsetVector<ActivePair> pairs;
-  parallel::UnsetVector<PairProgress> start;         ///< where refinement begins
+  parallel::UnsetVector<PairStart> start;            ///< where refinement begins
   std::vector<KnownCount> known_of_chunk;            ///< per chunk, and their sums at the end
   parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is active in this one
   std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order

@@ -36,6 +36,21 @@ enum class Stop : std::uint8_t {
   Unseen,  ///< the policy leaves it out
 };
 
+/// What *coarse* knows of a pair before its refinement begins. One a pair of a frame: small.
+struct PairStart {
+  std::uint32_t next_units = 1;      ///< as PairLevel::next_units, of the two roots
+  Level deepest = 0;                 ///< likewise
+  bool polygons = false;             ///< likewise
+  CacheUse cached = CacheUse::None;  ///< these as of PairProgress
+  Level cached_level = 0;
+  std::uint8_t seen = 0, band = 0, waited = 0;
+
+  [[nodiscard]] bool refinable() const {
+    return deepest > 0 && cached != CacheUse::Separated && !(cached == CacheUse::Points && cached_level >= deepest);
+  }
+};
+static_assert(sizeof(PairStart) == 12);
+
 /// How far a pair has come in this frame. Small: the budget goes through all pairs, and most of them need no more.
 ///
 /// Transitions, in the order of stages. A pair has one state at a time; what is not listed does not happen.
@@ -74,6 +89,18 @@ struct PairProgress {
   /// Band of the score that its next level waits with, or its last one had; 0: none was found.
   std::uint8_t turn = 0;
   Stop stop = Stop::None;
+
+  PairProgress() = default;
+  explicit PairProgress(const PairStart& start)
+      : cached(start.cached),
+        cached_level(start.cached_level),
+        seen(start.seen),
+        band(start.band),
+        waited(start.waited) {
+    level.deepest = start.deepest;
+    level.polygons = start.polygons;
+    level.next_units = start.next_units;
+  }
 
   void stop_for_time() {
     if (stop != Stop::Reused || level.level > 0) stop = Stop::Cut;

@@ -233,7 +233,7 @@ void run_full(const WorldState& world, const StepInput& input, std::span<collisi
   find_active_pairs({scene, terms, motion, candidates, world.cache.previous_pairs, world.pair_filter}, reference.table,
                     pools, executor);
   // The contact cache belongs to the run, not to the reference.
-  for (PairProgress& pair : reference.table.start) pair.cached = CacheUse::None;
+  for (PairStart& pair : reference.table.start) pair.cached = CacheUse::None;
   begin_levels(reference.table, reference.levels, executor);
   const WorldSettings& settings = world.settings;
   const RefineInput refine_input{scene, terms,       motion,        reference.table,   settings.policy,

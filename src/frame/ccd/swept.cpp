@@ -60,7 +60,7 @@ void touch_exactly(const PredictedMotion& motion, const collision::ConvexGap& ga
 void take_pair(const CoarseInput& input, PairTable& table, SweptPair& swept, collision::FrontPool& pool) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
   ActivePair& pair = table.pairs[swept.pair];
-  PairProgress& progress = table.start[swept.pair];
+  PairStart& start = table.start[swept.pair];
   const double extent =
       std::min(input.scene.facts_of(pair.a).least_extent_m, input.scene.facts_of(pair.b).least_extent_m);
   swept.tolerance_m = kToleranceOfExtent * extent;
@@ -69,13 +69,14 @@ void take_pair(const CoarseInput& input, PairTable& table, SweptPair& swept, col
       collision::surface_gap(standing_body(bodies, pair.a), standing_body(bodies, pair.b), near_m);
   // Whatever is known of it, its trajectory is not the margin's business.
   pair.margin_m = pair.reach_m = pair.skin_m;
-  progress.cached = CacheUse::None;
+  start.cached = CacheUse::None;
   if (gap.gap_m <= kOverlapping * swept.tolerance_m) {
     swept.tolerance_m = 0;
     return;
   }
   // What slides along at less than the tolerance must not meet the neighbours of what it slides on.
   swept.tolerance_m = std::min(swept.tolerance_m, kHitOfGap * gap.gap_m);
+  PairProgress& progress = swept.progress = PairProgress(start);
   progress.exact = true;
   if (gap.gap_m >= near_m || gap.normal.isZero(0)) {
     progress.level.apart = true;
@@ -87,7 +88,8 @@ void take_pair(const CoarseInput& input, PairTable& table, SweptPair& swept, col
     refine_whole(refiner, posed(input.motion, pair), progress, swept.contact, pool);
   }
   progress.level.deepest = progress.level.level;
-  pair.reach_m = 0;  // another frame must find it anew
+  start.deepest = 0;  // nothing is left to refine
+  pair.reach_m = 0;   // another frame must find it anew
 }
 
 }  // namespace
@@ -121,7 +123,7 @@ void take_swept_pairs(const CoarseInput& input, PairTable& table, std::span<coll
   const SweptBounds& swept = input.motion.swept;
   if (swept.bounds.empty()) return;
   for (std::uint32_t k = 0; k < table.pairs.size(); ++k) {
-    if (swept.fast(table.pairs[k].low()) || swept.fast(table.pairs[k].high())) table.swept.push_back({k, 0, {}});
+    if (swept.fast(table.pairs[k].low()) || swept.fast(table.pairs[k].high())) table.swept.push_back({k, 0, {}, {}});
   }
   parallel::parallel_for(executor, table.swept.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t i = begin; i < end; ++i)

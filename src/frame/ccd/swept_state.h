@@ -8,6 +8,7 @@
 #include "collision/broad_phase/broad_phase.h"
 #include "collision/front/pair_refinement.h"
 #include "collision/time_of_impact/conservative_advancement.h"
+#include "frame/pair_progress.h"
 
 /// What backtracking adds to the outputs of the stages. Empty and untouched in Worlds that never ask for it. Invariant:
 /// buffers only grow.
@@ -27,6 +28,7 @@ struct SweptBounds {
 struct SweptPair {
   std::uint32_t pair = 0;           ///< index into PairTable::pairs
   double tolerance_m = 0;           ///< how near counts as touching
+  PairProgress progress;            ///< in place of what its PairStart says
   collision::LevelContact contact;  ///< where the two touch at the start of the step
 };
 

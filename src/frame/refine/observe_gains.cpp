@@ -24,7 +24,7 @@ float change_of(const RefineInput& input, const CompletedLevels& levels, std::si
   return static_cast<float>(std::abs(found_m - before_m));
 }
 
-GainObservation::Life life_of(const ActivePair& pair, const PairProgress& start) {
+GainObservation::Life life_of(const ActivePair& pair, const PairStart& start) {
   const CachedPair& cached = pair.cached;
   // It was valid in the frame before if nothing was left to do then.
   if (cached.reach_m == 0 || cached.level == 0 || cached.frames_waited > 0) return GainObservation::Life::Unknown;

@@ -192,11 +192,12 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
   levels.held.clear();
   levels.tallies.assign(static_cast<std::size_t>(executor.concurrency()), WorkerTally{});
   parallel::parallel_for(executor, table.size(), kCopyGrain, [&](std::size_t begin, std::size_t end, int) {
-    std::copy(table.start.begin() + static_cast<std::ptrdiff_t>(begin),
-              table.start.begin() + static_cast<std::ptrdiff_t>(end),
-              levels.progress.begin() + static_cast<std::ptrdiff_t>(begin));
+    for (std::size_t i = begin; i < end; ++i) std::construct_at(&levels.progress[i], table.start[i]);
   });
-  for (const SweptPair& swept : table.swept) levels.found.put(levels.progress[swept.pair], swept.contact, 0);
+  for (const SweptPair& swept : table.swept) {
+    levels.progress[swept.pair] = swept.progress;
+    levels.found.put(levels.progress[swept.pair], swept.contact, 0);
+  }
 }
 
 std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::FrontPool> pools, CompletedLevels& levels,
