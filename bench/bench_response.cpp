@@ -32,14 +32,14 @@ struct Block {
   explicit Block(std::uint32_t side) {
     bodies.emplace_back();
     poses.emplace_back();
-    accelerations.emplace_back();
+    accelerations = {{}, {Vec3(0, 0, -9.81), Vec3::Zero()}};
     const auto slot = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return 1 + x + side * (y + side * z); };
     for (std::uint32_t z = 0; z < 5; ++z) {
       for (std::uint32_t y = 0; y < side; ++y) {
         for (std::uint32_t x = 0; x < side; ++x) {
           bodies.emplace_back().inverse_mass = 1;
+          bodies.back().acceleration = 1;
           poses.push_back({Vec3(x, y, z), Mat3::Identity()});
-          accelerations.push_back({Vec3(0, 0, -9.81), Vec3::Zero()});
           if (x > 0) connect(slot(x - 1, y, z), slot(x, y, z), Vec3::UnitX());
           if (y > 0) connect(slot(x, y - 1, z), slot(x, y, z), Vec3::UnitY());
           connect(z > 0 ? slot(x, y, z - 1) : 0, slot(x, y, z), Vec3::UnitZ());

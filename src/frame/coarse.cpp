@@ -26,7 +26,7 @@ constexpr double kSinkOfSize = 0.1;
 // Where no two nodes come within this much of the smaller body more, a pair that was found separated stays so for that
 // much longer.
 constexpr double kWideOfSize = 4 * kReachOfSize;
-constexpr std::size_t kCandidateGrain = 128;
+constexpr std::size_t kCandidateGrain = PairTable::kMostOfChunk;
 
 // Goes through the cached pairs of the last step beside this frame's, both in canonical order, and marks those that it
 // meets.
@@ -59,13 +59,27 @@ class CachedPairs {
 
 // Bodies of pairs lie anywhere in memory: fetched some pairs ahead.
 constexpr std::size_t kBoundsAhead = 8;
-void set_margin(const CoarseInput& input, const BodyBounds& a, const BodyBounds& b, PairRecord& pair) {
+struct Margin {
+  double margin_m = 0, skin_m = 0;
+};
+Margin margin_of(const CoarseInput& input, const BodyBounds& a, const BodyBounds& b) {
   const double dt_s = input.terms.dt_s;
-  pair.skin_m = kSkin * (b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m));
-  pair.margin_m = (a.velocity_mps - b.velocity_mps).norm() * dt_s + a.own_m + b.own_m + pair.skin_m;
+  Margin made;
+  made.skin_m = kSkin * (b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m));
+  made.margin_m = (a.velocity_mps - b.velocity_mps).norm() * dt_s + a.own_m + b.own_m + made.skin_m;
   // Gravity closes only what it does not pull alike.
-  if (!a.dynamic || !b.dynamic) pair.margin_m += input.terms.gravity_mps2.norm() * dt_s * dt_s;
+  if (!a.dynamic || !b.dynamic) made.margin_m += input.terms.gravity_mps2.norm() * dt_s * dt_s;
+  return made;
 }
+
+// The bodies of a candidate, a plane second.
+struct OrderedPair {
+  OrderedPair(const parallel::UnsetVector<BodyBounds>& bounds, const collision::CandidatePair& candidate)
+      : a(candidate.low), b(candidate.high) {
+    if (bounds[a].plane) std::swap(a, b);
+  }
+  std::uint32_t a, b;
+};
 
 bool may_meet(const CoarseInput& input, const collision::CandidatePair& pair) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
@@ -75,7 +89,7 @@ bool may_meet(const CoarseInput& input, const collision::CandidatePair& pair) {
 }
 
 // Of two bodies without mass for contacts: is one asleep in the way of the other? Others do not meet.
-bool meets_sleeper(const dynamics::BodyStore& bodies, const PairRecord& pair) {
+bool meets_sleeper(const dynamics::BodyStore& bodies, const OrderedPair& pair) {
   return (bodies.asleep[pair.a] != 0 && bodies.moves_by_itself(pair.b)) ||
          (bodies.asleep[pair.b] != 0 && bodies.moves_by_itself(pair.a));
 }
@@ -140,7 +154,7 @@ void reserve_pairs(PairTable& table, std::size_t bodies) {
   const std::size_t pairs = std::min(kPairsOfBody * bodies, kMostPairs);
   // Again only when the bodies have become twice as many, not a little more for each that comes.
   if (2 * table.pairs.capacity() >= pairs) return;
-  parallel::reserve_anew(table.records, pairs);
+  parallel::reserve_anew(table.near, pairs);
   parallel::reserve_anew(table.pairs, pairs);
   parallel::reserve_anew(table.start, pairs);
 }
@@ -152,26 +166,20 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
   const SweptBounds& swept = input.motion.swept;
   const std::size_t chunks = (candidates.size() + kCandidateGrain - 1) / kCandidateGrain;
   table.known_of_chunk.assign(chunks + 1, KnownCount{});
-  parallel::make_room_anew(table.records, candidates.size());
-  table.records.resize(candidates.size());
+  parallel::make_room_anew(table.near, candidates.size());
+  table.near.resize(candidates.size());
   parallel::parallel_for(executor, candidates.size(), kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
     std::uint32_t active = 0;
     for (std::size_t i = begin; i < end; ++i) {
       if (i + kBoundsAhead < end) parallel::prefetch(body_bounds[candidates[i + kBoundsAhead].high]);
       const bool fast = swept.fast(candidates[i].low) || swept.fast(candidates[i].high);
-      PairRecord pair;
-      pair.a = candidates[i].low;
-      pair.b = candidates[i].high;
-      if (body_bounds[pair.a].plane) std::swap(pair.a, pair.b);
+      const OrderedPair pair(body_bounds, candidates[i]);
       const BodyBounds& a = body_bounds[pair.a];
       const BodyBounds& b = body_bounds[pair.b];
-      if (!fast && !bounds_meet(a, b)) continue;
-      set_margin(input, a, b, pair);
-      if (!fast && !roots_near(a, b, pair.margin_m)) continue;
+      if (!fast && !(bounds_meet(a, b) && roots_near(a, b, margin_of(input, a, b).margin_m))) continue;
       if (!a.dynamic && !b.dynamic && !meets_sleeper(input.scene.bodies, pair)) continue;
       if (input.filter.function != nullptr && !may_meet(input, candidates[i])) continue;
-      pair.candidate = static_cast<std::uint32_t>(i);
-      table.records[begin + active++] = pair;
+      table.near[begin + active++] = static_cast<std::uint32_t>(i);
     }
     table.known_of_chunk[begin / kCandidateGrain + 1].begin = active;
   });
@@ -179,25 +187,27 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
     table.known_of_chunk[chunk].begin += table.known_of_chunk[chunk - 1].begin;
 }
 
-// One chunk of pairs, from its records.
+// One chunk of pairs, from its near candidates.
 void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   const std::size_t first = table.begin_of(chunk);
   const std::size_t past = table.end_of(chunk);
   if (first == past) return;
   const parallel::UnsetVector<BodyBounds>& body_bounds = input.motion.body_bounds;
   const SweptBounds& swept = input.motion.swept;
-  const PairRecord* records = &table.records[chunk * kCandidateGrain];
+  const std::uint32_t* near = &table.near[chunk * kCandidateGrain];
+  const std::span<const collision::CandidatePair> candidates = input.candidates.pairs;
   KnownCount known;
-  const collision::CandidatePair& lowest = input.candidates.pairs[records->candidate];
+  const collision::CandidatePair& lowest = candidates[*near];
   CachedPairs cached(input.cached, table.still_active, lowest.low, lowest.high);
   for (std::size_t k = first; k < past; ++k) {
-    if (k + kBoundsAhead < past) parallel::prefetch(body_bounds[records[k + kBoundsAhead - first].b]);
-    const PairRecord& near = records[k - first];
+    if (k + kBoundsAhead < past) parallel::prefetch(body_bounds[candidates[near[k + kBoundsAhead - first]].high]);
+    const OrderedPair bodies(body_bounds, candidates[near[k - first]]);
+    const Margin margin = margin_of(input, body_bounds[bodies.a], body_bounds[bodies.b]);
     ActivePair& pair = table.pairs[k];
-    pair.a = near.a;
-    pair.b = near.b;
-    pair.margin_m = near.margin_m;
-    pair.skin_m = near.skin_m;
+    pair.a = bodies.a;
+    pair.b = bodies.b;
+    pair.margin_m = margin.margin_m;
+    pair.skin_m = margin.skin_m;
     cached.take(pair.low(), pair.high(), pair.cached);
     // Made in its place: a copy of what has just been written in small parts waits for them.
     PairStart& start = *std::construct_at(&table.start[k]);

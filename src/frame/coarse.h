@@ -35,13 +35,6 @@ struct ActivePair {
   [[nodiscard]] std::uint64_t id() const { return (std::uint64_t{low()} << 32U) | high(); }
 };
 
-/// An active pair before its cached part is looked up.
-struct PairRecord {
-  std::uint32_t candidate = 0;
-  std::uint32_t a = 0, b = 0;  ///< a plane always second
-  double margin_m = 0, skin_m = 0;
-};
-
 /// What is known of some pairs before refinement.
 struct KnownCount {
   std::uint32_t begin = 0;         ///< pairs of all chunks before
@@ -56,7 +49,8 @@ struct KnownCount {
 /// Output of *coarse*: the active pairs in canonical order, one entry a pair in each column. Invariant: buffers only
 /// grow.
 struct PairTable {
-  /// Chunks of pairs: those of a chunk of candidates follow each other.
+  static constexpr std::size_t kMostOfChunk = 128;
+  /// Chunks of at most kMostOfChunk pairs: those of a chunk of candidates follow each other.
   [[nodiscard]] std::size_t chunks() const { return known_of_chunk.empty() ? 0 : known_of_chunk.size() - 1; }
   [[nodiscard]] std::size_t begin_of(std::size_t chunk) const { return known_of_chunk[chunk].begin; }
   [[nodiscard]] std::size_t end_of(std::size_t chunk) const { return known_of_chunk[chunk + 1].begin; }
@@ -70,7 +64,7 @@ struct PairTable {
   parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is active in this one
   std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order
 
-  parallel::UnsetVector<PairRecord> records;  // scratch: of each chunk of candidates, from where that begins
+  parallel::UnsetVector<std::uint32_t> near;  // scratch: those of each chunk of candidates, from where that begins
 };
 
 /// What the host gave the bodies of an active pair, that of the lower slot first.

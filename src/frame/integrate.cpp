@@ -32,7 +32,7 @@ MovedBody moved_until_stopped(const Trajectory& trajectory, const dynamics::Body
 
 MovedBody moved_for(double h_s, const Velocities& velocities, const dynamics::BodyStore& bodies, std::size_t i) {
   const solver::SolverBody& solved = velocities.bodies[i];
-  const solver::Acceleration& acceleration = velocities.accelerations[i];
+  const solver::Acceleration& acceleration = velocities.acceleration_of(i);
   // A body that no contact held flies on a parabola, exactly: h (v+ + v_next) / 2.
   const Vec3 moved_m =
       solved.solved ? solved.moved_m : Vec3(h_s * solved.velocity_mps - (0.5 * h_s * h_s) * acceleration.linear_mps2);

@@ -167,9 +167,12 @@ void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made
   for (solver::ContactForce& force : cache.forces_of(made.slot, made.point_count)) force = {};
 }
 
+// Those of a chunk.
+using ChunkManifolds = std::array<solver::Manifold, PairTable::kMostOfChunk>;
+
 // Points of one pair, and its manifold if the solver takes it.
-void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_chunk, PointCache& cache,
-               SolvedCount& count, Manifolds& manifolds) {
+void make_pair(const ManifoldsInput& input, std::size_t i, PointCache& cache, SolvedCount& count,
+               ChunkManifolds& of_chunk, Manifolds& manifolds) {
   const PairProgress& progress = input.levels.progress[i];
   const CachedPair& cached = input.table.pairs[i].cached;
   PairPoints& made = manifolds.points[i];
@@ -194,7 +197,7 @@ void make_pair(const ManifoldsInput& input, std::size_t i, std::size_t begin_of_
   make_points_of(input, i, made, cache, count);
   if (progress.held) ++count.held_found;
   if (!made.solved || progress.held) return;
-  solver::Manifold& manifold = manifolds.of_chunk[begin_of_chunk + count.solved++];
+  solver::Manifold& manifold = of_chunk[count.solved++];
   fill_manifold(input, i, made, manifold);
   count.any_fast = count.any_fast || manifold.fast;
   count.manifold_points += manifold.point_count;
@@ -227,12 +230,16 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   cache.reserve(2 * table.capacity(), executor);
   cache.reserve_slots(slots, executor);
   const bool distant = table.size() > parallel::kPairsAtHand;
+  parallel::Tickets places;
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
+    ChunkManifolds of_chunk;
     const std::size_t end = table.end_of(chunk);
     for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
       if (distant && i + kPointsAhead < end) prefetch_points_of(input, i + kPointsAhead, cache);
-      make_pair(input, i, table.begin_of(chunk), cache, count, manifolds);
+      make_pair(input, i, cache, count, of_chunk, manifolds);
     }
+    count.begin = static_cast<std::uint32_t>(places.take(count.solved));
+    std::copy_n(of_chunk.begin(), count.solved, manifolds.of_chunk.begin() + count.begin);
   });
   cache.take_slots(slots);
 }
@@ -270,7 +277,7 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
     for (std::size_t chunk = first; chunk < past; ++chunk) {
       const SolvedCount& count = manifolds.solved_of_chunk[chunk];
       for (std::uint32_t k = 0; k < count.solved; ++k) {
-        const solver::Manifold& manifold = manifolds.of_chunk[table.begin_of(chunk) + k];
+        const solver::Manifold& manifold = manifolds.of_chunk[count.begin + k];
         manifolds.manifolds[count.before + k] = manifold;
         manifolds.edges[count.before + k] = {manifold.a, manifold.b, dynamic[manifold.a] != 0, dynamic[manifold.b] != 0,
                                              manifold.point_count};

@@ -38,6 +38,7 @@ struct SolvedCount {
   std::size_t held_found = 0;         ///< pairs that wait, with new points
   std::uint32_t new_slots = 0;
   std::uint32_t unused_slots = 0;  ///< pairs that have a slot and no points any more
+  std::uint32_t begin = 0;         ///< of the solved ones in Manifolds::of_chunk
   std::array<std::uint32_t, kPolygonBin + 1> levels{};
 };
 
@@ -53,7 +54,7 @@ struct Manifolds {
   std::size_t unused_slots = 0;                         ///< of pairs without points: *publish* releases them
   std::vector<SolvedCount> solved_of_chunk;             ///< per chunk of pairs
 
-  parallel::UnsetVector<solver::Manifold> of_chunk;  // scratch: those of each chunk, from where its pairs begin
+  parallel::UnsetVector<solver::Manifold> of_chunk;  // scratch: those of each chunk side by side
 };
 
 /// Writes the points of the pairs into `points`, and lists the manifolds.

@@ -36,19 +36,21 @@ void reserve_sphere_points(const SolveInput& input, Velocities& velocities) {
 void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = input.scene.bodies;
   parallel::resize(executor, velocities.bodies, bodies.slot_count());
-  parallel::resize(executor, velocities.accelerations, bodies.slot_count());
   const bool everything = std::exchange(velocities.everything, false);
   const std::vector<std::uint32_t>& visited = input.motion.visited;
   const std::size_t count = everything ? bodies.slot_count() : visited.size();
   const solver::SolverBody still;
-  const solver::Acceleration none;
+  // Most bodies have one of the first two.
+  constexpr std::uint32_t kGravity = 1;
+  parallel::grow_anew(velocities.accelerations, kGravity + 1 + count);
+  velocities.accelerations[0] = {};
+  velocities.accelerations[kGravity] = {input.terms.gravity_mps2, Vec3::Zero()};
+  parallel::Tickets pushed;
   parallel::parallel_for(executor, count, kRowGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t i = everything ? k : visited[k];
       solver::SolverBody& body = velocities.bodies[i];
-      solver::Acceleration& acceleration = velocities.accelerations[i];
       body = still;
-      acceleration = none;
       if (bodies.dynamic[i] == 0 && bodies.kinematic[i] == 0) continue;
       body.held = input.levels.held.holds(i);
       if (body.held) continue;
@@ -56,8 +58,11 @@ void fill_bodies(const SolveInput& input, Velocities& velocities, parallel::Exec
       body.spin_radps = bodies.spin(i);
       if (bodies.dynamic[i] == 0) continue;
       body.inverse_mass = bodies.inverse_mass[i];
-      acceleration.linear_mps2 = input.terms.gravity_mps2;
+      body.acceleration = kGravity;
       if (bodies.pushed[i] == 0) continue;
+      body.acceleration = static_cast<std::uint32_t>(kGravity + 1 + pushed.take());
+      solver::Acceleration& acceleration = velocities.accelerations[body.acceleration];
+      acceleration.linear_mps2 = input.terms.gravity_mps2;
       acceleration.linear_mps2 += bodies.inverse_mass[i] * bodies.force(i);
       acceleration.angular_radps2 = input.motion.inverse_inertia[i] * bodies.torque(i);
     }

@@ -29,7 +29,7 @@ struct SolveInput {
 struct Velocities {
   bool everything = true;                                     ///< nothing is known of bodies at rest
   parallel::UnsetVector<solver::SolverBody> bodies;           ///< one a slot
-  parallel::UnsetVector<solver::Acceleration> accelerations;  ///< one a slot
+  parallel::UnsetVector<solver::Acceleration> accelerations;  ///< SolverBody::acceleration: none, gravity, others
   std::vector<Vec3> applied_impulse_ns;            ///< one a manifold: what b received from the contact solver
   parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
   parallel::UnsetVector<solver::OverlapPoint> overlaps;  ///< of the rows
@@ -43,6 +43,9 @@ struct Velocities {
   bool bounced = false;                          ///< impacts keep some manifolds: those that
   parallel::UnsetVector<std::uint8_t> left_out;  ///< says, one a manifold
 
+  [[nodiscard]] const solver::Acceleration& acceleration_of(std::size_t slot) const {
+    return accelerations[bodies[slot].acceleration];
+  }
   /// What impacts did to a manifold; null where there was none.
   [[nodiscard]] const solver::ContactRow* row(const Manifolds& manifolds, std::size_t manifold) const {
     if (!manifolds.impacts) return nullptr;

@@ -31,12 +31,13 @@ struct SceneRun::Impl {
   std::vector<ShapeId> shape_ids = {};
   std::vector<MaterialId> material_ids = {};
   std::vector<RunBody> bodies = {};
-  std::uint64_t next_number = 0;                  ///< of the next body that is added
-  std::vector<io::GeneratedBody> generated = {};  ///< refers to scene
-  std::size_t next_streamed = 0;                  ///< index into generated
-  std::uint64_t first_generated = 0;              ///< number of the first body that may leave
-  std::vector<double> leave_s = {};               ///< of the bodies from first_generated on, by number
-  double next_leave_s = kNever;                   ///< of the bodies that are there
+  std::uint64_t next_number = 0;                       ///< of the next body that is added
+  std::optional<std::uint64_t> generated_bodies = {};  ///< how many were asked for
+  std::vector<io::GeneratedBody> streamed = {};        ///< bodies that come later, by due time; refers to scene
+  std::size_t next_streamed = 0;                       ///< index into streamed
+  std::uint64_t first_generated = 0;                   ///< number of the first body that may leave
+  std::vector<double> leave_s = {};                    ///< of the bodies from first_generated on, by number
+  double next_leave_s = kNever;                        ///< of the bodies that are there
   double tray_side_m = 0;
   TreeCacheUse tree_cache_use = {};
   std::uint64_t seed = 1;
@@ -48,6 +49,10 @@ struct SceneRun::Impl {
   Status load_shapes(const io::LoadSettings& settings);
   Status add_shapes_and_materials();
   Status add_tray();
+  /// Of the shapes of the scene.
+  [[nodiscard]] std::vector<double> radius_m() const;
+  /// All bodies of the generators; refers to scene.
+  [[nodiscard]] Result<std::vector<io::GeneratedBody>> generate() const;
   Status add_start(const SceneRunOptions& options);
   [[nodiscard]] double leaves_s(const RunBody& body) const;
   Status remove_due(double now_s);
@@ -141,32 +146,46 @@ Status SceneRun::Impl::add_tray() {
   return Done{};
 }
 
+std::vector<double> SceneRun::Impl::radius_m() const {
+  std::vector<double> radius_m;
+  for (const ShapePtr& shape : std::span(shapes).first(scene.shapes.size()))
+    radius_m.push_back(shape->bounding_radius_m);
+  return radius_m;
+}
+
+Result<std::vector<io::GeneratedBody>> SceneRun::Impl::generate() const {
+  const std::vector<double> radius_m = this->radius_m();
+  io::ExpandOptions expand;
+  expand.bodies = generated_bodies;
+  expand.seed = seed;
+  expand.radius_m = radius_m;
+  expand.tray_side_m = tray_side_m;
+  return io::expand_generators(scene, expand);
+}
+
 Status SceneRun::Impl::add_start(const SceneRunOptions& options) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const SceneBody& body = scene.bodies[i];
     const Status added = add(body.definition, body.shape, body.material, io::item_path("bodies", i));
     if (!added) return added;
   }
-  io::ExpandOptions expand;
-  expand.bodies = options.bodies;
-  expand.seed = seed;
-  std::vector<double> radius_m;
-  for (const ShapePtr& shape : shapes) radius_m.push_back(shape->bounding_radius_m);
-  expand.radius_m = radius_m;
-  tray_side_m = io::tray_side_m(scene, options.bodies.value_or(generated_body_count(scene)), radius_m);
-  expand.tray_side_m = tray_side_m;
-  Result<std::vector<io::GeneratedBody>> made = io::expand_generators(scene, expand);
+  generated_bodies = options.bodies;
+  tray_side_m = io::tray_side_m(scene, options.bodies.value_or(generated_body_count(scene)), radius_m());
+  const Result<std::vector<io::GeneratedBody>> made = generate();
   if (!made) return made.error();
-  generated = std::move(made).value();
+  const std::vector<io::GeneratedBody>& generated = made.value();
   if (scene.tray) {
     const Status added = add_tray();
     if (!added) return added;
   }
   first_generated = next_number;
-  for (; next_streamed < generated.size() && !generated[next_streamed].streamed; ++next_streamed) {
-    const Status added = add_generated(generated[next_streamed]);
+  auto next = generated.begin();
+  for (; next != generated.end() && !next->streamed; ++next) {
+    const Status added = add_generated(*next);
     if (!added) return added;
   }
+  // Those of the start are not kept: they would take as much memory as the bodies themselves.
+  streamed.assign(next, generated.end());
   return Done{};
 }
 
@@ -230,9 +249,9 @@ Result<SceneRun> SceneRun::again(const SceneRunOptions& options) const {
 
 Result<std::uint64_t> SceneRun::pour(std::uint64_t count) {
   if (!impl_->pouring) {
-    std::vector<double> radius_m;
-    for (const ShapePtr& shape : impl_->shapes) radius_m.push_back(shape->bounding_radius_m);
-    impl_->pouring.emplace(impl_->scene, impl_->generated, radius_m, impl_->tray_side_m, impl_->seed);
+    const Result<std::vector<io::GeneratedBody>> generated = impl_->generate();
+    if (!generated) return generated.error();
+    impl_->pouring.emplace(impl_->scene, generated.value(), impl_->radius_m(), impl_->tray_side_m, impl_->seed);
   }
   if (!impl_->pouring->any())
     return bad_input(impl_->scene.source + ": has no dynamic bodies, so there is nothing to pour");
@@ -269,8 +288,8 @@ Status SceneRun::before_frame(std::uint64_t frame) {
   const Status removed = impl_->remove_due(now_s);
   if (!removed) return removed;
   std::size_t& next = impl_->next_streamed;
-  while (next < impl_->generated.size() && impl_->generated[next].due_s <= now_s) {
-    const Status added = impl_->add_generated(impl_->generated[next]);
+  while (next < impl_->streamed.size() && impl_->streamed[next].due_s <= now_s) {
+    const Status added = impl_->add_generated(impl_->streamed[next]);
     if (!added) return added;
     ++next;
   }
@@ -288,8 +307,8 @@ double SceneRun::tray_side_m() const { return impl_->tray_side_m; }
 std::uint64_t SceneRun::final_body_count() const {
   std::uint64_t count = 0;
   for (const RunBody& body : impl_->bodies) count += impl_->leaves_s(body) < kNever ? 0U : 1U;
-  for (std::size_t i = impl_->next_streamed; i < impl_->generated.size(); ++i)
-    count += impl_->generated[i].leaves_s < kNever ? 0U : 1U;
+  for (std::size_t i = impl_->next_streamed; i < impl_->streamed.size(); ++i)
+    count += impl_->streamed[i].leaves_s < kNever ? 0U : 1U;
   return count;
 }
 

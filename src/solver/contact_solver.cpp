@@ -61,6 +61,7 @@ struct ContactSolver::Buffers {
   // Each precision by itself: their iterations take different times.
   IterationThreads single_threads, twofold_threads;
   double alone_j = 0;  // of this substep without contacts; contacts only reduce it
+  LaneMemories memory;
   Lanes<float> single;
   Lanes<double> twofold;
 
@@ -255,16 +256,29 @@ void ContactSolver::Buffers::iteration(bool alone, parallel::Executor& executor,
 template <class T>
 void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bool keeps,
                                      parallel::Executor& executor) {
+  constexpr std::size_t kGrain = 512;
   Lanes<T>& all = lanes<T>();
   const std::size_t needed = make_blocks(system, executor);
-  parallel::grow_anew(all.manifold_points, needed);
+  all.manifold_points = memory.manifold_points.use<PointLanes<T>>(needed, executor);
   keeps_totals = keeps;
   distant = system.pairs.size() > parallel::kPairsAtHand;
-  if (keeps) parallel::grow_anew(all.totals, needed);
-  parallel::grow_anew(all.pairs, blocks.size());
-  parallel::resize(executor, all.motions, system.bodies.size());
-  parallel::resize(executor, all.begun, system.bodies.size());
-  parallel::resize(executor, all.scaled_inverse_inertias, system.bodies.size());
+  if (keeps) all.totals = memory.totals.use<TotalLanes<T>>(needed, executor);
+  all.pairs = memory.pairs.use<PairLanes<T>>(blocks.size(), executor);
+  const std::size_t bodies = system.bodies.size();
+  const std::size_t known = all.motions.size();
+  all.motions = memory.motions.use<MotionChange<T>>(bodies, executor);
+  all.begun = memory.begun.use<SpeedChange<T>>(bodies, executor);
+  all.scaled_inverse_inertias = memory.scaled_inverse_inertias.use<ScaledInverseInertia<T>>(bodies, executor);
+  // New bodies may be at rest. After a step in the other precision all are written, whatever they hold.
+  if (all.used_last && bodies > known) {
+    parallel::parallel_for(executor, bodies - known, kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = known + begin; i < known + end; ++i) {
+        all.motions[i] = {};
+        all.begun[i] = {};
+        all.scaled_inverse_inertias[i] = {};
+      }
+    });
+  }
   if (mixed) {
     roots.resize(std::max(roots.size(), 4 * kLanes * needed + kNumbersBeyond));
     before.resize(roots.size());
@@ -374,7 +388,7 @@ std::optional<Convergence> ContactSolver::Buffers::solve(const ContactSystem& sy
   for_bodies([&](std::size_t i) {
     all.motions[i] = MotionChange<T>{};
     all.scaled_inverse_inertias[i] = scaled_inverse_inertia<T>(system.bodies[i], system.inverse_inertia[i]);
-    system.bodies[i].pulled = !system.accelerations[i].none();
+    system.bodies[i].pulled = !system.acceleration_of(i).none();
     begin_substep(system, i, h_s, true, all);
   });
   fill(system, {still_mps(settings), h_s}, all, executor);

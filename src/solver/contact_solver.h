@@ -29,7 +29,7 @@ struct Manifold {
 /// Bodies and pairs of one step. `coloring` is that of `pairs`, ranked by their numbers of contact points.
 struct ContactSystem {
   std::span<SolverBody> bodies;
-  std::span<const Acceleration> accelerations;  ///< one a body
+  std::span<const Acceleration> accelerations;  ///< those that SolverBody::acceleration means
   std::span<const Mat3> inverse_inertia;        ///< one a body, world frame
   std::span<const collision::Pose> poses;       ///< one a body
   std::span<const Manifold> pairs;
@@ -44,6 +44,9 @@ struct ContactSystem {
   bool only_active = false;
   std::span<const std::uint8_t> left_out = {};  ///< one a pair, or none: 1 of a pair that is not in resting contact
 
+  [[nodiscard]] const Acceleration& acceleration_of(std::size_t body) const {
+    return accelerations[bodies[body].acceleration];
+  }
   /// Contact points of a pair that are solved.
   [[nodiscard]] std::uint8_t solved_points(std::uint32_t pair) const {
     return left_out.empty() || left_out[pair] == 0 ? pairs[pair].point_count : std::uint8_t{0};

@@ -62,12 +62,10 @@ void IslandSolver::find_islands(const ContactSystem& system) {
 Convergence IslandSolver::solve_one(const ContactSystem& system, const Island& island, const SolveSettings& settings,
                                     Worker& worker, parallel::Executor& executor) const {
   worker.bodies.clear();
-  worker.accelerations.clear();
   worker.inverse_inertia.clear();
   worker.poses.clear();
   const auto copy = [&](std::uint32_t body) {
     worker.bodies.push_back(system.bodies[body]);
-    worker.accelerations.push_back(system.accelerations[body]);
     worker.inverse_inertia.push_back(system.inverse_inertia[body]);
     worker.poses.push_back(system.poses[body]);
     return static_cast<std::uint32_t>(worker.bodies.size() - 1);
@@ -87,7 +85,7 @@ Convergence IslandSolver::solve_one(const ContactSystem& system, const Island& i
   worker.applied_impulse_ns.resize(worker.pairs.size());
   worker.coloring.color(worker.edges, worker.bodies.size());
   const Convergence ended =
-      worker.solver.solve({worker.bodies, worker.accelerations, worker.inverse_inertia, worker.poses, worker.pairs,
+      worker.solver.solve({worker.bodies, system.accelerations, worker.inverse_inertia, worker.poses, worker.pairs,
                            system.points, system.forces, worker.applied_impulse_ns, worker.coloring, island.points},
                           settings, executor);
   for (std::size_t i = 0; i < island.bodies.size(); ++i) system.bodies[island.bodies[i]] = worker.bodies[i];

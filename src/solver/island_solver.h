@@ -32,7 +32,6 @@ class IslandSolver {
     Coloring coloring;
     std::vector<Coloring::Edge> edges;
     std::vector<SolverBody> bodies;
-    std::vector<Acceleration> accelerations;
     std::vector<Mat3> inverse_inertia;
     std::vector<collision::Pose> poses;
     std::vector<Manifold> pairs;

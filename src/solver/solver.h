@@ -74,7 +74,7 @@ inline double still_mps(const SolveSettings& settings) {
   return std::max(settings.gravity_mps2.norm() * settings.dt_s, kRoundingMps);
 }
 
-/// External acceleration of one body in this step, gravity included: m/s^2 and rad/s^2.
+/// An external acceleration of bodies in this step, gravity included: m/s^2 and rad/s^2.
 struct Acceleration {
   Vec3 linear_mps2 = Vec3::Zero();
   Vec3 angular_radps2 = Vec3::Zero();

@@ -27,6 +27,7 @@ struct Bench {
     SolverBody body;
     body.velocity_mps = velocity;
     body.inverse_mass = mass_kg > 0 ? 1 / mass_kg : 0;
+    body.acceleration = static_cast<std::uint32_t>(accelerations.size());
     bodies.push_back(body);
     poses.push_back({point_m, Mat3::Identity()});
     Acceleration pull;

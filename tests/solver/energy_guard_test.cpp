@@ -26,6 +26,7 @@ struct Two {
     for (const std::size_t i : {1U, 2U, 3U}) {
       bodies[i].inverse_mass = 1.0 / static_cast<double>(2 * i);
       inverse_inertia[i] = Vec3(1, 0.5, 0.25).asDiagonal();
+      bodies[i].acceleration = static_cast<std::uint32_t>(i);
       accelerations[i].linear_mps2 = Vec3(0, 0, -10);
     }
     bodies[1].velocity_mps = Vec3(3, 0, 0);
@@ -55,14 +56,14 @@ TEST(EnergyGuard, CountsChangesOnTopOfTheStart) {
 
 TEST(EnergyGuard, AloneIsWithForcesAndWithoutContacts) {
   const Two two;
-  EXPECT_DOUBLE_EQ(two.energy.joules_alone(two.system, two.changes, 0.1),
-                   0.5 * 2 * (9 + 1) + 0.5 * 2 * 4 + 0.5 * 4 * 1);
+  const std::vector<SpeedChange<double>> begun(4);
+  EXPECT_DOUBLE_EQ(two.energy.joules_alone(two.system, begun, 0.1), 0.5 * 2 * (9 + 1) + 0.5 * 2 * 4 + 0.5 * 4 * 1);
 }
 
 TEST(EnergyGuard, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
   // Body 1 starts with 3 m/s along x; the impulses turn that into 1 m/s in the other direction.
   Two two;
-  const std::vector<MotionChange<double>> begun(4);
+  const std::vector<SpeedChange<double>> begun(4);
   for (Acceleration& pull : two.accelerations) pull.linear_mps2.setZero();
   two.changes[1].v[0] = -4;
   const double share = two.energy.best_share(two.system, begun, 0.1, two.changes);
@@ -79,7 +80,7 @@ TEST(EnergyGuard, TheBestShareOfImpulsesStopsWhatMorePushesBack) {
 
 TEST(EnergyGuard, ScalingKeepsWhatForcesAdd) {
   Two two;
-  std::vector<MotionChange<double>> begun(4);
+  std::vector<SpeedChange<double>> begun(4);
   begun[1].v[0] = 1;
   two.changes[1].v[0] = 5;
   two.changes[1].v[2] = 3;

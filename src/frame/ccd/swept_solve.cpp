@@ -21,14 +21,14 @@ constexpr std::size_t kTrajectoryGrain = 256;
 Vec3 planned_motion_m(const Velocities& velocities, std::size_t i, double h_s) {
   const solver::SolverBody& solved = velocities.bodies[i];
   if (solved.solved) return solved.moved_m;
-  return h_s * solved.velocity_mps - (0.5 * h_s * h_s) * velocities.accelerations[i].linear_mps2;
+  return h_s * solved.velocity_mps - (0.5 * h_s * h_s) * velocities.acceleration_of(i).linear_mps2;
 }
 
 // Its velocity on the way: forces act all along it, unless contacts hold it.
 Vec3 velocity_at_mps(const Velocities& velocities, std::size_t i, double time_s, double h_s) {
   const solver::SolverBody& solved = velocities.bodies[i];
   if (solved.solved) return solved.velocity_mps;
-  return solved.velocity_mps - (h_s - time_s) * velocities.accelerations[i].linear_mps2;
+  return solved.velocity_mps - (h_s - time_s) * velocities.acceleration_of(i).linear_mps2;
 }
 
 // When a body has to stop so that it does not leave what was swept for it: a slow one its slack (and what forces move
@@ -43,7 +43,7 @@ double limit_of_s(const SolveInput& input, const Velocities& velocities, std::si
     if ((motion - foreseen).norm() <= slack_m) return h_s;
     return h_s * std::min(1.0, slack_m / std::max(motion.norm(), slack_m));
   }
-  const double may_m = slack_m + (0.5 * h_s * h_s) * velocities.accelerations[i].linear_mps2.norm();
+  const double may_m = slack_m + (0.5 * h_s * h_s) * velocities.acceleration_of(i).linear_mps2.norm();
   const double length = motion.norm();
   return length <= may_m ? h_s : h_s * (may_m / length);
 }

@@ -10,16 +10,41 @@
 
 namespace poise::solver {
 
+/// An array that lanes of one precision use at a time. Invariant: it only grows.
+class LaneMemory {
+ public:
+  /// `n` elements. Those that are there hold what they held if their type is that of the last call.
+  template <class T>
+  std::span<T> use(std::size_t n, parallel::Executor& executor) {
+    static_assert(alignof(T) <= alignof(Part) && std::is_trivially_copyable_v<T>);
+    const std::size_t parts = (n * sizeof(T) + sizeof(Part) - 1) / sizeof(Part);
+    if (parts > parts_.capacity()) parallel::reserve(executor, parts_, std::max(parts, 2 * parts_.capacity()));
+    if (parts > parts_.size()) parts_.resize(parts);
+    return {reinterpret_cast<T*>(parts_.data()), n};
+  }
+
+ private:
+  struct alignas(128) Part {
+    std::byte bytes[128];
+  };
+  parallel::UnsetVector<Part> parts_;
+};
+
+/// The memory of both precisions, which take turns.
+struct LaneMemories {
+  LaneMemory pairs, manifold_points, totals, motions, begun, scaled_inverse_inertias;
+};
+
 // Lanes and motions in one precision.
 template <class T>
 struct Lanes {
-  parallel::UnsetVector<PairLanes<T>> pairs;  // one a block
-  parallel::UnsetVector<PointLanes<T>> manifold_points;
-  parallel::UnsetVector<TotalLanes<T>> totals;     // beside them, where they are kept from substep to substep
-  parallel::UnsetVector<MotionChange<T>> motions;  // one a body
-  parallel::UnsetVector<MotionChange<T>> begun;    // velocities and spins when the substep began
-  parallel::UnsetVector<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
-  bool used_last = false;                                                  // by the last step: they know what rests
+  std::span<PairLanes<T>> pairs;  // one a block
+  std::span<PointLanes<T>> manifold_points;
+  std::span<TotalLanes<T>> totals;     // beside them, where they are kept from substep to substep
+  std::span<MotionChange<T>> motions;  // one a body
+  std::span<SpeedChange<T>> begun;     // velocities and spins when the substep began
+  std::span<ScaledInverseInertia<T>> scaled_inverse_inertias;  // one a body
+  bool used_last = false;  // by the last step: motions and what is beside them know what rests
 
   std::span<PointLanes<T>> manifold_points_of(const ContactBlock& block) {
     return std::span(manifold_points).subspan(block.first, block.manifold_points);

@@ -18,6 +18,13 @@ struct alignas(16 * sizeof(T)) MotionChange {
   T unused[4] = {};
 };
 
+/// The part of it that a substep begins with.
+template <class T>
+struct alignas(8 * sizeof(T)) SpeedChange {
+  T v[3] = {}, w[3] = {};
+  T unused[2] = {};
+};
+
 /// Inverse inertia times mass, world frame, 1/m^2. This scaling keeps the numbers in the range of single precision
 /// whatever the mass.
 template <class T>

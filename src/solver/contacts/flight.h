@@ -11,8 +11,9 @@ inline void fly(const ContactSystem& system, std::size_t i, double dt_s) {
   SolverBody& body = system.bodies[i];
   body.moved_m = dt_s * body.velocity_mps;
   body.turned_rad = dt_s * body.spin_radps;
-  body.velocity_mps += dt_s * system.accelerations[i].linear_mps2;
-  body.spin_radps += dt_s * system.accelerations[i].angular_radps2;
+  const Acceleration& pull = system.acceleration_of(i);
+  body.velocity_mps += dt_s * pull.linear_mps2;
+  body.spin_radps += dt_s * pull.angular_radps2;
 }
 
 /// Where its change of motion in the step leads a body, on top of its flight.

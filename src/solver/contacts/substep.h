@@ -18,13 +18,18 @@ template <class T>
 T* figures(MotionChange<T>& motion) {
   return motion.v;
 }
+/// Likewise: v, w.
+template <class T>
+T* figures(SpeedChange<T>& speed) {
+  return speed.v;
+}
 
 /// Begins a substep: forces, and from the second one on what contacts gave in the one before.
 template <class T>
 void begin_substep(const ContactSystem& system, std::size_t i, double h_s, bool first, Lanes<T>& lanes) {
   T* const now = figures(lanes.motions[i]);
   T* const begun = figures(lanes.begun[i]);
-  const Acceleration& pull = system.accelerations[i];
+  const Acceleration& pull = system.acceleration_of(i);
   const auto begin = [&](int k, double rate) {
     const T before = now[k];
     // The changes of the last substep came from forces and contacts: both are applied again.

@@ -15,9 +15,11 @@ struct alignas(64) SolverBody {
   bool solved = false;             ///< resting contact changed its motion in this step
   bool pulled = false;             ///< an external acceleration acts on it
   bool held = false;               ///< it waits in this step: nothing is solved of it
+  std::uint32_t acceleration = 0;  ///< which external acceleration acts on it
   Vec3 moved_m = Vec3::Zero();     ///< in the step so far
   Vec3 turned_rad = Vec3::Zero();  ///< in the step so far
 };
+static_assert(sizeof(SolverBody) == 128);
 
 /// One sphere contact of a pair, world frame, for the contact model that solves each by itself.
 struct PointContact {

@@ -52,13 +52,14 @@ void EnergyGuard::fill_lanes() {
   }
 }
 
-EnergyGuard::Speed EnergyGuard::speed(const Body& body, const MotionChange<double>& change) {
+template <class Change>
+EnergyGuard::Speed EnergyGuard::speed(const Body& body, const Change& change) {
   return {body.velocity_mps + of(change.v), body.spin_radps + of(change.w)};
 }
 
 EnergyGuard::Speed EnergyGuard::speed_alone(const ContactSystem& system, const Body& body,
-                                            const MotionChange<double>& begun, double h_s) {
-  const Acceleration& pull = system.accelerations[body.name];
+                                            const SpeedChange<double>& begun, double h_s) {
+  const Acceleration& pull = system.acceleration_of(body.name);
   const Speed before = speed(body, begun);
   return {before.velocity_mps + h_s * pull.linear_mps2, before.spin_radps + h_s * pull.angular_radps2};
 }
@@ -72,7 +73,7 @@ double EnergyGuard::joules(std::span<const MotionChange<double>> changes) const 
   return kinetic_j(lanes_, changes.data());
 }
 
-double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const MotionChange<double>> begun,
+double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const SpeedChange<double>> begun,
                                  double h_s) const {
   double sum = 0;
   for (const Body& body : bodies_) {
@@ -82,7 +83,7 @@ double EnergyGuard::joules_alone(const ContactSystem& system, std::span<const Mo
   return sum;
 }
 
-double EnergyGuard::best_share(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
+double EnergyGuard::best_share(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
                                std::span<const MotionChange<double>> changes) const {
   if (driven_) return 1.0;
   // With a share s of the impulses the energy is that without, plus s times `slope`, plus s^2 / 2 times `bend`.
@@ -98,7 +99,7 @@ double EnergyGuard::best_share(const ContactSystem& system, std::span<const Moti
   return bend > 0 ? std::clamp(-slope / bend, 0.0, 1.0) : 1.0;
 }
 
-void EnergyGuard::scale(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
+void EnergyGuard::scale(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
                         double share, std::span<MotionChange<double>> changes) const {
   for (const Body& body : bodies_) {
     const Speed alone = speed_alone(system, body, begun[body.name], h_s);

@@ -20,16 +20,16 @@ class EnergyGuard {
   /// Joules, with these changes on top of the velocities at the start of the step.
   [[nodiscard]] double joules(std::span<const MotionChange<double>> changes) const;
   /// The same with what the accelerations add in `h_s`, and no contact.
-  [[nodiscard]] double joules_alone(const ContactSystem& system, std::span<const MotionChange<double>> begun,
+  [[nodiscard]] double joules_alone(const ContactSystem& system, std::span<const SpeedChange<double>> begun,
                                     double h_s) const;
 
   /// What share of the impulses takes most energy from the bodies, at most all: with `changes` they have all, with
   /// `begun` and what accelerations add in `h_s`, none. It is 1 for the answer itself, where no place parts under its
   /// load. All of them where something moves that has no mass: what it pushes gains energy rightly.
-  [[nodiscard]] double best_share(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s,
+  [[nodiscard]] double best_share(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s,
                                   std::span<const MotionChange<double>> changes) const;
   /// Leaves the bodies with this share.
-  void scale(const ContactSystem& system, std::span<const MotionChange<double>> begun, double h_s, double share,
+  void scale(const ContactSystem& system, std::span<const SpeedChange<double>> begun, double h_s, double share,
              std::span<MotionChange<double>> changes) const;
 
   /// Saves the velocities of these bodies; `restore` brings them back to the bit.
@@ -47,9 +47,9 @@ class EnergyGuard {
     Vec3 velocity_mps, spin_radps;
   };
   void fill_lanes();
-  static Speed speed(const Body& body, const MotionChange<double>& change);
-  static Speed speed_alone(const ContactSystem& system, const Body& body, const MotionChange<double>& begun,
-                           double h_s);
+  template <class Change>
+  static Speed speed(const Body& body, const Change& change);
+  static Speed speed_alone(const ContactSystem& system, const Body& body, const SpeedChange<double>& begun, double h_s);
   static double product(const Body& body, const Speed& a, const Speed& b);
 
   std::vector<std::uint32_t> names_;

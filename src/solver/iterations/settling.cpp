@@ -11,8 +11,7 @@ Vec3 vector(const double (&from)[3]) { return {from[0], from[1], from[2]}; }
 }  // namespace
 
 bool Settling::settled(const ContactSystem& system, std::span<const MotionChange<double>> now,
-                       std::span<const MotionChange<double>> begun, double h_s, std::uint32_t iterations,
-                       double share) {
+                       std::span<const SpeedChange<double>> begun, double h_s, std::uint32_t iterations, double share) {
   const bool due = iterations >= kFirst && (iterations & (iterations - 1)) == 0;
   if (!due) return false;
   const bool compared = half_.size() == now.size();
@@ -23,7 +22,7 @@ bool Settling::settled(const ContactSystem& system, std::span<const MotionChange
     if (body.inverse_mass == 0) continue;
     const double per_inertia = system.inverse_inertia[i].trace() / (3 * body.inverse_mass);
     const double inertia_per_mass_m2 = per_inertia > 0 ? 1 / per_inertia : 0;
-    const Acceleration& pull = system.accelerations[i];
+    const Acceleration& pull = system.acceleration_of(i);
     const auto square = [&](const Vec3& v, const Vec3& w) {
       return v.squaredNorm() + inertia_per_mass_m2 * w.squaredNorm();
     };

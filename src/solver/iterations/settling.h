@@ -26,7 +26,7 @@ class Settling {
   /// and the mean square of what the second half of the iterations changed is at most share^2 times that of all that
   /// the contacts change. A spin counts with the mean inertia, as in the error of a body.
   bool settled(const ContactSystem& system, std::span<const MotionChange<double>> now,
-               std::span<const MotionChange<double>> begun, double h_s, std::uint32_t iterations, double share);
+               std::span<const SpeedChange<double>> begun, double h_s, std::uint32_t iterations, double share);
 
  private:
   std::vector<MotionChange<double>> half_;  // velocities after half of the iterations
