@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kChunkGrain = 2;
 // Bodies and points of pairs lie anywhere in memory: prefetched some pairs ahead.
-constexpr std::size_t kPointsAhead = 6;
+constexpr std::size_t kPointsAhead = 8;
+constexpr std::size_t kFoundAhead = 4;  // of what was found of a pair, its points
 
 // Overlap that is left alone, as a share of the skin. Chosen: keeps contacts closed without being seen.
 constexpr double kSlopOfSkin = 1e-4;
@@ -35,7 +36,7 @@ std::uint8_t count_points(const ManifoldsInput& input, std::size_t i) {
   if (progress.apart()) return 0;
   if (progress.from_cache()) return input.table.pairs[i].cached.point_count;
   if (progress.level.level == 0) return progress.exact || coarsest_near(input.motion, input.table.pairs[i]) ? 1 : 0;
-  return static_cast<std::uint8_t>(1 + input.levels.found.of(progress).manifold_points.count);
+  return static_cast<std::uint8_t>(1 + input.levels.found.of(progress).point_count);
 }
 
 // Does a pair get points in this frame? One that waits only those that refinement has found.
@@ -50,14 +51,15 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
   constexpr double kSameOfSkin = 50;
   const ActivePair& pair = input.table.pairs[i];
   const PairProgress& progress = input.levels.progress[i];
-  const collision::LevelContact& found = input.levels.found.of(progress);
+  const FoundContact& found = input.levels.found.of(progress);
   const PlacedPair where = placed_pair(input, pair);
   collision::PairContact coarsest;
   const collision::PairContact& contact = contact_of(input.scene, input.motion, pair, progress, found, coarsest);
   const collision::ManifoldPoint impact = collision::impact_point(contact, where.a.rotation);
   RenewedPoints renewed;
   renewed.found[0] = &impact;
-  for (std::size_t k = 1; k < made.point_count; ++k) renewed.found[k] = &found.manifold_points.point[k - 1];
+  const std::span<const collision::ManifoldPoint> points = input.levels.found.points_of(found);
+  for (std::size_t k = 1; k < made.point_count; ++k) renewed.found[k] = &points[k - 1];
   renewed.count = made.point_count;
   renewed.points = &cache.points[PointCache::begin(made.slot)];
   renewed.forces = &cache.forces[PointCache::forces_begin(made.slot)];
@@ -105,6 +107,13 @@ HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, P
     for (const solver::ContactForce& force : cache.forces_of(pair.cached.slot, pair.cached.point_count))
       hwy::Prefetch(&force);
   }
+}
+
+HWY_INLINE void prefetch_found_points_of(const ManifoldsInput& input, std::size_t i) {
+  const PairProgress& progress = input.levels.progress[i];
+  if (progress.found == 0 || progress.apart()) return;
+  for (const collision::ManifoldPoint& point : input.levels.found.points_of(input.levels.found.of(progress)))
+    hwy::Prefetch(&point);
 }
 
 // Separations of cached points at the poses of this frame.
@@ -236,6 +245,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
     const std::size_t end = table.end_of(chunk);
     for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
       if (distant && i + kPointsAhead < end) prefetch_points_of(input, i + kPointsAhead, cache);
+      if (distant && i + kFoundAhead < end) prefetch_found_points_of(input, i + kFoundAhead);
       make_pair(input, i, cache, count, of_chunk, manifolds);
     }
     count.begin = static_cast<std::uint32_t>(places.take(count.solved));
@@ -292,7 +302,7 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
 }  // namespace
 
 const collision::PairContact& contact_of(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair,
-                                         const PairProgress& progress, const collision::LevelContact& found,
+                                         const PairProgress& progress, const FoundContact& found,
                                          collision::PairContact& coarsest) {
   if (progress.level.level > 0 || progress.exact) return found.contact;
   const auto placed = [&](std::uint32_t slot) {

@@ -64,7 +64,7 @@ void make_manifolds(const ManifoldsInput& input, PointCache& points, Manifolds& 
 /// The contact of a pair whose points are not cached: what its level found, or at level 0 that of its root spheres,
 /// which is made in `coarsest`.
 const collision::PairContact& contact_of(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair,
-                                         const PairProgress& progress, const collision::LevelContact& found,
+                                         const PairProgress& progress, const FoundContact& found,
                                          collision::PairContact& coarsest);
 
 }  // namespace poise::simulation

@@ -205,7 +205,8 @@ class PairRows final : public solver::RowSource {
 void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::Executor& executor) {
   const Manifolds& manifolds = input.manifolds;
   velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
-  velocities.overlaps.resize(solver::kOverlapsOfRow * velocities.rows.size());
+  velocities.overlaps =
+      velocities.lane_memory.use<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size(), executor);
   velocities.scratch.activations.resize(manifolds.manifolds.size());
   velocities.row_of.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> order = manifolds.coloring.order();
@@ -316,7 +317,7 @@ void begin_solve(const SolveInput& input, Velocities& velocities, parallel::Exec
   velocities.applied_impulse_ns.reserve(most);
   parallel::reserve_anew(velocities.rows, most);
   parallel::reserve_anew(velocities.row_of, most);
-  parallel::reserve_anew(velocities.overlaps, solver::kOverlapsOfRow * most);
+  velocities.lane_memory.reserve<solver::OverlapPoint>(solver::kOverlapsOfRow * most);
   velocities.scratch.activations.reserve(most);
   parallel::reserve_anew(velocities.left_out, most);
   velocities.applied_impulse_ns.resize(input.manifolds.manifolds.size());
@@ -357,7 +358,8 @@ solver::ContactSystem contact_system(const SolveInput& input, PointCache& points
           velocities.point_count,
           input.motion.visited,
           true,
-          velocities.bounced ? std::span<const std::uint8_t>(velocities.left_out) : std::span<const std::uint8_t>()};
+          velocities.bounced ? std::span<const std::uint8_t>(velocities.left_out) : std::span<const std::uint8_t>(),
+          &velocities.lane_memory};
 }
 
 solver::Convergence solve_contacts(const SolveInput& input, const IterationsAllowed& allowed, PointCache& points,

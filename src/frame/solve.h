@@ -32,8 +32,9 @@ struct Velocities {
   parallel::UnsetVector<solver::Acceleration> accelerations;  ///< SolverBody::acceleration: none, gravity, others
   std::vector<Vec3> applied_impulse_ns;            ///< one a manifold: what b received from the contact solver
   parallel::UnsetVector<solver::ContactRow> rows;  ///< in the order of the colouring; filled where there was an impact
-  parallel::UnsetVector<solver::OverlapPoint> overlaps;  ///< of the rows
-  parallel::UnsetVector<std::uint32_t> row_of;           ///< one a manifold, where there may be impacts: its row
+  solver::LaneMemory lane_memory;            ///< of overlaps while impacts are solved, then of contact points in lanes
+  std::span<solver::OverlapPoint> overlaps;  ///< of the rows
+  parallel::UnsetVector<std::uint32_t> row_of;  ///< one a manifold, where there may be impacts: its row
   std::uint64_t point_count = 0;  ///< of the manifolds that the contact solver takes: all but those that bounce
   SweptContacts swept;            ///< with backtracking
 

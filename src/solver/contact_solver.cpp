@@ -259,7 +259,8 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   constexpr std::size_t kGrain = 512;
   Lanes<T>& all = lanes<T>();
   const std::size_t needed = make_blocks(system, executor);
-  all.manifold_points = memory.manifold_points.use<PointLanes<T>>(needed, executor);
+  LaneMemory& of_points = system.memory != nullptr ? *system.memory : memory.manifold_points;
+  all.manifold_points = of_points.use<PointLanes<T>>(needed, executor);
   keeps_totals = keeps;
   distant = system.pairs.size() > parallel::kPairsAtHand;
   if (keeps) all.totals = memory.totals.use<TotalLanes<T>>(needed, executor);

@@ -8,6 +8,7 @@
 #include "parallel/executor.h"
 #include "poise/types.h"
 #include "solver/contacts/contact_point.h"
+#include "solver/lane_memory.h"
 #include "solver/solver.h"
 
 namespace poise::solver {
@@ -43,6 +44,7 @@ struct ContactSystem {
   std::span<const std::uint32_t> active = {};
   bool only_active = false;
   std::span<const std::uint8_t> left_out = {};  ///< one a pair, or none: 1 of a pair that is not in resting contact
+  LaneMemory* memory = nullptr;                 ///< for the lanes of contact points, if they are not to have their own
 
   [[nodiscard]] const Acceleration& acceleration_of(std::size_t body) const {
     return accelerations[bodies[body].acceleration];

@@ -40,7 +40,7 @@ void add_noise(const ContactNoise& noise, const PredictedMotion& motion, const P
   for (std::size_t i = 0; i < table.size(); ++i) {
     PairProgress& progress = levels.progress[i];
     if (progress.level.level == 0 || progress.apart() || progress.found == 0) continue;
-    collision::LevelContact& found = levels.found.of(progress);
+    FoundContact& found = levels.found.of(progress);
     if (!found.contact.present) continue;
     const ActivePair& pair = table.pairs[i];
     collision::PairContact& contact = found.contact;
@@ -54,8 +54,7 @@ void add_noise(const ContactNoise& noise, const PredictedMotion& motion, const P
     const Vec3 a_to_b_m = motion.poses[pair.b].position_m - motion.poses[pair.a].position_m;
     contact.moment_a_m = contact.arm_m.cross(contact.direction);
     contact.moment_b_m = (contact.arm_m - a_to_b_m).cross(contact.direction);
-    for (std::size_t k = 0; k < found.manifold_points.count; ++k) {
-      collision::ManifoldPoint& point = found.manifold_points.point[k];
+    for (collision::ManifoldPoint& point : levels.found.points_of(found)) {
       const double point_more_m = errors.of_separation_m();
       point.gap_m += point_more_m;
       point.certain_separation_m += point_more_m;

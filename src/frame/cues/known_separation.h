@@ -44,8 +44,8 @@ inline double known_separation(const SceneView& scene, const PredictedMotion& mo
 
 /// The same of a pair of which a level has just been completed: by what that has found.
 inline double found_separation(const SceneView& scene, const ActivePair& pair, std::size_t level,
-                               const collision::LevelContact& found) {
-  const double separation_m = found.contact.present ? found.contact.estimated_separation_m : pair.margin_m;
+                               const collision::PairContact& found) {
+  const double separation_m = found.present ? found.estimated_separation_m : pair.margin_m;
   return relative_separation(separation_m, kExpected * protrusion_m(scene, pair, level));
 }
 

@@ -22,7 +22,7 @@ scheduler::FrameFacts frame_facts(const RefineInput& input) {
 }
 
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
-                const PairProgress& progress, const collision::LevelContact& found, std::uint32_t index) {
+                const PairProgress& progress, const collision::PairContact& found, std::uint32_t index) {
   const ActivePair& pair = input.table.pairs[index];
   const std::size_t deepest = progress.level.deepest;
   ExpectedLevels expected;

@@ -72,7 +72,7 @@ class Ranking {
   void rank_pair(std::uint32_t item, Sums& sums, scheduler::PriorityBands::Bundle& bundle) {
     PairProgress& pair = levels_.progress[item];
     const RankedPair ranked =
-        ranked_pair(input_, source_, facts_, item, pair, levels_.found.of(pair), levels_.cues[item]);
+        ranked_pair(input_, source_, facts_, item, pair, levels_.found.of(pair).contact, levels_.cues[item]);
     ++sums.ranked;
     sums.refused += ranked.refused ? 1U : 0U;
     sums.bands += ranked.band;
@@ -120,7 +120,7 @@ void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most
 }
 
 RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, const scheduler::FrameFacts& facts,
-                       std::uint32_t item, PairProgress& pair, const collision::LevelContact& found,
+                       std::uint32_t item, PairProgress& pair, const collision::PairContact& found,
                        scheduler::PairCues& cues) {
   RankedPair ranked;
   ranked.refused = !source.fill(item, cues);

@@ -23,7 +23,7 @@ struct RankedPair {
 };
 /// Ranks one pair: fills its cues, and what `pair` says of ranking. Any thread.
 RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, const scheduler::FrameFacts& facts,
-                       std::uint32_t item, PairProgress& pair, const collision::LevelContact& found,
+                       std::uint32_t item, PairProgress& pair, const collision::PairContact& found,
                        scheduler::PairCues& cues);
 
 /// PairProgress::turn of a pair that waits in this band, below scheduler::kBands.

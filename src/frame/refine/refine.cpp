@@ -42,7 +42,7 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
   parallel::UnsetVector<PairProgress>& all = refinement.levels.progress;
   const auto candidate = [&](std::uint32_t index) {
     return scheduler::Candidate{score_of(input, refinement.facts, refinement.levels.cues[index], all[index],
-                                         refinement.levels.found.of(all[index]), index),
+                                         refinement.levels.found.of(all[index]).contact, index),
                                 index, all[index].level.next_units};
   };
   const auto add = [&](std::uint32_t index) {
@@ -131,8 +131,8 @@ void refine_everything(const Refinement& refinement) {
         if (log != nullptr) log->note(worker, index, kind_of(outcome), SteadyClock::now());
       }
       const RefineInput& input = refinement.input;
-      make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found.of(pair),
-                      refinement.resources.pools);
+      make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found,
+                      refinement.resources.pools, worker);
       refinement.resources.pools[static_cast<std::size_t>(worker)].clear();
       pair.level.front = pair.level.points = {};
     }
@@ -219,12 +219,12 @@ std::size_t refine_to_the_end(const RefineInput& input, std::span<collision::Fro
 void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
                       parallel::Executor& executor) {
   const PairTable& table = input.table;
-  parallel::parallel_for(executor, table.chunks(), 1, [&](std::size_t first, std::size_t past, int) {
+  parallel::parallel_for(executor, table.chunks(), 1, [&](std::size_t first, std::size_t past, int worker) {
     for (std::size_t chunk = first; chunk < past; ++chunk) {
       if (table.known_of_chunk[chunk].refinable == 0) continue;
       for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-        make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), levels.progress[i],
-                        levels.found.of(levels.progress[i]), pools);
+        make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), levels.progress[i], levels.found, pools,
+                        worker);
       }
     }
   });

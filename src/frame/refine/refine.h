@@ -150,7 +150,7 @@ scheduler::FrameFacts frame_facts(const RefineInput& input);
 /// What decides when the next level of an active pair has its turn. `found` is by its completed level, if that is
 /// beyond 0.
 double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, const scheduler::PairCues& cues,
-                const PairProgress& progress, const collision::LevelContact& found, std::uint32_t index);
+                const PairProgress& progress, const collision::PairContact& found, std::uint32_t index);
 
 /// How long it takes to make contact points of so many entries (entries_of_points), by all workers together.
 inline Nanoseconds time_of_points(double entry_cost_ns, std::int64_t entries) {

@@ -28,23 +28,6 @@ std::uint64_t solved_of(double share, std::int64_t present) {
   return static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(std::max<std::int64_t>(present, 0))));
 }
 
-// What the next level reads of the last one. Not its contact points: of a pair in the hand of a worker that is not
-// waited for, the caller makes them at the same time (make_points_left).
-void copy_for_next_level(const collision::LevelContact& found, collision::LevelContact& into) {
-  into.contact = found.contact;
-  into.reach_m = found.reach_m;
-  into.narrowed = found.narrowed;
-}
-
-// What was found of a pair; of one that is apart nobody asks more than how far it was looked.
-void copy_found(const OpenRefinement::Hand& hand, collision::LevelContact& into) {
-  if (hand.progress.level.apart) {
-    into.reach_m = hand.found.reach_m;
-  } else {
-    into = hand.found;
-  }
-}
-
 }  // namespace
 
 // A job takes pairs, one after another, until it has done about a quantum of work. It brings each to its next level,
@@ -180,7 +163,7 @@ class OpenRefinement::Job {
   bool rank(Hand& hand) {
     hand.newly_ranked = true;
     const RankedPair ranked = ranked_pair(run_.input, *open_.cues, run_.facts, hand.item, hand.progress,
-                                          run_.levels.found.of(hand.progress), hand.cues);
+                                          run_.levels.found.of(hand.progress).contact, hand.cues);
     hand.band = ranked.band;
     const bool now = hand.band >= run_.bands.highest();
     hand.again = !ranked.left_out && !now;
@@ -193,7 +176,7 @@ class OpenRefinement::Job {
   // Levels of the pair, in this worker's own memory.
   void refine(Hand& hand) {
     const RefineInput& input = run_.input;
-    if (hand.progress.level.level > 0) copy_for_next_level(run_.levels.found.of(hand.progress), hand.found);
+    if (hand.progress.level.level > 0) run_.levels.found.read(hand.progress, hand.found);
     if (in_order() && batch_.looks) {
       scheduler::PairCues looked;
       open_.cues->fill(hand.item, looked);
@@ -247,7 +230,7 @@ class OpenRefinement::Job {
       hand.band = run_.bands.highest();
       return true;
     }
-    const double score = score_of(input, run_.facts, cues_of(hand), hand.progress, hand.found, hand.item);
+    const double score = score_of(input, run_.facts, cues_of(hand), hand.progress, hand.found.contact, hand.item);
     hand.again = !scheduler::left_out(input.policy, score);
     hand.band = scheduler::band_of(input.policy, score);
     hand.progress.turn = turn_at(hand.band);
@@ -272,11 +255,7 @@ class OpenRefinement::Job {
       if (hand.completed) {
         const bool was_apart = pair.apart();
         pair.level = hand.progress.level;
-        const double reach_m = run_.input.table.pairs[hand.item].reach_m;
-        if (pair.found != 0 || FoundContacts::is_kept(pair.level, hand.found.reach_m, reach_m)) {
-          copy_found(hand, run_.levels.found.open(pair, worker_));
-          run_.levels.found.keep(pair, reach_m, worker_);
-        }
+        run_.levels.found.keep(pair, hand.found, run_.input.table.pairs[hand.item].reach_m, worker_);
         if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
         pair.points_due = points_due(pair, hand.found);
         more_due += std::int64_t{pair.points_due ? entries_of_points(pair.level) : 0U} - hand.due_before;

@@ -20,6 +20,14 @@ void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const P
   collision::make_points(frame_of(refiner, posed), pools, progress.level, found);
 }
 
+void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
+                     FoundContacts& found, std::span<const collision::FrontPool> pools, int worker) {
+  if (!points_due(progress, found.of(progress))) return;
+  collision::LevelContact& made = found.at_work(progress, worker);
+  collision::make_points(frame_of(refiner, posed), pools, progress.level, made);
+  found.keep_points(progress, made.manifold_points, worker);
+}
+
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
                      PairProgress& progress, collision::LevelContact& found, std::span<collision::FrontPool> pools,
                      int worker) {
@@ -31,8 +39,9 @@ Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collisi
 
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
                      PairProgress& progress, FoundContacts& found, std::span<collision::FrontPool> pools, int worker) {
-  const Outcome outcome = refine_level(refiner, posed, frame, progress, found.open(progress, worker), pools, worker);
-  found.keep(progress, posed.pair.reach_m, worker);
+  collision::LevelContact& made = found.at_work(progress, worker);
+  const Outcome outcome = refine_level(refiner, posed, frame, progress, made, pools, worker);
+  if (outcome == Outcome::Completed) found.keep(progress, made, posed.pair.reach_m, worker);
   return outcome;
 }
 
@@ -50,8 +59,14 @@ bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgres
 
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress, FoundContacts& found,
                  std::span<collision::FrontPool> pools, int worker) {
-  const bool fits = refine_pair(refiner, posed, progress, found.open(progress, worker), pools, worker);
-  found.keep(progress, posed.pair.reach_m, worker);
+  // What backtracking has found out of it is kept already.
+  if (!progress.refinable() || progress.full) {
+    make_points_due(refiner, posed, progress, found, pools, worker);
+    return !progress.full;
+  }
+  collision::LevelContact& made = found.at_work(progress, worker);
+  const bool fits = refine_pair(refiner, posed, progress, made, pools, worker);
+  found.keep(progress, made, posed.pair.reach_m, worker);
   return fits;
 }
 

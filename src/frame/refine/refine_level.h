@@ -124,8 +124,10 @@ Outcome complete_level(const PairRefiner& refiner, std::span<collision::FrontPoo
   return Outcome::Completed;
 }
 
-/// Are the manifold points of a pair still to be made, if its deepest completed level counts?
-inline bool points_due(const PairProgress& progress, const collision::LevelContact& found) {
+/// Are the manifold points of a pair still to be made, if its deepest completed level counts? `found`: a LevelContact
+/// or FoundContact.
+template <class Found>
+bool points_due(const PairProgress& progress, const Found& found) {
   // A level with none after it has made its points. Asked first, because what was found of most pairs is in no cache.
   if (!progress.level.refinable() || progress.level.level == 0) return false;
   return !progress.apart() && !progress.from_cache() && found.points_due;
@@ -138,6 +140,9 @@ inline std::uint32_t entries_of_points(const collision::PairLevel& level) {
 /// Makes the manifold points of a pair that are due. Its front is still there.
 void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
                      collision::LevelContact& found, std::span<const collision::FrontPool> pools);
+/// The same of a pair of a frame.
+void make_points_due(const PairRefiner& refiner, const PosedPair& posed, const PairProgress& progress,
+                     FoundContacts& found, std::span<const collision::FrontPool> pools, int worker);
 
 /// The next level of a pair that nobody else refines, whatever that costs. `frame` is that of frame_of.
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,

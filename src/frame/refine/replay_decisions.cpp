@@ -129,7 +129,7 @@ class Replay {
   void forget_front(std::size_t index, int worker) {
     if (keeps_fronts()) return;
     make_points_due(input_.refiner(), posed(input_.motion, input_.table.pairs[index]), levels_.progress[index],
-                    levels_.found.of(levels_.progress[index]), pools_);
+                    levels_.found, pools_, std::max(worker, 0));
     levels_.progress[index].level.front = levels_.progress[index].level.points = {};
     for (std::size_t w = 0; w < pools_.size(); ++w) {
       if (worker < 0 || w == static_cast<std::size_t>(worker)) pools_[w].clear();
@@ -148,7 +148,7 @@ class Replay {
 
   double next_score(std::size_t i, PairProgress& pair) {
     const auto index = static_cast<std::uint32_t>(i);
-    const double score = score_of(input_, facts_, levels_.cues[i], pair, levels_.found.of(pair), index);
+    const double score = score_of(input_, facts_, levels_.cues[i], pair, levels_.found.of(pair).contact, index);
     pair.turn = turn_at(scheduler::band_of(input_.policy, score));
     return score;
   }

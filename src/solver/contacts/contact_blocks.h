@@ -7,28 +7,9 @@
 #include "parallel/unset_vector.h"
 #include "solver/contact_solver.h"
 #include "solver/contacts/contact_lanes.h"
+#include "solver/lane_memory.h"
 
 namespace poise::solver {
-
-/// An array that lanes of one precision use at a time. Invariant: it only grows.
-class LaneMemory {
- public:
-  /// `n` elements. Those that are there hold what they held if their type is that of the last call.
-  template <class T>
-  std::span<T> use(std::size_t n, parallel::Executor& executor) {
-    static_assert(alignof(T) <= alignof(Part) && std::is_trivially_copyable_v<T>);
-    const std::size_t parts = (n * sizeof(T) + sizeof(Part) - 1) / sizeof(Part);
-    if (parts > parts_.capacity()) parallel::reserve(executor, parts_, std::max(parts, 2 * parts_.capacity()));
-    if (parts > parts_.size()) parts_.resize(parts);
-    return {reinterpret_cast<T*>(parts_.data()), n};
-  }
-
- private:
-  struct alignas(128) Part {
-    std::byte bytes[128];
-  };
-  parallel::UnsetVector<Part> parts_;
-};
 
 /// The memory of both precisions, which take turns.
 struct LaneMemories {

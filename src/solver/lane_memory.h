@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+#include "parallel/ranges.h"
+#include "parallel/unset_vector.h"
+
+namespace poise::solver {
+
+/// Memory of one array, which arrays of several types use in turns. Invariant: it only grows.
+class LaneMemory {
+ public:
+  /// Memory for `n` elements. Those that there are are lost where that is new memory.
+  template <class T>
+  void reserve(std::size_t n) {
+    parallel::reserve_anew(parts_, parts_of<T>(n));
+  }
+  /// `n` elements. Those that are there hold what they held if their type is that of the last call.
+  template <class T>
+  std::span<T> use(std::size_t n, parallel::Executor& executor) {
+    static_assert(alignof(T) <= alignof(Part) && std::is_trivially_destructible_v<T>);
+    const std::size_t parts = parts_of<T>(n);
+    if (parts > parts_.capacity()) parallel::reserve(executor, parts_, std::max(parts, 2 * parts_.capacity()));
+    if (parts > parts_.size()) parts_.resize(parts);
+    return {reinterpret_cast<T*>(parts_.data()), n};
+  }
+
+ private:
+  struct alignas(128) Part {
+    std::byte bytes[128];
+  };
+  template <class T>
+  static std::size_t parts_of(std::size_t n) {
+    return (n * sizeof(T) + sizeof(Part) - 1) / sizeof(Part);
+  }
+  parallel::UnsetVector<Part> parts_;
+};
+
+}  // namespace poise::solver
