@@ -41,8 +41,8 @@ struct Velocities {
   solver::SolveScratch scratch;
   std::vector<solver::PointContact> points;      // scratch: sphere contacts of the paper's model
   std::vector<std::uint32_t> points_begin;       // scratch, per manifold: likewise
-  bool bounced = false;                          ///< impacts keep some manifolds: those that
-  parallel::UnsetVector<std::uint8_t> left_out;  ///< says, one a manifold
+  bool bounced = false;                          ///< some manifolds rebound: impacts answer them alone
+  parallel::UnsetVector<std::uint8_t> left_out;  ///< if so, one a manifold: 1 of these
 
   [[nodiscard]] const solver::Acceleration& acceleration_of(std::size_t slot) const {
     return accelerations[bodies[slot].acceleration];

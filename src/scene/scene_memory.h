@@ -10,9 +10,9 @@
 namespace poise::io {
 
 inline constexpr double kBaseBytes = 22e6;        ///< the program without a scene
-inline constexpr double kBytesOfBody = 7.0e3;     ///< state, contacts, candidates and fronts of a body in a pile
+inline constexpr double kBytesOfBody = 8.0e3;     ///< state, contacts, candidates and fronts of a body in a pile
 inline constexpr double kBytesOfThread = 0.3e6;   ///< without its fronts
-inline constexpr double kBytesOfGenerated = 300;  ///< of a generated body, from the start of the run on
+inline constexpr double kBytesOfGenerated = 300;  ///< of a generated body, until it is there
 inline constexpr double kBytesOfPair = 2.4e3;     ///< candidates, points and lanes of a pair beyond those of a pile
 
 /// Bodies of a scene, as numbers that are exact but for streams, whose most at once is rounded up.

@@ -234,7 +234,7 @@ TEST(SceneRun, RefusesBodiesThatTakeMoreMemoryThanItMayBeforeOneIsMade) {
   SceneRunOptions options = serial();
   options.max_memory_bytes = 100U << 20U;
   EXPECT_EQ(SceneRun::create(scene, options).error().message,
-            "s.json: 100000 bodies at once, of 100000 that are generated, take about 720 MiB, must be at most the 100 "
+            "s.json: 100000 bodies at once, of 100000 that are generated, take about 816 MiB, must be at most the 100 "
             "MiB that a run may take (--max-memory)");
   options.bodies = 1000;
   ASSERT_TRUE(SceneRun::create(scene, options).ok());
@@ -279,7 +279,7 @@ TEST(SceneRun, WhatItsBodiesLeaveOfItsMemoryBoundsThePairsOfACrowd) {
   SceneRun run = SceneRun::create(scene, options).value();
   const std::uint32_t pairs = run.world().settings().max_pairs;
   EXPECT_GT(pairs, 5'000U);
-  EXPECT_LT(pairs, 20'000U) << "60 MiB without 36 MB, in pairs of 2.4 kB";
+  EXPECT_LT(pairs, 20'000U) << "60 MiB without 39 MB, in pairs of 2.4 kB";
   const FrameReport report = run.world().step({});
   EXPECT_LE(report.candidate_pairs, pairs);
   EXPECT_GT(report.candidate_pairs, pairs / 2);

@@ -46,6 +46,29 @@ TEST(Rest, SweepsEndWhereTheVisitsDoAndAsTheyDidWithAllOfThem) {
   EXPECT_FALSE(alone.solve().cut_short) << "one box settles before";
 }
 
+TEST(Rest, APairThatIsLeftOutIsAsIfItHadNoContact) {
+  Bench bench;
+  const std::uint32_t floor = bench.add_body(0);
+  for (const double x_m : {0.0, 10.0, 20.0}) {
+    const std::uint32_t body = bench.add_body(1, Vec3(x_m, 0, 1));
+    bench.add_pair(floor, body, Vec3::UnitZ(), {Vec3(x_m, 0, 0)});
+  }
+  const std::vector<std::uint8_t> left_out = {0, 1, 0};
+  LaneMemory memory;
+  ContactSystem system = bench.system();
+  system.left_out = left_out;
+  system.point_count = 2;
+  system.memory = &memory;
+  bench.solver.solve(system, bench.settings, *bench.executor);
+  const double fall_mps = bench.settings.gravity_mps2.z() * bench.settings.dt_s;
+  EXPECT_NEAR(bench.bodies[1].velocity_mps.z(), 0, 1e-6);
+  EXPECT_DOUBLE_EQ(bench.bodies[2].velocity_mps.z(), fall_mps);
+  EXPECT_NEAR(bench.bodies[3].velocity_mps.z(), 0, 1e-6);
+  EXPECT_EQ(bench.applied_impulse_ns[1], Vec3(Vec3::Zero()));
+  EXPECT_EQ(bench.forces[1].normal_n, 0);
+  EXPECT_GT(bench.forces[0].normal_n, 9);
+}
+
 TEST(Rest, IterationsEndWithTheirTimeAndAreRepeatedWithoutAClock) {
   const auto speeds = [](const Bench& bench) {
     std::vector<double> all;
