@@ -40,7 +40,7 @@ constexpr std::array kOldWords{
     OldWord{"KeptCandidates", Match::Any, "CandidateCache"},
     OldWord{"Glance", Match::Begin, "BodyBounds"},
     OldWord{"glance", Match::Begin, "body_bounds"},
-    OldWord{"Outline", Match::Begin, "PairRecord"},
+    OldWord{"Outline", Match::Begin, "ActivePair"},
     OldWord{"Mover", Match::Word, "MovingBody"},
     OldWord{"mover", Match::Begin, "moving body"},
     OldWord{"Meeting", Match::Begin, "TimeOfImpact"},
