@@ -91,15 +91,17 @@ struct PairProgress {
   Stop stop = Stop::None;
 
   PairProgress() = default;
-  explicit PairProgress(const PairStart& start)
-      : cached(start.cached),
-        cached_level(start.cached_level),
-        seen(start.seen),
-        band(start.band),
-        waited(start.waited) {
+  explicit PairProgress(const PairStart& start) { begin(start); }
+  /// Of one that has not begun.
+  void begin(const PairStart& start) {
     level.deepest = start.deepest;
     level.polygons = start.polygons;
     level.next_units = start.next_units;
+    cached = start.cached;
+    cached_level = start.cached_level;
+    seen = start.seen;
+    band = start.band;
+    waited = start.waited;
   }
 
   void stop_for_time() {

@@ -191,8 +191,12 @@ void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Exe
   levels.reused.clear();
   levels.held.clear();
   levels.tallies.assign(static_cast<std::size_t>(executor.concurrency()), WorkerTally{});
+  const PairProgress not_begun;  // copied whole: its many numbers one by one take longer
   parallel::parallel_for(executor, table.size(), kCopyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) std::construct_at(&levels.progress[i], table.start[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      levels.progress[i] = not_begun;
+      levels.progress[i].begin(table.start[i]);
+    }
   });
   for (const SweptPair& swept : table.swept) {
     levels.progress[swept.pair] = swept.progress;
