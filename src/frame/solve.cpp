@@ -206,7 +206,7 @@ void deactivate_rows(const SolveInput& input, Velocities& velocities, parallel::
   const Manifolds& manifolds = input.manifolds;
   velocities.rows.resize(std::max(velocities.rows.size(), manifolds.manifolds.size()));
   velocities.overlaps =
-      velocities.lane_memory.use<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size(), executor);
+      velocities.lane_memory.use_anew<solver::OverlapPoint>(solver::kOverlapsOfRow * velocities.rows.size());
   velocities.scratch.activations.resize(manifolds.manifolds.size());
   velocities.row_of.resize(manifolds.manifolds.size());
   const std::span<const std::uint32_t> order = manifolds.coloring.order();

@@ -260,11 +260,11 @@ void ContactSolver::Buffers::reserve(const ContactSystem& system, bool mixed, bo
   Lanes<T>& all = lanes<T>();
   const std::size_t needed = make_blocks(system, executor);
   LaneMemory& of_points = system.memory != nullptr ? *system.memory : memory.manifold_points;
-  all.manifold_points = of_points.use<PointLanes<T>>(needed, executor);
+  all.manifold_points = of_points.use_anew<PointLanes<T>>(needed);
   keeps_totals = keeps;
   distant = system.pairs.size() > parallel::kPairsAtHand;
-  if (keeps) all.totals = memory.totals.use<TotalLanes<T>>(needed, executor);
-  all.pairs = memory.pairs.use<PairLanes<T>>(blocks.size(), executor);
+  if (keeps) all.totals = memory.totals.use_anew<TotalLanes<T>>(needed);
+  all.pairs = memory.pairs.use_anew<PairLanes<T>>(blocks.size());
   const std::size_t bodies = system.bodies.size();
   const std::size_t known = all.motions.size();
   all.motions = memory.motions.use<MotionChange<T>>(bodies, executor);

@@ -19,14 +19,19 @@ class LaneMemory {
   void reserve(std::size_t n) {
     parallel::reserve_anew(parts_, parts_of<T>(n));
   }
+  /// `n` elements, which hold anything.
+  template <class T>
+  std::span<T> use_anew(std::size_t n) {
+    const std::size_t parts = parts_of<T>(n);
+    parallel::make_room_anew(parts_, parts);
+    return elements<T>(n, parts);
+  }
   /// `n` elements. Those that are there hold what they held if their type is that of the last call.
   template <class T>
   std::span<T> use(std::size_t n, parallel::Executor& executor) {
-    static_assert(alignof(T) <= alignof(Part) && std::is_trivially_destructible_v<T>);
     const std::size_t parts = parts_of<T>(n);
     if (parts > parts_.capacity()) parallel::reserve(executor, parts_, std::max(parts, 2 * parts_.capacity()));
-    if (parts > parts_.size()) parts_.resize(parts);
-    return {reinterpret_cast<T*>(parts_.data()), n};
+    return elements<T>(n, parts);
   }
 
  private:
@@ -37,6 +42,13 @@ class LaneMemory {
   static std::size_t parts_of(std::size_t n) {
     return (n * sizeof(T) + sizeof(Part) - 1) / sizeof(Part);
   }
+  template <class T>
+  std::span<T> elements(std::size_t n, std::size_t parts) {
+    static_assert(alignof(T) <= alignof(Part) && std::is_trivially_destructible_v<T>);
+    if (parts > parts_.size()) parts_.resize(parts);
+    return {reinterpret_cast<T*>(parts_.data()), n};
+  }
+
   parallel::UnsetVector<Part> parts_;
 };
 

@@ -37,6 +37,8 @@ TEST(LaneMemory, WhatWasReservedStaysWhereItIs) {
   memory.reserve<MotionChange<double>>(100);
   const void* const first = memory.use<MotionChange<double>>(1, *executor).data();
   EXPECT_EQ(static_cast<void*>(memory.use<MotionChange<double>>(100, *executor).data()), first);
+  EXPECT_EQ(static_cast<void*>(memory.use_anew<MotionChange<float>>(200).data()), first);
+  EXPECT_EQ(memory.use_anew<MotionChange<double>>(300).size(), 300U);
 }
 
 }  // namespace
