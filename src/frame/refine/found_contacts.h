@@ -63,9 +63,8 @@ class FoundContacts {
     if (pair.level.level > 0) read(pair, into);
     return into;
   }
-  /// What the next level of a pair reads of its last one, and its points when they are made. Not the points
-  /// themselves: of a pair in the hand of a worker that is not waited for, the caller makes them at the same time
-  /// (make_points_left).
+  /// What the next level of a pair reads of its last one, or who makes its manifold points. Not the points: of a pair
+  /// in the hand of a worker that is not waited for, the caller makes them at the same time (make_points_left).
   void read(const PairProgress& pair, collision::LevelContact& into) const {
     const FoundContact& found = of(pair);
     into.contact = found.contact;
@@ -83,12 +82,11 @@ class FoundContacts {
       pair.found = next_of(rooms_[static_cast<std::size_t>(worker)]);
     }
     FoundContact& into = entries_[pair.found];
-    into.reach_m = found.reach_m;
-    if (pair.level.apart) return;
-    into.contact = found.contact;
-    into.narrowed = found.narrowed;
-    into.points_due = found.points_due;
-    keep_points(into, found.manifold_points, worker);
+    if (pair.level.apart) {
+      into.reach_m = found.reach_m;
+    } else {
+      write(found, worker, into);
+    }
   }
   /// Keeps points that were due.
   void keep_points(const PairProgress& pair, const collision::ManifoldPoints& points, int worker) {
@@ -99,12 +97,7 @@ class FoundContacts {
   /// Gives a pair an entry of its own, whatever was found of it.
   void put(PairProgress& pair, const collision::LevelContact& found, int worker) {
     pair.found = next_of(rooms_[static_cast<std::size_t>(worker)]);
-    FoundContact& into = entries_[pair.found];
-    into.contact = found.contact;
-    into.reach_m = found.reach_m;
-    into.narrowed = found.narrowed;
-    into.points_due = found.points_due;
-    keep_points(into, found.manifold_points, worker);
+    write(found, worker, entries_[pair.found]);
   }
 
  private:
@@ -135,6 +128,13 @@ class FoundContacts {
     entry.point_count = entry.point_room = 0;
     entry.points_due = false;
     return room.next++;
+  }
+  void write(const collision::LevelContact& found, int worker, FoundContact& into) {
+    into.contact = found.contact;
+    into.reach_m = found.reach_m;
+    into.narrowed = found.narrowed;
+    into.points_due = found.points_due;
+    keep_points(into, found.manifold_points, worker);
   }
   void keep_points(FoundContact& into, const collision::ManifoldPoints& points, int worker) {
     const auto count = static_cast<std::uint8_t>(points.count);
