@@ -90,6 +90,53 @@ TEST(CoverKernels, GiveTheBitsOfPlainLoopsForAnyLengthOnEveryInstructionSet) {
   }
 }
 
+TEST(CoverKernels, OfARangeFindWhatPlainLoopsFindOnEveryInstructionSet) {
+  const Vec3f center(0.125F, -0.25F, 0.0625F);
+  const float radius = 0.75F;
+  const DistanceRange range = {center, 0.25F, radius * radius};
+  std::mt19937_64 random(18);
+  for (std::uint32_t length = 0; length <= 70; ++length) {
+    KernelInput in = kernel_input(length, center, radius, random);
+    const std::uint32_t first = length / 3;
+    float largest = 0;
+    std::vector<std::uint32_t> between;
+    std::vector<std::uint32_t> uncounted;
+    std::vector<std::uint32_t> beyond;
+    std::vector<float> squares;
+    std::vector<std::uint32_t> counts;
+    for (std::uint32_t i = 0; i < length; ++i) {
+      const Vec3f way = in.points.at(i) - center;
+      const float square = way.x() * way.x() + way.y() * way.y() + way.z() * way.z();
+      squares.push_back(square);
+      counts.push_back(static_cast<std::uint32_t>(random() % 2));
+      if (std::sqrt(square) + in.reach[i] > radius) beyond.push_back(i);
+      if (i < first) continue;
+      largest = std::max(largest, way.squaredNorm());
+      if (square < range.least || square > range.most) continue;
+      between.push_back(i);
+      if (counts[i] == 0) uncounted.push_back(i);
+    }
+    // What is behind the last would be found if it were looked at.
+    for (std::size_t k = 0; k < kReadBeyond; ++k) {
+      in.points.add(center + Vec3f(0.6F, 0, 0));
+      in.reach.push_back(9);
+      squares.push_back(9);
+      counts.push_back(0);
+    }
+    const int sets = collision::on_every_instruction_set([&] {
+      std::vector<std::uint32_t> out(length + kReadBeyond);
+      const auto found = [&](std::size_t count) {
+        return std::vector<std::uint32_t>(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count));
+      };
+      EXPECT_EQ(largest_squared_distance(in.points, first, length, center), largest) << length;
+      EXPECT_EQ(found(points_between(in.points, first, length, range, nullptr, out.data())), between) << length;
+      EXPECT_EQ(found(points_between(in.points, first, length, range, counts.data(), out.data())), uncounted) << length;
+      EXPECT_EQ(found(balls_beyond(squares.data(), in.reach.data(), length, radius, out.data())), beyond) << length;
+    });
+    EXPECT_GE(sets, 1);
+  }
+}
+
 TEST(CoverCells, RadiusAboutIsThatOfTheFarthestPointAndWithinNeverTakesAnAtomThatSticksOut) {
   const Bench bench(make_procedural_shape("jack").value());
   const SolidCells solid = cut_into_cells(bench.mesh, bench.bvh, 500, *bench.executor);
@@ -132,7 +179,7 @@ TEST(ShellSamples, LieOutsideWithinTheThicknessAtTheDistancesThatTheyState) {
     const ShellSamples shell = bench.shell(thickness, 4000);
     EXPECT_GE(shell.size(), 2000U) << kind;
     EXPECT_LE(shell.size(), 8000U) << kind;
-    ASSERT_EQ(shell.points.size(), shell.size());
+    ASSERT_EQ(shell.points.size(), shell.size() + kReadBeyond);
     for (std::size_t i = 0; i < shell.size(); ++i) {
       const double distance =
           bench.bvh.signed_distance_m(bench.frame.from(shell.points.at(i))) / bench.frame.diagonal_m;

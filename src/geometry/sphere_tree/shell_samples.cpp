@@ -88,6 +88,7 @@ void sort_into_cells(const std::vector<Sample>& found, const Vec3f& high, ShellS
     samples.points.add(sample->at);
     samples.distance.push_back(sample->distance);
   }
+  samples.points.resize(found.size() + kReadBeyond);
 }
 
 }  // namespace

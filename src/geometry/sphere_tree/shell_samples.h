@@ -17,7 +17,7 @@ namespace poise::geometry {
 /// Points outside an object, uniformly spread through the space within `thickness` of it, with their distances. The
 /// samples that a union of balls covers measure how far it stands out. In the frame of the cover. Immutable once made.
 struct ShellSamples {
-  PointList points;             ///< cell after cell of the grid
+  PointList points;             ///< cell after cell of the grid, and kReadBeyond more
   std::vector<float> distance;  ///< to the object
   float thickness = 0;
   float volume = 0;  ///< represented by each sample

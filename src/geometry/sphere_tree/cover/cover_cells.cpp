@@ -13,14 +13,14 @@ constexpr float kRounding = 3e-7F;
 }  // namespace
 
 CoverCells::CoverCells(const SolidCells& cells, const CoverFrame& frame) : begin(cells.begin) {
-  points.reserve(cells.points_m.size());
-  for (const Vec3& p : cells.points_m) points.push_back(frame.to(p));
+  for (const Vec3& p : cells.points_m) points.add(frame.to(p));
+  points.resize(cells.points_m.size() + kReadBeyond);
   for (std::uint32_t cell = 0; cell < cells.size(); ++cell) {
-    Vec3f low = points[begin[cell]];
+    Vec3f low = points.at(begin[cell]);
     Vec3f high = low;
     for (std::size_t i = begin[cell] + 1; i < begin[cell + 1]; ++i) {
-      low = low.cwiseMin(points[i]);
-      high = high.cwiseMax(points[i]);
+      low = low.cwiseMin(points.at(i));
+      high = high.cwiseMax(points.at(i));
     }
     middles.add(0.5F * (low + high));
     reach.push_back(reach_from(cell, middles.at(cell)));
@@ -28,10 +28,7 @@ CoverCells::CoverCells(const SolidCells& cells, const CoverFrame& frame) : begin
 }
 
 float CoverCells::reach_from(std::uint32_t cell, const Vec3f& place) const {
-  float largest = 0;
-  for (std::size_t i = begin[cell]; i < begin[cell + 1]; ++i)
-    largest = std::max(largest, (points[i] - place).squaredNorm());
-  return std::sqrt(largest);
+  return std::sqrt(largest_squared_distance(points, begin[cell], begin[cell + 1], place));
 }
 
 bool CoverCells::within(std::uint32_t cell, const Vec3f& center, float radius) const {
@@ -42,16 +39,23 @@ bool CoverCells::within(std::uint32_t cell, const Vec3f& center, float radius) c
 }
 
 void CellSet::gather(const CoverCells& cells, const std::vector<std::uint32_t>& ids) {
-  middles_.clear();
-  reach_.clear();
   ids_ = ids;
+  middles_.resize(ids.size());
+  const std::size_t room = ids.size() + kReadBeyond;
+  if (reach_.size() < room) {
+    reach_.resize(room);
+    distances_.resize(room);
+    far_.resize(room);
+  }
   largest_reach_ = 0;
-  for (const std::uint32_t cell : ids) {
-    middles_.add(cells.middles.at(cell));
-    reach_.push_back(cells.reach[cell]);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const std::uint32_t cell = ids[i];
+    middles_.x[i] = cells.middles.x[cell];
+    middles_.y[i] = cells.middles.y[cell];
+    middles_.z[i] = cells.middles.z[cell];
+    reach_[i] = cells.reach[cell];
     largest_reach_ = std::max(largest_reach_, cells.reach[cell]);
   }
-  if (distances_.size() < ids.size()) distances_.resize(ids.size());
 }
 
 float CellSet::radius_about(const CoverCells& cells, const Vec3f& center, float limit) {
@@ -65,7 +69,10 @@ float CellSet::radius_about(const CoverCells& cells, const Vec3f& center, float 
   float radius = cells.reach_from(ids_[farthest], center) + kRounding;
   if (radius > limit) return radius;
   float least = std::max(0.0F, radius - largest_reach_);
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
+  // The radius only grows, so what is within it now stays within it.
+  const std::size_t found = balls_beyond(distances_.data(), reach_.data(), ids_.size(), radius, far_.data());
+  for (std::size_t k = 0; k < found; ++k) {
+    const std::uint32_t i = far_[k];
     if (distances_[i] < least * least || std::sqrt(distances_[i]) + reach_[i] <= radius) continue;
     const float reach = cells.reach_from(ids_[i], center) + kRounding;
     if (reach <= radius) continue;

@@ -25,7 +25,7 @@ struct CoverCells {
   PointList middles;
   std::vector<float> reach;        ///< from the middle to the farthest point
   std::vector<std::size_t> begin;  ///< first point of each cell, then the number of points
-  std::vector<Vec3f> points;
+  PointList points;                ///< and kReadBeyond more
 
   CoverCells() = default;
   CoverCells(const SolidCells& cells, const CoverFrame& frame);
@@ -38,7 +38,7 @@ struct CoverCells {
 
 /// Some cells, gathered for many queries about one ball. One thread at a time.
 class CellSet {
-  // Invariant: middles_, reach_ and ids_ have the same length, and distances_ has at least that length.
+  // Invariant: middles_ and ids_ have the same length; reach_, distances_ and far_ have at least kReadBeyond more.
  public:
   void gather(const CoverCells& cells, const std::vector<std::uint32_t>& ids);
   /// Radius of the ball about `center` that contains all cells, plus slightly more than rounding; 0 for no cell. Once
@@ -50,6 +50,7 @@ class CellSet {
   std::vector<float> reach_;
   std::vector<std::uint32_t> ids_;
   std::vector<float> distances_;
+  std::vector<std::uint32_t> far_;  ///< indices
   float largest_reach_ = 0;
 };
 

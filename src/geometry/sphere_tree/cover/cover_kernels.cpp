@@ -53,6 +53,61 @@ float distances(const PointList& points, const float* c, float* out) {
   return largest;
 }
 
+// With the two last squares added first, as Eigen adds those of a vector of three.
+float largest(const PointList& points, std::size_t first, std::size_t last, const float* c) {
+  const hn::CappedTag<float, kReadBeyond> d;
+  const auto cx = hn::Set(d, c[0]);
+  const auto cy = hn::Set(d, c[1]);
+  const auto cz = hn::Set(d, c[2]);
+  auto most = hn::Zero(d);
+  for (std::size_t i = first; i < last; i += hn::Lanes(d)) {
+    const auto dx = hn::Sub(hn::LoadU(d, points.x.data() + i), cx);
+    const auto dy = hn::Sub(hn::LoadU(d, points.y.data() + i), cy);
+    const auto dz = hn::Sub(hn::LoadU(d, points.z.data() + i), cz);
+    const auto square = hn::Add(hn::Mul(dx, dx), hn::Add(hn::Mul(dy, dy), hn::Mul(dz, dz)));
+    most = hn::Max(most, hn::IfThenElseZero(hn::FirstN(d, last - i), square));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, most));
+}
+
+std::size_t between(const PointList& points, std::uint32_t first, std::uint32_t last, const DistanceRange& range,
+                    const std::uint32_t* count, std::uint32_t* out) {
+  const hn::CappedTag<float, kReadBeyond> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const auto cx = hn::Set(d, range.center.x());
+  const auto cy = hn::Set(d, range.center.y());
+  const auto cz = hn::Set(d, range.center.z());
+  const auto least = hn::Set(d, range.least);
+  const auto most = hn::Set(d, range.most);
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t found = 0;
+  auto index = hn::Iota(du, first);
+  for (std::size_t i = first; i < last; i += lanes) {
+    const auto square = squares(d, points, i, cx, cy, cz);
+    auto in = hn::And(hn::Ge(square, least), hn::Le(square, most));
+    in = hn::And(in, hn::FirstN(d, last - i));
+    auto taken = hn::RebindMask(du, in);
+    if (count != nullptr) taken = hn::And(taken, hn::Eq(hn::LoadU(du, count + i), hn::Zero(du)));
+    found += hn::CompressStore(index, taken, du, out + found);
+    index = hn::Add(index, hn::Set(du, static_cast<std::uint32_t>(lanes)));
+  }
+  return found;
+}
+
+std::size_t beyond(const float* squared_distance, const float* reach, std::size_t count, float radius,
+                   std::uint32_t* out) {
+  const hn::CappedTag<float, kReadBeyond> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const auto limit = hn::Set(d, radius);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto far = hn::Add(hn::Sqrt(hn::LoadU(d, squared_distance + i)), hn::LoadU(d, reach + i));
+    const auto in = hn::And(hn::Gt(far, limit), hn::FirstN(d, count - i));
+    found += hn::CompressStore(hn::Iota(du, static_cast<std::uint32_t>(i)), hn::RebindMask(du, in), du, out + found);
+  }
+  return found;
+}
+
 std::int32_t weight(const PointList& points, const std::int32_t* weights, const float* c, float radius) {
   const hn::ScalableTag<float> d;
   const hn::RebindToSigned<decltype(d)> di;
@@ -108,11 +163,28 @@ HWY_AFTER_NAMESPACE();
 namespace poise::geometry {
 
 HWY_EXPORT(distances);
+HWY_EXPORT(largest);
+HWY_EXPORT(between);
+HWY_EXPORT(beyond);
 HWY_EXPORT(weight);
 HWY_EXPORT(weight_of_balls);
 
 float squared_distances(const PointList& points, const Vec3f& center, float* out) {
   return HWY_DYNAMIC_DISPATCH(distances)(points, center.data(), out);
+}
+
+float largest_squared_distance(const PointList& points, std::size_t first, std::size_t last, const Vec3f& center) {
+  return HWY_DYNAMIC_DISPATCH(largest)(points, first, last, center.data());
+}
+
+std::size_t points_between(const PointList& points, std::uint32_t first, std::uint32_t last, const DistanceRange& range,
+                           const std::uint32_t* count, std::uint32_t* out) {
+  return HWY_DYNAMIC_DISPATCH(between)(points, first, last, range, count, out);
+}
+
+std::size_t balls_beyond(const float* squared_distance, const float* reach, std::size_t count, float radius,
+                         std::uint32_t* out) {
+  return HWY_DYNAMIC_DISPATCH(beyond)(squared_distance, reach, count, radius, out);
 }
 
 std::int32_t weight_within(const PointList& points, const std::vector<std::int32_t>& weights, const Vec3f& center,

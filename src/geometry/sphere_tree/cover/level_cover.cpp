@@ -41,8 +41,9 @@ LevelCover::LevelCover(const CoverCells& cells, const ShellSamples& samples, con
       holders_(cells.size(), 0),
       least_bid_(cells.size()),
       winner_(cells.size()),
-      count_(samples.size(), 0),
-      weight_(samples.size(), 0) {
+      count_(samples.size() + kReadBeyond, 0),
+      weight_(samples.size(), 0),
+      near_ids_(samples.size() + kReadBeyond) {
   for (const CoverParent& parent : parents) {
     if (!parent.closed) continue;
     for (const std::uint32_t cell : parent.allowed) held_[cell] = 1;

@@ -129,7 +129,7 @@ class LevelCover {
   std::vector<float> least_bid_;
   std::vector<std::uint32_t> winner_;
 
-  std::vector<std::uint16_t> count_;
+  std::vector<std::uint32_t> count_;  ///< of balls that hold a sample, and kReadBeyond zeros
   std::vector<std::int32_t> weight_;
   std::int64_t total_ = 0;
   float most_bound_ = 0;  ///< of radius + signed distance, for centres that are tried
@@ -139,6 +139,7 @@ class LevelCover {
   LevelScore first_;
 
   CellSet set_;
+  std::vector<std::uint32_t> near_ids_;  ///< of samples, with room for all and kReadBeyond more
   PointList near_;
   std::vector<std::int32_t> near_weight_;
 };

@@ -18,15 +18,12 @@ constexpr double kMostWeight = 4096;
 }  // namespace
 
 void LevelCover::count(const CoverBall& ball, int change) {
-  const Vec3f& c = ball.center;
-  const float square = ball.radius * ball.radius;
-  const PointList& points = samples_.points;
-  samples_.runs_near(c, ball.radius, [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t i = first; i < last; ++i) {
-      const float dx = points.x[i] - c.x();
-      const float dy = points.y[i] - c.y();
-      const float dz = points.z[i] - c.z();
-      if (dx * dx + dy * dy + dz * dz > square) continue;
+  const DistanceRange range = {ball.center, 0.0F, ball.radius * ball.radius};
+  std::uint32_t* const ids = near_ids_.data();
+  samples_.runs_near(ball.center, ball.radius, [&](std::uint32_t first, std::uint32_t last) {
+    const std::size_t found = points_between(samples_.points, first, last, range, nullptr, ids);
+    for (std::size_t k = 0; k < found; ++k) {
+      const std::uint32_t i = ids[k];
       if (change > 0) {
         if (count_[i]++ == 0) total_ += weight_[i];
       } else if (--count_[i] == 0) {
@@ -70,22 +67,20 @@ double LevelCover::contribution(const CoverBall& ball) const {
 }
 
 void LevelCover::gather_samples(const Vec3f& center, float from, float to) {
-  near_.clear();
-  near_weight_.clear();
-  const float least = from > 0 ? from * from : 0;
-  const PointList& points = samples_.points;
+  const DistanceRange range = {center, from > 0 ? from * from : 0, to * to};
+  std::size_t found = 0;
   samples_.runs_near(center, to, [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t i = first; i < last; ++i) {
-      if (count_[i] != 0) continue;
-      const float dx = points.x[i] - center.x();
-      const float dy = points.y[i] - center.y();
-      const float dz = points.z[i] - center.z();
-      const float square = dx * dx + dy * dy + dz * dz;
-      if (square < least || square > to * to) continue;
-      near_.add(points.at(i));
-      near_weight_.push_back(weight_[i]);
-    }
+    found += points_between(samples_.points, first, last, range, count_.data(), near_ids_.data() + found);
   });
+  near_.resize(found);
+  near_weight_.resize(found);
+  for (std::size_t k = 0; k < found; ++k) {
+    const std::uint32_t i = near_ids_[k];
+    near_.x[k] = samples_.points.x[i];
+    near_.y[k] = samples_.points.y[i];
+    near_.z[k] = samples_.points.z[i];
+    near_weight_[k] = weight_[i];
+  }
 }
 
 }  // namespace poise::geometry
