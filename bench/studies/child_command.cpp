@@ -15,7 +15,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "app/program_beside.h"
+#include "app/process/program_beside.h"
 
 extern char** environ;
 

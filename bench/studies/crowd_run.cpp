@@ -6,7 +6,7 @@
 #include <limits>
 #include <memory>
 
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "parallel/interrupt.h"
 #include "scene/run/percentiles.h"
 #include "verify/reference.h"

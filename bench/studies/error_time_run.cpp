@@ -7,7 +7,7 @@
 
 #include "app/compare/compare_loop.h"
 #include "app/compare/state_trials.h"
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "parallel/interrupt.h"
 #include "scene/run/milliseconds.h"
 #include "scene/run/policy_name.h"

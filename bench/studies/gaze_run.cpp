@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "frame/cues/pair_place.h"
 #include "verify/shared_reference.h"
 #include "verify/world_access.h"

@@ -10,10 +10,10 @@
 #include <regex>
 #include <string_view>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
 #include "app/picture/chart_theme.h"
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "scene/result_file.h"
 #include "studies/child_command.h"
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "geometry/mesh/procedural.h"
 #include "poise/assets/mesh_file.h"
 

@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <exception>
 
-#include "app/exit_codes.h"
-#include "app/standard_streams.h"
-#include "app/suggestions.h"
+#include "app/options/suggestions.h"
+#include "app/process/exit_codes.h"
+#include "app/process/standard_streams.h"
 #include "scene/made_by.h"
 #include "studies/study_list.h"
 

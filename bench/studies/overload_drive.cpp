@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "scene/run/milliseconds.h"
 
 namespace poise::app {

@@ -8,12 +8,12 @@
 #include <ctime>
 
 #include "accuracy/accuracy_case.h"
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
-#include "app/scene_files.h"
+#include "app/files/output_files.h"
+#include "app/files/scene_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
 #include "parallel/interrupt.h"
 #include "scene/result_file.h"
 #include "studies/accuracy_document.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/options/tree_cache_options.h"
 #include "app/report/line_chart.h"
-#include "app/tree_cache_options.h"
 #include "studies/gnuplot.h"
 
 namespace poise::app {

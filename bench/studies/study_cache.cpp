@@ -5,11 +5,11 @@
 #include <array>
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/files/output_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "frame/stage_list.h"
 #include "parallel/interrupt.h"
 #include "scene/run/percentiles.h"

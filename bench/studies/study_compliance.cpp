@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "parallel/busy_thread.h"
 
 namespace poise::app {

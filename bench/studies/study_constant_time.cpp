@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "studies/study_forecast.h"
 
 namespace poise::app {

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <optional>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
 #include "frame/stage_list.h"
 #include "parallel/executor.h"
 #include "parallel/interrupt.h"

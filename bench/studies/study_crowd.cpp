@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "studies/crowd_run.h"
 
 namespace poise::app {

@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "assets/files/text_file.h"
 #include "scene/result_file.h"
 #include "studies/study_charts.h"

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "scene/run/percentiles.h"
 #include "scene/run/policy_name.h"
 

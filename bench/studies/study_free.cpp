@@ -8,12 +8,12 @@
 #include <memory>
 #include <system_error>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
-#include "app/program_beside.h"
-#include "app/progress.h"
-#include "app/refusal.h"
-#include "app/scene_files.h"
+#include "app/files/output_files.h"
+#include "app/files/scene_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/program_beside.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
 #include "assets/files/text_file.h"
 #include "parallel/interrupt.h"
 #include "scene/result_file.h"

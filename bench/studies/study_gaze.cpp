@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "scene/policy_file.h"
 
 namespace poise::app {

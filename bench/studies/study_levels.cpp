@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
 #include "geometry/mesh/procedural.h"
 
 namespace poise::app {

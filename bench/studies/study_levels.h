@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "app/options/tree_cache_options.h"
 #include "app/report/line_chart.h"
-#include "app/tree_cache_options.h"
 #include "poise/result.h"
 #include "studies/gnuplot.h"
 #include "verify/pair_probe.h"

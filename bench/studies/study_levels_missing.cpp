@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/standard_streams.h"
+#include "app/process/exit_codes.h"
+#include "app/process/standard_streams.h"
 #include "studies/study_levels.h"
 
 namespace poise::app {

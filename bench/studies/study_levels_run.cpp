@@ -6,11 +6,11 @@
 #include <map>
 #include <utility>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/files/output_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "scene/result_file.h"
 #include "studies/gnuplot.h"
 #include "studies/level_trial.h"

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/scene_files.h"
+#include "app/files/scene_files.h"
 #include "geometry/mesh/bumpy_ball.h"
 #include "geometry/mesh/procedural.h"
 #include "scene/result_file.h"

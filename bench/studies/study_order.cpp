@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "scene/policy_file.h"
 #include "scene/run/milliseconds.h"
 #include "verify/shared_reference.h"

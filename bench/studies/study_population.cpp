@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "studies/child_command.h"
 
 namespace poise::app {

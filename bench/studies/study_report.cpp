@@ -11,12 +11,12 @@
 #include <utility>
 
 #include "app/capture/run_capture.h"
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "app/report/figures_page.h"
-#include "app/standard_streams.h"
 #include "assets/files/text_file.h"
 #include "studies/child_command.h"
 

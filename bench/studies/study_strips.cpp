@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
+#include "app/files/scene_files.h"
+#include "app/options/option_values.h"
+#include "app/options/suggestions.h"
 #include "app/picture/picture.h"
-#include "app/refusal.h"
-#include "app/scene_files.h"
-#include "app/suggestions.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "capture/observe.h"
 #include "collision/triangles/true_surface.h"
 #include "scene/result_file.h"

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/process_memory.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/files/scene_files.h"
+#include "app/options/option_values.h"
+#include "app/process/process_memory.h"
+#include "app/process/refusal.h"
 #include "app/run/run_options.h"
-#include "app/scene_files.h"
 #include "parallel/executor.h"
 #include "scene/result_file.h"
 #include "scene/run/milliseconds.h"

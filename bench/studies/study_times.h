@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "app/progress.h"
+#include "app/options/tree_cache_options.h"
+#include "app/process/progress.h"
 #include "app/run/run_loop.h"
-#include "app/tree_cache_options.h"
 #include "parallel/interrupt.h"
 #include "poise/scene/scene.h"
 #include "studies/gnuplot.h"

@@ -5,13 +5,13 @@
 
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/files/scene_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "app/run/run_options.h"
-#include "app/scene_files.h"
-#include "app/standard_streams.h"
 #include "scene/result_file.h"
 
 namespace poise::app {

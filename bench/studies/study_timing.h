@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/tree_cache_options.h"
+#include "app/options/tree_cache_options.h"
 #include "poise/scene/scene.h"
 #include "studies/timing_document.h"
 

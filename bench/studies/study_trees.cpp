@@ -7,12 +7,12 @@
 #include <cstdio>
 #include <utility>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "parallel/interrupt.h"
 #include "poise/types.h"
 #include "scene/result_file.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/progress.h"
+#include "app/process/progress.h"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/exit_codes.h"
 #include "app/pages.h"
+#include "app/process/exit_codes.h"
 #include "app/report/figures_page.h"
 #include "app/report/report_template.h"
 #include "scene/temporary_folder.h"

@@ -14,15 +14,15 @@
 #include <utility>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/frame_range.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
+#include "app/options/frame_range.h"
+#include "app/options/option_values.h"
 #include "app/picture/drawn_frame.h"
 #include "app/picture/frame_picture.h"
 #include "app/picture/picture_options.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "capture/export/figures_csv.h"
 #include "capture/export/gltf.h"
 #include "capture/export/paraview.h"

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-#include "app/option_values.h"
+#include "app/options/option_values.h"
 
 namespace poise::app {
 

@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/process_memory.h"
-#include "app/refusal.h"
-#include "app/scene_input.h"
-#include "app/tree_cache_options.h"
+#include "app/files/output_files.h"
+#include "app/files/scene_input.h"
+#include "app/options/option_values.h"
+#include "app/options/tree_cache_options.h"
+#include "app/process/exit_codes.h"
+#include "app/process/process_memory.h"
+#include "app/process/refusal.h"
 #include "scene/check/scene_check.h"
 
 namespace poise::app {

@@ -9,10 +9,10 @@
 #include <limits>
 #include <string_view>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/options/suggestions.h"
 #include "app/report/figures_page.h"
-#include "app/suggestions.h"
 #include "assets/json/json_document.h"
 #include "scene/policy_file.h"
 #include "scene/run/policy_name.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/compare/compare_loop.h"
-#include "app/tree_cache_options.h"
+#include "app/options/tree_cache_options.h"
 #include "poise/result.h"
 
 namespace poise::app {

@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
 #include "app/picture/picture.h"
 
 namespace poise::app {

@@ -5,10 +5,10 @@
 
 #include <utility>
 
-#include "app/output_files.h"
+#include "app/files/output_files.h"
 #include "app/picture/drawn_frame.h"
 #include "app/picture/picture.h"
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 #include "capture/observe.h"
 #include "frame/stage_list.h"
 #include "scene/run/policy_name.h"

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/options/suggestions.h"
 #include "app/report/report_files.h"
 #include "app/run/body_table.h"
-#include "app/suggestions.h"
 #include "poise/scene/scene.h"
 
 namespace poise::app {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "app/capture/run_capture.h"
-#include "app/frame_range.h"
+#include "app/options/frame_range.h"
+#include "app/options/tree_cache_options.h"
 #include "app/picture/picture_options.h"
-#include "app/tree_cache_options.h"
 #include "poise/result.h"
 
 namespace poise::app {

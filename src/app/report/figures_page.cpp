@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/output_files.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/process/refusal.h"
 #include "app/report/chart_axes.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"

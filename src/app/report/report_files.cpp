@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "app/capture/run_capture.h"
-#include "app/output_files.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "app/report/frame_chart.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
-#include "app/standard_streams.h"
 
 namespace poise::app {
 namespace {

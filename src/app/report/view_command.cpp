@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "app/report/report_page.h"
 #include "app/report/report_template.h"
 #include "capture/capture_reader.h"

@@ -10,13 +10,13 @@
 #include <limits>
 #include <system_error>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/process_memory.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/options/suggestions.h"
+#include "app/process/process_memory.h"
+#include "app/process/standard_streams.h"
 #include "app/report/report_files.h"
 #include "app/run/body_table.h"
-#include "app/standard_streams.h"
-#include "app/suggestions.h"
 #include "parallel/executor.h"
 #include "scene/islands_wait_name.h"
 #include "scene/policy_file.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "app/capture/run_capture.h"
+#include "app/options/time_options.h"
+#include "app/options/tree_cache_options.h"
 #include "app/picture/picture_options.h"
-#include "app/time_options.h"
-#include "app/tree_cache_options.h"
 #include "poise/result.h"
 #include "poise/scene/scene.h"
 #include "poise/world.h"

@@ -6,15 +6,15 @@
 #include <cstdio>
 #include <utility>
 
-#include "app/output_files.h"
+#include "app/files/output_files.h"
 #include "app/picture/drawn_frame.h"
 #include "app/picture/frame_picture.h"
 #include "app/picture/picture.h"
-#include "app/refusal.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
+#include "app/process/until_it_fails.h"
 #include "app/run/run_table.h"
 #include "app/run/run_trace.h"
-#include "app/standard_streams.h"
-#include "app/until_it_fails.h"
 #include "capture/observe.h"
 #include "scene/run/run_tables.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/capture/run_capture.h"
-#include "app/progress.h"
+#include "app/process/progress.h"
 #include "app/report/report_files.h"
 #include "app/run/run_loop.h"
 #include "app/run/run_options.h"

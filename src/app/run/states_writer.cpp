@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 
 namespace poise::app {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "app/sweep/slurm_jobs.h"
 #include "scene/result_file.h"
 

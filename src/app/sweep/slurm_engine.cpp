@@ -10,9 +10,9 @@
 #include <optional>
 #include <system_error>
 
-#include "app/exit_codes.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "app/sweep/trial_runner.h"
 #include "poise/step.h"
 #include "scene/result_file.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/progress.h"
+#include "app/process/progress.h"
 #include "app/sweep/slurm_jobs.h"
 #include "app/sweep/sweep_options.h"
 #include "app/sweep/sweep_plan.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <system_error>
 
-#include "app/option_values.h"
-#include "app/refusal.h"
+#include "app/options/option_values.h"
+#include "app/process/refusal.h"
 #include "app/sweep/child_process.h"
 #include "assets/files/text_file.h"
 #include "scene/result_file.h"

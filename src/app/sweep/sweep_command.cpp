@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "app/capture/run_capture.h"
-#include "app/exit_codes.h"
-#include "app/progress.h"
-#include "app/refusal.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
 #include "app/report/figures_page.h"
 #include "app/sweep/folder_lock.h"
 #include "app/sweep/slurm_engine.h"

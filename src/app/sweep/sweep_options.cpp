@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "app/option_values.h"
-#include "app/suggestions.h"
+#include "app/options/option_values.h"
+#include "app/options/suggestions.h"
 
 namespace poise::app {
 

@@ -10,9 +10,9 @@
 #include <set>
 #include <system_error>
 
+#include "app/files/scene_files.h"
+#include "app/files/scene_input.h"
 #include "app/run/run_options.h"
-#include "app/scene_files.h"
-#include "app/scene_input.h"
 #include "assets/files/text_file.h"
 #include "assets/json/json_document.h"
 #include "scene/made_by.h"

@@ -15,8 +15,8 @@
 #include <system_error>
 #include <utility>
 
-#include "app/exit_codes.h"
-#include "app/standard_streams.h"
+#include "app/process/exit_codes.h"
+#include "app/process/standard_streams.h"
 #include "app/sweep/child_process.h"
 #include "poise/step.h"
 #include "sweep/core_map.h"

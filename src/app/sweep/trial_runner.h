@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/progress.h"
+#include "app/process/progress.h"
 #include "parallel/interrupt.h"
 #include "poise/result.h"
 #include "sweep/trial.h"

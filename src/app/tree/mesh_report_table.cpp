@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/files/output_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/mesh.h"
 #include "scene/result_file.h"

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/refusal.h"
+#include "app/files/output_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
 #include "app/tree/robot_files.h"
 #include "app/tree/tree_document.h"
 #include "app/tree/tree_work.h"

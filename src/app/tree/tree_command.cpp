@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/output_files.h"
+#include "app/files/output_files.h"
 #include "app/picture/picture.h"
 #include "app/picture/tree_picture.h"
-#include "app/progress.h"
-#include "app/refusal.h"
+#include "app/process/exit_codes.h"
+#include "app/process/progress.h"
+#include "app/process/refusal.h"
 #include "app/tree/mesh_report_table.h"
 #include "app/tree/robot_command.h"
 #include "app/tree/tree_document.h"

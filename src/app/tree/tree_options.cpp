@@ -5,9 +5,9 @@
 
 #include <utility>
 
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/suggestions.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/options/suggestions.h"
 
 namespace poise::app {
 namespace {

@@ -8,8 +8,8 @@
 #include <stop_token>
 #include <utility>
 
-#include "app/process_memory.h"
-#include "app/refusal.h"
+#include "app/process/process_memory.h"
+#include "app/process/refusal.h"
 #include "poise/assets/mesh_file.h"
 #include "poise/assets/sph_file.h"
 #include "poise/assets/tree_formats.h"

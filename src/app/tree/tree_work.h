@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/progress.h"
+#include "app/process/progress.h"
 #include "app/tree/tree_document.h"
 #include "app/tree/tree_options.h"
 #include "parallel/interrupt.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 
 #include <fmt/format.h>
 
 #include <cstdio>
 
-#include "app/exit_codes.h"
-#include "app/standard_streams.h"
+#include "app/process/exit_codes.h"
+#include "app/process/standard_streams.h"
 
 namespace poise::app {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/time_options.h"
+#include "app/options/time_options.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "app/option_values.h"
+#include "app/options/option_values.h"
 #include "poise/assets/tree_cache.h"
 
 namespace poise::app {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/import_command.h"
+#include "app/scenes/import_command.h"
 
 #include <fmt/format.h>
 
@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/option_values.h"
-#include "app/output_files.h"
-#include "app/refusal.h"
-#include "app/standard_streams.h"
+#include "app/files/output_files.h"
+#include "app/options/option_values.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
+#include "app/process/standard_streams.h"
 #include "assets/files/text_file.h"
 #include "poise/types.h"
 #include "scene/import/gltf_import.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/tree_cache_options.h"
+#include "app/options/tree_cache_options.h"
 
 #include <cstdlib>
 #include <string_view>

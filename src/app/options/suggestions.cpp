@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/suggestions.h"
+#include "app/options/suggestions.h"
 
 #include <fmt/format.h>
 

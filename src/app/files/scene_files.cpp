@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/scene_files.h"
+#include "app/files/scene_files.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/output_files.h"
+#include "app/files/output_files.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/refusal.h"
+#include "app/process/refusal.h"
 
 namespace poise::app {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/study_command.h"
+#include "app/study/study_command.h"
 
 #include <unistd.h>
 
@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/program_beside.h"
-#include "app/refusal.h"
+#include "app/process/exit_codes.h"
+#include "app/process/program_beside.h"
+#include "app/process/refusal.h"
 
 namespace poise::app {
 

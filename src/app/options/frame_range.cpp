@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/frame_range.h"
+#include "app/options/frame_range.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/scene_input.h"
+#include "app/files/scene_input.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -9,8 +9,8 @@
 #include <iostream>
 #include <utility>
 
-#include "app/scene_files.h"
-#include "app/standard_streams.h"
+#include "app/files/scene_files.h"
+#include "app/process/standard_streams.h"
 #include "scene/scene_parse.h"
 
 namespace poise::app {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/standard_streams.h"
+#include "app/process/standard_streams.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "app/progress.h"
-#include "app/standard_streams.h"
+#include "app/process/progress.h"
+#include "app/process/standard_streams.h"
 #include "poise/result.h"
 
 namespace poise::app {

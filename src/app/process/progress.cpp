@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/progress.h"
+#include "app/process/progress.h"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "app/standard_streams.h"
+#include "app/process/standard_streams.h"
 
 namespace poise::app {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/option_values.h"
+#include "app/options/option_values.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/program_beside.h"
+#include "app/process/program_beside.h"
 
 #include <system_error>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/tune_command.h"
+#include "app/tune/tune_command.h"
 
 #include <unistd.h>
 
@@ -12,9 +12,9 @@
 #include <system_error>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/program_beside.h"
-#include "app/refusal.h"
+#include "app/process/exit_codes.h"
+#include "app/process/program_beside.h"
+#include "app/process/refusal.h"
 
 namespace poise::app {
 namespace {

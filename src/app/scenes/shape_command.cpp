@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/shape_command.h"
+#include "app/scenes/shape_command.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/refusal.h"
+#include "app/process/exit_codes.h"
+#include "app/process/refusal.h"
 #include "geometry/mesh/procedural.h"
 #include "scene/result_file.h"
 

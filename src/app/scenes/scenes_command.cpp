@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/scenes_command.h"
+#include "app/scenes/scenes_command.h"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "app/exit_codes.h"
-#include "app/scene_files.h"
-#include "app/standard_streams.h"
+#include "app/files/scene_files.h"
+#include "app/process/exit_codes.h"
+#include "app/process/standard_streams.h"
 #include "poise/scene/scene.h"
 #include "scene/result_file.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "app/process_memory.h"
+#include "app/process/process_memory.h"
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/option_values.h"
+#include "app/options/option_values.h"
 
 namespace poise::app {
 namespace {
