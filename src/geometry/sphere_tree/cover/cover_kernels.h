@@ -11,7 +11,8 @@ namespace poise::geometry {
 
 using Vec3f = Eigen::Vector3f;
 
-/// Most SIMD lanes that a kernel uses at once.
+/// The kernels that say so read, and write, so many numbers more than they are asked for: their SIMD lanes are at most
+/// as many.
 inline constexpr std::size_t kReadBeyond = 16;
 
 /// Points in structure-of-arrays form, for the loops that take most of a tree's build time. They use eight or more SIMD
