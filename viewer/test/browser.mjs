@@ -4,6 +4,9 @@ import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
 /** The browser of the system; POISE_CHROMIUM names another. */
+// Of one wait, in ms: a busy machine draws two pages without a graphics card at a frame a second. A test that passes waits for less.
+export const mostWait = 150_000;
+
 export const chromiumPath = [
   process.env.POISE_CHROMIUM,
   "/usr/bin/chromium",
@@ -22,6 +25,7 @@ export const launch = () =>
 export async function openPage(browser, address, { theme = "light", width = 1280, height = 720 } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme });
   const page = await context.newPage();
+  page.setDefaultTimeout(mostWait);
   const errors = [];
   page.on("console", (message) => {
     if (message.type() === "error" || message.type() === "warning") errors.push(message.text());
