@@ -4,7 +4,7 @@ import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
 /** The browser of the system; POISE_CHROMIUM names another. */
-// Of one wait, in ms: a busy machine draws two pages without a graphics card at a frame a second. A test that passes waits for less.
+// Of one wait, in ms. Chosen: a busy machine without a graphics card needed more than 30 s for one; a test that passes waits for no longer than it must.
 export const mostWait = 150_000;
 
 export const chromiumPath = [
