@@ -14,9 +14,9 @@ namespace {
 
 // Bodies of which a column is copied at once.
 constexpr std::size_t kHiddenGrain = 2048;
-// Of a frame: a step is done at once again if what must be done, and the part of refinement that it would not go
-// without, take less than this. Chosen.
-constexpr double kAmple = 0.75, kShareOfRefinement = 0.2;
+// A step is done at once again if what must be done, and so much of its refinement, take so much of a frame at most.
+// More than the third of it that steps at once go on with (budget/frame_time.cpp), so that they do. Chosen.
+constexpr double kAmple = 0.75, kRefined = 0.5;
 // The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
 // enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
 constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;
@@ -73,7 +73,8 @@ bool go_on(WorldState& world, SlicedStep& sliced, SteadyClock::time_point until)
 
 // Would the last step have fitted into a frame, with a part of its refinement, had it had `share` of its bodies?
 bool fits_at_once(const SlicedStep& sliced, double share, Nanoseconds left) {
-  const double refined_ns = std::min(ns_of(sliced.refined), kShareOfRefinement * ns_of(left));
+  const double all_ns = ns_of(sliced.refined);
+  const double refined_ns = std::max(kRefined * all_ns, ns_of(share_of_refinement(all_ns, left)));
   return share * (ns_of(sliced.mandatory) + refined_ns) <= kAmple * ns_of(left);
 }
 

@@ -42,7 +42,8 @@ struct Forecasts {
   double solved_share = 1;    ///< of the pairs that are not separated; learned
   double unit_cost_ns = 60;   ///< of a node-pair expansion: a prior, replaced by what is measured
   double iteration_ns = 10;   ///< likewise of a point iteration beyond one a substep, by all workers together
-  double pair_cost_ns = 0;    ///< likewise of refining a pair to its end, by all workers together; 0: not known
+  double pair_cost_ns = 0;    ///< likewise of a pair's refinement in the order of memory, by all workers; 0: not known
+  double end_cost_ns = 1000;  ///< likewise of bringing a pair to its end, in the order that pairs had, by all workers
   double entry_cost_ns = 12;  ///< likewise of making contact points, an entry of a front, by all workers together
   double rank_cost_ns = 30;   ///< likewise of ranking a pair, by all workers together
 };

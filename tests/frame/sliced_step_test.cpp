@@ -234,6 +234,36 @@ TEST(SlicedStep, WhereThereIsTimeAgainStepsAreDoneAtOnce) {
   EXPECT_FALSE(WorldAccess::of(fall.world).sliced->last) << "not even in one slice";
 }
 
+TEST(SlicedStep, WhereLessThanAThirdOfRefinementFitsBodiesWaitAndThenAStepIsDoneInSlices) {
+  SlicedFall fall(2, gravity_on());
+  for (int i = 0; i < 80; ++i) fall.world.step(unlimited());
+  simulation::WorldState& world = WorldAccess::of(fall.world);
+  // All pairs of the last frame as dear as so many hours together; the deadline is an hour away.
+  const auto step_with = [&](double hours) {
+    constexpr double kHourNs = 3.6e12;
+    world.forecasts.end_cost_ns = hours * kHourNs / world.outputs.table.known_of_chunk.back().refinable;
+    const FrameReport report = fall.world.step(roomy());
+    EXPECT_FALSE(report.unfinished);
+    return report.degraded.bodies_held;
+  };
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(step_with(1e-3), 0U);
+  ASSERT_GT(world.outputs.table.known_of_chunk.back().refinable, 200U);
+  EXPECT_EQ(step_with(2), 0U) << "half of it fits";
+  EXPECT_FALSE(world.sliced->last);
+  EXPECT_GT(step_with(4), fall.bodies.size() / 4) << "a quarter";
+  EXPECT_FALSE(world.sliced->last) << "in this frame all is done at once";
+  step_with(1e-3);
+  EXPECT_TRUE(world.sliced->last);
+  // It took no hours.
+  EXPECT_EQ(step_with(1e-3), 0U);
+  EXPECT_FALSE(world.sliced->last);
+  // Of what a policy leaves out it is not known how much that is.
+  WorldSettings settings = world.settings;
+  settings.policy.seen_threshold_rad = 1e-9;
+  ASSERT_TRUE(fall.world.set_settings(settings));
+  EXPECT_EQ(step_with(4), 0U);
+}
+
 TEST(SlicedStep, IsForWhoAsksForItAndHasADeadline) {
   const std::vector<std::function<void(StepInput&)>> inputs = {
       [](StepInput& input) { input.may_slice = false; }, [](StepInput& input) { input.backtracking = true; },

@@ -63,9 +63,6 @@ FrameCounts counts_of(const RefineInput& input, const CompletedLevels& levels) {
   return {input.terms.contact, input.scene.bodies.dynamic_count(), input.substeps, input.table, levels};
 }
 
-// A level of a pair of jacks, with all that goes with it, on one thread. Measured: 1 to 1.5 us.
-constexpr double kLevelNs = 1000;
-
 double ns_of(Nanoseconds time) { return static_cast<double>(time.count()); }
 
 // What the tail will have to do with the pairs as they are.
@@ -75,8 +72,7 @@ void count_pairs(const RefineInput& input, const CompletedLevels& levels, Foreca
   forecasts.times.tail_work.coarse_contacts = levels.known.unknown;
   forecasts.times.tail_work = tail_work(forecasts, counts_of(input, levels), plan.expected);
   // No more than refinement could find in the whole of the time that is left.
-  constexpr double kLevelsOfPair = 1.5;
-  const double could = ns_of(plan.time_left) * plan.threads / (kLevelsOfPair * kLevelNs);
+  const double could = ns_of(plan.time_left) / forecasts.end_cost_ns;
   const double open = std::min(static_cast<double>(levels.held.open), std::max(0.0, could));
   forecasts.times.tail_work.held_found = expected_solved(forecasts, static_cast<std::int64_t>(open));
 }
@@ -84,10 +80,6 @@ void count_pairs(const RefineInput& input, const CompletedLevels& levels, Foreca
 // Of the time that is left when all else of the tail is done, the contact solver is given at most so much for what it
 // iterates beyond once a substep; the rest is refinement's. After that it may use what is left. Chosen.
 constexpr double kShareOfIterations = 0.5;
-
-// What pairs cost as long as nothing is known of them they cost in every frame; what is found out of them they cost
-// once. So this much of a frame belongs to refinement wherever it has that much to do. Chosen.
-constexpr double kShareOfRefinement = 0.2;
 
 // What point iterations beyond one a substep take. Those that take longer are stopped by the clock, so there is no
 // margin.
@@ -126,17 +118,12 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
   plan.budget.tail_optional = iterations_forecast(forecasts, all - least);
 }
 
-// What refinement is to have, if there is work for so long.
-Nanoseconds refinement_wanted(const RefineInput& input, const CompletedLevels& levels, SteadyClock::time_point now) {
-  const double share_ns = kShareOfRefinement * ns_of(input.step.budget.deadline - now);
-  const double all_ns = kLevelNs * levels.known.refinable;
-  return Nanoseconds(static_cast<std::int64_t>(std::min(share_ns, all_ns)));
-}
-
-// A level of every pair of which nothing is known. Bodies that are answered on level 0 while they come together sink
-// into each other, and nothing lifts them out again.
-Nanoseconds unknown_wanted(const CompletedLevels& levels, int threads) {
-  return Nanoseconds(static_cast<std::int64_t>(kLevelNs * levels.known.unknown / threads));
+// Islands wait until there is time for so much of what refinement has to do. What was found of a pair goes out of date
+// as its bodies move: a heap that lands with time for a quarter sinks by a twentieth, and creeps (docs/scheduling.md).
+// How much of it a policy leaves out is not known.
+Nanoseconds least_refined(const scheduler::Policy& policy, double all_ns) {
+  constexpr double kLeast = 1.0 / 3;  // chosen
+  return Nanoseconds(policy.seen_threshold_rad > 0 ? 0 : static_cast<std::int64_t>(kLeast * all_ns));
 }
 
 int substeps_of(const RefineInput& input, const CompletedLevels& levels) {
@@ -158,17 +145,19 @@ void hold(const RefineInput& input, Nanoseconds missing, Forecasts& forecasts, C
 }
 
 // Makes room for refinement: islands wait where the forecast leaves it less than it is to have, or the reserve not
-// enough for what is unknown; and where the reserve leaves it less than it is to have, it gets that out of the margin.
+// enough for a third of its pairs; and where the reserve leaves it less than it is to have, it gets that out of the
+// margin.
 void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts,
                CompletedLevels& levels, Degraded& degraded, FramePlan& plan, parallel::Executor& executor) {
-  const Nanoseconds share = refinement_wanted(input, levels, now);
+  const double all_ns = forecasts.end_cost_ns * levels.known.refinable;
+  const Nanoseconds share = share_of_refinement(all_ns, input.step.budget.deadline - now);
   if (share <= Nanoseconds(0)) return;
   const auto give_share = [&] {
     const auto fits = input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected);
     plan.budget.earliest_cut = std::min(now + share, fits);
   };
   give_share();
-  const SteadyClock::time_point wanted = now + std::max(share, unknown_wanted(levels, plan.threads));
+  const SteadyClock::time_point wanted = now + std::max(share, least_refined(input.policy, all_ns));
   const SteadyClock::time_point cut = plan.budget.cut(plan.expected);
   if (cut >= wanted) return;
   hold(input, wanted - cut, forecasts, levels, degraded, plan, executor);
@@ -209,6 +198,11 @@ Nanoseconds mandatory_forecast(const StepInput& step, std::size_t dynamic_bodies
   tail.point_iterations = times.manifold_points * static_cast<std::uint64_t>(substeps);
   return forecasts.head.forecast(head_work(times, dynamic_bodies)) + forecasts.tail.forecast(tail) +
          host_reserve(forecasts, step);
+}
+
+Nanoseconds share_of_refinement(double all_ns, Nanoseconds left) {
+  constexpr double kShare = 0.2;  // chosen
+  return Nanoseconds(static_cast<std::int64_t>(std::min(kShare * ns_of(left), all_ns)));
 }
 
 Nanoseconds time_of_step(const StepInput& step, SteadyClock::time_point now, const Forecasts& forecasts) {
@@ -357,10 +351,9 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   facts.active_pairs = report.coarse_pairs;
   facts.load = counts.dynamic_bodies + report.coarse_pairs;
   if (facts.load > 0) {
-    // What was refined, and a level of what was left.
+    // What was refined, and what was left.
     const Nanoseconds refined = std::max(Nanoseconds(0), times.refine - report.planning - of_refinement);
-    const double left_ns =
-        kLevelNs * static_cast<double>(report.pairs_left) / std::max(1.0, static_cast<double>(tallies.size()));
+    const double left_ns = forecasts.end_cost_ns * static_cast<double>(report.pairs_left);
     const double wanted_ns = ns_of(report.mandatory - report.host_reserved + refined) + left_ns;
     const double one_ns = wanted_ns / static_cast<double>(facts.load);
     facts.ns_of_load = facts.ns_of_load > 0 ? facts.ns_of_load + kNewShare * (one_ns - facts.ns_of_load) : one_ns;

@@ -35,6 +35,10 @@ void begin_frame_time(const StepInput& step, std::size_t dynamic_bodies, int sub
 /// Of what is left of a frame at `now`, what the step itself has: all but host work.
 [[nodiscard]] Nanoseconds time_of_step(const StepInput& step, SteadyClock::time_point now, const Forecasts& forecasts);
 
+/// Of the time `left` of a frame, what refinement has before the rest has its margin, if all of it takes `all_ns`. What
+/// pairs cost as long as nothing is known of them they cost in every frame; what is found out of them they cost once.
+[[nodiscard]] Nanoseconds share_of_refinement(double all_ns, Nanoseconds left);
+
 /// Before the broad phase, at `now`: how many partners each body in a crowd may have if all pairs of the frame are to
 /// end before the deadline. 0: as many as the settings allow (`most`), as without a deadline.
 std::uint32_t crowded_partners_in_time(const StepInput& step, std::size_t dynamic_bodies, std::uint32_t most,

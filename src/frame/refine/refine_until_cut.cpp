@@ -27,9 +27,10 @@ constexpr double kInOrderShare = 0.5;
 void learn_pair_cost(Nanoseconds took, std::int64_t pairs, double share, Forecasts& forecasts) {
   constexpr std::int64_t kLeastPairs = 16;
   if (pairs < kLeastPairs) return;
-  const double measured_ns = share * static_cast<double>(took.count()) / static_cast<double>(pairs);
+  const double measured_ns = static_cast<double>(took.count()) / static_cast<double>(pairs);
+  follow(measured_ns, forecasts.end_cost_ns);
   double& cost_ns = forecasts.pair_cost_ns;
-  cost_ns = cost_ns == 0 ? measured_ns : cost_ns + 0.2 * (measured_ns - cost_ns);
+  cost_ns = cost_ns == 0 ? share * measured_ns : cost_ns + 0.2 * (share * measured_ns - cost_ns);
 }
 
 // Where half of the time is enough for all pairs, the order does not matter, and they go as they stand in memory: that
