@@ -15,8 +15,8 @@ namespace {
 // Bodies of which a column is copied at once.
 constexpr std::size_t kHiddenGrain = 2048;
 // A step is done at once again if what must be done, and so much of its refinement, take so much of a frame at most.
-// More than the third of it that steps at once go on with (budget/frame_time.cpp), so that they do. Chosen.
-constexpr double kAmple = 0.75, kRefined = 0.5;
+// Chosen: more than the third that steps at once must have time for (budget/frame_time.cpp), so that they stay so.
+constexpr double kAmple = 0.75, kRefined = 0.4;
 // The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
 // enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
 constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;
