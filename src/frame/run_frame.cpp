@@ -184,8 +184,13 @@ class Step {
   }
 
   [[nodiscard]] FrameCounts counts() const {
-    return {terms_.contact, world_.bodies.dynamic_count(), world_.settings.substeps, frame_.table,
-            frame_.levels,  frame_.manifolds.held_found};
+    return {terms_.contact,
+            world_.bodies.dynamic_count(),
+            world_.settings.substeps,
+            frame_.table,
+            frame_.levels,
+            frame_.manifolds.held_found,
+            scheduler::leaves_out(world_.settings.policy)};
   }
 
  private:

@@ -211,10 +211,12 @@ double best_gain_per_work(const Policy& policy, const PairChain& chain, double a
 /// Whether the error that is left of a pair is above Policy::seen_threshold_rad. Any thread.
 bool error_is_seen(const Policy& policy, const PairChain& chain, const PairCues& cues);
 
-/// Whether a pair with this score is left out of refinement: with a threshold, what is not seen costs nothing.
-inline bool left_out(const Policy& policy, double score) {
-  return policy.seen_threshold_rad > 0 && score <= 0 && policy.kind == PolicyKind::Perceptual;
+/// Whether any pair may be left out of refinement: with a threshold, what is not seen costs nothing.
+inline bool leaves_out(const Policy& policy) {
+  return policy.seen_threshold_rad > 0 && policy.kind == PolicyKind::Perceptual;
 }
+/// Whether a pair with this score is.
+inline bool left_out(const Policy& policy, double score) { return score <= 0 && leaves_out(policy); }
 
 /// The score of a pair, in [0, kMostScore]. Pairs with a larger score are served sooner, ties by pair. `queue_index` is
 /// the pair's index in this frame's queue, for Fifo. `policy` must be valid. Any thread; the same arguments give the

@@ -123,7 +123,7 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
 // How much of it a policy leaves out is not known.
 Nanoseconds least_refined(const scheduler::Policy& policy, double all_ns) {
   constexpr double kLeast = 1.0 / 3;  // chosen
-  return Nanoseconds(policy.seen_threshold_rad > 0 ? 0 : static_cast<std::int64_t>(kLeast * all_ns));
+  return Nanoseconds(scheduler::leaves_out(policy) ? 0 : static_cast<std::int64_t>(kLeast * all_ns));
 }
 
 int substeps_of(const RefineInput& input, const CompletedLevels& levels) {
@@ -353,7 +353,7 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   if (facts.load > 0) {
     // What was refined, and what was left.
     const Nanoseconds refined = std::max(Nanoseconds(0), times.refine - report.planning - of_refinement);
-    const double left_ns = forecasts.end_cost_ns * static_cast<double>(report.pairs_left);
+    const double left_ns = counts.leaves_out ? 0 : forecasts.end_cost_ns * static_cast<double>(report.pairs_left);
     const double wanted_ns = ns_of(report.mandatory - report.host_reserved + refined) + left_ns;
     const double one_ns = wanted_ns / static_cast<double>(facts.load);
     facts.ns_of_load = facts.ns_of_load > 0 ? facts.ns_of_load + kNewShare * (one_ns - facts.ns_of_load) : one_ns;

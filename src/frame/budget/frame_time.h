@@ -17,6 +17,7 @@ struct FrameCounts {
   const PairTable& table;
   const CompletedLevels& levels;
   std::size_t held_found = 0;  ///< after the manifolds: of pairs that wait, those with new contact points
+  bool leaves_out = false;     ///< after them: the policy does, so pairs that are left may want nothing
 };
 
 /// Where the time of the calling thread went in a frame.
