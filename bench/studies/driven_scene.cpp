@@ -55,6 +55,8 @@ Status DrivenScene::list_generated(std::uint64_t most, std::uint64_t seed) {
   Result<std::vector<io::GeneratedBody>> generated = io::expand_generators(*scene_, expand);
   if (!generated) return generated.error();
   generated_ = std::move(generated).value();
+  for (const io::GeneratedBody& body : generated_)
+    highest_m_ = std::max(highest_m_, -down().dot(body.center_m) + run_.shapes()[body.shape]->bounding_radius_m);
   // They are the last bodies of the run.
   for (const RunBody& body : run_.bodies().last(generated_.size())) present_.push_back(body.id);
   for (std::size_t i = 0; i < scene_->shapes.size(); ++i) shapes_.push_back(run_.world().add_shape(run_.shapes()[i]));
@@ -82,17 +84,26 @@ Status DrivenScene::set_population(std::uint64_t bodies) {
   return Done{};
 }
 
+Vec3 DrivenScene::down() const {
+  return scene_->gravity_mps2.isZero() ? Vec3::UnitX() : scene_->gravity_mps2.normalized();
+}
+
 Result<bool> DrivenScene::pour(const io::GeneratedBody& body) {
   const Shape& shape = *run_.shapes()[body.shape];
   const bool falls = !scene_->gravity_mps2.isZero();
   SphereCast cast;
   cast.center_m = body.center_m;
   cast.radius_m = shape.bounding_radius_m;
-  cast.direction = falls ? scene_->gravity_mps2.normalized() : Vec3::UnitX();
+  cast.direction = down();
   if (!falls) cast.max_distance_m = 0;
-  const Result<std::optional<SphereCastHit>> hit = run_.world().cast_sphere(cast);
+  Result<std::optional<SphereCastHit>> hit = run_.world().cast_sphere(cast);
+  if (falls && hit && hit.value() && hit.value()->overlaps_at_start) {
+    // A heap has risen to its place: from above all places.
+    cast.center_m -= (highest_m_ + cast.radius_m + cast.direction.dot(body.center_m)) * cast.direction;
+    hit = run_.world().cast_sphere(cast);
+  }
   if (!hit) return hit.error();
-  Vec3 center_m = body.center_m;
+  Vec3 center_m = cast.center_m;
   if (hit.value()) {
     if (hit.value()->overlaps_at_start) return false;
     center_m += std::max(0.0, hit.value()->distance_m - kPourGap * shape.bounding_radius_m) * cast.direction;

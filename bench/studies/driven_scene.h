@@ -36,7 +36,8 @@ class DrivenScene {
                                     std::uint64_t present, const Shake& shake);
 
   /// Takes away the last bodies, or adds the next ones: each at its place in the generator, or below it as far as
-  /// a quarter of its radius above what is there. One whose place is not free comes later. Refused: as World::add_body.
+  /// a quarter of its radius above what is there; where a heap has risen to its place, above that. One whose place is
+  /// not free comes later. Refused: as World::add_body.
   Status set_population(std::uint64_t bodies);
   [[nodiscard]] std::uint64_t population() const { return present_.size(); }
 
@@ -54,6 +55,8 @@ class DrivenScene {
   DrivenScene(const Scene& scene, SceneRun run, const Shake& shake)
       : scene_(&scene), run_(std::move(run)), shake_(shake) {}
   Status list_generated(std::uint64_t most, std::uint64_t seed);
+  /// Where bodies fall; without gravity a direction like any other.
+  [[nodiscard]] Vec3 down() const;
   /// False: its place is not free.
   Result<bool> pour(const io::GeneratedBody& body);
   Status shake_bodies();
@@ -62,6 +65,7 @@ class DrivenScene {
   SceneRun run_;
   Shake shake_;
   std::vector<io::GeneratedBody> generated_;
+  double highest_m_ = -1e30;     ///< of their spheres, against `down`
   std::vector<ShapeId> shapes_;  ///< of bodies that are added: in the order of Scene::shapes
   std::vector<MaterialId> materials_;
   std::vector<BodyId> present_;

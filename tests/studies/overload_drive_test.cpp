@@ -74,6 +74,23 @@ TEST(DrivenScene, ABodyWhosePlaceIsNotFreeComesLater) {
   EXPECT_EQ(driven.population(), 1U) << "the body of the file is in its place";
 }
 
+TEST(DrivenScene, ABodyToWhosePlaceAHeapHasRisenComesFromAbove) {
+  // Two layers of places; a ball of the file lies in a place of the lower one.
+  const Scene scene = parse_scene(R"({"name": "s", "dt_s": 0.01, "gravity_mps2": [0, 0, -10], "materials": {"m": {}},
+    "shapes": {"ball": {"sphere": {"radius_m": 0.5}}, "ground": {"plane": {"normal": [0, 0, 1]}}},
+    "bodies": [{"shape": "ground", "material": "m", "static": true},
+               {"shape": "ball", "material": "m", "position_m": [2, 0, 0.5]}],
+    "generators": [{"grid": {"shapes": ["ball"], "material": "m", "count": [2, 1, 2], "origin_m": [0, 0, 0.5], "spacing_m": 2}}]})",
+                                  "s.json", ".")
+                          .value();
+  DrivenScene driven = DrivenScene::create(scene, one_thread(), 4, 1, {}).value();
+  ASSERT_TRUE(driven.set_population(4));
+  EXPECT_EQ(driven.population(), 4U);
+  const simulation::RunFrame frame = driven.step({}, false).value();
+  EXPECT_EQ(frame.report.bodies, 5U);
+  EXPECT_LT(frame.report.kinetic_j, 30) << "none is thrown out of another one";
+}
+
 TEST(DrivenScene, RefusesASceneWhosePopulationChangesByItself) {
   const Scene scene = parse_scene(R"({"name": "s", "dt_s": 0.01, "gravity_mps2": [0, 0, 0], "materials": {"m": {}},
     "shapes": {"ball": {"sphere": {"radius_m": 0.5}}},
