@@ -228,7 +228,11 @@ class Step {
       if (!world_.decisions) world_.decisions = std::make_unique<DecisionLog>();
       log = world_.decisions.get();
     }
-    const RefineInput input = refine_input(world_, input_, terms_, number_, laps_.at());
+    RefineInput input = refine_input(world_, input_, terms_, number_, laps_.at());
+    if (sliced_ != nullptr) {
+      input.step_begun = sliced_->begun;
+      input.slice = sliced_->slice - sliced_->task.lead();
+    }
     refine(input,
            {world_.pools, world_.forecasts, world_.bands, world_.rounds, world_.open, world_.learned,
             world_.prepared_cues, world_.cache.points, log},
@@ -273,13 +277,6 @@ class Step {
     forget_contacts_of(slots, frame_.table, frame_.manifolds, world_.cache.points, frame_.velocities);
   }
 
-  // Iterations are worth a frame, not several.
-  [[nodiscard]] StepInput for_iterations() const {
-    StepInput input = input_;
-    if (sliced_ != nullptr) input.budget.deadline = std::min(input.budget.deadline, executor_.time() + sliced_->slice);
-    return input;
-  }
-
   // How many iterations resting contact may make: as many as the solver makes by itself, or before a deadline as many
   // as there is time for, or as another run decided.
   [[nodiscard]] IterationsAllowed iterations_allowed() {
@@ -288,10 +285,10 @@ class Step {
       if (input_.replay->point_iterations > 0) allowed.most = input_.replay->point_iterations;
       allowed.repeated = input_.replay->stopped_after;
     } else if (input_.budget.kind == Budget::Kind::Deadline) {
-      const StepInput input = for_iterations();
-      allowed.most = iterations_in_time(world_.forecasts, input, counts(), executor_.time(),
+      const SteadyClock::time_point deadline = frame_.levels.deadline;
+      allowed.most = iterations_in_time(world_.forecasts, deadline, counts(), executor_.time(),
                                         frame_.velocities.point_count, report_);
-      allowed.until = iterations_end(world_.forecasts, input, counts(), report_);
+      allowed.until = iterations_end(world_.forecasts, deadline, counts(), report_);
     }
     return allowed;
   }

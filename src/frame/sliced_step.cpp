@@ -14,11 +14,10 @@ namespace {
 
 // Bodies of which a column is copied at once.
 constexpr std::size_t kHiddenGrain = 2048;
-// A step is done at once again if what must be done, and so much of its refinement, take so much of a frame at most.
-// Chosen: more than the third that steps at once must have time for (budget/frame_time.cpp), so that they stay so.
-constexpr double kAmple = 0.75, kRefined = 0.4;
-// The time that a step has: as many frames as bodies in view may wait for, or so many times what must be done. That is
-// enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
+// A step is done at once again if what must be done, and its share of refinement, take so much of a frame at most.
+constexpr double kAmple = 0.75;
+// The most time that a step has: as many frames as bodies in view may wait for, or so many times what must be done.
+// That is enough to refine all pairs of a heap that lands (2 to 3 times). Chosen.
 constexpr double kFrames = static_cast<double>(kMostTurns), kLeastFrameNs = 1e6;
 constexpr double kOfMandatory = 4;
 
@@ -51,7 +50,8 @@ void run_step(WorldState& world, SlicedStep& sliced) {
   sliced.report = run_frame(world, input, true, &sliced);
   sliced.stages = nullptr;
   sliced.mandatory = sliced.report.mandatory;
-  sliced.refined = sliced.report.times.refine;
+  sliced.refinement_ns =
+      world.forecasts.pair_cost.by_score_ns * static_cast<double>(world.outputs.levels.known.refinable);
 }
 
 void exchange(WorldState& world, SlicedStep& sliced) {
@@ -73,8 +73,8 @@ bool go_on(WorldState& world, SlicedStep& sliced, SteadyClock::time_point until)
 
 // Would the last step have fitted into a frame, with a part of its refinement, had it had `share` of its bodies?
 bool fits_at_once(const SlicedStep& sliced, double share, Nanoseconds left) {
-  const double all_ns = ns_of(sliced.refined);
-  const double refined_ns = std::max(kRefined * all_ns, ns_of(share_of_refinement(all_ns, left)));
+  const double refined_ns =
+      std::max(kRefinedInSlices * sliced.refinement_ns, ns_of(share_of_refinement(sliced.refinement_ns, left)));
   return share * (ns_of(sliced.mandatory) + refined_ns) <= kAmple * ns_of(left);
 }
 

@@ -41,7 +41,7 @@ struct SlicedStep {
   // Of the step before
   bool last = false;         ///< it was done in slices; then
   Nanoseconds mandatory{0};  ///< FrameReport::mandatory, and
-  Nanoseconds refined{0};    ///< its refinement
+  double refinement_ns = 0;  ///< what all of its refinement takes, by score
 
   // Last: ends the step before the rest goes.
   parallel::SlicedTask task;

@@ -22,6 +22,7 @@ struct TimeFacts {
   Nanoseconds iterated{0};            ///< of this frame: what point iterations beyond one a substep took; and
   SteadyClock::time_point iterations_end{};  ///< when they ended; if none were to end in time, 0
   scheduler::TailWork head_work;
+  int no_turns = 0;  ///< so many steps without a look for islands that could take turns
 };
 
 /// Moves what something is expected to cost towards what it took, and to no more than four times as much: the machine
@@ -31,6 +32,31 @@ inline void follow(double measured_ns, double& cost_ns) {
   cost_ns += kNewShare * (std::min(measured_ns, kMostOfExpected * cost_ns) - cost_ns);
 }
 
+/// What it takes to bring a pair of those that can be refined to its end, by all workers together: in the order of
+/// memory, or by score; learned. What the order that was not taken would have cost is told from how the two compare.
+struct RefinementCost {
+  double in_order_ns = 0;  ///< 0: not known
+  double by_score_ns = 1000;
+  double order_share = 0.5;  ///< the first of the second: a prior, replaced where one follows the other
+  double last_ns = 0;
+  bool last_in_order = false;
+
+  /// So much was measured.
+  void learn(double measured_ns, bool in_order) {
+    constexpr double kLeastShare = 0.1, kNewShare = 0.3;  // chosen
+    if (last_ns > 0 && last_in_order != in_order) {
+      const double share = in_order ? measured_ns / last_ns : last_ns / measured_ns;
+      order_share += kNewShare * (std::clamp(share, kLeastShare, 1.0) - order_share);
+    }
+    last_ns = measured_ns;
+    last_in_order = in_order;
+    const double ordered_ns = in_order ? measured_ns : order_share * measured_ns;
+    if (in_order_ns == 0) in_order_ns = ordered_ns;
+    follow(ordered_ns, in_order_ns);
+    follow(in_order ? measured_ns / order_share : measured_ns, by_score_ns);
+  }
+};
+
 /// Forecasts of what the parts of a frame take, learned from the frames before. Not part of the state.
 struct Forecasts {
   scheduler::TailForecast tail;
@@ -39,11 +65,10 @@ struct Forecasts {
   scheduler::TailForecast head;  ///< of what comes before refinement; its contacts are the active pairs
   scheduler::TailForecast rest;  ///< of what comes after the iterations of resting contact
   TimeFacts times;
-  double solved_share = 1;    ///< of the pairs that are not separated; learned
-  double unit_cost_ns = 60;   ///< of a node-pair expansion: a prior, replaced by what is measured
-  double iteration_ns = 10;   ///< likewise of a point iteration beyond one a substep, by all workers together
-  double pair_cost_ns = 0;    ///< likewise of a pair's refinement in the order of memory, by all workers; 0: not known
-  double end_cost_ns = 1000;  ///< likewise of bringing a pair to its end, in the order that pairs had, by all workers
+  double solved_share = 1;   ///< of the pairs that are not separated; learned
+  double unit_cost_ns = 60;  ///< of a node-pair expansion: a prior, replaced by what is measured
+  double iteration_ns = 10;  ///< likewise of a point iteration beyond one a substep, by all workers together
+  RefinementCost pair_cost;
   double entry_cost_ns = 12;  ///< likewise of making contact points, an entry of a front, by all workers together
   double rank_cost_ns = 30;   ///< likewise of ranking a pair, by all workers together
 };

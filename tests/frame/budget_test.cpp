@@ -139,7 +139,7 @@ TEST(Budget, TimeIsKeptForTheContactPointsOfPairsThatComeToNoEnd) {
   StepInput input = step_of(1.0 / 60);
   std::size_t stopped = 0;
   for (int i = 0; i < 100; ++i) {
-    world.forecasts.pair_cost_ns = 1e18;  // so long that the order matters
+    world.forecasts.pair_cost.in_order_ns = 1e18;  // so long that the order matters
     // In every other frame one entry takes longer than the hour that there is.
     const bool dear = i % 2 == 1;
     world.forecasts.entry_cost_ns = dear ? 1e15 : 1;
@@ -170,7 +170,7 @@ TEST(Budget, NoMorePairsAreRankedThanThereIsTimeForAndTheOthersHaveTheirTurnTheS
   const auto step_with = [&](double rank_cost_ns) {
     for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
     world.forecasts.rank_cost_ns = rank_cost_ns;
-    world.forecasts.pair_cost_ns = 1e18;  // so long that the order matters
+    world.forecasts.pair_cost.in_order_ns = 1e18;  // so long that the order matters
     input.budget = Budget::within(std::chrono::hours(1));
     return stage.world.step(input);
   };
@@ -232,7 +232,7 @@ TEST(Budget, APairIsServedWhereItWasRankedLast) {
     for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
     for (simulation::CachedPair& pair : world.cache.pairs) pair.band = pair.low % 2 == 0 ? 1 : 200;
     world.forecasts.rank_cost_ns = rank_cost_ns;
-    world.forecasts.pair_cost_ns = 1e18;
+    world.forecasts.pair_cost.in_order_ns = 1e18;
     input.budget = Budget::within(std::chrono::hours(1));
     return stage.world.step(input);
   };
@@ -262,7 +262,7 @@ TEST(Budget, PairsAreRankedOnlyWhereHalfOfTheTimeMayNotBeEnough) {
   StepInput input = step_of(1.0 / 60);
   const auto step_with = [&](double pair_cost_ns) {
     for (const BodyId body : stage.bodies) EXPECT_TRUE(stage.world.set_state(body, stage.at(body)));
-    world.forecasts.pair_cost_ns = pair_cost_ns;
+    world.forecasts.pair_cost.in_order_ns = pair_cost_ns;
     world.forecasts.rank_cost_ns = 1e15;  // there is no time to rank any
     input.budget = Budget::within(std::chrono::hours(1));
     return stage.world.step(input);
@@ -276,7 +276,7 @@ TEST(Budget, PairsAreRankedOnlyWhereHalfOfTheTimeMayNotBeEnough) {
                                    << report.jobs_abandoned << " abandoned, " << world.open.cut.get() << " cut, "
                                    << world.open.ended.get() << " ended of " << refinable;
   EXPECT_GT(report.jobs_done, 120U);
-  EXPECT_LT(world.forecasts.pair_cost_ns, 0.9 * half_an_hour_ns / refinable) << "it learns";
+  EXPECT_LT(world.forecasts.pair_cost.in_order_ns, 0.9 * half_an_hour_ns / refinable) << "it learns";
   EXPECT_EQ(step_with(1.1 * half_an_hour_ns / refinable).jobs_done, 0U);
   EXPECT_EQ(step_with(0).jobs_done, 0U) << "nothing is known";
   // What is to be left out, and what a host says of pairs, is asked for.
@@ -355,7 +355,7 @@ TEST(Capacity, FrontsThatWaitForTheirTurnFillNoPoolUnderADeadline) {
   stage.jacks(300, 5);
   std::size_t ranked = 0;
   for (int i = 0; i < 90; ++i) {
-    simulation::WorldAccess::of(stage.world).forecasts.pair_cost_ns = 1e18;
+    simulation::WorldAccess::of(stage.world).forecasts.pair_cost.in_order_ns = 1e18;
     StepInput input = step_of(1.0 / 60);
     input.budget = Budget::within(std::chrono::minutes(1));
     const FrameReport report = stage.world.step(input);
@@ -378,7 +378,7 @@ TEST(Capacity, AFullFrontUnderADeadlineIsCountedToo) {
     for (int i = 0; i < 8; ++i) stage.add(box, Vec3(0.1 * i, 0, 0.35 + 0.62 * i));
     std::size_t full = 0;
     for (int i = 0; i < 30; ++i) {
-      simulation::WorldAccess::of(stage.world).forecasts.pair_cost_ns = in_order ? 1 : 1e18;
+      simulation::WorldAccess::of(stage.world).forecasts.pair_cost.in_order_ns = in_order ? 1 : 1e18;
       StepInput input = step_of(1.0 / 60);
       input.budget = Budget::within(std::chrono::minutes(1));
       full += stage.world.step(input).fronts_full;

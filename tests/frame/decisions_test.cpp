@@ -38,7 +38,7 @@ Recorded record(const Case& c, int threads) {
   for (int i = 0; i < c.frames; ++i) {
     input.budget = budget_of(i);
     // Every other time the pairs go in the order of memory, also where that does not end in time.
-    simulation::WorldAccess::of(stage.world).forecasts.pair_cost_ns = i % 2 == 0 ? 1e-9 : 1e18;
+    simulation::WorldAccess::of(stage.world).forecasts.pair_cost.in_order_ns = i % 2 == 0 ? 1e-9 : 1e18;
     const FrameReport report = stage.world.step(input);
     EXPECT_EQ(report.status, StepStatus::Done);
     recorded.decisions.emplace_back();

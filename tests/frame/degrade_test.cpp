@@ -106,6 +106,66 @@ TEST(Degrade, RefinementHasAFifthOfAFrameWhoseReserveWouldTakeItAll) {
   EXPECT_LT(known_plan.budget.cut(known_plan.expected), now) << "nothing is given where there is nothing to refine";
 }
 
+TEST(Degrade, AStepInSlicesEndsWithTheSliceInWhichRefinementHasItsShare) {
+  Stage stage(falling(1), 0.2);
+  stage.jacks(60, 4);
+  for (int i = 0; i < 60; ++i) stage.world.step(easy());
+  const WorldState& world = WorldAccess::of(stage.world);
+  constexpr Nanoseconds kSlice = std::chrono::milliseconds(10), kBefore = std::chrono::milliseconds(3);
+  const SteadyClock::time_point now{std::chrono::hours(10)};  // invented, like all times that follow
+  StepInput input = step_of(1.0 / 60);
+  constexpr std::uint32_t kRefinable = 1'000'000;
+  // The plan where a pair takes so long by score, or in order.
+  const auto plan = [&](double by_score_ns, double in_order_ns, Nanoseconds left) {
+    input.budget = Budget::until(now + left);
+    simulation::Forecasts forecasts = world.forecasts;
+    forecasts.pair_cost.by_score_ns = by_score_ns;
+    forecasts.pair_cost.in_order_ns = in_order_ns;
+    forecasts.times.iterations_a_substep = 0;
+    simulation::CompletedLevels levels;
+    levels.progress = world.outputs.levels.progress;
+    levels.known = world.outputs.levels.known;
+    levels.known.refinable = kRefinable;
+    simulation::RefineInput refine = refine_input(world, input);
+    refine.step_begun = now - kBefore;
+    refine.slice = kSlice;
+    FrameReport report;
+    simulation::FramePlan plan = simulation::plan_frame(refine, now, forecasts, levels, report, *world.executor);
+    EXPECT_EQ(report.degraded.bodies_held, 0U);
+    EXPECT_EQ(plan.deadline, levels.deadline);
+    return plan;
+  };
+  const auto expect_time = [&](Nanoseconds time, const simulation::FramePlan& plan) {
+    EXPECT_EQ((plan.deadline - now + kBefore) % kSlice, Nanoseconds(0)) << "whole slices";
+    const Nanoseconds given = plan.budget.cut(plan.expected) - now - world.forecasts.times.planning;
+    EXPECT_GE(given, time);
+    EXPECT_LT(given, time + kSlice) << "no more slices than it takes";
+  };
+  constexpr Nanoseconds kFar = std::chrono::hours(1);
+  expect_time(std::chrono::milliseconds(40), plan(100, 0, kFar));
+  expect_time(std::chrono::milliseconds(80), plan(200, 0, kFar));
+  // In order all pairs would take hardly longer, or much longer.
+  expect_time(std::chrono::microseconds(55'555), plan(100, 50, kFar));
+  expect_time(std::chrono::milliseconds(40), plan(100, 90, kFar));
+  // No later than the step has time.
+  constexpr Nanoseconds kShort = std::chrono::milliseconds(60);
+  EXPECT_EQ(plan(100, 0, kShort).deadline, now + std::chrono::milliseconds(47));
+  EXPECT_EQ(plan(1000, 0, kFar).deadline, now + std::chrono::milliseconds(407));
+}
+
+TEST(Degrade, WhatPairsCostInTheOtherOrderIsLearnedWhereOneFollowsTheOther) {
+  simulation::RefinementCost cost;
+  for (int i = 0; i < 100; ++i) cost.learn(600, false);
+  EXPECT_NEAR(cost.by_score_ns, 600, 1);
+  EXPECT_NEAR(cost.in_order_ns, 600 * simulation::RefinementCost{}.order_share, 1) << "nothing else is known yet";
+  for (int i = 0; i < 100; ++i) cost.learn(i % 2 == 0 ? 600 : 480, i % 2 != 0);
+  EXPECT_NEAR(cost.order_share, 0.8, 0.01);
+  // Either is followed by what is measured of the other.
+  for (int i = 0; i < 100; ++i) cost.learn(960, true);
+  EXPECT_NEAR(cost.in_order_ns, 960, 1);
+  EXPECT_NEAR(cost.by_score_ns, 1200, 20);
+}
+
 TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
   Stage stage(falling(2), 0.2);
   stage.jacks(30, 3);
@@ -131,14 +191,12 @@ TEST(Degrade, MoreTimeIsMoreVisitsAndNoTimeIsOneSweep) {
   stage.jacks(60, 4);
   for (int i = 0; i < 90; ++i) stage.world.step(easy());
   const WorldState& world = WorldAccess::of(stage.world);
-  StepInput input = step_of(1.0 / 60);
   FrameReport report;
   report.contact_pairs = world.outputs.manifolds.manifolds.size();
   const auto visits = [&](Nanoseconds time) {
-    input.budget = Budget::within(time);
     report.refine_started = SteadyClock::now();
-    return simulation::iterations_in_time(world.forecasts, input, counts_of(world), SteadyClock::now(),
-                                          world.outputs.velocities.point_count, report);
+    return simulation::iterations_in_time(world.forecasts, report.refine_started + time, counts_of(world),
+                                          SteadyClock::now(), world.outputs.velocities.point_count, report);
   };
   EXPECT_EQ(visits(std::chrono::hours(-1)), 1U);
   EXPECT_EQ(visits(std::chrono::hours(1)), solver::kMaxPointIterations);

@@ -241,7 +241,7 @@ TEST(SlicedStep, WhereLessThanAThirdOfRefinementFitsBodiesWaitAndThenAStepIsDone
   // All pairs of the last frame as dear as so many hours together; the deadline is an hour away.
   const auto step_with = [&](double hours) {
     constexpr double kHourNs = 3.6e12;
-    world.forecasts.end_cost_ns = hours * kHourNs / world.outputs.table.known_of_chunk.back().refinable;
+    world.forecasts.pair_cost.by_score_ns = hours * kHourNs / world.outputs.table.known_of_chunk.back().refinable;
     const FrameReport report = fall.world.step(roomy());
     EXPECT_FALSE(report.unfinished);
     return report.degraded.bodies_held;

@@ -72,7 +72,7 @@ void count_pairs(const RefineInput& input, const CompletedLevels& levels, Foreca
   forecasts.times.tail_work.coarse_contacts = levels.known.unknown;
   forecasts.times.tail_work = tail_work(forecasts, counts_of(input, levels), plan.expected);
   // No more than refinement could find in the whole of the time that is left.
-  const double could = ns_of(plan.time_left) / forecasts.end_cost_ns;
+  const double could = ns_of(plan.time_left) / forecasts.pair_cost.by_score_ns;
   const double open = std::min(static_cast<double>(levels.held.open), std::max(0.0, could));
   forecasts.times.tail_work.held_found = expected_solved(forecasts, static_cast<std::int64_t>(open));
 }
@@ -106,15 +106,14 @@ double iterations_reserved(const Forecasts& forecasts, scheduler::TailWork work,
 }
 
 // The budget with so many substeps.
-void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClock::time_point now,
-                Forecasts& forecasts, FramePlan& plan) {
+void set_budget(int substeps, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts, FramePlan& plan) {
   scheduler::TailWork& work = forecasts.times.tail_work;
-  const Nanoseconds left = step.budget.deadline - host - now;
+  const Nanoseconds left = plan.deadline - host - now;
   const double all = iterations_reserved(forecasts, work, substeps, left, plan.share) * substeps;
   const double least = std::min(all, plan.share * static_cast<double>(forecasts.times.manifold_points) * substeps);
   work.point_iterations = static_cast<std::uint64_t>(least);
-  plan.budget = scheduler::make_frame_budget(step.budget.deadline, host, forecasts.tail, forecasts.margin, work,
-                                             forecasts.unit_cost_ns);
+  plan.budget =
+      scheduler::make_frame_budget(plan.deadline, host, forecasts.tail, forecasts.margin, work, forecasts.unit_cost_ns);
   plan.budget.tail_optional = iterations_forecast(forecasts, all - least);
 }
 
@@ -124,6 +123,30 @@ void set_budget(const StepInput& step, int substeps, Nanoseconds host, SteadyClo
 Nanoseconds least_refined(const scheduler::Policy& policy, double all_ns) {
   constexpr double kLeast = 1.0 / 3;  // chosen
   return Nanoseconds(scheduler::leaves_out(policy) ? 0 : static_cast<std::int64_t>(kLeast * all_ns));
+}
+
+// The time that refinement is to have in a step in slices: for its share by score, or for all pairs in the order of
+// memory where that does not take much longer.
+double wanted_in_slices_ns(const RefinementCost& cost, double refinable) {
+  constexpr double kMuch = 1.75;  // chosen
+  const double by_score_ns = kRefinedInSlices * cost.by_score_ns * refinable;
+  const double in_order_ns = cost.in_order_ns * refinable / kInOrderOfSlices;
+  return in_order_ns > 0 && in_order_ns < kMuch * by_score_ns ? std::max(in_order_ns, by_score_ns) : by_score_ns;
+}
+
+// Of a step in slices: that of the first after which what must be done fits, and what refinement is to have. To its
+// end, since what is left of a frame in which a step ends is lost.
+SteadyClock::time_point end_of_slices(const RefineInput& input, SteadyClock::time_point now, const Forecasts& forecasts,
+                                      double refinable, const FramePlan& plan) {
+  const Nanoseconds optional = std::min(plan.budget.tail_optional, input.slice);
+  const Nanoseconds tail =
+      std::max(plan.budget.reserve(plan.expected), plan.budget.tail_forecast(plan.expected) + optional);
+  const double wanted_ns = ns_of(now - input.step_begun + forecasts.times.planning + tail) +
+                           wanted_in_slices_ns(forecasts.pair_cost, refinable);
+  const double slices = std::ceil(wanted_ns / ns_of(input.slice));
+  const SteadyClock::time_point last = input.step.budget.deadline;
+  if (slices * ns_of(input.slice) >= ns_of(last - input.step_begun)) return last;
+  return input.step_begun + static_cast<int>(slices) * input.slice;
 }
 
 int substeps_of(const RefineInput& input, const CompletedLevels& levels) {
@@ -149,11 +172,11 @@ void hold(const RefineInput& input, Nanoseconds missing, Forecasts& forecasts, C
 // margin.
 void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_point now, Forecasts& forecasts,
                CompletedLevels& levels, Degraded& degraded, FramePlan& plan, parallel::Executor& executor) {
-  const double all_ns = forecasts.end_cost_ns * levels.known.refinable;
-  const Nanoseconds share = share_of_refinement(all_ns, input.step.budget.deadline - now);
+  const double all_ns = forecasts.pair_cost.by_score_ns * levels.known.refinable;
+  const Nanoseconds share = share_of_refinement(all_ns, plan.deadline - now);
   if (share <= Nanoseconds(0)) return;
   const auto give_share = [&] {
-    const auto fits = input.step.budget.deadline - host - plan.budget.tail_forecast(plan.expected);
+    const auto fits = plan.deadline - host - plan.budget.tail_forecast(plan.expected);
     plan.budget.earliest_cut = std::min(now + share, fits);
   };
   give_share();
@@ -161,7 +184,7 @@ void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_poi
   const SteadyClock::time_point cut = plan.budget.cut(plan.expected);
   if (cut >= wanted) return;
   hold(input, wanted - cut, forecasts, levels, degraded, plan, executor);
-  set_budget(input.step, substeps_of(input, levels), host, now, forecasts, plan);
+  set_budget(substeps_of(input, levels), host, now, forecasts, plan);
   give_share();
 }
 
@@ -247,25 +270,32 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   levels.held.reserve(input.scene.bodies.slot_count());
   levels.islands.reserve(input.scene.bodies.slot_count());
   FramePlan plan;
-  plan.time_left = step.budget.deadline - host - now;
+  plan.deadline = step.budget.deadline;
+  plan.time_left = plan.deadline - host - now;
   plan.threads = executor.concurrency();
   count_pairs(input, levels, forecasts, plan);
-  set_budget(step, input.substeps, host, now, forecasts, plan);
+  set_budget(input.substeps, host, now, forecasts, plan);
+  if (input.slice > Nanoseconds(0)) {
+    plan.deadline = end_of_slices(input, now, forecasts, levels.known.refinable, plan);
+    plan.time_left = plan.deadline - host - now;
+    set_budget(input.substeps, host, now, forecasts, plan);
+  }
+  levels.deadline = plan.deadline;
   // By what is expected, without the margin: where that fits and the reserve does not, nothing is refined and nothing
   // is left out either. Leaving out for the margin's sake held frames coarse that took half of their time, and coarse
   // frames have more contacts to solve.
   const auto late = [&] {
-    return now + forecasts.times.planning + plan.budget.tail_forecast(plan.expected) + host - step.budget.deadline;
+    return now + forecasts.times.planning + plan.budget.tail_forecast(plan.expected) + host - plan.deadline;
   };
   if (late().count() > 0) {
     report.infeasible_forecast = true;
     Degraded degraded;
     hold(input, late(), forecasts, levels, degraded, plan, executor);
-    set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);
+    set_budget(substeps_of(input, levels), host, now, forecasts, plan);
     // Where nothing rests, as in free fall, fewer substeps save nothing.
     const int least = forecasts.times.iterations_a_substep > 0 ? 1 : input.substeps;
     for (int substeps = input.substeps - 1; substeps >= least && late().count() > 0; --substeps) {
-      set_budget(step, substeps, host, now, forecasts, plan);
+      set_budget(substeps, host, now, forecasts, plan);
       degraded.substeps = substeps;
     }
     use_substeps(input, degraded.substeps, levels);
@@ -277,7 +307,7 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
     degrade(input, degraded, levels, executor);
     report.degraded = degraded;
     if (degraded.pairs_reused > 0) count_pairs(input, levels, forecasts, plan);
-    set_budget(step, substeps_of(input, levels), host, now, forecasts, plan);
+    set_budget(substeps_of(input, levels), host, now, forecasts, plan);
   }
   make_room(input, host, now, forecasts, levels, report.degraded, plan, executor);
   report.host_reserved = host;
@@ -288,26 +318,26 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
   return plan;
 }
 
-std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                 SteadyClock::time_point now, std::uint64_t manifold_points,
+std::uint32_t iterations_in_time(const Forecasts& forecasts, SteadyClock::time_point deadline,
+                                 const FrameCounts& counts, SteadyClock::time_point now, std::uint64_t manifold_points,
                                  const FrameReport& report) {
   scheduler::TailWork work = tail_work(forecasts, counts, report.contact_pairs);
   work.point_iterations = 0;
   const Nanoseconds spent = now - report.refine_started - report.times.refine;
   const double rest_ns = std::max(0.0, ns_of(forecasts.tail.forecast(work)) - ns_of(spent));
-  const double left_ns = ns_of(step.budget.deadline - report.host_reserved - now) - rest_ns;
+  const double left_ns = ns_of(deadline - report.host_reserved - now) - rest_ns;
   const int substeps = counts.levels.substeps > 0 ? counts.levels.substeps : counts.substeps;
   // To the nearest whole iteration over all points.
   const double iterations = left_ns / (forecasts.iteration_ns * substeps) + 0.5 * static_cast<double>(manifold_points);
   return static_cast<std::uint32_t>(std::clamp(iterations, 1.0, static_cast<double>(solver::kMaxPointIterations)));
 }
 
-SteadyClock::time_point iterations_end(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                       const FrameReport& report) {
+SteadyClock::time_point iterations_end(const Forecasts& forecasts, SteadyClock::time_point deadline,
+                                       const FrameCounts& counts, const FrameReport& report) {
   constexpr double kMostNs = 1e18;  // far beyond any frame, and within the range of Nanoseconds
   const Nanoseconds rest = forecasts.rest.forecast(rest_work(counts, report.contact_pairs));
   const double rest_ns = std::min(kMostNs, forecasts.margin.factor() * ns_of(rest));
-  return step.budget.deadline - report.host_reserved - Nanoseconds(static_cast<std::int64_t>(rest_ns));
+  return deadline - report.host_reserved - Nanoseconds(static_cast<std::int64_t>(rest_ns));
 }
 
 void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_t manifold_points,
@@ -353,7 +383,8 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   if (facts.load > 0) {
     // What was refined, and what was left.
     const Nanoseconds refined = std::max(Nanoseconds(0), times.refine - report.planning - of_refinement);
-    const double left_ns = counts.leaves_out ? 0 : forecasts.end_cost_ns * static_cast<double>(report.pairs_left);
+    const double left_ns =
+        counts.leaves_out ? 0 : forecasts.pair_cost.by_score_ns * static_cast<double>(report.pairs_left);
     const double wanted_ns = ns_of(report.mandatory - report.host_reserved + refined) + left_ns;
     const double one_ns = wanted_ns / static_cast<double>(facts.load);
     facts.ns_of_load = facts.ns_of_load > 0 ? facts.ns_of_load + kNewShare * (one_ns - facts.ns_of_load) : one_ns;

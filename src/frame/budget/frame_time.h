@@ -9,6 +9,16 @@
 /// What a frame under a deadline expects its time to be, and what came of it. For the step, from its thread.
 namespace poise::simulation {
 
+/// Where all pairs take no more than so much of the time that refinement has, they are refined in the order of memory:
+/// by score each takes longer, which only pays where some are left. The next slice mends what a forecast was wrong by.
+/// Chosen.
+inline constexpr double kInOrderOfTime = 0.5, kInOrderOfSlices = 0.9;
+
+/// A step in slices has as many frames as it takes for so much of what refinement has to do, by score. Chosen: more
+/// than the third without which islands wait (frame_time.cpp), and what steps that are done at once again have time
+/// for.
+inline constexpr double kRefinedInSlices = 0.4;
+
 /// What the forecasts ask of a frame beside its report.
 struct FrameCounts {
   ContactModel contact = ContactModel::Fitted;
@@ -48,10 +58,11 @@ std::uint32_t crowded_partners_in_time(const StepInput& step, std::size_t dynami
 /// What refinement goes by.
 struct FramePlan {
   scheduler::FrameBudget budget;
-  std::int64_t present = 0;    ///< pairs that are not known to be separated
-  std::uint64_t expected = 0;  ///< pairs that are likely to have a contact
-  double share = 1;            ///< of the pairs with a contact: those that do not wait (budget/hold.h)
-  Nanoseconds time_left{0};    ///< until the deadline, when the plan was begun
+  SteadyClock::time_point deadline;  ///< of the step: that of its input, or where slices end
+  std::int64_t present = 0;          ///< pairs that are not known to be separated
+  std::uint64_t expected = 0;        ///< pairs that are likely to have a contact
+  double share = 1;                  ///< of the pairs with a contact: those that do not wait (budget/hold.h)
+  Nanoseconds time_left{0};          ///< until the deadline, when the plan was begun
   int threads = 1;
 };
 
@@ -63,12 +74,13 @@ FramePlan plan_frame(const RefineInput& input, SteadyClock::time_point now, Fore
 /// After the manifolds are listed, at `now`: how many point iterations a substep may make
 /// (solver::SolveSettings::point_iterations) so that the tail is likely to end in time; as many as the solver makes by
 /// itself where that fits. At least 1.
-std::uint32_t iterations_in_time(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                 SteadyClock::time_point now, std::uint64_t manifold_points, const FrameReport& report);
+std::uint32_t iterations_in_time(const Forecasts& forecasts, SteadyClock::time_point deadline,
+                                 const FrameCounts& counts, SteadyClock::time_point now, std::uint64_t manifold_points,
+                                 const FrameReport& report);
 
 /// When the last of them is to end, so that what comes after it, with its margin, ends in time.
-SteadyClock::time_point iterations_end(const Forecasts& forecasts, const StepInput& step, const FrameCounts& counts,
-                                       const FrameReport& report);
+SteadyClock::time_point iterations_end(const Forecasts& forecasts, SteadyClock::time_point deadline,
+                                       const FrameCounts& counts, const FrameReport& report);
 
 /// Of so many pairs that are not separated, how many are likely to have a contact.
 std::uint64_t expected_solved(const Forecasts& forecasts, std::int64_t present);

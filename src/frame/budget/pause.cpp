@@ -27,6 +27,10 @@ constexpr double kLongerByTurns = 1.25;
 // more.
 constexpr double kApartSteps = 4;
 
+// Where there are only islands that are too large, they are looked for again after so many steps: that takes a
+// twentieth of a step. Chosen.
+constexpr int kStepsBetweenLooks = 3;
+
 // Bodies that are paused, and islands that get their turns, one after another before the executor may stop; and those
 // that are looked at in one item of a loop.
 constexpr std::size_t kPauseGrain = 8192, kTurnGrain = 2048, kWakeGrain = 1024;
@@ -245,6 +249,10 @@ bool IslandTurns::find(double frame_ns, bool in_slices) {
   const std::uint64_t awake_load = bodies.dynamic_count() + input_.table.size();
   const double wanted_ns = load_ns * static_cast<double>(awake_load + paused_load(sleep));
   if (load_ns <= 0 || wanted_ns <= kFull * frame_ns) return false;
+  if (resources_.forecasts.times.no_turns > 0) {
+    --resources_.forecasts.times.no_turns;
+    return false;
+  }
   islands_.emplace(input_, resources_.levels.islands, executor_);
   Islands& islands = *islands_;
   if (!islands.worth_a_look()) return false;
@@ -261,7 +269,10 @@ bool IslandTurns::find(double frame_ns, bool in_slices) {
   });
   other_load_ = awake_load - std::min(load, awake_load);
   if (in_slices) holds_ = std::max(holds_, kLongerByTurns * static_cast<double>(other_load_));
-  if (waiting.empty()) return false;
+  if (waiting.empty()) {
+    resources_.forecasts.times.no_turns = kStepsBetweenLooks;
+    return false;
+  }
   islands.weigh_bodies();
   islands.sort_by_turn(waiting);
   return true;

@@ -33,6 +33,9 @@ struct RefineInput {
   std::uint32_t max_front_entries = 0;  ///< capacity of a worker's pool
   SteadyClock::time_point begun{};      ///< when the stage begins
   IslandsWait islands_wait = IslandsWait::Never;
+  // Where the step is done in slices, by its own clock.
+  SteadyClock::time_point step_begun{};
+  Nanoseconds slice{0};  ///< how long each is; else 0
   // Of the stage itself, where scores are asked for.
   const LearnedGains* learned = nullptr;
   const PreparedCues* prepared = nullptr;
@@ -101,11 +104,12 @@ struct CompletedLevels {
   FoundContacts found;                              ///< of those with a level beyond 0, and exact ones
   parallel::UnsetVector<scheduler::PairCues> cues;  ///< one a pair: of those that were ranked
   std::vector<WorkerTally> tallies;                 ///< one a worker
-  KnownCount known;          ///< of all pairs before refinement, once it is decided which are reused
-  std::int64_t present = 0;  ///< under a deadline: pairs not known to be separated after refinement
-  parallel::Waits waits;     ///< under a deadline: of the calling thread, for jobs of others
-  int substeps = 0;          ///< of the contact solver, where the frame is degraded to fewer; else 0
-  bool learns = false;       ///< FrameDecisions::learns
+  KnownCount known;                    ///< of all pairs before refinement, once it is decided which are reused
+  std::int64_t present = 0;            ///< under a deadline: pairs not known to be separated after refinement
+  SteadyClock::time_point deadline{};  ///< under one: when the step is to end, with the host's work after it
+  parallel::Waits waits;               ///< under a deadline: of the calling thread, for jobs of others
+  int substeps = 0;                    ///< of the contact solver, where the frame is degraded to fewer; else 0
+  bool learns = false;                 ///< FrameDecisions::learns
 
   HeldIslands held;
   IslandSums islands;                 ///< scratch

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "frame/budget/frame_time.h"
@@ -20,28 +19,25 @@ void note_overrun(Nanoseconds own, Nanoseconds off_cpu, FrameReport& report) {
   report.overrun_off_cpu = off_cpu;
 }
 
-// What a pair takes in order, of what it takes by score. Chosen above what is measured: 0.35 where a heap lands.
-constexpr double kInOrderShare = 0.5;
-
 // What it took to bring so many pairs to their end.
-void learn_pair_cost(Nanoseconds took, std::int64_t pairs, double share, Forecasts& forecasts) {
+void learn_pair_cost(Nanoseconds took, std::int64_t pairs, bool in_order, Forecasts& forecasts) {
   constexpr std::int64_t kLeastPairs = 16;
   if (pairs < kLeastPairs) return;
-  const double measured_ns = static_cast<double>(took.count()) / static_cast<double>(pairs);
-  follow(measured_ns, forecasts.end_cost_ns);
-  double& cost_ns = forecasts.pair_cost_ns;
-  cost_ns = cost_ns == 0 ? share * measured_ns : cost_ns + 0.2 * (share * measured_ns - cost_ns);
+  forecasts.pair_cost.learn(static_cast<double>(took.count()) / static_cast<double>(pairs), in_order);
 }
 
-// Where half of the time is enough for all pairs, the order does not matter, and they go as they stand in memory: that
-// takes a third of the time. What a host's function says of a pair is asked for, and what is to be left out is.
+double in_order_of_time(const RefineInput& input) {
+  return input.slice > Nanoseconds(0) ? kInOrderOfSlices : kInOrderOfTime;
+}
+
+// What a host's function says of a pair is asked for, and what is to be left out is.
 bool goes_in_order(const RefineInput& input, const Forecasts& forecasts, const CompletedLevels& levels,
                    SteadyClock::time_point now, SteadyClock::time_point cut) {
   const scheduler::Policy& policy = input.policy;
   if (policy.kind == scheduler::PolicyKind::Custom || policy.cue.function != nullptr || policy.seen_threshold_rad > 0)
     return false;
-  const double expected_ns = forecasts.pair_cost_ns * static_cast<double>(levels.known.refinable);
-  return expected_ns > 0 && expected_ns < 0.5 * static_cast<double>((cut - now).count());
+  const double expected_ns = forecasts.pair_cost.in_order_ns * static_cast<double>(levels.known.refinable);
+  return expected_ns > 0 && expected_ns < in_order_of_time(input) * static_cast<double>((cut - now).count());
 }
 
 // For all that this frame's jobs can come to, also where the machine decides whether they rank at all.
@@ -56,7 +52,8 @@ void reserve_for_jobs(const PairTable& table, std::size_t workers, const RefineR
 // When refinement has its time.
 struct RefinementTime {
   SteadyClock::time_point begin, cut;
-  Nanoseconds patience{0};  // with jobs that are under way at the cut
+  double in_order_of = kInOrderOfTime;  // how much of it pairs may go in the order of memory
+  Nanoseconds patience{0};              // with jobs that are under way at the cut
 };
 
 // Gives this thread a chunk that another worker has not come to the end of. False: there is none.
@@ -72,12 +69,14 @@ bool take_over(OpenRefinement& open) {
   return false;
 }
 
-// All pairs as they stand, until half of the time is over.
+// All pairs as they stand, until the time for that is over.
 void run_in_order(const RefinementTime& time, const RefineResources& resources, std::size_t chunks, FrameReport& report,
                   parallel::Executor& executor) {
   OpenRefinement& open = resources.open;
   open.chunks_in_order.emplace(chunks, executor.concurrency());
-  open.in_order_until = time.begin + (time.cut - time.begin) / 2;
+  open.in_order_until =
+      time.begin +
+      Nanoseconds(static_cast<std::int64_t>(time.in_order_of * static_cast<double>((time.cut - time.begin).count())));
   for (OpenRefinement::Batch& batch : open.batches) batch.next = batch.past = 0;
   // A run ends when this thread finds no chunk; another worker may then have half of one in hand.
   do {
@@ -86,7 +85,7 @@ void run_in_order(const RefinementTime& time, const RefineResources& resources, 
            take_over(open));
   // A worker that is not waited for may still look there.
   if (report.jobs_abandoned == 0) open.chunks_in_order.reset();
-  learn_pair_cost(executor.time() - time.begin, open.ended.get(), 1, resources.forecasts);
+  learn_pair_cost(executor.time() - time.begin, open.ended.get(), true, resources.forecasts);
 }
 
 // What remains of the pairs that came to no end: their contact points.
@@ -115,7 +114,7 @@ bool run_ranked(const RefineInput& input, const RefinementTime& time, const Refi
   do {
     report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
   } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
-  learn_pair_cost(executor.time() - begin, open.ended.get() - before, kInOrderShare, resources.forecasts);
+  learn_pair_cost(executor.time() - begin, open.ended.get() - before, false, resources.forecasts);
   return true;
 }
 
@@ -160,7 +159,8 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   const parallel::Waits waits_before = executor.waits();
   const Nanoseconds cpu_before = parallel::thread_cpu_time();
   const SteadyClock::time_point run_begun = executor.time();
-  if (!run_jobs(input, resources, levels, {planned, first_cut, patience}, report, executor)) return;
+  if (!run_jobs(input, resources, levels, {planned, first_cut, in_order_of_time(input), patience}, report, executor))
+    return;
   report.jobs_discarded += report.jobs_abandoned;
   const SteadyClock::time_point end = executor.time();
   levels.waits = executor.waits() - waits_before;
