@@ -10,8 +10,8 @@
 namespace poise::simulation {
 
 /// Where all pairs take no more than so much of the time that refinement has, they are refined in the order of memory:
-/// by score each takes longer, which only pays where some are left. The next slice mends what a forecast was wrong by.
-/// Chosen.
+/// by score each takes longer, which only pays where some are left. More of it in slices, where a forecast that was
+/// wrong costs a frame and makes none late. Chosen.
 inline constexpr double kInOrderOfTime = 0.5, kInOrderOfSlices = 0.9;
 
 /// A step in slices has as many frames as it takes for so much of what refinement has to do, by score. Chosen: more

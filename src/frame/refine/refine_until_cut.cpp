@@ -26,11 +26,13 @@ void learn_pair_cost(Nanoseconds took, std::int64_t pairs, bool in_order, Foreca
   forecasts.pair_cost.learn(static_cast<double>(took.count()) / static_cast<double>(pairs), in_order);
 }
 
+// Of the time that refinement has, what pairs in the order of memory may take.
 double in_order_of_time(const RefineInput& input) {
   return input.slice > Nanoseconds(0) ? kInOrderOfSlices : kInOrderOfTime;
 }
 
-// What a host's function says of a pair is asked for, and what is to be left out is.
+// Are all pairs refined as they stand in memory? Not where a host's function is to be asked for each, or what is not
+// seen is to be left out.
 bool goes_in_order(const RefineInput& input, const Forecasts& forecasts, const CompletedLevels& levels,
                    SteadyClock::time_point now, SteadyClock::time_point cut) {
   const scheduler::Policy& policy = input.policy;
