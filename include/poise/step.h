@@ -98,10 +98,10 @@ struct StepInput {
   const FrameDecisions* replay = nullptr;
   /// With a deadline: where the step, with a third of its refinement, does not fit into its frame, it may take several.
   /// Each call then returns in time, and until the last one no body moves (FrameReport::unfinished). So bodies move in
-  /// slow motion, and as accurately as so many frames allow. Such a step goes by the input of the call that began it
-  /// and is traced by stages alone; a call without a deadline ends it. A thread of the World takes the place of the
-  /// calling one meanwhile, with its affinity and priority when it began. Not with `backtracking`, `reference` or
-  /// ContactModel::Paper.
+  /// slow motion. A step has as few frames as two fifths of its refinement take, eight or so at most. It goes by the
+  /// input of the call that began it and is traced by stages alone; a call without a deadline ends it. A thread of the
+  /// World takes the place of the calling one meanwhile, with its affinity and priority when it began. Not with
+  /// `backtracking`, `reference` or ContactModel::Paper.
   bool may_slice = false;
   /// With `replay`: receives the cues and scores of each pair. Takes extra memory and time.
   FrameExplanation* explain = nullptr;
