@@ -352,6 +352,37 @@ TEST(SlicedStep, IslandsTakeTurnsFromStepToStep) {
   EXPECT_LT(moved, (kSteps - kFirst) * before.size() / 2) << "most wait in most steps";
 }
 
+TEST(SlicedStep, IslandsThatCouldTakeTurnsAreLookedForAgainAfterAWhile) {
+  const auto finish = [](World& world) {
+    while (world.step(sliced()).unfinished) {
+    }
+  };
+  ManyHeaps stage(2);
+  simulation::WorldState& many = WorldAccess::of(stage.world);
+  for (int i = 0; i < 10; ++i) {
+    many.forecasts.times.no_turns = 1;
+    finish(stage.world);
+    EXPECT_EQ(many.forecasts.times.no_turns, i == 0 ? 1 : 0) << "nothing is known of the first step";
+    EXPECT_EQ(many.bodies.paused_count(), 0U);
+  }
+  finish(stage.world);
+  EXPECT_GT(many.bodies.paused_count(), 0U);
+  EXPECT_EQ(many.forecasts.times.no_turns, 0);
+  // One heap is looked at once in four steps.
+  SlicedFall fall(2, gravity_on());
+  for (int i = 0; i < 80; ++i) fall.world.step(unlimited());
+  simulation::WorldState& one = WorldAccess::of(fall.world);
+  int looks = 0;
+  for (int i = 0; i < 12; ++i) {
+    const int before = one.forecasts.times.no_turns;
+    finish(fall.world);
+    if (before == 0 && one.forecasts.times.no_turns > 0) ++looks;
+  }
+  EXPECT_EQ(one.bodies.paused_count(), 0U);
+  EXPECT_GE(looks, 2);
+  EXPECT_LE(looks, 3);
+}
+
 TEST(SlicedStep, AWorldMayGoOrMoveWhileItIsUnfinished) {
   std::optional<SlicedFall> fall;
   fall.emplace(2);
