@@ -15,6 +15,8 @@ class Tickets {
  public:
   /// Takes `count` consecutive numbers and returns the first. Any thread.
   std::size_t take(std::size_t count = 1) { return next_.fetch_add(count, std::memory_order_relaxed); }
+  /// The number that is likely to be taken next: other workers may take it meanwhile. Any thread.
+  [[nodiscard]] std::size_t next() const { return next_.load(std::memory_order_relaxed); }
   /// Restarts at 0. Only while no worker takes numbers.
   void reset() { next_.store(0, std::memory_order_relaxed); }
 

@@ -33,14 +33,21 @@ inline void follow(double measured_ns, double& cost_ns) {
 }
 
 /// What it takes to bring a pair of those that can be refined to its end, by all workers together: in the order of
-/// memory, or by score; learned. What the order that was not taken would have cost is told from how the two compare.
+/// memory, or by score with its ranking; learned. What the order that was not taken would have cost is told from how
+/// the two compare.
 struct RefinementCost {
   double in_order_ns = 0;  ///< 0: not known
   double by_score_ns = 1000;
-  double order_share = 0.5;  ///< the first of the second: a prior, replaced where one follows the other
+  double order_share = 0.8;  ///< the first of the second: a prior, replaced where one follows the other
   double last_ns = 0;
   bool last_in_order = false;
 
+  /// Is it told by so many pairs? Those that the order of memory has left over of `refinable` are refined by score, and
+  /// most of the time of a few is not their own.
+  [[nodiscard]] static bool tells(std::int64_t pairs, std::int64_t refinable = 0) {
+    constexpr std::int64_t kLeastPairs = 16, kLeastShare = 8;  // an eighth; chosen
+    return pairs >= kLeastPairs && kLeastShare * pairs >= refinable;
+  }
   /// So much was measured.
   void learn(double measured_ns, bool in_order) {
     constexpr double kLeastShare = 0.1, kNewShare = 0.3;  // chosen

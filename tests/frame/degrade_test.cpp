@@ -165,6 +165,14 @@ TEST(Degrade, WhatPairsCostInTheOtherOrderIsLearnedWhereOneFollowsTheOther) {
   EXPECT_NEAR(cost.by_score_ns, 1200, 20);
 }
 
+TEST(Degrade, WhatPairsCostIsNotToldByAFewThatAreLeftOver) {
+  using simulation::RefinementCost;
+  EXPECT_FALSE(RefinementCost::tells(15));
+  EXPECT_TRUE(RefinementCost::tells(16)) << "of those that all went by score";
+  EXPECT_FALSE(RefinementCost::tells(36, 3218)) << "they took eight times as long as others, by a record of jacks";
+  EXPECT_TRUE(RefinementCost::tells(403, 3218));
+}
+
 TEST(Degrade, RestingContactIsStoppedWhereThereIsNoTimeForIt) {
   Stage stage(falling(2), 0.2);
   stage.jacks(30, 3);

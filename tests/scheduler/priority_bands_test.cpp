@@ -84,23 +84,6 @@ TEST(PriorityBands, TakeBackAnItemInAnotherBand) {
   EXPECT_EQ(bands.take(), PriorityBands::kNone);
 }
 
-TEST(PriorityBands, TakeABundleAsItsItemsOneByOneWhenItIsHandedOver) {
-  PriorityBands bands;
-  bands.reset(6);
-  bands.put(0, 7);
-  PriorityBands::Bundle bundle(bands);
-  bundle.put(1, 7);
-  bundle.put(2, 0xffffffffU);
-  bundle.put(3, 7);
-  EXPECT_EQ(bands.highest(), 7U) << "nothing is seen before";
-  bundle.hand_over();
-  bundle.put(4, 7);
-  bundle.hand_over();
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t item = bands.take(); item != PriorityBands::kNone; item = bands.take()) order.push_back(item);
-  EXPECT_EQ(order, (std::vector<std::uint32_t>{2, 4, 3, 1, 0}));
-}
-
 TEST(PriorityBands, CountABandBeyondTheLastAsTheLast) {
   PriorityBands bands;
   bands.reset(2);

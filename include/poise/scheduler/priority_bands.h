@@ -39,39 +39,16 @@ class PriorityBands {
 
   /// Puts an item into a band. `item` must be below the number given to reset() and in no band. A band beyond the last
   /// counts as the last. Any thread; the caller's earlier writes are visible to the thread that takes the item.
-  void put(std::uint32_t item, std::uint32_t band) { put_chain(item, item, std::min(band, kBands - 1)); }
-
-  /// Many items of one thread: as put() for each, but with one exchange a band when they are all there. Nobody sees any
-  /// of them before hand_over(). Invariant: they are in no band, and each is in one chain at most.
-  class Bundle {
-   public:
-    explicit Bundle(PriorityBands& bands) : bands_(bands) {}
-    void put(std::uint32_t item, std::uint32_t band) {
-      band = std::min(band, kBands - 1);
-      const std::uint64_t mark = std::uint64_t{1} << (band % 64);
-      if ((filled_[band / 64] & mark) != 0) {
-        bands_.link(item).store(first_[band], std::memory_order_relaxed);
-      } else {
-        filled_[band / 64] |= mark;
-        last_[band] = item;
-      }
-      first_[band] = item;
-    }
-    /// Afterwards the bundle is empty.
-    void hand_over() {
-      for (std::uint32_t word = 0; word < kBands / 64; ++word) {
-        for (; filled_[word] != 0; filled_[word] &= filled_[word] - 1) {
-          const std::uint32_t band = 64 * word + static_cast<std::uint32_t>(std::countr_zero(filled_[word]));
-          bands_.put_chain(first_[band], last_[band], band);
-        }
-      }
-    }
-
-   private:
-    PriorityBands& bands_;
-    std::uint64_t filled_[kBands / 64] = {};
-    std::uint32_t first_[kBands], last_[kBands];  ///< of those that are filled
-  };
+  void put(std::uint32_t item, std::uint32_t band) {
+    band = std::min(band, kBands - 1);
+    std::atomic<std::uint64_t>& head = heads_[band];
+    std::uint64_t old = head.load(std::memory_order_relaxed);
+    do {
+      link(item).store(item_of(old), std::memory_order_relaxed);
+    } while (
+        !head.compare_exchange_weak(old, with_item(old, item), std::memory_order_release, std::memory_order_relaxed));
+    filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
+  }
 
   /// Takes an item from the highest band that is not empty, or returns kNone. Any thread.
   std::uint32_t take() {
@@ -107,17 +84,6 @@ class PriorityBands {
   static std::uint32_t item_of(std::uint64_t head) { return static_cast<std::uint32_t>(head); }
   static std::uint64_t with_item(std::uint64_t head, std::uint32_t item) {
     return (((head >> 32U) + 1U) << 32U) | item;
-  }
-
-  // Items that are linked from `first` to `last`.
-  void put_chain(std::uint32_t first, std::uint32_t last, std::uint32_t band) {
-    std::atomic<std::uint64_t>& head = heads_[band];
-    std::uint64_t old = head.load(std::memory_order_relaxed);
-    do {
-      link(last).store(item_of(old), std::memory_order_relaxed);
-    } while (
-        !head.compare_exchange_weak(old, with_item(old, first), std::memory_order_release, std::memory_order_relaxed));
-    filled_[band / 64].fetch_or(std::uint64_t{1} << (band % 64), std::memory_order_release);
   }
 
   std::uint32_t take_from(std::uint32_t band) {

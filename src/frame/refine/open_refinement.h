@@ -8,6 +8,7 @@
 
 #include "frame/refine/pair_cues.h"
 #include "frame/refine/refine.h"
+#include "frame/refine/turn_order.h"
 #include "parallel/shared_counters.h"
 #include "poise/scheduler/frame_budget.h"
 #include "poise/scheduler/policy.h"
@@ -19,6 +20,11 @@ struct RefinementNote {
   std::uint32_t item;
   RefinementStep::Kind kind;
   SteadyClock::time_point when;
+};
+
+/// A chunk of the pair table, and where the first of its pairs is put into the order of turns.
+struct ChunkOfTurns {
+  std::uint32_t chunk = 0, position = 0;
 };
 
 /// What the workers of a refinement under a deadline read and write before they publish a level. It belongs to the
@@ -41,6 +47,7 @@ struct OpenRefinement {
     scheduler::FrameFacts facts;
     scheduler::FrameBudget budget;
     double solved_share = 1;     ///< of the pairs not found separated
+    std::uint32_t block = 1;     ///< pairs that a worker takes of the order of turns at once
     double entry_cost_ns = 0;    ///< of making contact points, an entry (entries_of_points), by all workers together
     DecisionLog* log = nullptr;  ///< of a step that is recorded
   };
@@ -62,9 +69,10 @@ struct OpenRefinement {
     static constexpr std::size_t kMost = 16;  ///< chosen: with what goes with them they fit a first-level cache
     std::array<Hand, kMost> hands;
     std::size_t count = 0;
-    collision::LevelContact before;     ///< of a level that may be cut: what was known until then
-    std::uint32_t next = 0, past = 0;   ///< in order: what is left of the worker's chunk of pairs
-    bool looks = false;                 ///< likewise: how well they are seen is found out again
+    collision::LevelContact before;  ///< of a level that may be cut: what was known until then
+    /// What is left of the worker's chunk of pairs, or of its block of places in the order of turns.
+    std::uint32_t next = 0, past = 0;
+    bool looks = false;                 ///< of a chunk: how well they are seen is found out again
     std::vector<RefinementNote> notes;  ///< of a step that is recorded
 
     /// For all that one job can note.
@@ -78,8 +86,10 @@ struct OpenRefinement {
   parallel::Shared<int> cut{0};                     ///< not 0: the time is up for a job that was next
   std::optional<parallel::Shares> chunks_in_order;  ///< there: pairs go as they stand, whatever their score
   SteadyClock::time_point in_order_until{};         ///< but no longer than this
+  TurnOrder turns;                                  ///< of those that are ranked
   std::vector<Batch> batches;                       ///< one a worker
   std::vector<std::uint32_t> chunks;                // scratch: of pairs that are ranked
+  std::vector<ChunkOfTurns> chunks_of_turns;        // scratch
 };
 
 }  // namespace poise::simulation

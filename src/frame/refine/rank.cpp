@@ -15,50 +15,57 @@ namespace {
 
 // Of the time until the cut. Chosen: what is not ranked has its turn where it had it last, and is ranked when it comes.
 constexpr double kShare = 0.1;
-// What it takes to put a pair into its band, by all workers together; above what is measured. Chosen.
+// What it takes to give a pair its turn where it had it last, by all workers together; above what is measured. Chosen.
 constexpr double kListingNs = 6;
 // Of the time for ranking, what may go into that at most. Chosen.
 constexpr double kListingShare = 0.5;
+// Cues are measured where bodies and points lie, anywhere in memory: prefetched so many pairs ahead.
+constexpr std::size_t kAhead = 6;
 
-// Puts the pairs of the chosen chunks where their turn is, and finds what it is.
+// Gives the pairs their turns, and finds these of those of some chunks.
 class Ranking {
  public:
   Ranking(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
           CompletedLevels& levels)
-      : input_(input), bands_(resources.bands), facts_(facts), levels_(levels), source_(input) {}
+      : input_(input), turns_(resources.open.turns), facts_(facts), levels_(levels), source_(input) {}
 
-  void rank(std::span<const std::uint32_t> chunks, parallel::Executor& executor) {
-    parallel::parallel_for(executor, chunks.size(), 2, [&](std::size_t first, std::size_t past, int) {
+  void rank(std::span<const ChunkOfTurns> chunks, parallel::Executor& executor) {
+    const bool distant = input_.table.size() > parallel::kPairsAtHand;
+    parallel::parallel_for(executor, chunks.size(), 1, [&](std::size_t first, std::size_t past, int) {
       Sums sums;
-      scheduler::PriorityBands::Bundle bundle(bands_);
-      // Backwards, because the last one put into a band is the first one taken.
-      for (std::size_t k = past; k-- > first;) {
-        for (std::size_t i = input_.table.end_of(chunks[k]); i-- > input_.table.begin_of(chunks[k]);) {
-          if (waits(i)) rank_pair(static_cast<std::uint32_t>(i), sums, bundle);
+      for (const ChunkOfTurns& chunk : chunks.subspan(first, past - first)) {
+        const std::size_t end = input_.table.end_of(chunk.chunk);
+        std::size_t position = chunk.position;
+        for (std::size_t i = input_.table.begin_of(chunk.chunk); i < end; ++i) {
+          if (distant && i + kAhead < end && waits(i + kAhead))
+            source_.prefetch(static_cast<std::uint32_t>(i + kAhead));
+          if (waits(i)) rank_pair(position++, static_cast<std::uint32_t>(i), sums);
         }
       }
-      bundle.hand_over();
       ranked_.add(sums.ranked);
       refused_.add(sums.refused);
       band_sum_.add(sums.bands);
     });
   }
-  // The others, where they had their turn last; new ones where those that were ranked are in the mean. A job ranks them
-  // when it comes to them.
-  void list_others(parallel::Executor& executor) {
+  // Without ranking them, where they had their turn last; new ones where those that were ranked are in the mean. A job
+  // ranks them when it comes to them.
+  void list(std::span<const ChunkOfTurns> chunks, parallel::Executor& executor) {
+    if (chunks.empty()) return;
     const std::uint64_t ranked = std::max<std::uint64_t>(ranked_.get(), 1);
     const auto mean = static_cast<std::uint32_t>(band_sum_.get() / ranked);
     std::array<std::uint32_t, 256> waited_bands;
     for (std::uint32_t frames = 0; frames < waited_bands.size(); ++frames)
       waited_bands[frames] = scheduler::waited_bands(input_.policy, frames);
-    parallel::for_ranges(executor, {input_.table.chunks(), 16}, [&](std::size_t, std::size_t first, std::size_t past) {
-      scheduler::PriorityBands::Bundle bundle(bands_);
-      for (std::size_t i = input_.table.begin_of(past); i-- > input_.table.begin_of(first);) {
-        const PairProgress& pair = levels_.progress[i];
-        if (pair.ranked || !waits(i)) continue;
-        bundle.put(static_cast<std::uint32_t>(i), pair.band > 0 ? pair.band + waited_bands[pair.waited] : mean);
+    parallel::parallel_for(executor, chunks.size(), 16, [&](std::size_t first, std::size_t past, int) {
+      for (const ChunkOfTurns& chunk : chunks.subspan(first, past - first)) {
+        std::size_t position = chunk.position;
+        for (std::size_t i = input_.table.begin_of(chunk.chunk); i < input_.table.end_of(chunk.chunk); ++i) {
+          if (!waits(i)) continue;
+          const PairProgress& pair = levels_.progress[i];
+          const std::uint32_t band = pair.band > 0 ? pair.band + waited_bands[pair.waited] : mean;
+          turns_.put(position++, static_cast<std::uint32_t>(i), turn_at(band));
+        }
       }
-      bundle.hand_over();
     });
   }
   [[nodiscard]] std::uint64_t ranked() const { return ranked_.get(); }
@@ -69,23 +76,45 @@ class Ranking {
     std::uint64_t ranked = 0, refused = 0, bands = 0;
   };
   [[nodiscard]] bool waits(std::size_t i) const { return levels_.progress[i].refinable() && !levels_.progress[i].full; }
-  void rank_pair(std::uint32_t item, Sums& sums, scheduler::PriorityBands::Bundle& bundle) {
+  void rank_pair(std::size_t position, std::uint32_t item, Sums& sums) {
     PairProgress& pair = levels_.progress[item];
     const RankedPair ranked =
         ranked_pair(input_, source_, facts_, item, pair, levels_.found.of(pair).contact, levels_.cues[item]);
     ++sums.ranked;
     sums.refused += ranked.refused ? 1U : 0U;
     sums.bands += ranked.band;
-    if (!ranked.left_out) bundle.put(item, ranked.band);
+    if (!ranked.left_out) turns_.put(position, item, turn_at(ranked.band));
   }
 
   const RefineInput& input_;
-  scheduler::PriorityBands& bands_;
+  TurnOrder& turns_;
   const scheduler::FrameFacts& facts_;
   CompletedLevels& levels_;
   PairCueSource source_;
   parallel::Shared<std::uint64_t> ranked_{0}, refused_{0}, band_sum_{0};
 };
+
+// Where the pairs of the chunks are put: first those of the chosen ones, and then of the others if these are listed.
+// How many there may be.
+std::size_t positions_of(const PairTable& table, std::span<const std::uint32_t> chosen, bool lists,
+                         std::vector<ChunkOfTurns>& chunks) {
+  chunks.clear();
+  std::size_t positions = 0;
+  const auto add = [&](std::size_t chunk) {
+    chunks.push_back({static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(positions)});
+    positions += table.known_of_chunk[chunk].refinable;
+  };
+  for (const std::uint32_t chunk : chosen) add(chunk);
+  auto next = chosen.begin();
+  for (std::size_t chunk = 0; lists && chunk < table.chunks(); ++chunk) {
+    if (next != chosen.end() && *next == chunk) {
+      ++next;
+    } else if (table.known_of_chunk[chunk].refinable > 0) {
+      add(chunk);
+    }
+  }
+  return positions;
+}
 
 }  // namespace
 
@@ -150,13 +179,16 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
       static_cast<std::size_t>(std::max(0.0, (allowed_ns - (lists ? listing_ns : 0)) / std::max(rank_cost_ns, 1e-3)));
   // Not even the pairs of one chunk.
   if (most * std::max<std::size_t>(table.chunks(), 1) < refinable) return false;
-  std::vector<std::uint32_t>& chosen = resources.open.chunks;
-  choose_chunks(table, input.frame, most, chosen);
+  OpenRefinement& open = resources.open;
+  choose_chunks(table, input.frame, most, open.chunks);
+  open.turns.begin(positions_of(table, open.chunks, lists, open.chunks_of_turns));
+  const std::span<const ChunkOfTurns> chunks = open.chunks_of_turns;
   resources.bands.reset(static_cast<std::uint32_t>(table.size()));
   Ranking ranking(input, resources, facts, levels);
-  ranking.rank(chosen, executor);
+  ranking.rank(chunks.first(open.chunks.size()), executor);
   const Nanoseconds took = executor.time() - start;
-  if (lists && ranking.ranked() < refinable) ranking.list_others(executor);
+  ranking.list(chunks.subspan(open.chunks.size()), executor);
+  open.turns.make(executor);
   report.ranking += executor.time() - start;
   report.pairs_ranked = ranking.ranked();
   report.cues_refused = ranking.refused();

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+
 #include "frame/refine/pair_cues.h"
 #include "frame/refine/refine.h"
+#include "poise/scheduler/bands.h"
 
 namespace poise::simulation {
 
@@ -26,8 +29,10 @@ RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, co
                        std::uint32_t item, PairProgress& pair, const collision::PairContact& found,
                        scheduler::PairCues& cues);
 
-/// PairProgress::turn of a pair that waits in this band, below scheduler::kBands.
-inline std::uint8_t turn_at(std::uint32_t band) { return static_cast<std::uint8_t>(band == 0 ? 1 : band); }
+/// PairProgress::turn of a pair that waits in this band; one beyond the last counts as the last.
+inline std::uint8_t turn_at(std::uint32_t band) {
+  return static_cast<std::uint8_t>(std::clamp<std::uint32_t>(band, 1, scheduler::kBands - 1));
+}
 
 /// The band of what a viewer sees of a pair, whatever else it is ranked by; never 0, that of a pair that was never
 /// looked at.

@@ -114,26 +114,29 @@ void refine_by_rounds(const Refinement& refinement, std::uint64_t budget_units) 
 // No limit, and nobody reads fronts afterwards: each pair to its end, in any order, its front forgotten as soon as it
 // is done.
 void refine_everything(const Refinement& refinement) {
-  const PairTable& table = refinement.input.table;
+  const RefineInput& input = refinement.input;
+  const PairTable& table = input.table;
+  CompletedLevels& levels = refinement.levels;
   DecisionLog* log = refinement.resources.log;
+  const bool distant = table.size() > parallel::kPairsAtHand;
   parallel::parallel_for(refinement.executor, table.chunks(), 1, [&](std::size_t chunk, std::size_t, int worker) {
     if (table.known_of_chunk[chunk].refinable == 0) return;
-    WorkerTally& tally = refinement.levels.tallies[static_cast<std::size_t>(worker)];
-    for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      PairProgress& pair = refinement.levels.progress[i];
+    WorkerTally& tally = levels.tallies[static_cast<std::size_t>(worker)];
+    collision::FrontPool& pool = refinement.resources.pools[static_cast<std::size_t>(worker)];
+    const std::size_t end = table.end_of(chunk);
+    for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
+      const std::size_t ahead = i + kPosesAhead;
+      if (distant && ahead < end && levels.progress[ahead].refinable())
+        prefetch_bodies(input.scene, input.motion, table.pairs[ahead]);
+      PairProgress& pair = levels.progress[i];
       if (!pair.refinable()) continue;
-      const auto index = static_cast<std::uint32_t>(i);
-      collision::PairFrame frame = refinement.frame_of_pair(index);
-      while (pair.refinable() && !pair.full) {
-        const std::uint64_t units = pair.level.next_units;
-        const Outcome outcome = refinement.refine_next(index, frame, worker);
-        note_outcome(pair.level.apart, units, outcome, tally);
-        if (log != nullptr) log->note(worker, index, kind_of(outcome), SteadyClock::now());
-      }
-      const RefineInput& input = refinement.input;
-      make_points_due(input.refiner(), posed(input.motion, table.pairs[i]), pair, refinement.levels.found,
-                      refinement.resources.pools, worker);
-      refinement.resources.pools[static_cast<std::size_t>(worker)].clear();
+      refine_pair(input.refiner(), posed(input.motion, table.pairs[i]), pair, levels.found, refinement.resources.pools,
+                  worker, [&](std::uint64_t units, Outcome outcome) {
+                    note_outcome(pair.level.apart, units, outcome, tally);
+                    if (log != nullptr)
+                      log->note(worker, static_cast<std::uint32_t>(i), kind_of(outcome), SteadyClock::now());
+                  });
+      pool.clear();
       pair.level.front = pair.level.points = {};
     }
   });

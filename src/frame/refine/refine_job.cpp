@@ -18,8 +18,7 @@ constexpr std::uint64_t kUnwatchedUnits = 128;
 // that is not cut need keep nothing of the one before. Measured in `pile` with three quarters of the time that it wants
 // (docs/performance.md).
 constexpr std::uint64_t kSmallUnits = 64;
-// Poses of pairs lie anywhere in memory: prefetched so many pairs ahead, and before them the pairs that name them.
-constexpr std::uint32_t kPosesAhead = 3;
+// Prefetched so many pairs ahead, before the poses that a pair names.
 constexpr std::uint32_t kPairsAhead = 8;
 // Where pairs go in order, one chunk of so many is looked at in each frame for how well it is seen. Chosen.
 constexpr std::uint64_t kSeenEvery = 16;
@@ -68,7 +67,7 @@ class OpenRefinement::Job {
     batch_.notes.clear();
     do {
       if (in_order() && now_ >= open_.in_order_until) return false;
-      const std::uint32_t item = in_order() ? next_in_order() : run_.bands.take();
+      const std::uint32_t item = in_order() ? next_in_order() : next_by_score();
       if (item == scheduler::PriorityBands::kNone) return false;
       Hand& hand = batch_.hands[batch_.count++];
       hand.item = item;
@@ -90,19 +89,47 @@ class OpenRefinement::Job {
     cut_ = true;
     return false;
   }
+  std::uint32_t next_by_score() {
+    const TurnOrder& turns = open_.turns;
+    if (batch_.next >= batch_.past) take_block();
+    if (batch_.next >= batch_.past) return run_.bands.take();
+    if (run_.bands.highest() > turns.turn_at(batch_.next)) {
+      const std::uint32_t again = run_.bands.take();
+      if (again != scheduler::PriorityBands::kNone) return again;
+    }
+    if (distant_) {
+      if (batch_.next + kPosesAhead < batch_.past)
+        prefetch_bodies(run_.input.scene, run_.input.motion,
+                        run_.input.table.pairs[turns.pair_at(batch_.next + kPosesAhead)]);
+      if (batch_.next + kPairsAhead < batch_.past) prefetch_pair(turns.pair_at(batch_.next + kPairsAhead));
+    }
+    return turns.pair_at(batch_.next++);
+  }
+  void take_block() {
+    const TurnOrder::Block block = open_.turns.take(run_.block, open_.batches.size());
+    batch_.next = block.begin;
+    batch_.past = block.end;
+    if (!distant_) return;
+    for (std::uint32_t place = block.begin; place < std::min(block.begin + kPairsAhead, block.end); ++place)
+      prefetch_pair(open_.turns.pair_at(place));
+  }
+  HWY_INLINE void prefetch_pair(std::uint32_t item) {
+    parallel::prefetch(run_.levels.progress[item]);
+    parallel::prefetch(run_.input.table.pairs[item]);
+  }
+  // The best band of those that wait, as far as this worker can tell.
+  [[nodiscard]] std::uint32_t best_turn() const {
+    const std::uint32_t next = batch_.next < batch_.past ? open_.turns.turn_at(batch_.next) : open_.turns.next_turn();
+    return std::max(next, run_.bands.highest());
+  }
   std::uint32_t next_in_order() {
     const PairTable& table = run_.input.table;
     for (;;) {
       while (batch_.next < batch_.past) {
         if (batch_.next + kPairsAhead < batch_.past) parallel::prefetch(table.pairs[batch_.next + kPairsAhead]);
         const std::uint32_t ahead = batch_.next + kPosesAhead;
-        if (ahead < batch_.past && run_.levels.progress[ahead].refinable()) {
-          const ActivePair& pair = table.pairs[ahead];
-          for (const std::uint32_t body : {pair.a, pair.b}) {
-            parallel::prefetch(run_.input.motion.poses[body]);
-            hwy::Prefetch(&run_.input.scene.bodies.shape[body]);
-          }
-        }
+        if (ahead < batch_.past && run_.levels.progress[ahead].refinable())
+          prefetch_bodies(run_.input.scene, run_.input.motion, table.pairs[ahead]);
         const PairProgress& pair = run_.levels.progress[batch_.next++];
         if (pair.refinable() && !pair.full) return batch_.next - 1;
       }
@@ -165,7 +192,7 @@ class OpenRefinement::Job {
     const RankedPair ranked = ranked_pair(run_.input, *open_.cues, run_.facts, hand.item, hand.progress,
                                           run_.levels.found.of(hand.progress).contact, hand.cues);
     hand.band = ranked.band;
-    const bool now = hand.band >= run_.bands.highest();
+    const bool now = hand.band >= best_turn();
     hand.again = !ranked.left_out && !now;
     return !ranked.left_out && now;
   }
@@ -227,7 +254,7 @@ class OpenRefinement::Job {
     const bool small = perceptual_ && level.next_units <= kSmallUnits && !level.next_is_polygons();
     // A front that waits takes memory; one whose pair comes to its end gives it back.
     if (small || run_.pools[static_cast<std::size_t>(worker_)].scarce()) {
-      hand.band = run_.bands.highest();
+      hand.band = best_turn();
       return true;
     }
     const double score = score_of(input, run_.facts, cues_of(hand), hand.progress, hand.found.contact, hand.item);
@@ -235,7 +262,7 @@ class OpenRefinement::Job {
     hand.band = scheduler::band_of(input.policy, score);
     hand.progress.turn = turn_at(hand.band);
     if (!hand.again) hand.progress.stop = Stop::Unseen;
-    return hand.again && hand.band >= run_.bands.highest();
+    return hand.again && hand.band >= best_turn();
   }
 
   void publish() {
@@ -280,6 +307,7 @@ class OpenRefinement::Job {
   std::uint64_t unwatched_units_ = 0;  // since now_
   std::uint64_t batch_units_ = 0;
   bool cut_ = false;
+  const bool distant_ = run_.input.table.size() > parallel::kPairsAtHand;
   const bool perceptual_ = run_.input.policy.kind == scheduler::PolicyKind::Perceptual &&
                            run_.input.policy.seen_threshold_rad == 0;  // other policies compare pairs at each level
 };

@@ -45,35 +45,10 @@ Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collisi
   return outcome;
 }
 
-bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
-                 collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker) {
-  if (progress.refinable() && !progress.full) {
-    collision::PairFrame frame = frame_of(refiner, posed);
-    do {
-      refine_level(refiner, posed, frame, progress, found, pools, worker);
-    } while (progress.refinable() && !progress.full);
-  }
-  make_points_due(refiner, posed, progress, found, pools);
-  return !progress.full;
-}
-
-bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress, FoundContacts& found,
-                 std::span<collision::FrontPool> pools, int worker) {
-  // What backtracking has found out of it is kept already.
-  if (!progress.refinable() || progress.full) {
-    make_points_due(refiner, posed, progress, found, pools, worker);
-    return !progress.full;
-  }
-  collision::LevelContact& made = found.at_work(progress, worker);
-  const bool fits = refine_pair(refiner, posed, progress, made, pools, worker);
-  found.keep(progress, made, posed.pair.reach_m, worker);
-  return fits;
-}
-
 void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                   collision::LevelContact& found, collision::FrontPool& pool) {
   pool.clear();
-  refine_pair(refiner, posed, progress, found, {&pool, 1}, 0);
+  refine_pair(refiner, posed, progress, found, {&pool, 1}, 0, [](std::uint64_t, Outcome) {});
   pool.clear();
   progress.level.front = progress.level.points = {};
   progress.level.front_entries = 0;

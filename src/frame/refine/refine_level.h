@@ -7,6 +7,7 @@
 #include "frame/coarse.h"
 #include "frame/pair_progress.h"
 #include "frame/refine/found_contacts.h"
+#include "parallel/prefetch.h"
 
 /// One level of one pair, as all ways to refine do it: const inputs, and the progress that the caller owns.
 namespace poise::simulation {
@@ -26,6 +27,16 @@ struct PosedPair {
 };
 inline PosedPair posed(const PredictedMotion& motion, const ActivePair& pair) {
   return {pair, motion.poses[pair.a], motion.poses[pair.b]};
+}
+
+/// Poses of pairs lie anywhere in memory: prefetched so many pairs ahead.
+inline constexpr std::uint32_t kPosesAhead = 3;
+/// Prefetches what the first level of a pair some pairs later reads of its bodies.
+HWY_INLINE void prefetch_bodies(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair) {
+  for (const std::uint32_t body : {pair.a, pair.b}) {
+    parallel::prefetch(motion.poses[body]);
+    hwy::Prefetch(&scene.bodies.shape[body]);
+  }
 }
 
 /// The frame of refinement of a pair, for all its levels.
@@ -153,15 +164,42 @@ Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collisi
 Outcome refine_level(const PairRefiner& refiner, const PosedPair& posed, collision::PairFrame& frame,
                      PairProgress& progress, FoundContacts& found, std::span<collision::FrontPool> pools, int worker);
 
-/// Brings a pair to its deepest level, whatever that costs; false when its front did not fit.
+/// Brings a pair to its deepest level, whatever that costs; false when its front did not fit. Of each level
+/// `note(units, outcome)` is called.
+template <class Note>
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
-                 collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker);
+                 collision::LevelContact& found, std::span<collision::FrontPool> pools, int worker, Note&& note) {
+  if (progress.refinable() && !progress.full) {
+    collision::PairFrame frame = frame_of(refiner, posed);
+    do {
+      const std::uint64_t units = progress.level.next_units;
+      note(units, refine_level(refiner, posed, frame, progress, found, pools, worker));
+    } while (progress.refinable() && !progress.full);
+  }
+  make_points_due(refiner, posed, progress, found, pools);
+  return !progress.full;
+}
 
 /// The same of a pair of a frame.
+template <class Note>
 bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress, FoundContacts& found,
-                 std::span<collision::FrontPool> pools, int worker);
+                 std::span<collision::FrontPool> pools, int worker, Note&& note) {
+  // What backtracking has found out of it is kept already.
+  if (!progress.refinable() || progress.full) {
+    make_points_due(refiner, posed, progress, found, pools, worker);
+    return !progress.full;
+  }
+  collision::LevelContact& made = found.at_work(progress, worker);
+  const bool fits = refine_pair(refiner, posed, progress, made, pools, worker, note);
+  found.keep(progress, made, posed.pair.reach_m, worker);
+  return fits;
+}
+inline bool refine_pair(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
+                        FoundContacts& found, std::span<collision::FrontPool> pools, int worker) {
+  return refine_pair(refiner, posed, progress, found, pools, worker, [](std::uint64_t, Outcome) {});
+}
 
-/// As the first of these, and forgets the front. `pool` is empty before and after.
+/// As the first of these without notes, and forgets the front. `pool` is empty before and after.
 void refine_whole(const PairRefiner& refiner, const PosedPair& posed, PairProgress& progress,
                   collision::LevelContact& found, collision::FrontPool& pool);
 

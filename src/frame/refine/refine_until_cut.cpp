@@ -19,11 +19,9 @@ void note_overrun(Nanoseconds own, Nanoseconds off_cpu, FrameReport& report) {
   report.overrun_off_cpu = off_cpu;
 }
 
-// What it took to bring so many pairs to their end.
-void learn_pair_cost(Nanoseconds took, std::int64_t pairs, bool in_order, Forecasts& forecasts) {
-  constexpr std::int64_t kLeastPairs = 16;
-  if (pairs < kLeastPairs) return;
-  forecasts.pair_cost.learn(static_cast<double>(took.count()) / static_cast<double>(pairs), in_order);
+// What it takes to bring a pair to its end, where so many took so long.
+double cost_of_pair(Nanoseconds took, std::int64_t pairs) {
+  return static_cast<double>(took.count()) / static_cast<double>(pairs);
 }
 
 // Of the time that refinement has, what pairs in the order of memory may take.
@@ -48,6 +46,8 @@ void reserve_for_jobs(const PairTable& table, std::size_t workers, const RefineR
   open.batches.resize(workers);
   for (OpenRefinement::Batch& batch : open.batches) batch.reserve();
   open.chunks.reserve(table.known_of_chunk.capacity());
+  open.chunks_of_turns.reserve(table.known_of_chunk.capacity());
+  open.turns.reserve(table.capacity());
   resources.bands.reserve(static_cast<std::uint32_t>(table.capacity()));
 }
 
@@ -58,7 +58,7 @@ struct RefinementTime {
   Nanoseconds patience{0};              // with jobs that are under way at the cut
 };
 
-// Gives this thread a chunk that another worker has not come to the end of. False: there is none.
+// Gives this thread a chunk or a block that another worker has not come to the end of. False: there is none.
 bool take_over(OpenRefinement& open) {
   OpenRefinement::Batch& own = open.batches.front();
   for (OpenRefinement::Batch& batch : open.batches) {
@@ -87,7 +87,19 @@ void run_in_order(const RefinementTime& time, const RefineResources& resources, 
            take_over(open));
   // A worker that is not waited for may still look there.
   if (report.jobs_abandoned == 0) open.chunks_in_order.reset();
-  learn_pair_cost(executor.time() - time.begin, open.ended.get(), true, resources.forecasts);
+  const std::int64_t ended = open.ended.get();
+  if (RefinementCost::tells(ended))
+    resources.forecasts.pair_cost.learn(cost_of_pair(executor.time() - time.begin, ended), true);
+}
+
+// How many pairs a worker takes of the order of turns at once: about a quantum of work, so that none is left with many
+// when the others have nothing.
+std::uint32_t block_of(const RefineInput& input, const scheduler::FrameBudget& budget, const Forecasts& forecasts,
+                       std::size_t workers) {
+  constexpr double kMost = 16;
+  const double pair_ns = forecasts.pair_cost.by_score_ns * static_cast<double>(workers);
+  const auto quantum_ns = static_cast<double>(budget.job_cost(input.policy.quantum_units).count());
+  return static_cast<std::uint32_t>(std::clamp(quantum_ns / pair_ns, 1.0, kMost));
 }
 
 // What remains of the pairs that came to no end: their contact points.
@@ -111,12 +123,17 @@ bool run_ranked(const RefineInput& input, const RefinementTime& time, const Refi
   const SteadyClock::time_point begin = executor.time();
   if (begin >= time.cut || !rank_pairs(input, resources, open.run->facts, begin, time.cut, levels, report, executor))
     return false;
+  for (OpenRefinement::Batch& batch : open.batches) batch.next = batch.past = 0;
+  const SteadyClock::time_point ranked = executor.time();
   // A run ends when this thread finds nothing to take; what the others had in hand then may have left another level to
-  // do.
+  // do, and they may not have come to the end of it.
   do {
     report.jobs_abandoned += executor.run_with({time.cut, time.patience}, open);
-  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && !resources.bands.empty());
-  learn_pair_cost(executor.time() - begin, open.ended.get() - before, false, resources.forecasts);
+  } while (report.jobs_abandoned == 0 && open.cut.get() == 0 && (take_over(open) || !resources.bands.empty()));
+  const std::int64_t ended = open.ended.get() - before;
+  Forecasts& forecasts = resources.forecasts;
+  if (RefinementCost::tells(ended, before > 0 ? levels.known.refinable : 0U))
+    forecasts.pair_cost.learn(cost_of_pair(executor.time() - ranked, ended) + forecasts.rank_cost_ns, false);
   return true;
 }
 
@@ -142,8 +159,9 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   levels.waits = {};
   const FramePlan plan = plan_frame(input, start, forecasts, levels, report, executor);
   OpenRefinement& open = resources.open;
-  open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
-                                       forecasts.solved_share, forecasts.entry_cost_ns, resources.log});
+  open.run.emplace(OpenRefinement::Run{
+      input, resources.pools, resources.bands, levels, executor, facts, plan.budget, forecasts.solved_share,
+      block_of(input, plan.budget, forecasts, levels.tallies.size()), forecasts.entry_cost_ns, resources.log});
   open.cues.emplace(open.run->input);
   reserve_for_jobs(input.table, levels.tallies.size(), resources);
   open.contacts.set(plan.present);
