@@ -11,6 +11,7 @@
 #include "parallel/shared_counters.h"
 #include "parallel/unset_vector.h"
 #include "poise/scheduler/bands.h"
+#include "poise_assert.h"
 
 namespace poise::simulation {
 
@@ -34,6 +35,7 @@ class TurnOrder {
   }
   /// A pair waits, with this band as its turn: not 0. Any thread, each position once, before make().
   void put(std::size_t position, std::uint32_t pair, std::uint8_t turn) {
+    POISE_ASSERT(position < put_.size() && turn != 0 && turn_put_[position] == 0);
     put_[position] = pair;
     turn_put_[position] = turn;
   }
