@@ -90,20 +90,20 @@ class OpenRefinement::Job {
     return false;
   }
   std::uint32_t next_by_score() {
-    const TurnOrder& turns = open_.turns;
+    const TurnOrder& order = open_.turns;
     if (batch_.next >= batch_.past) take_block();
     if (batch_.next >= batch_.past) return run_.bands.take();
-    if (run_.bands.highest() > turns.turn_at(batch_.next)) {
+    if (run_.bands.highest() > order.turn_at(batch_.next)) {
       const std::uint32_t again = run_.bands.take();
       if (again != scheduler::PriorityBands::kNone) return again;
     }
     if (distant_) {
       if (batch_.next + kPosesAhead < batch_.past)
         prefetch_bodies(run_.input.scene, run_.input.motion,
-                        run_.input.table.pairs[turns.pair_at(batch_.next + kPosesAhead)]);
-      if (batch_.next + kPairsAhead < batch_.past) prefetch_pair(turns.pair_at(batch_.next + kPairsAhead));
+                        run_.input.table.pairs[order.pair_at(batch_.next + kPosesAhead)]);
+      if (batch_.next + kPairsAhead < batch_.past) prefetch_pair(order.pair_at(batch_.next + kPairsAhead));
     }
-    return turns.pair_at(batch_.next++);
+    return order.pair_at(batch_.next++);
   }
   void take_block() {
     const TurnOrder::Block block = open_.turns.take(run_.block, open_.batches.size());
