@@ -21,6 +21,7 @@ namespace poise::simulation {
 /// grow.
 class TurnOrder {
  public:
+  /// So that begin() for up to so many pairs allocates nothing.
   void reserve(std::size_t pairs) {
     for (auto* list : {&put_, &pairs_}) list->reserve(pairs);
     for (auto* list : {&turn_put_, &turns_}) list->reserve(pairs);
@@ -39,6 +40,8 @@ class TurnOrder {
     put_[position] = pair;
     turn_put_[position] = turn;
   }
+  /// Sorts what was put, in time proportional to the room. From the thread that runs the executor, while no worker
+  /// takes.
   void make(parallel::Executor& executor) {
     constexpr std::size_t kLeast = 2048;
     const auto behind_best = [&](std::size_t position) { return scheduler::kBands - 1U - turn_put_[position]; };
