@@ -7,14 +7,6 @@
 #include "math/functions.h"
 
 namespace poise::simulation {
-namespace {
-
-// Nearer than this nothing gets larger: a contact at the eye must not outweigh the world.
-constexpr double kNearestM = 0.05;
-constexpr double kLeastAcross = 0.1;
-
-}  // namespace
-
 ViewQuery::ViewQuery(const View& from) : view(from) {
   if (!from.present) return;
   right = from.forward.cross(from.up).normalized();
@@ -52,7 +44,7 @@ scheduler::PairCues cues_of(const ViewQuery& view_query, const PairView& pair, c
   const View& view = view_query.view;
   if (!view.present) return cues;
   const Vec3 ray = pair.point_m - view.position_m;
-  const double distance = std::max(ray.norm(), kNearestM);
+  const double distance = std::max(ray.norm(), kNearestSeenM);
   const Vec3 direction = ray / distance;
   cues.visibility = in_frustum(view_query, pair.point_m, pair.extent_m) ? 1.0 : policy.outside_frustum;
   const double along = std::min(1.0, std::abs(direction.dot(pair.normal)));

@@ -6,6 +6,11 @@
 
 namespace poise::simulation {
 
+/// Nearer than this nothing gets larger: a contact at the eye must not outweigh the world. Chosen.
+inline constexpr double kNearestSeenM = 0.05;
+/// The least part of an error that is seen across the view ray. Chosen.
+inline constexpr double kLeastAcross = 0.1;
+
 /// Where and how a pair meets, for the viewer's sake.
 struct PairView {
   Vec3 point_m = Vec3::Zero();  ///< world frame

@@ -180,9 +180,9 @@ TEST(Budget, NoMorePairsAreRankedThanThereIsTimeForAndTheOthersHaveTheirTurnTheS
   ASSERT_GE(table.chunks(), 15U);
   EXPECT_EQ(report.pairs_ranked, refinable());
   for (int i = 0; i < 8; ++i) {
-    // Ranking may take a tenth of an hour; all pairs would take 2.5 times that.
+    // All pairs would take 2.5 times as long as ranking may.
     const double hour_ns = 3.6e12;
-    report = step_with(2.5 * 0.1 * hour_ns / refinable());
+    report = step_with(2.5 * simulation::kRankingShare * hour_ns / refinable());
     EXPECT_GT(report.pairs_ranked, 0U);
     EXPECT_LT(report.pairs_ranked, 0.6 * refinable());
     EXPECT_EQ(report.pairs_left, 0U) << "there was an hour for them";
@@ -214,7 +214,7 @@ TEST(Budget, AHostIsAskedOfPairsThatThereIsTimeToRankAndOfNoOthers) {
   };
   for (int i = 0; i < 100; ++i) step_with(30);
   const double refinable = world.outputs.table.known_of_chunk.back().refinable;
-  const FrameReport report = step_with(2.5 * 0.1 * 3.6e12 / refinable);
+  const FrameReport report = step_with(2.5 * simulation::kRankingShare * 3.6e12 / refinable);
   EXPECT_GT(report.pairs_ranked, 0U);
   EXPECT_EQ(asked.load(), report.pairs_ranked);
   EXPECT_GT(report.pairs_left, 0U);
@@ -238,7 +238,7 @@ TEST(Budget, APairIsServedWhereItWasRankedLast) {
   };
   for (int i = 0; i < 100; ++i) step_with(30);
   const auto refinable = static_cast<double>(table.known_of_chunk.back().refinable);
-  const FrameReport report = step_with(4 * 0.1 * 3.6e12 / refinable);
+  const FrameReport report = step_with(4 * simulation::kRankingShare * 3.6e12 / refinable);
   ASSERT_LT(report.pairs_ranked, 0.6 * refinable);
   FrameDecisions decisions;
   stage.world.decisions(decisions);

@@ -17,29 +17,34 @@ inline double protrusion_m(const SceneView& scene, const ActivePair& pair, std::
   return static_cast<double>(scene.facts_of(pair.a).error_m[level] + scene.facts_of(pair.b).error_m[level]);
 }
 
+// No error is expected to be smaller.
+inline constexpr double kLeastErrorM = 1e-9;
+
 inline double relative_separation(double separation_m, double error_m) {
-  constexpr double kLeastError = 1e-9;
-  return separation_m / std::max(error_m, kLeastError);
+  return separation_m / std::max(error_m, kLeastErrorM);
 }
 
-/// Measures the cue *touch*: the separation of a pair as far as it is known, over the error that is expected of that;
-/// negative where the surfaces overlap. What is cached is wrong by what has moved since, what the root spheres say by
-/// what they protrude.
-inline double known_separation(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair) {
+/// The separation of a pair as far as it is known. What is cached is wrong by what has moved since, what the root
+/// spheres say by what they protrude.
+struct KnownSeparation {
+  bool by_roots = false;    ///< the root spheres know it (coarsest_separation_m), and nobody else
+  double separation_m = 0;  ///< otherwise; negative where the surfaces overlap
+  double error_m = 0;       ///< that is expected of it
+};
+inline KnownSeparation known_separation_of(const SceneView& scene, const ActivePair& pair) {
   const CachedPair& cached = pair.cached;
-  double separation_m = 0;
-  double error_m = 0;
   if (cached.point_count > 0) {
-    separation_m = cached.nearest_m;
-    error_m = kExpected * cached.moved_m + kExpectedOfCached * protrusion_m(scene, pair, cached.level);
-  } else if (cached.apart && cached.reach_m > 0) {
-    separation_m = cached.reach_m;
-    error_m = kExpected * cached.moved_m;
-  } else {
-    separation_m = coarsest_separation_m(motion, pair);
-    error_m = kExpected * protrusion_m(scene, pair, 0);
+    return {false, cached.nearest_m,
+            kExpected * cached.moved_m + kExpectedOfCached * protrusion_m(scene, pair, cached.level)};
   }
-  return relative_separation(separation_m, error_m);
+  if (cached.apart && cached.reach_m > 0) return {false, cached.reach_m, kExpected * cached.moved_m};
+  return {true, 0, kExpected * protrusion_m(scene, pair, 0)};
+}
+
+/// Measures the cue *touch*: that separation over the error that is expected of it.
+inline double known_separation(const SceneView& scene, const PredictedMotion& motion, const ActivePair& pair) {
+  const KnownSeparation known = known_separation_of(scene, pair);
+  return relative_separation(known.by_roots ? coarsest_separation_m(motion, pair) : known.separation_m, known.error_m);
 }
 
 /// The same of a pair of which a level has just been completed: by what that has found.

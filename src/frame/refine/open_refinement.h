@@ -25,6 +25,26 @@ struct RefinementNote {
 /// A chunk of the pair table, and where the first of its pairs is put into the order of turns.
 struct ChunkOfTurns {
   std::uint32_t chunk = 0, position = 0;
+  bool ranked = false;  ///< else they have their turn where they had it last
+};
+
+/// By how many bands pairs are ahead for having waited (scheduler::waited_bands), by PairProgress::waited. Logarithms
+/// that are the same in all frames of a policy.
+class WaitedBands {
+ public:
+  void set(const scheduler::Policy& policy) {
+    if (policy.kind == kind_ && policy.waiting == weight_) return;
+    kind_ = policy.kind;
+    weight_ = policy.waiting;
+    for (std::uint32_t frames = 0; frames < bands_.size(); ++frames)
+      bands_[frames] = scheduler::waited_bands(policy, frames);
+  }
+  [[nodiscard]] std::uint32_t of(const PairProgress& pair) const { return bands_[pair.waited]; }
+
+ private:
+  scheduler::PolicyKind kind_{};
+  double weight_ = -1;  // none
+  std::array<std::uint32_t, 256> bands_{};
 };
 
 /// What the workers of a refinement under a deadline read and write before they publish a level. It belongs to the
@@ -46,9 +66,10 @@ struct OpenRefinement {
     parallel::Executor& executor;
     scheduler::FrameFacts facts;
     scheduler::FrameBudget budget;
-    double solved_share = 1;     ///< of the pairs not found separated
-    std::uint32_t block = 1;     ///< pairs that a worker takes of the order of turns at once
-    double entry_cost_ns = 0;    ///< of making contact points, an entry (entries_of_points), by all workers together
+    double solved_share = 1;   ///< of the pairs not found separated
+    std::uint32_t block = 1;   ///< pairs that a worker takes of the order of turns at once
+    double entry_cost_ns = 0;  ///< of making contact points, an entry (entries_of_points), by all workers together
+    bool cues_kept = true;     ///< CompletedLevels::cues has those of pairs that were ranked; else they are found again
     DecisionLog* log = nullptr;  ///< of a step that is recorded
   };
   /// What a job has found out of one pair.
@@ -57,7 +78,8 @@ struct OpenRefinement {
     PairProgress progress;
     collision::LevelContact found;
     Outcome ended = Outcome::Completed;  ///< of the last level
-    bool newly_ranked = false;           ///< by this job; then `cues` are those that were found
+    bool newly_ranked = false;           ///< by this job
+    bool has_cues = false;               ///< `cues` are those of the pair
     scheduler::PairCues cues;
     bool completed = false;        ///< at least one level
     bool again = false;            ///< the next level has its turn later, in this band
@@ -87,6 +109,7 @@ struct OpenRefinement {
   std::optional<parallel::Shares> chunks_in_order;  ///< there: pairs go as they stand, whatever their score
   SteadyClock::time_point in_order_until{};         ///< but no longer than this
   TurnOrder turns;                                  ///< of those that are ranked
+  WaitedBands waited_bands;                         ///< of the run
   std::vector<Batch> batches;                       ///< one a worker
   std::vector<std::uint32_t> chunks;                // scratch: of pairs that are ranked
   std::vector<ChunkOfTurns> chunks_of_turns;        // scratch

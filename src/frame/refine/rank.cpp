@@ -7,14 +7,13 @@
 
 #include "frame/refine/open_refinement.h"
 #include "frame/refine/pair_cues.h"
+#include "frame/refine/score_lanes.h"
 #include "parallel/ranges.h"
 #include "poise/scheduler/bands.h"
 
 namespace poise::simulation {
 namespace {
 
-// Of the time until the cut. Chosen: what is not ranked has its turn where it had it last, and is ranked when it comes.
-constexpr double kShare = 0.1;
 // What it takes to give a pair its turn where it had it last, by all workers together; above what is measured. Chosen.
 constexpr double kListingNs = 6;
 // Of the time for ranking, what may go into that at most. Chosen.
@@ -22,47 +21,71 @@ constexpr double kListingShare = 0.5;
 // Cues are measured where bodies and points lie, anywhere in memory: prefetched so many pairs ahead.
 constexpr std::size_t kAhead = 6;
 
+double seen_radpm(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
+  return cues.visibility * (cues.hidden ? policy.hidden_visibility : 1.0) * cues.angle_radpm;
+}
+std::uint8_t seen_band(double radpm) {
+  return static_cast<std::uint8_t>(std::clamp<std::uint32_t>(scheduler::octave_band(radpm), 1, scheduler::kBands - 1));
+}
+
+// What ranking finds of a pair, once its score is known; `waited`: the bands that it is ahead for having waited.
+RankedPair note_score(const scheduler::Policy& policy, double score, double radpm, std::uint32_t waited,
+                      PairProgress& pair) {
+  RankedPair ranked;
+  pair.seen = seen_band(radpm);
+  ranked.left_out = scheduler::left_out(policy, score);
+  ranked.band = scheduler::band_of(policy, score);
+  pair.turn = turn_at(ranked.band);
+  if (ranked.left_out && pair.stop == Stop::None) pair.stop = Stop::Unseen;
+  pair.band = static_cast<std::uint8_t>(std::max(ranked.band, waited + 1) - waited);
+  pair.ranked = true;
+  return ranked;
+}
+
 // Gives the pairs their turns, and finds these of those of some chunks.
 class Ranking {
  public:
   Ranking(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
           CompletedLevels& levels)
-      : input_(input), turns_(resources.open.turns), facts_(facts), levels_(levels), source_(input) {}
+      : input_(input),
+        turns_(resources.open.turns),
+        waited_bands_(resources.open.waited_bands),
+        facts_(facts),
+        levels_(levels),
+        source_(input) {
+    resources.open.waited_bands.set(input.policy);
+  }
 
-  void rank(std::span<const ChunkOfTurns> chunks, parallel::Executor& executor) {
-    const bool distant = input_.table.size() > parallel::kPairsAtHand;
+  // As many as there is time for until then.
+  void rank(std::span<ChunkOfTurns> chunks, SteadyClock::time_point until, parallel::Executor& executor) {
+    const bool in_lanes = scores_in_lanes(input_.policy);
     parallel::parallel_for(executor, chunks.size(), 1, [&](std::size_t first, std::size_t past, int) {
       Sums sums;
-      for (const ChunkOfTurns& chunk : chunks.subspan(first, past - first)) {
-        const std::size_t end = input_.table.end_of(chunk.chunk);
-        std::size_t position = chunk.position;
-        for (std::size_t i = input_.table.begin_of(chunk.chunk); i < end; ++i) {
-          if (distant && i + kAhead < end && waits(i + kAhead))
-            source_.prefetch(static_cast<std::uint32_t>(i + kAhead));
-          if (waits(i)) rank_pair(position++, static_cast<std::uint32_t>(i), sums);
-        }
+      LaneScorer scorer(input_);
+      for (ChunkOfTurns& chunk : chunks.subspan(first, past - first)) {
+        chunk.ranked = executor.time() < until;
+        if (!chunk.ranked) continue;
+        in_lanes ? rank_in_lanes(chunk, scorer, sums) : rank_one_by_one(chunk, sums);
       }
       ranked_.add(sums.ranked);
       refused_.add(sums.refused);
       band_sum_.add(sums.bands);
     });
   }
-  // Without ranking them, where they had their turn last; new ones where those that were ranked are in the mean. A job
-  // ranks them when it comes to them.
+  // The others, where they had their turn last; new ones where those that were ranked are in the mean. A job ranks them
+  // when it comes to them.
   void list(std::span<const ChunkOfTurns> chunks, parallel::Executor& executor) {
-    if (chunks.empty()) return;
+    if (std::ranges::all_of(chunks, &ChunkOfTurns::ranked)) return;
     const std::uint64_t ranked = std::max<std::uint64_t>(ranked_.get(), 1);
     const auto mean = static_cast<std::uint32_t>(band_sum_.get() / ranked);
-    std::array<std::uint32_t, 256> waited_bands;
-    for (std::uint32_t frames = 0; frames < waited_bands.size(); ++frames)
-      waited_bands[frames] = scheduler::waited_bands(input_.policy, frames);
     parallel::parallel_for(executor, chunks.size(), 16, [&](std::size_t first, std::size_t past, int) {
       for (const ChunkOfTurns& chunk : chunks.subspan(first, past - first)) {
+        if (chunk.ranked) continue;
         std::size_t position = chunk.position;
         for (std::size_t i = input_.table.begin_of(chunk.chunk); i < input_.table.end_of(chunk.chunk); ++i) {
           if (!waits(i)) continue;
           const PairProgress& pair = levels_.progress[i];
-          const std::uint32_t band = pair.band > 0 ? pair.band + waited_bands[pair.waited] : mean;
+          const std::uint32_t band = pair.band > 0 ? pair.band + waited_bands_.of(pair) : mean;
           turns_.put(position++, static_cast<std::uint32_t>(i), turn_at(band));
         }
       }
@@ -76,10 +99,45 @@ class Ranking {
     std::uint64_t ranked = 0, refused = 0, bands = 0;
   };
   [[nodiscard]] bool waits(std::size_t i) const { return levels_.progress[i].refinable() && !levels_.progress[i].full; }
+  // Calls use(position, pair) for those that wait.
+  template <class Use>
+  void for_waiting(const ChunkOfTurns& chunk, Use&& use) {
+    const bool distant = input_.table.size() > parallel::kPairsAtHand;
+    const std::size_t end = input_.table.end_of(chunk.chunk);
+    std::size_t position = chunk.position;
+    for (std::size_t i = input_.table.begin_of(chunk.chunk); i < end; ++i) {
+      if (distant && i + kAhead < end && waits(i + kAhead)) source_.prefetch(static_cast<std::uint32_t>(i + kAhead));
+      if (waits(i)) use(position++, static_cast<std::uint32_t>(i));
+    }
+  }
+  void rank_one_by_one(const ChunkOfTurns& chunk, Sums& sums) {
+    for_waiting(chunk, [&](std::size_t position, std::uint32_t item) { rank_pair(position, item, sums); });
+  }
   void rank_pair(std::size_t position, std::uint32_t item, Sums& sums) {
     PairProgress& pair = levels_.progress[item];
-    const RankedPair ranked =
-        ranked_pair(input_, source_, facts_, item, pair, levels_.found.of(pair).contact, levels_.cues[item]);
+    put(position, item,
+        ranked_pair(input_, source_, facts_, item, pair, levels_.found.of(pair).contact, levels_.cues[item]), sums);
+  }
+  void rank_in_lanes(const ChunkOfTurns& chunk, LaneScorer& scorer, Sums& sums) {
+    std::array<std::uint32_t, LaneScorer::kMostPairs> waiting;
+    std::array<std::size_t, LaneScorer::kMostPairs> positions;
+    std::size_t count = 0;
+    for_waiting(chunk, [&](std::size_t position, std::uint32_t item) {
+      // One that backtracking has refined is scored by what that found.
+      if (levels_.progress[item].level.level > 0) return rank_pair(position, item, sums);
+      waiting[count] = item;
+      positions[count++] = position;
+    });
+    if (count == 0) return;
+    LaneScorer::Scored scored;
+    scorer.score(std::span(waiting).first(count), levels_.progress, scored);
+    for (std::size_t k = 0; k < count; ++k) {
+      PairProgress& pair = levels_.progress[waiting[k]];
+      put(positions[k], waiting[k],
+          note_score(input_.policy, scored.score(k), scored.seen_radpm(k), waited_bands_.of(pair), pair), sums);
+    }
+  }
+  void put(std::size_t position, std::uint32_t item, const RankedPair& ranked, Sums& sums) {
     ++sums.ranked;
     sums.refused += ranked.refused ? 1U : 0U;
     sums.bands += ranked.band;
@@ -88,6 +146,7 @@ class Ranking {
 
   const RefineInput& input_;
   TurnOrder& turns_;
+  const WaitedBands& waited_bands_;
   const scheduler::FrameFacts& facts_;
   CompletedLevels& levels_;
   PairCueSource source_;
@@ -101,7 +160,7 @@ std::size_t positions_of(const PairTable& table, std::span<const std::uint32_t> 
   chunks.clear();
   std::size_t positions = 0;
   const auto add = [&](std::size_t chunk) {
-    chunks.push_back({static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(positions)});
+    chunks.push_back({static_cast<std::uint32_t>(chunk), static_cast<std::uint32_t>(positions), false});
     positions += table.known_of_chunk[chunk].refinable;
   };
   for (const std::uint32_t chunk : chosen) add(chunk);
@@ -119,9 +178,7 @@ std::size_t positions_of(const PairTable& table, std::span<const std::uint32_t> 
 }  // namespace
 
 std::uint8_t seen_band(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
-  const double visibility = cues.visibility * (cues.hidden ? policy.hidden_visibility : 1.0);
-  const std::uint32_t band = scheduler::octave_band(visibility * cues.angle_radpm);
-  return static_cast<std::uint8_t>(std::clamp<std::uint32_t>(band, 1, scheduler::kBands - 1));
+  return seen_band(seen_radpm(policy, cues));
 }
 
 void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most, std::vector<std::uint32_t>& chosen) {
@@ -151,17 +208,11 @@ void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most
 RankedPair ranked_pair(const RefineInput& input, const PairCueSource& source, const scheduler::FrameFacts& facts,
                        std::uint32_t item, PairProgress& pair, const collision::PairContact& found,
                        scheduler::PairCues& cues) {
-  RankedPair ranked;
-  ranked.refused = !source.fill(item, cues);
-  pair.seen = seen_band(input.policy, cues);
+  const bool refused = !source.fill(item, cues);
   const double score = score_of(input, facts, cues, pair, found, item);
-  ranked.left_out = scheduler::left_out(input.policy, score);
-  ranked.band = scheduler::band_of(input.policy, score);
-  pair.turn = turn_at(ranked.band);
-  if (ranked.left_out && pair.stop == Stop::None) pair.stop = Stop::Unseen;
-  const std::uint32_t waited = scheduler::waited_bands(input.policy, pair.waited);
-  pair.band = static_cast<std::uint8_t>(std::max(ranked.band, waited + 1) - waited);
-  pair.ranked = true;
+  RankedPair ranked = note_score(input.policy, score, seen_radpm(input.policy, cues),
+                                 scheduler::waited_bands(input.policy, pair.waited), pair);
+  ranked.refused = refused;
   return ranked;
 }
 
@@ -171,7 +222,7 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
   const PairTable& table = input.table;
   const std::size_t refinable = table.known_of_chunk.back().refinable;
   double& rank_cost_ns = resources.forecasts.rank_cost_ns;
-  const double allowed_ns = kShare * static_cast<double>((cut - start).count());
+  const double allowed_ns = kRankingShare * static_cast<double>((cut - start).count());
   const double listing_ns = kListingNs * static_cast<double>(refinable);
   // A host's function is called here alone: nobody waits for a job that the system holds up.
   const bool lists = listing_ns < kListingShare * allowed_ns && input.policy.cue.function == nullptr;
@@ -182,12 +233,12 @@ bool rank_pairs(const RefineInput& input, const RefineResources& resources, cons
   OpenRefinement& open = resources.open;
   choose_chunks(table, input.frame, most, open.chunks);
   open.turns.begin(positions_of(table, open.chunks, lists, open.chunks_of_turns));
-  const std::span<const ChunkOfTurns> chunks = open.chunks_of_turns;
+  const std::span<ChunkOfTurns> chunks = open.chunks_of_turns;
   resources.bands.reset(static_cast<std::uint32_t>(table.size()));
   Ranking ranking(input, resources, facts, levels);
-  ranking.rank(chunks.first(open.chunks.size()), executor);
+  ranking.rank(chunks.first(open.chunks.size()), start + Nanoseconds(static_cast<std::int64_t>(allowed_ns)), executor);
   const Nanoseconds took = executor.time() - start;
-  ranking.list(chunks.subspan(open.chunks.size()), executor);
+  if (input.policy.cue.function == nullptr) ranking.list(chunks, executor);
   open.turns.make(executor);
   report.ranking += executor.time() - start;
   report.pairs_ranked = ranking.ranked();

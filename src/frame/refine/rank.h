@@ -9,11 +9,15 @@
 
 namespace poise::simulation {
 
+/// Of the time until the cut, what ranking may take at most. Measured: docs/priorities.md.
+inline constexpr double kRankingShare = 0.5;
+
 /// Ranking under a deadline: puts the pairs whose turn may come in this frame where their turn is. It takes a part of
-/// the time until the cut at most. Where that will not do for all pairs, half of it is for the chunks of pairs that
-/// were seen best when they were ranked last, and half for the others in turn; pairs that are not ranked have their
-/// turn where they had it when they were ranked last, if there is time to put them there and no host has a cue, and are
-/// ranked by the job that takes them. False where there is no time for any.
+/// the time until the cut at most (kRankingShare), by its forecast and by the clock. Where that will not do for all
+/// pairs, half of it is for the chunks of pairs that were seen best when they were ranked last, and half for the others
+/// in turn; pairs that are not ranked have their turn where they had it when they were ranked last, if there is time to
+/// put them there and no host has a cue, and are ranked by the job that takes them. False where there is no time for
+/// any.
 bool rank_pairs(const RefineInput& input, const RefineResources& resources, const scheduler::FrameFacts& facts,
                 SteadyClock::time_point start, SteadyClock::time_point cut, CompletedLevels& levels,
                 FrameReport& report, parallel::Executor& executor);

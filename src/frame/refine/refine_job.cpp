@@ -76,7 +76,7 @@ class OpenRefinement::Job {
       // Not by what was found, which the caller may be writing (make_points_left).
       hand.due_before = known.points_due ? entries_of_points(known.level) : 0;
       hand.ended = Outcome::Completed;
-      hand.completed = hand.again = hand.newly_ranked = false;
+      hand.completed = hand.again = hand.newly_ranked = hand.has_cues = false;
       if (!in_order() && !hand.progress.ranked && !rank(hand)) continue;
       // Not of the copy, which is still being written.
       if (!admits(known.level.next_units)) return stop();
@@ -188,7 +188,7 @@ class OpenRefinement::Job {
 
   // Of a pair that waited where it was ranked in an earlier frame. False: it has its turn later, or none.
   bool rank(Hand& hand) {
-    hand.newly_ranked = true;
+    hand.newly_ranked = hand.has_cues = true;
     const RankedPair ranked = ranked_pair(run_.input, *open_.cues, run_.facts, hand.item, hand.progress,
                                           run_.levels.found.of(hand.progress).contact, hand.cues);
     hand.band = ranked.band;
@@ -196,8 +196,12 @@ class OpenRefinement::Job {
     hand.again = !ranked.left_out && !now;
     return !ranked.left_out && now;
   }
-  [[nodiscard]] const scheduler::PairCues& cues_of(const Hand& hand) const {
-    return hand.newly_ranked ? hand.cues : run_.levels.cues[hand.item];
+  [[nodiscard]] const scheduler::PairCues& cues_of(Hand& hand) const {
+    if (hand.has_cues) return hand.cues;
+    if (run_.cues_kept) return run_.levels.cues[hand.item];
+    open_.cues->fill(hand.item, hand.cues);
+    hand.has_cues = true;
+    return hand.cues;
   }
 
   // Levels of the pair, in this worker's own memory.
@@ -277,7 +281,7 @@ class OpenRefinement::Job {
       pair.stop = hand.progress.stop;
       if (hand.newly_ranked) {
         pair.ranked = true;
-        run_.levels.cues[hand.item] = hand.cues;
+        if (run_.cues_kept) run_.levels.cues[hand.item] = hand.cues;
       }
       if (hand.completed) {
         const bool was_apart = pair.apart();

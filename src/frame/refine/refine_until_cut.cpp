@@ -6,6 +6,7 @@
 #include "frame/budget/frame_time.h"
 #include "frame/refine/open_refinement.h"
 #include "frame/refine/rank.h"
+#include "frame/refine/score_lanes.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/shared_counters.h"
 
@@ -159,9 +160,10 @@ void refine_until_cut(const RefineInput& input, const RefineResources& resources
   levels.waits = {};
   const FramePlan plan = plan_frame(input, start, forecasts, levels, report, executor);
   OpenRefinement& open = resources.open;
-  open.run.emplace(OpenRefinement::Run{
-      input, resources.pools, resources.bands, levels, executor, facts, plan.budget, forecasts.solved_share,
-      block_of(input, plan.budget, forecasts, levels.tallies.size()), forecasts.entry_cost_ns, resources.log});
+  open.run.emplace(OpenRefinement::Run{input, resources.pools, resources.bands, levels, executor, facts, plan.budget,
+                                       forecasts.solved_share,
+                                       block_of(input, plan.budget, forecasts, levels.tallies.size()),
+                                       forecasts.entry_cost_ns, !scores_in_lanes(input.policy), resources.log});
   open.cues.emplace(open.run->input);
   reserve_for_jobs(input.table, levels.tallies.size(), resources);
   open.contacts.set(plan.present);
