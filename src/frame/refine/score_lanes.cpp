@@ -62,14 +62,14 @@ HWY_INLINE V arc_cosine(Doubles d, V x) {
 }
 
 // Where the pairs of some lanes meet, and what moves there.
-struct Meeting {
+struct PlaceLanes {
   Three point, normal;
   V closing_mps;
   V separation_m;  // of the root spheres
 };
 
 // As place_of, surface_closing_mps and coarsest_separation_m.
-HWY_INLINE Meeting meet(Doubles d, const LaneTerms& terms, const LanePairs& pairs, std::size_t lane) {
+HWY_INLINE PlaceLanes place(Doubles d, const LaneTerms& terms, const LanePairs& pairs, std::size_t lane) {
   const std::uint32_t* const slots_a = pairs.a + lane;
   const std::uint32_t* const slots_b = pairs.b + lane;
   const lanes::Columns<V> at_a = lanes::gather(d, terms.bounds, slots_a, 0);
@@ -92,7 +92,7 @@ HWY_INLINE Meeting meet(Doubles d, const LaneTerms& terms, const LanePairs& pair
   const V per_distance = hn::Div(hn::Set(d, 1), hn::IfThenElse(apart, distance, hn::Set(d, 1)));
   const Three direction =
       choose(apart, lanes::scaled(per_distance, between), {hn::Zero(d), hn::Zero(d), hn::Set(d, 1)});
-  Meeting at;
+  PlaceLanes at;
   at.normal = choose(plane, negative(position_b), direction);
   const auto by_a = hn::Or(plane, hn::Le(radius_a, radius_b));
   const V reach_a = hn::IfThenElse(plane, radius_a, hn::Min(radius_a, distance));
@@ -135,12 +135,12 @@ HWY_INLINE Meeting meet(Doubles d, const LaneTerms& terms, const LanePairs& pair
 }
 
 // What the viewer sees of them.
-struct Sight {
+struct ViewLanes {
   V visibility, angle_radpm, eccentricity_rad;
 };
 
 // As cues_of.
-HWY_INLINE Sight see(Doubles d, const LaneTerms& terms, const Meeting& at, V extent_m) {
+HWY_INLINE ViewLanes view(Doubles d, const LaneTerms& terms, const PlaceLanes& at, V extent_m) {
   const ViewQuery& query = *terms.view;
   const scheduler::Policy& policy = *terms.policy;
   if (!query.view.present) return {hn::Set(d, 1), hn::Set(d, policy.plain_angle_radpm), hn::Zero(d)};
@@ -156,13 +156,13 @@ HWY_INLINE Sight see(Doubles d, const LaneTerms& terms, const Meeting& at, V ext
   const auto inside = hn::And(hn::Ge(depth, hn::Neg(extent_m)),
                               hn::And(hn::Lt(beyond(query.up, query.tangent_up, query.per_up), extent_m),
                                       hn::Lt(beyond(query.right, query.tangent_right, query.per_right), extent_m)));
-  Sight sight;
-  sight.visibility = hn::IfThenElse(inside, hn::Set(d, 1), hn::Set(d, policy.outside_frustum));
+  ViewLanes seen;
+  seen.visibility = hn::IfThenElse(inside, hn::Set(d, 1), hn::Set(d, policy.outside_frustum));
   const V along = hn::Min(hn::Set(d, 1), hn::Abs(lanes::dot(direction, at.normal)));
   const V across = hn::Sqrt(hn::Sub(hn::Set(d, 1), hn::Mul(along, along)));
-  sight.angle_radpm = hn::Mul(hn::Max(hn::Set(d, kLeastAcross), across), per_distance);
-  sight.eccentricity_rad = arc_cosine(d, lanes::dot(direction, all(d, query.view.gaze)));
-  return sight;
+  seen.angle_radpm = hn::Mul(hn::Max(hn::Set(d, kLeastAcross), across), per_distance);
+  seen.eccentricity_rad = arc_cosine(d, lanes::dot(direction, all(d, query.view.gaze)));
+  return seen;
 }
 
 // As the cue.
@@ -181,15 +181,15 @@ void score(const LaneTerms& terms, const LanePairs& pairs, LaneScores& scores) {
   const scheduler::Policy& policy = *terms.policy;
   const V one = hn::Set(d, 1);
   for (std::size_t lane = 0; lane < kScoredAtOnce; lane += hn::Lanes(d)) {
-    const Meeting at = meet(d, terms, pairs, lane);
-    const Sight sight = see(d, terms, at, hn::Load(d, pairs.extent_m + lane));
+    const PlaceLanes at = place(d, terms, pairs, lane);
+    const ViewLanes seen = view(d, terms, at, hn::Load(d, pairs.extent_m + lane));
     const V separation_m =
         hn::IfThenElse(set_in(d, pairs.by_roots + lane), at.separation_m, hn::Load(d, pairs.separation_m + lane));
     const V most = hn::Set(d, scheduler::kMostFactor);
     const V eccentricity =
-        hn::Div(one, hn::Add(one, hn::Div(sight.eccentricity_rad, hn::Set(d, policy.eccentricity_e2_rad))));
+        hn::Div(one, hn::Add(one, hn::Div(seen.eccentricity_rad, hn::Set(d, policy.eccentricity_e2_rad))));
     const V closing = hn::Add(one, hn::Div(hn::Min(at.closing_mps, most), hn::Set(d, policy.closing_scale_mps)));
-    V weight = raised(d, bounded(d, sight.visibility, 1), policy.frustum);
+    V weight = raised(d, bounded(d, seen.visibility, 1), policy.frustum);
     const auto weigh = [&](V factor, double exponent) HWY_ATTR {
       if (exponent != 0) weight = hn::Mul(weight, raised(d, factor, exponent));
     };
@@ -200,10 +200,10 @@ void score(const LaneTerms& terms, const LanePairs& pairs, LaneScores& scores) {
     weigh(touch(d, separation_m, hn::Load(d, pairs.error_m + lane)), policy.touch);
     const V plain = hn::Set(d, policy.plain_angle_radpm);
     const V angle =
-        hn::Mul(plain, raised(d, hn::Div(bounded(d, sight.angle_radpm, scheduler::kMostFactor), plain), policy.size));
+        hn::Mul(plain, raised(d, hn::Div(bounded(d, seen.angle_radpm, scheduler::kMostFactor), plain), policy.size));
     const V gain = hn::Mul(hn::Mul(hn::Set(d, policy.chance_of_ending), angle), hn::Load(d, pairs.gain_m + lane));
     hn::Store(bounded(d, hn::Mul(weight, gain), scheduler::kMostScore), d, scores.score + lane);
-    hn::Store(hn::Mul(sight.visibility, sight.angle_radpm), d, scores.seen_radpm + lane);
+    hn::Store(hn::Mul(seen.visibility, seen.angle_radpm), d, scores.seen_radpm + lane);
   }
 }
 
@@ -214,7 +214,7 @@ HWY_AFTER_NAMESPACE();
 namespace poise::simulation {
 namespace {
 
-// As meet() reads them.
+// As place() reads them.
 static_assert(offsetof(BodyBounds, root_center_m) == 4 * sizeof(double) &&
               offsetof(BodyBounds, velocity_mps) == 8 * sizeof(double) &&
               offsetof(collision::Pose, rotation) == 3 * sizeof(double) &&
