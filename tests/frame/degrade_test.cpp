@@ -97,7 +97,11 @@ TEST(Degrade, RefinementHasAFifthOfAFrameWhoseReserveWouldTakeItAll) {
   const simulation::FramePlan tight_plan = plan(left, kMany, tight);
   EXPECT_FALSE(tight.infeasible_forecast);
   EXPECT_EQ(tight.degraded.substeps, 0) << "it comes out of the margin: with fewer substeps a heap sinks";
-  const scheduler::TimePoint fits = now + left - tight_plan.budget.tail_forecast(tight_plan.expected);
+  const Nanoseconds forecast = tight_plan.budget.tail_forecast(tight_plan.expected);
+  const double margin_ns = (tight_plan.budget.margin - 1) * static_cast<double>(forecast.count());
+  const Nanoseconds kept(static_cast<std::int64_t>(simulation::kMarginLeft * margin_ns));
+  ASSERT_GT(kept, Nanoseconds(0));
+  const scheduler::TimePoint fits = now + left - forecast - kept;
   EXPECT_GT(tight_plan.budget.cut(tight_plan.expected), now);
   EXPECT_GE(tight_plan.budget.cut(tight_plan.expected), std::min(now + left / 5, fits));
   FrameReport known;

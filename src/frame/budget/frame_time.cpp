@@ -175,8 +175,11 @@ void make_room(const RefineInput& input, Nanoseconds host, SteadyClock::time_poi
   const double all_ns = forecasts.pair_cost.by_score_ns * levels.known.refinable;
   const Nanoseconds share = share_of_refinement(all_ns, plan.deadline - now);
   if (share <= Nanoseconds(0)) return;
+  // Out of the margin, but not all of it: a tail takes longer than its forecast as often as not.
   const auto give_share = [&] {
-    const auto fits = plan.deadline - host - plan.budget.tail_forecast(plan.expected);
+    const Nanoseconds forecast = plan.budget.tail_forecast(plan.expected);
+    const double left_ns = kMarginLeft * std::max(plan.budget.margin - 1, 0.0) * ns_of(forecast);
+    const auto fits = plan.deadline - host - forecast - Nanoseconds(static_cast<std::int64_t>(left_ns));
     plan.budget.earliest_cut = std::min(now + share, fits);
   };
   give_share();

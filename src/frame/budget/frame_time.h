@@ -14,6 +14,9 @@ namespace poise::simulation {
 /// wrong costs a frame and makes none late. Chosen.
 inline constexpr double kInOrderOfTime = 0.5, kInOrderOfSlices = 0.9;
 
+/// Where the share of refinement comes out of the margin of the tail, so much of it is left. Chosen.
+inline constexpr double kMarginLeft = 0.25;
+
 /// A step in slices has as many frames as it takes for so much of what refinement has to do, by score. Chosen: more
 /// than the third without which islands wait (frame_time.cpp), and what steps that are done at once again have time
 /// for.

@@ -96,9 +96,13 @@ struct OpenRefinement {
     std::uint32_t next = 0, past = 0;
     bool looks = false;                 ///< of a chunk: how well they are seen is found out again
     std::vector<RefinementNote> notes;  ///< of a step that is recorded
+    std::vector<std::uint32_t> due;     ///< pairs that this worker's jobs left with contact points due
 
-    /// For all that one job can note.
-    void reserve() { notes.reserve(kMost * (kPolygonBin + 2)); }
+    /// For all that one job can note, and of so many pairs.
+    void reserve(std::size_t pairs) {
+      notes.reserve(kMost * (kPolygonBin + 2));
+      due.reserve(pairs);
+    }
   };
   std::optional<Run> run;
   std::optional<PairCueSource> cues;                ///< of the run
@@ -112,6 +116,7 @@ struct OpenRefinement {
   WaitedBands waited_bands;                         ///< of the run
   std::vector<Batch> batches;                       ///< one a worker
   std::vector<std::uint32_t> chunks;                // scratch: of pairs that are ranked
+  std::vector<std::uint32_t> due_pairs;             // scratch: of all workers
   std::vector<ChunkOfTurns> chunks_of_turns;        // scratch
 };
 

@@ -237,6 +237,18 @@ void make_points_left(const RefineInput& input, std::span<const collision::Front
   });
 }
 
+void make_points_of(std::span<const std::uint32_t> pairs, const RefineInput& input,
+                    std::span<const collision::FrontPool> pools, CompletedLevels& levels,
+                    parallel::Executor& executor) {
+  constexpr std::size_t kPointsGrain = 16;
+  parallel::parallel_for(executor, pairs.size(), kPointsGrain, [&](std::size_t begin, std::size_t end, int worker) {
+    for (const std::uint32_t index : pairs.subspan(begin, end - begin)) {
+      make_points_due(input.refiner(), posed(input.motion, input.table.pairs[index]), levels.progress[index],
+                      levels.found, pools, worker);
+    }
+  });
+}
+
 void refine(const RefineInput& given, const RefineResources& resources, CompletedLevels& levels, FrameReport& report,
             parallel::Executor& executor) {
   RefineInput input = given;

@@ -140,6 +140,10 @@ void refine(const RefineInput& input, const RefineResources& resources, Complete
 void make_points_left(const RefineInput& input, std::span<const collision::FrontPool> pools, CompletedLevels& levels,
                       parallel::Executor& executor);
 
+/// The same for those of some pairs, each of which is named once, that have points due.
+void make_points_of(std::span<const std::uint32_t> pairs, const RefineInput& input,
+                    std::span<const collision::FrontPool> pools, CompletedLevels& levels, parallel::Executor& executor);
+
 /// The first thing of the stage: all pairs as *coarse* left them.
 void begin_levels(const PairTable& table, CompletedLevels& levels, parallel::Executor& executor);
 

@@ -288,7 +288,9 @@ class OpenRefinement::Job {
         pair.level = hand.progress.level;
         run_.levels.found.keep(pair, hand.found, run_.input.table.pairs[hand.item].reach_m, worker_);
         if (pair.apart() != was_apart && !pair.held) more_contacts += was_apart ? 1 : -1;
+        const bool was_due = pair.points_due;
         pair.points_due = points_due(pair, hand.found);
+        if (pair.points_due && !was_due) batch_.due.push_back(hand.item);
         more_due += std::int64_t{pair.points_due ? entries_of_points(pair.level) : 0U} - hand.due_before;
       }
       if (hand.ended == Outcome::Full) pair.full = true;
