@@ -69,6 +69,8 @@ class LaneScorer {
 
   /// `input` must live as long.
   explicit LaneScorer(const RefineInput& input);
+  LaneScorer(const LaneScorer&) = delete;
+  LaneScorer& operator=(const LaneScorer&) = delete;
   /// Of at most kMostPairs pairs of which no level is completed in this frame.
   void score(std::span<const std::uint32_t> pairs, std::span<const PairProgress> progress, Scored& scored);
 
