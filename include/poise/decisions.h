@@ -64,7 +64,7 @@ struct LevelExplanation {
 
 /// What became of a pair in a step, and why it was not refined further. Each pair has exactly one.
 enum class PairOutcome : std::uint8_t {
-  KnownApart,   ///< cached as separated for the whole step
+  KnownApart,   ///< cached as separated for the whole step; few of these are active (FrameExplanation::pairs_apart)
   KnownPoints,  ///< cached contact points hold, and a deeper level would add nothing
   Mandatory,    ///< of a fast body: refined to its end whatever the budget
   FoundApart,   ///< refined and found separated
@@ -106,6 +106,7 @@ struct FrameExplanation {
   std::uint64_t frame = 0;
   scheduler::Policy policy;
   std::vector<PairExplanation> pairs;  ///< all active pairs, in order
+  std::size_t pairs_apart = 0;         ///< near, and known to be apart before: not active, for there is nothing to do
   /// Pair after pair, levels ascending; the order in time is FrameDecisions::steps.
   std::vector<LevelExplanation> levels;
 };

@@ -67,6 +67,20 @@ PairSource source_of(simulation::ContactState state) {
   return PairSource::Coarsest;
 }
 
+// Calls use(a, b, progress) for the slots of all near pairs of the last step, in canonical order.
+template <class Use>
+void for_each_near(const simulation::WorldState& world, const Use& use) {
+  const simulation::Frame& frame = world.outputs;
+  const simulation::PairTable& table = frame.table;
+  table.for_each_near([&](std::size_t i) { use(table.pairs[i].a, table.pairs[i].b, frame.levels.progress[i]); },
+                      [&](const simulation::CachedPair& pair) {
+                        simulation::PairProgress progress =
+                            simulation::progress_of_apart(world.scene(), table, frame.motion, pair);
+                        progress.held = frame.levels.held.holds(pair.low) || frame.levels.held.holds(pair.high);
+                        use(pair.low, pair.high, progress);
+                      });
+}
+
 std::uint8_t captured_level(const simulation::PairProgress& progress) {
   return progress.by_polygons() ? static_cast<std::uint8_t>(kPolygonBin)
                                 : std::min<std::uint8_t>(progress.solved_level(), kMaxTreeDepth);
@@ -139,16 +153,13 @@ void FrameObserver::find_levels() {
   if (run_.world().step_unfinished()) return;
   found_.assign(slots, 0);
   seen_.assign(slots, 0);
-  const simulation::Frame& frame = world.outputs;
-  for (std::size_t i = 0; i < frame.table.size(); ++i) {
-    const simulation::ActivePair& pair = frame.table.pairs[i];
-    const simulation::PairProgress& progress = frame.levels.progress[i];
+  for_each_near(world, [&](std::uint32_t a, std::uint32_t b, const simulation::PairProgress& progress) {
     const Level level = progress.by_polygons() ? kPolygonBin : std::min<Level>(progress.solved_level(), kMaxTreeDepth);
-    for (const std::uint32_t slot : {pair.a, pair.b}) {
+    for (const std::uint32_t slot : {a, b}) {
       found_[slot] = std::max(found_[slot], static_cast<std::uint8_t>(level + 1));
       seen_[slot] = std::max(seen_[slot], progress.seen);
     }
-  }
+  });
   for (std::size_t slot = 0; slot < slots; ++slot) {
     if (found_[slot] == 0 && world.bodies.asleep[slot] != 0) continue;
     level_[slot] = found_[slot];
@@ -173,16 +184,13 @@ void FrameObserver::find_contacts(SeenFrame& frame) const {
 void FrameObserver::find_pairs(SeenFrame& frame) const {
   if (run_.world().step_unfinished()) return;
   const simulation::WorldState& world = simulation::WorldAccess::of(run_.world());
-  const simulation::Frame& outputs = world.outputs;
   const auto error_m = [&](std::uint32_t slot, std::uint8_t level) {
     return level == kPolygonBin ? 0.0 : static_cast<double>(world.shapes[world.shape_of[slot]].error_m[level]);
   };
-  for (std::size_t i = 0; i < outputs.table.size(); ++i) {
-    const simulation::ActivePair& pair = outputs.table.pairs[i];
-    const simulation::PairProgress& progress = outputs.levels.progress[i];
+  for_each_near(world, [&](std::uint32_t a, std::uint32_t b, const simulation::PairProgress& progress) {
     SeenPair& seen = frame.pairs.emplace_back();
-    seen.a = number_[pair.a];
-    seen.b = number_[pair.b];
+    seen.a = number_[a];
+    seen.b = number_[b];
     seen.packed.state = static_cast<std::uint8_t>(source_of(progress.state()));
     if (progress.held) seen.packed.state |= kPairWaits;
     if (progress.refinable()) seen.packed.state |= kPairLeft;
@@ -190,11 +198,11 @@ void FrameObserver::find_pairs(SeenFrame& frame) const {
     seen.packed.deepest = progress.level.polygons ? static_cast<std::uint8_t>(kPolygonBin)
                                                   : std::min<std::uint8_t>(progress.level.deepest, kMaxTreeDepth);
     seen.packed.seen = progress.seen;
-    const double error = error_m(pair.a, seen.packed.level) + error_m(pair.b, seen.packed.level);
+    const double error = error_m(a, seen.packed.level) + error_m(b, seen.packed.level);
     seen.packed.error = static_cast<std::uint8_t>(scheduler::octave_band(error));
     seen.packed.outcome = static_cast<std::uint8_t>(static_cast<int>(outcome_of(progress)) + 1);
     seen.packed.turn = progress.turn;
-  }
+  });
 }
 
 Status FrameObserver::observe(SeenFrame& frame) {

@@ -26,34 +26,31 @@ constexpr double kSinkOfSize = 0.1;
 // Where no two nodes come within this much of the smaller body more, a pair that was found separated stays so for that
 // much longer.
 constexpr double kWideOfSize = 4 * kReachOfSize;
-constexpr std::size_t kCandidateGrain = PairTable::kMostOfChunk;
 
 // Goes through the cached pairs of the last step beside this frame's, both in canonical order, and marks those that it
 // meets.
 class CachedPairs {
  public:
-  CachedPairs(std::span<const CachedPair> cached, parallel::UnsetVector<std::uint8_t>& still_active, std::uint32_t low,
-              std::uint32_t high)
-      : begin_(cached.begin()),
-        at_(std::lower_bound(cached.begin(), cached.end(), std::pair(low, high), before)),
-        end_(cached.end()),
+  CachedPairs(std::span<const CachedPair> cached, parallel::UnsetVector<std::uint8_t>& still_active,
+              const collision::CandidatePair& lowest)
+      : cached_(cached),
+        at_(static_cast<std::size_t>(std::lower_bound(cached.begin(), cached.end(), lowest, before) - cached.begin())),
         still_active_(still_active) {}
-  void take(std::uint32_t low, std::uint32_t high, CachedPair& into) {
-    while (at_ != end_ && before(*at_, {low, high})) ++at_;
-    if (at_ != end_ && at_->low == low && at_->high == high) {
-      still_active_[static_cast<std::size_t>(at_ - begin_)] = 1;
-      into = *at_;
-      return;
-    }
-    CachedPair& none = *std::construct_at(&into);
-    none.low = low;
-    none.high = high;
+  /// Where that of a candidate is, or NearCandidate::kNone.
+  std::uint32_t find(const collision::CandidatePair& pair) {
+    while (at_ < cached_.size() && before(cached_[at_], pair)) ++at_;
+    if (at_ == cached_.size() || cached_[at_].low != pair.low || cached_[at_].high != pair.high)
+      return NearCandidate::kNone;
+    still_active_[at_] = 1;
+    return static_cast<std::uint32_t>(at_);
   }
 
  private:
-  using Key = std::pair<std::uint32_t, std::uint32_t>;
-  static bool before(const CachedPair& pair, const Key& key) { return Key(pair.low, pair.high) < key; }
-  std::span<const CachedPair>::iterator begin_, at_, end_;
+  static bool before(const CachedPair& cached, const collision::CandidatePair& pair) {
+    return std::pair(cached.low, cached.high) < std::pair(pair.low, pair.high);
+  }
+  std::span<const CachedPair> cached_;
+  std::size_t at_;
   parallel::UnsetVector<std::uint8_t>& still_active_;
 };
 
@@ -62,13 +59,13 @@ constexpr std::size_t kBoundsAhead = 8;
 struct Margin {
   double margin_m = 0, skin_m = 0;
 };
-Margin margin_of(const CoarseInput& input, const BodyBounds& a, const BodyBounds& b) {
-  const double dt_s = input.terms.dt_s;
+Margin margin_of(const StepTerms& terms, const BodyBounds& a, const BodyBounds& b) {
+  const double dt_s = terms.dt_s;
   Margin made;
   made.skin_m = kSkin * (b.plane ? a.radius_m : std::min(a.radius_m, b.radius_m));
   made.margin_m = (a.velocity_mps - b.velocity_mps).norm() * dt_s + a.own_m + b.own_m + made.skin_m;
   // Gravity closes only what it does not pull alike.
-  if (!a.dynamic || !b.dynamic) made.margin_m += input.terms.gravity_mps2.norm() * dt_s * dt_s;
+  if (!a.dynamic || !b.dynamic) made.margin_m += terms.gravity_mps2.norm() * dt_s * dt_s;
   return made;
 }
 
@@ -94,25 +91,47 @@ bool meets_sleeper(const dynamics::BodyStore& bodies, const OrderedPair& pair) {
          (bodies.asleep[pair.b] != 0 && bodies.moves_by_itself(pair.a));
 }
 
-// What of a cached pair counts now.
-void use_cached(const CoarseInput& input, ActivePair& pair, PairStart& start) {
-  const double size_m = pair.skin_m / kSkin;
-  // Two balls, or a ball and a plane: their only level is exact, and the mandatory part computes it anyway.
-  const BodyBounds& a = input.motion.body_bounds[pair.a];
-  const BodyBounds& b = input.motion.body_bounds[pair.b];
+// May what is found of a pair be cached? Two balls, or a ball and a plane: their only level is exact, and the mandatory
+// part computes it anyway. The paper's model answers fronts.
+bool caches(const StepTerms& terms, const BodyBounds& a, const BodyBounds& b) {
   const bool exact = a.depth == 0 && b.depth == 0 && !a.meshed && !b.meshed;
-  const bool caches = !exact && input.terms.contact != ContactModel::Paper;  // the paper's model answers fronts
-  pair.reach_m = caches ? pair.margin_m + kReachOfSize * size_m : pair.margin_m;
-  const CachedPair& cached = pair.cached;
-  start.cached_level = cached.level;
-  if (!caches || cached.reach_m == 0) return;
-  if (cached.moved_m + pair.margin_m <= cached.reach_m) {
-    start.cached = cached.apart ? CacheUse::Separated : CacheUse::Points;
-  } else if (cached.apart && cached.level > 0) {
-    if (cached.moved_m <= cached.reach_m + kSinkOfSize * size_m) start.cached = CacheUse::Parted;
-  } else if (cached.level > 0 && cached.moved_m <= kHoldOfSize * size_m) {
-    start.cached = CacheUse::Expired;
-  }
+  return !exact && terms.contact != ContactModel::Paper;
+}
+
+// Is what is cached of a pair still sure?
+bool is_sure(const CachedPair& cached, double margin_m) { return cached.moved_m + margin_m <= cached.reach_m; }
+
+// Is it apart (see ActivePair), if what is found of it may be cached? Without a branch: no processor foresees it.
+bool is_apart(const CachedPair& cached, double margin_m) {
+  const bool known = cached.apart & (cached.reach_m > 0) & is_sure(cached, margin_m);
+  const bool ended = !cached.touching & (cached.slot == kNoSlot);
+  return known & ended;
+}
+
+// Which levels the refinement of a pair has.
+void set_levels(const SceneView& scene, const StepTerms& terms, const PredictedMotion& motion, std::uint32_t slot_a,
+                std::uint32_t slot_b, PairStart& start) {
+  const BodyBounds& a = motion.body_bounds[slot_a];
+  const BodyBounds& b = motion.body_bounds[slot_b];
+  start.deepest = std::min(terms.max_level, std::max(a.depth, b.depth));
+  if (!terms.polygons || (!a.meshed && !b.meshed)) return;
+  collision::PairLevel level;
+  level.deepest = start.deepest;
+  collision::allow_polygons(*scene.bodies.shape[slot_a], *scene.bodies.shape[slot_b], terms.max_level, level);
+  start.deepest = level.deepest;
+  start.polygons = level.polygons;
+  start.next_units = level.next_units;
+}
+
+// What of a cached pair counts now.
+CacheUse use_of_cached(const ActivePair& pair) {
+  const CachedPair& cached = *pair.cached;
+  if (pair.reach_m == pair.margin_m || cached.reach_m == 0) return CacheUse::None;
+  if (is_sure(cached, pair.margin_m)) return cached.apart ? CacheUse::Separated : CacheUse::Points;
+  if (cached.level == 0) return CacheUse::None;
+  const double size_m = pair.skin_m / kSkin;
+  if (cached.apart) return cached.moved_m <= cached.reach_m + kSinkOfSize * size_m ? CacheUse::Parted : CacheUse::None;
+  return cached.moved_m <= kHoldOfSize * size_m ? CacheUse::Expired : CacheUse::None;
 }
 
 // Do the bounds of two bodies meet, as the broad phase asks? Cached candidates may have parted.
@@ -135,14 +154,14 @@ void count_known(const ActivePair& pair, const PairStart& start, bool swept, Kno
   const bool apart = start.cached == CacheUse::Separated || start.cached == CacheUse::Parted;
   if (start.refinable() || swept) {
     ++known.refinable;
-    known.seen = std::max(known.seen, pair.cached.seen);
+    known.seen = std::max(known.seen, pair.cached->seen);
   }
-  if (pair.cached.slot == kNoSlot && (!apart || start.refinable() || swept)) ++known.without_slot;
+  if (pair.cached->slot == kNoSlot && (!apart || start.refinable() || swept)) ++known.without_slot;
   if (apart) return;
   ++known.present;
   if (start.cached != CacheUse::None) return;
   ++known.unknown;
-  if (pair.cached.reach_m > 0 && (pair.cached.apart || pair.cached.level > 0)) ++known.outdated;
+  if (pair.cached->reach_m > 0 && (pair.cached->apart || pair.cached->level > 0)) ++known.outdated;
 }
 
 // All that grows with the pairs grows with the capacity of these. Were it reserved when a heap forms, that frame would
@@ -159,32 +178,57 @@ void reserve_pairs(PairTable& table, std::size_t bodies) {
   parallel::reserve_anew(table.start, pairs);
 }
 
-// The candidates that are near each other: those of a chunk from where it begins, and how many they are.
-void select_near(const CoarseInput& input, PairTable& table, parallel::Executor& executor) {
+// The near pairs of a chunk of candidates.
+void select_near_of(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   const std::span<const collision::CandidatePair> candidates = input.candidates.pairs;
   const parallel::UnsetVector<BodyBounds>& body_bounds = input.motion.body_bounds;
   const SweptBounds& swept = input.motion.swept;
-  const std::size_t chunks = (candidates.size() + kCandidateGrain - 1) / kCandidateGrain;
+  const std::size_t begin = chunk * PairTable::kMostOfChunk;
+  const std::size_t end = std::min(begin + PairTable::kMostOfChunk, candidates.size());
+  std::size_t active = begin;
+  std::size_t apart = begin + PairTable::kMostOfChunk;
+  std::uint8_t place = 0;
+  CachedPairs cached(input.cached, table.still_active, candidates[begin]);
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i + kBoundsAhead < end) parallel::prefetch(body_bounds[candidates[i + kBoundsAhead].high]);
+    const bool fast = swept.fast(candidates[i].low) || swept.fast(candidates[i].high);
+    const OrderedPair pair(body_bounds, candidates[i]);
+    const BodyBounds& a = body_bounds[pair.a];
+    const BodyBounds& b = body_bounds[pair.b];
+    const double margin_m = margin_of(input.terms, a, b).margin_m;
+    if (!fast && !(bounds_meet(a, b) && roots_near(a, b, margin_m))) continue;
+    if (!a.dynamic && !b.dynamic && !meets_sleeper(input.scene.bodies, pair)) continue;
+    if (input.filter.function != nullptr && !may_meet(input, candidates[i])) continue;
+    const std::uint32_t at = cached.find(candidates[i]);
+    const CachedPair& known = at == NearCandidate::kNone ? kNothingCached : input.cached[at];
+    const bool may_be_apart = !fast & !input.all_active & caches(input.terms, a, b);
+    const bool goes = may_be_apart & is_apart(known, margin_m);
+    apart -= goes ? 1U : 0U;
+    table.near[goes ? apart : active] = {at, static_cast<std::uint8_t>(i - begin), place++};
+    active += goes ? 0U : 1U;
+  }
+  KnownCount& known = table.known_of_chunk[chunk + 1];
+  known.begin = static_cast<std::uint32_t>(active - begin);
+  known.apart_begin = static_cast<std::uint32_t>(begin + PairTable::kMostOfChunk - apart);
+}
+
+// The near pairs, and how many of each chunk are active or apart.
+void select_near(const CoarseInput& input, PairTable& table, parallel::Executor& executor) {
+  const std::size_t chunks = (input.candidates.pairs.size() + PairTable::kMostOfChunk - 1) / PairTable::kMostOfChunk;
   table.known_of_chunk.assign(chunks + 1, KnownCount{});
-  parallel::make_room_anew(table.near, candidates.size());
-  table.near.resize(candidates.size());
-  parallel::parallel_for(executor, candidates.size(), kCandidateGrain, [&](std::size_t begin, std::size_t end, int) {
-    std::uint32_t active = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (i + kBoundsAhead < end) parallel::prefetch(body_bounds[candidates[i + kBoundsAhead].high]);
-      const bool fast = swept.fast(candidates[i].low) || swept.fast(candidates[i].high);
-      const OrderedPair pair(body_bounds, candidates[i]);
-      const BodyBounds& a = body_bounds[pair.a];
-      const BodyBounds& b = body_bounds[pair.b];
-      if (!fast && !(bounds_meet(a, b) && roots_near(a, b, margin_of(input, a, b).margin_m))) continue;
-      if (!a.dynamic && !b.dynamic && !meets_sleeper(input.scene.bodies, pair)) continue;
-      if (input.filter.function != nullptr && !may_meet(input, candidates[i])) continue;
-      table.near[begin + active++] = static_cast<std::uint32_t>(i);
-    }
-    table.known_of_chunk[begin / kCandidateGrain + 1].begin = active;
-  });
-  for (std::size_t chunk = 1; chunk <= chunks; ++chunk)
+  parallel::make_room_anew(table.near, chunks * PairTable::kMostOfChunk);
+  table.near.resize(chunks * PairTable::kMostOfChunk);
+  table.cached = input.cached;
+  table.terms = input.terms;
+  parallel::reserve_anew(table.still_active, table.pairs.capacity());
+  table.still_active.clear();
+  parallel::resize(executor, table.still_active, input.cached.size());
+  parallel::parallel_for(executor, chunks, 1,
+                         [&](std::size_t chunk, std::size_t, int) { select_near_of(input, chunk, table); });
+  for (std::size_t chunk = 1; chunk <= chunks; ++chunk) {
     table.known_of_chunk[chunk].begin += table.known_of_chunk[chunk - 1].begin;
+    table.known_of_chunk[chunk].apart_begin += table.known_of_chunk[chunk - 1].apart_begin;
+  }
 }
 
 // One chunk of pairs, from its near candidates.
@@ -194,39 +238,25 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   if (first == past) return;
   const parallel::UnsetVector<BodyBounds>& body_bounds = input.motion.body_bounds;
   const SweptBounds& swept = input.motion.swept;
-  const std::uint32_t* near = &table.near[chunk * kCandidateGrain];
-  const std::span<const collision::CandidatePair> candidates = input.candidates.pairs;
+  const NearCandidate* near = &table.near[chunk * PairTable::kMostOfChunk];
+  const auto candidate = [&](std::size_t k) {
+    return input.candidates.pairs[chunk * PairTable::kMostOfChunk + near[k - first].candidate];
+  };
   KnownCount known;
-  const collision::CandidatePair& lowest = candidates[*near];
-  CachedPairs cached(input.cached, table.still_active, lowest.low, lowest.high);
   for (std::size_t k = first; k < past; ++k) {
-    if (k + kBoundsAhead < past) parallel::prefetch(body_bounds[candidates[near[k + kBoundsAhead - first]].high]);
-    const OrderedPair bodies(body_bounds, candidates[near[k - first]]);
-    const Margin margin = margin_of(input, body_bounds[bodies.a], body_bounds[bodies.b]);
-    ActivePair& pair = table.pairs[k];
-    pair.a = bodies.a;
-    pair.b = bodies.b;
-    pair.margin_m = margin.margin_m;
-    pair.skin_m = margin.skin_m;
-    cached.take(pair.low(), pair.high(), pair.cached);
+    if (k + kBoundsAhead < past) parallel::prefetch(body_bounds[candidate(k + kBoundsAhead).high]);
+    const NearCandidate& from = near[k - first];
+    const CachedPair& cached = from.cached == NearCandidate::kNone ? kNothingCached : input.cached[from.cached];
+    const ActivePair& pair =
+        *std::construct_at(&table.pairs[k], near_pair(input.terms, input.motion, candidate(k), cached));
     // Made in its place: a copy of what has just been written in small parts waits for them.
     PairStart& start = *std::construct_at(&table.start[k]);
-    start.seen = pair.cached.seen;
-    start.band = pair.cached.band;
-    start.waited = static_cast<std::uint8_t>(std::min<std::uint32_t>(pair.cached.frames_waited, 0xff));
-    const BodyBounds& a = body_bounds[pair.a];
-    const BodyBounds& b = body_bounds[pair.b];
-    start.deepest = std::min(input.terms.max_level, std::max(a.depth, b.depth));
-    if (input.terms.polygons && (a.meshed || b.meshed)) {
-      collision::PairLevel level;
-      level.deepest = start.deepest;
-      collision::allow_polygons(*input.scene.bodies.shape[pair.a], *input.scene.bodies.shape[pair.b],
-                                input.terms.max_level, level);
-      start.deepest = level.deepest;
-      start.polygons = level.polygons;
-      start.next_units = level.next_units;
-    }
-    use_cached(input, pair, start);
+    start.seen = cached.seen;
+    start.band = cached.band;
+    start.waited = static_cast<std::uint8_t>(std::min<std::uint32_t>(cached.frames_waited, 0xff));
+    set_levels(input.scene, input.terms, input.motion, pair.a, pair.b, start);
+    start.cached_level = cached.level;
+    start.cached = use_of_cached(pair);
     count_known(pair, start, swept.fast(pair.a) || swept.fast(pair.b), known);
   }
   // Not where it begins: the chunk before reads that.
@@ -257,6 +287,27 @@ bool coarsest_near(const PredictedMotion& motion, const ActivePair& pair) {
   return reach > 0 && (b.root_center_m - a.root_center_m).squaredNorm() < reach * reach;
 }
 
+ActivePair near_pair(const StepTerms& terms, const PredictedMotion& motion, const collision::CandidatePair& candidate,
+                     const CachedPair& cached) {
+  const OrderedPair bodies(motion.body_bounds, candidate);
+  const BodyBounds& a = motion.body_bounds[bodies.a];
+  const BodyBounds& b = motion.body_bounds[bodies.b];
+  const Margin margin = margin_of(terms, a, b);
+  const double beyond_m = caches(terms, a, b) ? kReachOfSize * (margin.skin_m / kSkin) : 0.0;
+  return {bodies.a, bodies.b, margin.margin_m, margin.skin_m, margin.margin_m + beyond_m, &cached};
+}
+
+PairProgress progress_of_apart(const SceneView& scene, const PairTable& table, const PredictedMotion& motion,
+                               const CachedPair& cached) {
+  PairStart start;
+  set_levels(scene, table.terms, motion, cached.low, cached.high, start);
+  start.cached = CacheUse::Separated;
+  start.cached_level = cached.level;
+  start.seen = cached.seen;
+  start.band = cached.band;
+  return PairProgress(start);
+}
+
 scheduler::UserData user_data_of(const SceneView& scene, const ActivePair& pair) {
   return {scene.bodies.user_data[pair.low()], scene.bodies.user_data[pair.high()]};
 }
@@ -272,9 +323,6 @@ void find_active_pairs(const CoarseInput& input, PairTable& table, std::span<col
   parallel::resize(executor, table.pairs, table.known_of_chunk[chunks].begin);
   parallel::reserve_anew(table.start, table.pairs.capacity());
   table.start.resize(table.pairs.size());
-  parallel::reserve_anew(table.still_active, table.pairs.capacity());
-  table.still_active.clear();
-  parallel::resize(executor, table.still_active, input.cached.size());
   parallel::parallel_for(executor, chunks, 1,
                          [&](std::size_t chunk, std::size_t, int) { fill_chunk(input, chunk, table); });
   KnownCount& all = table.known_of_chunk[chunks];

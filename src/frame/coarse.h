@@ -8,6 +8,7 @@
 #include "frame/broad_phase_stage.h"
 #include "frame/pair_progress.h"
 #include "frame/predict.h"
+#include "parallel/executor.h"
 #include "poise/scheduler/host_cue.h"
 #include "world/contact_cache.h"
 
@@ -19,16 +20,21 @@ struct CoarseInput {
   StepTerms terms;
   const PredictedMotion& motion;
   const CandidatePairs& candidates;
-  std::span<const CachedPair> cached;  ///< of the last step, sorted by slots
+  std::span<const CachedPair> cached;  ///< of the last step, sorted by slots; stays as it is during this one
   const PairFilter& filter;
+  bool all_active = false;  ///< also what is known to be separated: somebody finds it out anew
 };
 
-/// A candidate pair whose coarsest spheres are nearer than its margin.
+/// A pair of which something is to be found out or solved in this step.
+///
+/// A pair is *near* if it is a candidate whose coarsest spheres are nearer than its margin. Of near pairs those are
+/// *apart* of which the cache says for sure that they do not touch in this step, which ended before, and whose bodies
+/// are not fast: nothing is done about them but that *publish* counts their motion. All others are active.
 struct ActivePair {
   std::uint32_t a = 0, b = 0;  ///< slots, a plane always second
   double margin_m = 0, skin_m = 0;
-  double reach_m = 0;  ///< what refinement looks for: margin_m and what lets a pair be cached
-  CachedPair cached;
+  double reach_m = 0;                          ///< what refinement looks for: margin_m and what lets a pair be cached
+  const CachedPair* cached = &kNothingCached;  ///< of the last step
 
   [[nodiscard]] std::uint32_t low() const { return std::min(a, b); }
   [[nodiscard]] std::uint32_t high() const { return std::max(a, b); }
@@ -37,7 +43,8 @@ struct ActivePair {
 
 /// What is known of some pairs before refinement.
 struct KnownCount {
-  std::uint32_t begin = 0;         ///< pairs of all chunks before
+  std::uint32_t begin = 0;         ///< active pairs of all chunks before
+  std::uint32_t apart_begin = 0;   ///< likewise those that are apart
   std::uint32_t present = 0;       ///< that are not known to be separated
   std::uint32_t unknown = 0;       ///< of these, that nothing is cached of
   std::uint32_t outdated = 0;      ///< of these, of which what is cached is too old
@@ -46,11 +53,20 @@ struct KnownCount {
   std::uint8_t seen = 0;           ///< the largest CachedPair::seen of those that can be refined
 };
 
-/// Output of *coarse*: the active pairs in canonical order, one entry a pair in each column. Invariant: buffers only
-/// grow.
+/// A candidate that is near, of a chunk of candidates.
+struct NearCandidate {
+  std::uint32_t cached = 0;    ///< of the cached pairs, or kNone
+  std::uint8_t candidate = 0;  ///< of the chunk
+  std::uint8_t place = 0;      ///< among the near ones of the chunk
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+};
+static_assert(sizeof(NearCandidate) == 8);
+
+/// Output of *coarse*: the active pairs in canonical order, one entry a pair in each column, and which pairs are apart.
+/// Invariant: buffers only grow.
 struct PairTable {
   static constexpr std::size_t kMostOfChunk = 128;
-  /// Chunks of at most kMostOfChunk pairs: those of a chunk of candidates follow each other.
+  /// Chunks of at most kMostOfChunk near pairs: those of as many candidates, which follow each other.
   [[nodiscard]] std::size_t chunks() const { return known_of_chunk.empty() ? 0 : known_of_chunk.size() - 1; }
   [[nodiscard]] std::size_t begin_of(std::size_t chunk) const { return known_of_chunk[chunk].begin; }
   [[nodiscard]] std::size_t end_of(std::size_t chunk) const { return known_of_chunk[chunk + 1].begin; }
@@ -58,14 +74,77 @@ struct PairTable {
   /// Pairs that all columns have room for.
   [[nodiscard]] std::size_t capacity() const { return pairs.capacity(); }
 
+  [[nodiscard]] std::size_t apart_count() const {
+    return known_of_chunk.empty() ? 0 : known_of_chunk.back().apart_begin;
+  }
+  [[nodiscard]] std::size_t apart_count(std::size_t chunk) const {
+    return known_of_chunk[chunk + 1].apart_begin - known_of_chunk[chunk].apart_begin;
+  }
+  /// The k-th of a chunk that are apart, as it is cached.
+  [[nodiscard]] const CachedPair& apart(std::size_t chunk, std::size_t k) const {
+    return cached[near_apart(chunk, k).cached];
+  }
+  [[nodiscard]] std::size_t near_count() const { return size() + apart_count(); }
+  /// Among all near pairs, the place of an active pair of a chunk, and of the k-th of those that are apart.
+  [[nodiscard]] std::size_t place(std::size_t chunk, std::size_t active) const {
+    return near_begin(chunk) + near[chunk * kMostOfChunk + active - begin_of(chunk)].place;
+  }
+  [[nodiscard]] std::size_t place_of_apart(std::size_t chunk, std::size_t k) const {
+    return near_begin(chunk) + near_apart(chunk, k).place;
+  }
+  /// Calls active(i) or apart(cached pair) for all near pairs, in canonical order.
+  template <class Active, class Apart>
+  void for_each_near(Active&& active, Apart&& apart_pair) const {
+    for (std::size_t chunk = 0; chunk < chunks(); ++chunk) {
+      for (std::size_t i = begin_of(chunk), k = 0; i < end_of(chunk) || k < apart_count(chunk);) {
+        if (k == apart_count(chunk) || (i < end_of(chunk) && place(chunk, i) < place_of_apart(chunk, k))) {
+          active(i++);
+        } else {
+          apart_pair(apart(chunk, k++));
+        }
+      }
+    }
+  }
+  /// Calls use(a, b) for the slots of all near pairs, in parallel.
+  template <class Use>
+  void for_each_near_bodies(parallel::Executor& executor, Use&& use) const {
+    constexpr std::size_t kChunks = 8;
+    parallel::parallel_for(executor, chunks(), kChunks, [&](std::size_t first, std::size_t past, int) {
+      for (std::size_t chunk = first; chunk < past; ++chunk) {
+        for (std::size_t i = begin_of(chunk); i < end_of(chunk); ++i) use(pairs[i].a, pairs[i].b);
+        for (std::size_t k = 0; k < apart_count(chunk); ++k) use(apart(chunk, k).low, apart(chunk, k).high);
+      }
+    });
+  }
+
   parallel::UnsetVector<ActivePair> pairs;
   parallel::UnsetVector<PairStart> start;            ///< where refinement begins
   std::vector<KnownCount> known_of_chunk;            ///< per chunk, and their sums at the end
-  parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is active in this one
+  std::span<const CachedPair> cached;                ///< with which the step began
+  StepTerms terms;                                   ///< of the step
+  parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is near in this one
   std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order
 
-  parallel::UnsetVector<std::uint32_t> near;  // scratch: those of each chunk of candidates, from where that begins
+  /// Of each chunk, from where that begins, those that are active; and from its end back those that are apart.
+  parallel::UnsetVector<NearCandidate> near;
+
+ private:
+  [[nodiscard]] const NearCandidate& near_apart(std::size_t chunk, std::size_t k) const {
+    return near[(chunk + 1) * kMostOfChunk - 1 - k];
+  }
+  // Near pairs of all chunks before.
+  [[nodiscard]] std::size_t near_begin(std::size_t chunk) const {
+    return std::size_t{known_of_chunk[chunk].begin} + known_of_chunk[chunk].apart_begin;
+  }
 };
+
+/// A candidate as an active pair, with what is cached of it.
+ActivePair near_pair(const StepTerms& terms, const PredictedMotion& motion, const collision::CandidatePair& candidate,
+                     const CachedPair& cached);
+
+/// How far one that is apart has come: nowhere.
+PairProgress progress_of_apart(const SceneView& scene, const PairTable& table, const PredictedMotion& motion,
+                               const CachedPair& cached);
 
 /// What the host gave the bodies of an active pair, that of the lower slot first.
 scheduler::UserData user_data_of(const SceneView& scene, const ActivePair& pair);
@@ -78,8 +157,9 @@ double wide_m(const ActivePair& pair);
 /// touch.
 inline std::uint8_t frames_touched(const ActivePair& pair) {
   constexpr std::uint8_t kMost = 0xff;
-  if (!pair.cached.touching) return 0;
-  return pair.cached.frames_touched < kMost ? static_cast<std::uint8_t>(pair.cached.frames_touched + 1) : kMost;
+  const CachedPair& cached = *pair.cached;
+  if (!cached.touching) return 0;
+  return cached.frames_touched < kMost ? static_cast<std::uint8_t>(cached.frames_touched + 1) : kMost;
 }
 
 /// The estimated separation of a pair that is known by its root spheres alone.

@@ -34,7 +34,7 @@ PlacedPair placed_pair(const ManifoldsInput& input, const ActivePair& pair) {
 std::uint8_t count_points(const ManifoldsInput& input, std::size_t i) {
   const PairProgress& progress = input.levels.progress[i];
   if (progress.apart()) return 0;
-  if (progress.from_cache()) return input.table.pairs[i].cached.point_count;
+  if (progress.from_cache()) return input.table.pairs[i].cached->point_count;
   if (progress.level.level == 0) return progress.exact || coarsest_near(input.motion, input.table.pairs[i]) ? 1 : 0;
   return static_cast<std::uint8_t>(1 + input.levels.found.of(progress).point_count);
 }
@@ -63,7 +63,7 @@ void write_points(const ManifoldsInput& input, std::size_t i, PairPoints& made, 
   renewed.count = made.point_count;
   renewed.points = &cache.points[PointCache::begin(made.slot)];
   renewed.forces = &cache.forces[PointCache::forces_begin(made.slot)];
-  renewed.old_count = pair.cached.point_count;
+  renewed.old_count = pair.cached->point_count;
   renewed.alike_m = kSameOfSkin * pair.skin_m;
   std::array<double, kPointsOfPair> gaps_m;
   renew_points(where, renewed, gaps_m);
@@ -87,7 +87,7 @@ bool may_be_fast(const ManifoldsInput& input, std::size_t i) {
 
 // Do the cached separations of a pair still say for sure whether one of its points is nearer than the margin?
 bool knows_separations(const ActivePair& pair, const PairProgress& progress) {
-  return progress.from_cache() && std::abs(pair.cached.nearest_m - pair.margin_m) > pair.cached.changed_m();
+  return progress.from_cache() && std::abs(pair.cached->nearest_m - pair.margin_m) > pair.cached->changed_m();
 }
 
 // Prefetches what make_pair() reads of a pair beside the tables.
@@ -99,12 +99,12 @@ HWY_INLINE void prefetch_points_of(const ManifoldsInput& input, std::size_t i, P
   hwy::Prefetch(&input.scene.bodies.shape[pair.b]);
   const bool refined = progress.level.level > 0 && !progress.from_cache();
   if (refined) parallel::prefetch(input.levels.found.of(progress));
-  if (pair.cached.slot == kNoSlot) return;
-  const std::size_t first = PointCache::begin(pair.cached.slot);
-  for (std::size_t p = first; p < first + pair.cached.point_count; ++p) parallel::prefetch(cache.points[p]);
+  if (pair.cached->slot == kNoSlot) return;
+  const std::size_t first = PointCache::begin(pair.cached->slot);
+  for (std::size_t p = first; p < first + pair.cached->point_count; ++p) parallel::prefetch(cache.points[p]);
   // Warm starting reads the old forces.
   if (refined) {
-    for (const solver::ContactForce& force : cache.forces_of(pair.cached.slot, pair.cached.point_count))
+    for (const solver::ContactForce& force : cache.forces_of(pair.cached->slot, pair.cached->point_count))
       hwy::Prefetch(&force);
   }
 }
@@ -129,7 +129,7 @@ void update_separations(const ManifoldsInput& input, const ActivePair& pair, Pai
     made.nearest_m = std::min(made.nearest_m, gap_m);
     if (k == 0) made.impact_gap_m = gap_m;
   }
-  made.looked_m = pair.cached.moved_m;
+  made.looked_m = pair.cached->moved_m;
 }
 
 Material mixed(const SceneView& scene, const ActivePair& pair) {
@@ -171,7 +171,7 @@ void make_points_of(const ManifoldsInput& input, std::size_t i, PairPoints& made
     update_separations(input, pair, made, cache);
   }
   made.solved = made.nearest_m < pair.margin_m;
-  if (made.solved || (from_cache && !pair.cached.solved)) return;
+  if (made.solved || (from_cache && !pair.cached->solved)) return;
   // It is not solved: no force to start from.
   for (solver::ContactForce& force : cache.forces_of(made.slot, made.point_count)) force = {};
 }
@@ -183,7 +183,7 @@ using ChunkManifolds = std::array<solver::Manifold, PairTable::kMostOfChunk>;
 void make_pair(const ManifoldsInput& input, std::size_t i, PointCache& cache, SolvedCount& count,
                ChunkManifolds& of_chunk, Manifolds& manifolds) {
   const PairProgress& progress = input.levels.progress[i];
-  const CachedPair& cached = input.table.pairs[i].cached;
+  const CachedPair& cached = *input.table.pairs[i].cached;
   PairPoints& made = manifolds.points[i];
   made.slot = cached.slot;
   made.solved = false;
@@ -230,7 +230,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
   for_chunks([&](std::size_t chunk, SolvedCount& count) {
     if (table.known_of_chunk[chunk].without_slot == 0) return;
     for (std::size_t i = table.begin_of(chunk); i < table.end_of(chunk); ++i) {
-      if (table.pairs[i].cached.slot == kNoSlot && makes_points(input, i)) ++count.new_slots;
+      if (table.pairs[i].cached->slot == kNoSlot && makes_points(input, i)) ++count.new_slots;
     }
   });
   std::uint32_t slots = 0;
@@ -263,6 +263,7 @@ void list_manifolds(const ManifoldsInput& input, Manifolds& manifolds, FrameRepo
   manifolds.held_found = 0;
   manifolds.impacts = false;
   manifolds.unused_slots = 0;
+  report.cached_separations += table.apart_count();
   for (SolvedCount& count : manifolds.solved_of_chunk) {
     count.before = solved;
     solved += count.solved;

@@ -15,14 +15,18 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kPairGrain = 512;
+constexpr std::size_t kNearGrain = 4;
 // Bodies of pairs, and what was found of them, lie anywhere in memory: prefetched some pairs ahead.
 constexpr std::size_t kMotionsAhead = 8;
 
 // Prefetches what fill_cached_after() reads of a pair beside the tables.
-HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::size_t i) {
+HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::uint32_t a, std::uint32_t b) {
+  parallel::prefetch(input.motions.of_slot[a]);
+  parallel::prefetch(input.motions.of_slot[b]);
+}
+HWY_INLINE void prefetch_of_pair(const PublishInput& input, std::size_t i) {
   const ActivePair& pair = input.table.pairs[i];
-  parallel::prefetch(input.motions.of_slot[pair.a]);
-  parallel::prefetch(input.motions.of_slot[pair.b]);
+  prefetch_motions_of(input, pair.a, pair.b);
   const PairProgress& progress = input.levels.progress[i];
   if (progress.found != 0) hwy::Prefetch(&input.levels.found.of(progress).reach_m);
 }
@@ -36,12 +40,21 @@ HWY_INLINE void prefetch_row_of(const PublishInput& input, std::size_t m) {
   hwy::Prefetch(&input.velocities.rows[at].point_impulse_ns.z());
 }
 
+// By how much the separation of two bodies may have changed in this step.
+double moved_against_m(const PublishInput& input, std::uint32_t slot_a, std::uint32_t slot_b) {
+  const StepMotion& a = input.motions.of_slot[slot_a];
+  const StepMotion& b = input.motions.of_slot[slot_b];
+  return (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
+}
+
 // What a pair takes to the next frame, the motion of this step counted. Made in its place.
 void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cached) {
   const ActivePair& pair = input.table.pairs[i];
   const PairProgress& progress = input.levels.progress[i];
   const PairPoints& points = input.manifolds.points[i];
-  cached = pair.cached;
+  cached = *pair.cached;
+  cached.low = pair.low();
+  cached.high = pair.high();
   cached.frames_waited = progress.level.level > 0 || !progress.refinable() ? 0 : cached.frames_waited + 1;
   cached.seen = progress.seen;
   cached.band = progress.band;
@@ -68,9 +81,15 @@ void fill_cached_after(const PublishInput& input, std::size_t i, CachedPair& cac
     cached.reach_m = holds ? pair.reach_m : 0;
     cached.moved_m = 0;
   }
-  const StepMotion& a = input.motions.of_slot[pair.a];
-  const StepMotion& b = input.motions.of_slot[pair.b];
-  cached.moved_m += (b.moved_m - a.moved_m).norm() + a.turned_m + b.turned_m;
+  cached.moved_m += moved_against_m(input, pair.a, pair.b);
+}
+
+// The same of a pair that is apart.
+void fill_apart_after(const PublishInput& input, const CachedPair& before, CachedPair& cached) {
+  cached = before;
+  cached.frames_waited = 0;
+  cached.frames_touched = 0;
+  cached.moved_m += moved_against_m(input, before.low, before.high);
 }
 
 // Does the pair of a manifold touch? Impulses make a touch of what is separated.
@@ -80,7 +99,7 @@ bool touches(const PublishInput& input, const PointCache& points, std::size_t m)
   if (row != nullptr && (row->total_ns > 0 || !row->point_impulse_ns.isZero(0))) return true;
   const std::uint32_t index = input.manifolds.manifolds[m].pair;
   const PairPoints& made = input.manifolds.points[index];
-  const CachedPair& cached = input.table.pairs[index].cached;
+  const CachedPair& cached = *input.table.pairs[index].cached;
   // The gap that *manifolds* has computed says it, but where the bodies have moved since by more, or rounding decides.
   constexpr double kRoundingOfSkin = 1e-6;
   const bool cached_gap = input.levels.progress[index].from_cache();
@@ -213,10 +232,10 @@ void list_active(const PublishInput& input, const CachedPairList& pairs, Publica
   parallel::UnsetVector<ContactEvent>& events = publication.of_active;
   parallel::select(
       executor, changed.size(), kPairGrain, publication.counts,
-      [&](std::size_t i) { return changed[i] != 0 || (input.persist_events && pairs[i].touching); },
+      [&](std::size_t i) { return changed[i] != 0 || (input.persist_events && pairs[publication.place[i]].touching); },
       [&](std::size_t count) { events.resize(count); },
       [&](std::size_t i, std::size_t position) {
-        const CachedPair& pair = pairs[i];
+        const CachedPair& pair = pairs[publication.place[i]];
         ContactEvent event;
         if (changed[i] == 0) {
           event.kind = ContactEvent::Kind::Persist;
@@ -249,6 +268,31 @@ void make_events(const PublishInput& input, Publication& publication, const Cont
                   [&](const ContactEvent& event, std::size_t position) { events[position] = event; });
 }
 
+// Near pairs of a chunk after the step.
+void fill_chunk_after(const PublishInput& input, std::size_t chunk, CachedPairList& next, Publication& publication) {
+  const PairTable& table = input.table;
+  const bool distant = table.near_count() > parallel::kPairsAtHand;
+  const std::size_t end = table.end_of(chunk);
+  for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
+    if (distant && i + kMotionsAhead < end) prefetch_of_pair(input, i + kMotionsAhead);
+    const std::size_t place = table.place(chunk, i);
+    publication.place[i] = static_cast<std::uint32_t>(place);
+    fill_cached_after(input, i, next[place]);
+    // What waits goes on touching as it did.
+    const bool held = input.levels.progress[i].held;
+    publication.touch_changed[i] = table.pairs[i].cached->touching && !held ? 1 : 0;
+    if (held) publication.touch_ns[i].setZero();
+  }
+  const std::size_t apart = table.apart_count(chunk);
+  for (std::size_t k = 0; k < apart; ++k) {
+    if (distant && k + kMotionsAhead < apart) {
+      const CachedPair& ahead = table.apart(chunk, k + kMotionsAhead);
+      prefetch_motions_of(input, ahead.low, ahead.high);
+    }
+    fill_apart_after(input, table.apart(chunk, k), next[table.place_of_apart(chunk, k)]);
+  }
+}
+
 }  // namespace
 
 void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
@@ -260,27 +304,21 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   events.events.reserve(publication.of_active.capacity());
   end_inactive(input, cache, publication, executor);
   release_unused(input, cache.points, publication, executor);
-  // What the step began with is in the pair table, as far as it is still active: the pairs of this step are written
-  // over it.
-  if (input.keeps_previous) std::swap(cache.pairs, cache.previous_pairs);
+  // What the step began with stays as it is.
+  std::swap(cache.pairs, cache.previous_pairs);
   CachedPairList& next = cache.pairs;
   parallel::reserve_anew(next, table.capacity());
-  next.resize(table.size());
+  next.resize(table.near_count());
   parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
   parallel::reserve_anew(publication.touch_ns, table.capacity());
   publication.touch_ns.resize(table.size());
-  const bool distant = table.size() > parallel::kPairsAtHand;
-  parallel::parallel_for(executor, table.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (distant && i + kMotionsAhead < end) prefetch_motions_of(input, i + kMotionsAhead);
-      fill_cached_after(input, i, next[i]);
-      // What waits goes on touching as it did.
-      const bool held = input.levels.progress[i].held;
-      touch_changed[i] = table.pairs[i].cached.touching && !held ? 1 : 0;
-      if (held) publication.touch_ns[i].setZero();
-    }
+  parallel::reserve_anew(publication.place, table.capacity());
+  publication.place.resize(table.size());
+  parallel::parallel_for(executor, table.chunks(), kNearGrain, [&](std::size_t first, std::size_t past, int) {
+    for (std::size_t chunk = first; chunk < past; ++chunk) fill_chunk_after(input, chunk, next, publication);
   });
+  const bool distant = table.size() > parallel::kPairsAtHand;
   const Manifolds& manifolds = input.manifolds;
   parallel::parallel_for(executor, manifolds.manifolds.size(), kPairGrain,
                          [&](std::size_t begin, std::size_t end, int) {
@@ -288,14 +326,14 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
                              if (distant && m + kMotionsAhead < end) prefetch_row_of(input, m + kMotionsAhead);
                              if (!touches(input, cache.points, m)) continue;
                              const std::uint32_t i = manifolds.manifolds[m].pair;
-                             next[i].touching = true;
+                             next[publication.place[i]].touching = true;
                              touch_changed[i] ^= 1U;
                              if (touch_changed[i] != 0 || input.persist_events)
                                publication.touch_ns[i] = touch_impulse_ns(input, m);
                            }
                          });
   for (const SweptHit& hit : input.velocities.swept.hits) {
-    bool& touching = next[hit.pair].touching;
+    bool& touching = next[publication.place[hit.pair]].touching;
     const ActivePair& pair = table.pairs[hit.pair];
     if (!touching) {
       touch_changed[hit.pair] ^= 1U;

@@ -20,7 +20,6 @@ struct PublishInput {
   const Velocities& velocities;
   const StepMotions& motions;
   bool persist_events = false;  ///< StepInput::persist_events
-  bool keeps_previous = false;  ///< WorldState::keeps_previous_pairs
 
   [[nodiscard]] SolvedPair solved_pair(const PointCache& points) const {
     return {scene, motion, table, levels, manifolds, points, contact};
@@ -29,14 +28,16 @@ struct PublishInput {
 
 /// Output of *publish* beside the contact cache and the events.
 struct Publication {
-  parallel::UnsetVector<std::uint8_t> touch_changed;  ///< one a pair: its contact began or ended
-  parallel::UnsetVector<Vec3> touch_ns;  ///< one a pair: the impulse that an event of it tells, if there is one
+  parallel::UnsetVector<std::uint8_t> touch_changed;  ///< one an active pair: its contact began or ended
+  parallel::UnsetVector<Vec3> touch_ns;        ///< likewise: the impulse that an event of it tells, if there is one
+  parallel::UnsetVector<std::uint32_t> place;  ///< likewise: of what the next step has cached of it
 
   parallel::UnsetVector<ContactEvent> of_active, of_inactive;  // scratch: events, each list in canonical order
   std::vector<std::size_t> counts;                             // scratch
 };
 
-/// Replaces the cached pairs by those of this step, releases slots of points, and lists the events.
+/// Replaces the cached pairs by those of this step, and leaves those before as previous_pairs; releases slots of
+/// points, and lists the events.
 void publish(const PublishInput& input, ContactCache& cache, ContactEvents& events, Publication& publication,
              parallel::Executor& executor);
 

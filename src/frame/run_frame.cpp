@@ -167,7 +167,6 @@ class Step {
     report_.times.integrate = laps_.lap();
     PublishInput published = publish_input(world_);
     published.persist_events = input_.persist_events;
-    published.keeps_previous = world_.keeps_previous_pairs;
     publish(published, world_.cache, world_.events, frame_.publication, executor_);
   }
   // After what may rest.
@@ -210,7 +209,7 @@ class Step {
     report_.pairs_discarded = frame_.candidates.discarded;
     report_.candidate_pairs = frame_.candidates.pairs.size();
     report_.work_mandatory += frame_.candidates.pairs.size();
-    report_.coarse_pairs = frame_.table.size();
+    report_.coarse_pairs = frame_.table.near_count();
     report_.swept_pairs = frame_.table.swept.size();
     report_.times.coarse += laps_.lap();
   }

@@ -78,11 +78,8 @@ parallel::DisjointSets find_islands(const PairTable& table, const SleepAccess& a
     for (std::size_t i = begin; i < end; ++i) parent[i] = static_cast<std::uint32_t>(i);
   });
   parallel::DisjointSets islands(parent);
-  parallel::parallel_for(executor, table.size(), kIslandPairGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ActivePair& pair = table.pairs[i];
-      if (bodies.dynamic[pair.a] != 0 && bodies.dynamic[pair.b] != 0) islands.unite(pair.a, pair.b);
-    }
+  table.for_each_near_bodies(executor, [&](std::uint32_t a, std::uint32_t b) {
+    if (bodies.dynamic[a] != 0 && bodies.dynamic[b] != 0) islands.unite(a, b);
   });
   return islands;
 }
@@ -92,12 +89,9 @@ void keep_driven_awake(const PairTable& table, const SleepAccess& access, const 
                        parallel::Executor& executor) {
   const dynamics::BodyStore& bodies = access.bodies;
   std::vector<std::uint8_t>& restless = access.sleeping.restless;
-  parallel::parallel_for(executor, table.size(), kIslandPairGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ActivePair& pair = table.pairs[i];
-      if (bodies.moves_by_itself(pair.a)) parallel::raise(restless[islands.root(pair.b)]);
-      if (bodies.moves_by_itself(pair.b)) parallel::raise(restless[islands.root(pair.a)]);
-    }
+  table.for_each_near_bodies(executor, [&](std::uint32_t a, std::uint32_t b) {
+    if (bodies.moves_by_itself(a)) parallel::raise(restless[islands.root(b)]);
+    if (bodies.moves_by_itself(b)) parallel::raise(restless[islands.root(a)]);
   });
 }
 
@@ -192,12 +186,9 @@ bool wake_touched(const PairTable& table, const SleepAccess& access, parallel::E
     parallel::raise(sleep.wake_requested[sleep.island[slot]]);
     if (any.get() == 0) any.set(1);
   };
-  parallel::parallel_for(executor, table.size(), kIslandPairGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const ActivePair& pair = table.pairs[i];
-      if (bodies.asleep[pair.a] != 0 && moves(bodies, pair.b)) wake(pair.a);
-      if (bodies.asleep[pair.b] != 0 && moves(bodies, pair.a)) wake(pair.b);
-    }
+  table.for_each_near_bodies(executor, [&](std::uint32_t a, std::uint32_t b) {
+    if (bodies.asleep[a] != 0 && moves(bodies, b)) wake(a);
+    if (bodies.asleep[b] != 0 && moves(bodies, a)) wake(b);
   });
   sleep.any_wake_requested = sleep.any_wake_requested || any.get() != 0;
   if (!access.sleeping.any_wake_requested) return false;

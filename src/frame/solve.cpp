@@ -155,7 +155,7 @@ class PairRows final : public solver::RowSource {
   // May a point of the pair penetrate, by the separations that *manifolds* knows and how far they can have changed?
   static bool may_overlap(const ActivePair& pair, const PairProgress& progress, const PairPoints& points) {
     constexpr double kRoundingOfSkin = 1e-6;
-    const double changed_m = progress.from_cache() ? 2.0 * (pair.cached.moved_m - points.looked_m) : 0.0;
+    const double changed_m = progress.from_cache() ? 2.0 * (pair.cached->moved_m - points.looked_m) : 0.0;
     return points.nearest_m <= changed_m + kRoundingOfSkin * pair.skin_m;
   }
 

@@ -86,7 +86,6 @@ struct WorldState {
 
   // What lasts from frame to frame
   ContactCache cache;
-  bool keeps_previous_pairs = false;  // steps leave the cached pairs that they began with: a reference asks for them
   BodyChanges body_changes;
   ContactEvents events;
   SleepingState sleeping;

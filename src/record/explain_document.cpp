@@ -66,7 +66,9 @@ const char* why_left(PairOutcome outcome) {
 }
 
 std::ptrdiff_t count_of(const ExplainedFrame& e, PairOutcome outcome) {
-  return std::ranges::count(e.explanation.pairs, outcome, &PairExplanation::outcome);
+  const auto apart = static_cast<std::ptrdiff_t>(e.explanation.pairs_apart);
+  return std::ranges::count(e.explanation.pairs, outcome, &PairExplanation::outcome) +
+         (outcome == PairOutcome::KnownApart ? apart : 0);
 }
 
 /// A completed level, with its position in time.

@@ -16,7 +16,7 @@ namespace {
 
 // A file is kMagic followed by blocks: kind, uncompressed size, stored size, stored bytes, CRC-32 of all of these.
 // Sizes and CRC have four bytes, the lowest first.
-constexpr std::string_view kMagic = "poise.record/5\n";
+constexpr std::string_view kMagic = "poise.record/6\n";
 constexpr std::string_view kMagicOfAny = "poise.record/";
 constexpr std::size_t kHeadBytes = 9;
 constexpr std::size_t kTailBytes = 4;

@@ -44,17 +44,6 @@ void prepare_surfaces(const WorldState& world, Reference& reference) {
   }
 }
 
-// Of each pair of the run, which of the reference it is. Both are sorted; the reference has those of paused bodies too.
-std::vector<std::uint32_t> pairs_of_run(const PairTable& run, const PairTable& full) {
-  std::vector<std::uint32_t> of_run(run.size());
-  std::uint32_t at = 0;
-  for (std::size_t i = 0; i < of_run.size(); ++i) {
-    while (full.pairs[at].id() != run.pairs[i].id()) ++at;
-    of_run[i] = at;
-  }
-  return of_run;
-}
-
 // The pairs of the reference with the impulses of a run (a Frame or another Reference) and of the reference; `of_run`
 // as of pairs_of_run.
 template <class Run>
@@ -186,8 +175,17 @@ void weigh(const WorldState& world, const View& view, Reference& reference, std:
 
 }  // namespace
 
-void remember(WorldState& world, Reference& reference) {
-  world.keeps_previous_pairs = true;
+std::vector<std::uint32_t> pairs_of_run(const PairTable& run, const PairTable& full) {
+  std::vector<std::uint32_t> of_run(run.size());
+  std::uint32_t at = 0;
+  for (std::size_t i = 0; i < of_run.size(); ++i) {
+    while (full.pairs[at].id() != run.pairs[i].id()) ++at;
+    of_run[i] = at;
+  }
+  return of_run;
+}
+
+void remember(const WorldState& world, Reference& reference) {
   for (std::size_t i = 0; i < BodyStore::kColumnsOfState.size(); ++i)
     reference.columns[i] = world.bodies.*BodyStore::kColumnsOfState[i];
   reference.pushed = world.bodies.pushed;
@@ -230,8 +228,8 @@ void run_full(const WorldState& world, const StepInput& input, std::span<collisi
   }
   const PredictedMotion& motion = waits ? reference.motion : world.outputs.motion;
   const CandidatePairs& candidates = waits ? reference.candidates : world.outputs.candidates;
-  find_active_pairs({scene, terms, motion, candidates, world.cache.previous_pairs, world.pair_filter}, reference.table,
-                    pools, executor);
+  find_active_pairs({scene, terms, motion, candidates, world.cache.previous_pairs, world.pair_filter, true},
+                    reference.table, pools, executor);
   // The contact cache belongs to the run, not to the reference.
   for (PairStart& pair : reference.table.start) pair.cached = CacheUse::None;
   begin_levels(reference.table, reference.levels, executor);

@@ -12,8 +12,8 @@
 /// both outside the frame's time, and neither in a step without StepInput::reference.
 namespace poise::simulation {
 
-/// Copies the state at the start of the frame. From now on the World keeps the cached pairs that its steps begin with.
-void remember(WorldState& world, Reference& reference);
+/// Copies the state at the start of the frame.
+void remember(const WorldState& world, Reference& reference);
 
 /// The contacts whose response is computed. Those of the reference itself are the default.
 struct ReferenceContacts {
@@ -37,6 +37,10 @@ ReferenceFigures compare_with(const WorldState& world, const StepInput& input, R
 /// Compares the converged response to other contacts with the reference, both made after this frame. Without a view and
 /// without gaps. Not for Worlds in which bodies wait.
 ReferenceFigures compare_references(const WorldState& world, const Reference& other, const Reference& reference);
+
+/// Of each active pair of a run, which of the reference it is. Both are sorted; the reference also has those that are
+/// apart, and those of paused bodies.
+std::vector<std::uint32_t> pairs_of_run(const PairTable& run, const PairTable& full);
 
 /// make_reference and compare_with.
 ReferenceFigures refer(const WorldState& world, const StepInput& input, std::span<collision::FrontPool> pools,

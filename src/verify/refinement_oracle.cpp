@@ -56,7 +56,8 @@ double OracleScores::score(const scheduler::FrameFacts&, const scheduler::PairCh
 void extend(const WorldState& world, const Reference& reference, const View& view, std::span<const std::uint64_t> units,
             std::uint64_t until_units, OracleOrder& order) {
   const Frame& run = world.outputs;
-  POISE_ASSERT(units.size() == run.table.size() && reference.table.size() == run.table.size());
+  POISE_ASSERT(units.size() == run.table.size());
+  const std::vector<std::uint32_t> of_run = pairs_of_run(run.table, reference.table);
   const std::vector<Vec3> run_ns = impulses_of(run.table, run.manifolds, run.velocities);
   const std::vector<Vec3> full_ns = impulses_of(reference.table, reference.manifolds, reference.velocities);
   const dynamics::BodyStore& bodies = reference.bodies;
@@ -72,8 +73,8 @@ void extend(const WorldState& world, const Reference& reference, const View& vie
   };
   const auto candidate = [&](std::uint32_t i) {
     const ActivePair& pair = run.table.pairs[i];
-    const Vec3 change_a = -bodies.inverse_mass[pair.a] * (full_ns[i] - run_ns[i]);
-    const Vec3 change_b = bodies.inverse_mass[pair.b] * (full_ns[i] - run_ns[i]);
+    const Vec3 change_a = -bodies.inverse_mass[pair.a] * (full_ns[of_run[i]] - run_ns[i]);
+    const Vec3 change_b = bodies.inverse_mass[pair.b] * (full_ns[of_run[i]] - run_ns[i]);
     const auto fall = [&](std::uint32_t slot, const Vec3& change) {
       return weight(slot) * (error_mps[slot].squaredNorm() - (error_mps[slot] + change).squaredNorm());
     };
@@ -96,7 +97,7 @@ void extend(const WorldState& world, const Reference& reference, const View& vie
       continue;
     }
     const ActivePair& pair = run.table.pairs[best.pair];
-    const Vec3 more_ns = full_ns[best.pair] - run_ns[best.pair];
+    const Vec3 more_ns = full_ns[of_run[best.pair]] - run_ns[best.pair];
     if (bodies.dynamic[pair.a] != 0) error_mps[pair.a] -= bodies.inverse_mass[pair.a] * more_ns;
     if (bodies.dynamic[pair.b] != 0) error_mps[pair.b] += bodies.inverse_mass[pair.b] * more_ns;
     order.ids.push_back(pair.id());

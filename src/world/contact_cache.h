@@ -82,12 +82,15 @@ struct CachedPair {
   [[nodiscard]] double changed_m() const { return 2.0 * (moved_m - looked_m); }
 };
 
+/// Of a pair of which nothing is cached.
+inline constexpr CachedPair kNothingCached{};
+
 using CachedPairList = parallel::UnsetVector<CachedPair>;
 
 /// Invariant: both lists are sorted by (low, high). Between steps `pairs` are those of the last step.
 struct ContactCache {
   CachedPairList pairs;
-  CachedPairList previous_pairs;  ///< those that the last step began with, if that is asked for; otherwise scratch
+  CachedPairList previous_pairs;  ///< those that the last step began with, until the next one begins
   PointCache points;
 };
 

@@ -96,7 +96,7 @@ TEST(ReportPage, RefusesCapturesThatNoPageCanShow) {
   const auto message = [&](const std::string& path) { return app::check_capture_file(path).error().message; };
   EXPECT_EQ(message(folder.file("none")), folder.file("none") + ": no such file");
   const std::string file = folder.file("x");
-  for (const char* text : {"", "poise.record/5\n", "poise.capture/2\n and more"}) {
+  for (const char* text : {"", "poise.record/6\n", "poise.capture/2\n and more"}) {
     write(file, text);
     EXPECT_EQ(message(file), file + ": not a capture of this version (poise.capture/1)") << text;
   }

@@ -146,7 +146,7 @@ TEST(DamagedCapture, OfAnotherKindOrVersionIsRefused) {
   const std::string name = folder.file("a");
   EXPECT_EQ(refusal(""), name + ": is empty: not a capture, or its run was killed before it began");
   EXPECT_EQ(refusal("poise"), name + ": not a capture of poise run --capture");
-  EXPECT_EQ(refusal("poise.record/5\n and more"), name + ": not a capture of poise run --capture");
+  EXPECT_EQ(refusal("poise.record/6\n and more"), name + ": not a capture of poise run --capture");
   EXPECT_EQ(refusal("poise.capture/9\n and more"), name + ": a capture of another version, must be poise.capture/1");
   EXPECT_EQ(refusal("poise.capture/1\n"), name + ": byte 16: the file ends within a chunk");
   ChunkPacker packer;

@@ -161,9 +161,9 @@ TEST(CachedPoint, AtLevelZeroItIsKeptWhileItIsSureAndNotHeldBeyond) {
       const simulation::ActivePair& pair = world.outputs.table.pairs[k];
       const simulation::CacheUse use = world.outputs.levels.progress[k].cached;
       if (use == simulation::CacheUse::None) continue;
-      EXPECT_EQ(pair.cached.level, 0);
+      EXPECT_EQ(pair.cached->level, 0);
       EXPECT_NE(use, simulation::CacheUse::Expired);
-      EXPECT_LE(pair.cached.moved_m + pair.margin_m, pair.cached.reach_m);
+      EXPECT_LE(pair.cached->moved_m + pair.margin_m, pair.cached->reach_m);
     }
   }
   EXPECT_GT(cached, 1000U) << "a pile at rest finds its contact points anew";

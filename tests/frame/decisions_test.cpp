@@ -255,7 +255,7 @@ TEST(Decisions, CompletedStepsAreTheLevelsThatTheReportCounts) {
     FrameDecisions decisions;
     stage.world.decisions(decisions);
     EXPECT_EQ(decisions.frame, report.frame);
-    EXPECT_EQ(decisions.active_pairs, report.coarse_pairs);
+    EXPECT_EQ(decisions.active_pairs, simulation::WorldAccess::of(stage.world).outputs.table.size());
     const auto kind = [&](RefinementStep::Kind k) {
       return static_cast<std::size_t>(std::count_if(decisions.steps.begin(), decisions.steps.end(),
                                                     [&](const RefinementStep& s) { return s.kind == k; }));
@@ -348,7 +348,7 @@ TEST(Decisions, AnExplanationTellsEachLevelItsScoreAndWhatWasLeft) {
     ASSERT_EQ(stage.world.state_hash(), recorded.hashes[i]) << "explaining changes nothing";
     if (input.explain == nullptr) continue;
     EXPECT_EQ(explanation.frame, i);
-    ASSERT_EQ(explanation.pairs.size(), report.coarse_pairs);
+    ASSERT_EQ(explanation.pairs.size() + explanation.pairs_apart, report.coarse_pairs);
     ASSERT_EQ(explanation.levels.size(), report.jobs_done);
     std::uint64_t units = 0;
     for (const LevelExplanation& level : explanation.levels) {
@@ -392,6 +392,7 @@ TEST(Decisions, AnExplanationGivesEachPairTheReasonThatTheStepHad) {
       input.replay = &recorded.decisions[i];
       input.explain = &explanation;
       stage.world.step(input);
+      count[PairOutcome::KnownApart] += explanation.pairs_apart;
       ASSERT_EQ(explanation.pairs.size(), recorded.outcomes[i].size());
       for (std::size_t k = 0; k < explanation.pairs.size(); ++k) {
         const PairExplanation& pair = explanation.pairs[k];

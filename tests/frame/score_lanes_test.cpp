@@ -88,9 +88,9 @@ class ScoreLanes : public ::testing::Test {
         EXPECT_NEAR(scored.seen_radpm(k), seen_radpm, 1e-12 * seen_radpm) << pairs[k];
         ++compared_;
         const simulation::ActivePair& pair = refine.table.pairs[pairs[k]];
-        with_points_ += pair.cached.point_count > 0 ? 1 : 0;
+        with_points_ += pair.cached->point_count > 0 ? 1 : 0;
         with_plane_ += refine.motion.body_bounds[pair.b].plane ? 1 : 0;
-        unknown_ += pair.cached.reach_m == 0 ? 1 : 0;
+        unknown_ += pair.cached->reach_m == 0 ? 1 : 0;
         outside_ += cues.visibility < 1 ? 1 : 0;
       }
     }

@@ -254,7 +254,7 @@ TEST(Record, RefusesWhatIsNoneWithTheFile) {
   put(file, "");
   EXPECT_EQ(read_all(file).refusal, file + ": not a record of poise run --record");
   put(file, "poise.record/1\n and so on");
-  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/5");
+  EXPECT_EQ(read_all(file).refusal, file + ": a record of another version, must be poise.record/6");
 }
 
 /// What can be read of a record whose writer is killed after frames that ended at these times, invented ones.
@@ -349,10 +349,10 @@ std::string block_of_zeros(char kind, std::size_t size) {
 
 TEST(Record, ABlockOfZerosThatIsOutOfProportionToTheFileIsRefusedBeforeItIsUnpacked) {
   const TemporaryFolder folder;
-  put(folder.file("zeros"), "poise.record/5\n" + block_of_zeros('H', std::size_t{200} << 20U));
+  put(folder.file("zeros"), "poise.record/6\n" + block_of_zeros('H', std::size_t{200} << 20U));
   EXPECT_LT(std::filesystem::file_size(folder.file("zeros")), 300'000U);
   EXPECT_NE(read_all(folder.file("zeros")).refusal.find("the block's length is damaged"), std::string::npos);
-  put(folder.file("few"), "poise.record/5\n" + block_of_zeros('H', std::size_t{1} << 20U));
+  put(folder.file("few"), "poise.record/6\n" + block_of_zeros('H', std::size_t{1} << 20U));
   EXPECT_NE(read_all(folder.file("few")).refusal.find("not valid JSON"), std::string::npos) << "unpacked";
 }
 

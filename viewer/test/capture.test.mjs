@@ -292,7 +292,7 @@ test("of a capture that is cut or damaged the whole frames are read", { skip: no
     const read = new CaptureFile(damaged);
     assert.match(read.warning, new RegExp(`the chunk at byte ${at} is damaged`));
     assert.equal(read.frames.length, read.blocks[0].count);
-    assert.throws(() => new CaptureFile(Buffer.from("poise.record/5\n and more")), /no capture of this version/);
+    assert.throws(() => new CaptureFile(Buffer.from("poise.record/6\n and more")), /no capture of this version/);
     assert.throws(() => new CaptureFile(bytes.subarray(0, 40)), /ends early/);
   }),
 );

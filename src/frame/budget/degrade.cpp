@@ -25,7 +25,7 @@ constexpr std::size_t kChunks = 8;
 
 bool reusable(const RefineInput& input, const PairProgress& progress, std::size_t index) {
   const ActivePair& pair = input.table.pairs[index];
-  const CachedPair& cached = pair.cached;
+  const CachedPair& cached = *pair.cached;
   // Without a reach nothing was found out, or the caller has moved a body since.
   if (progress.held || progress.cached != CacheUse::None || cached.reach_m <= 0 || !progress.refinable() ||
       progress.exact)
@@ -60,7 +60,7 @@ Bands find_bands(const RefineInput& input, CompletedLevels& levels, parallel::Ex
         if (table.known_of_chunk[chunk].outdated == 0 || !reusable(input, levels.progress[i], i)) continue;
         const std::uint32_t band = scheduler::octave_band(cues.seen(static_cast<std::uint32_t>(i)));
         levels.reuse_band[i] = static_cast<std::uint8_t>(std::clamp<std::uint32_t>(band, 1, scheduler::kBands - 1));
-        ++(table.pairs[i].cached.apart ? found.apart : found.points)[levels.reuse_band[i]];
+        ++(table.pairs[i].cached->apart ? found.apart : found.points)[levels.reuse_band[i]];
       }
     }
     for (std::size_t band = 1; band < found.apart.size(); ++band) {
@@ -73,9 +73,9 @@ Bands find_bands(const RefineInput& input, CompletedLevels& levels, parallel::Ex
 
 // True if the pair is separated now.
 bool reuse(const ActivePair& pair, PairProgress& progress) {
-  progress.cached = pair.cached.apart ? CacheUse::Parted : CacheUse::Expired;
+  progress.cached = pair.cached->apart ? CacheUse::Parted : CacheUse::Expired;
   progress.stop = Stop::Reused;
-  return pair.cached.apart;
+  return pair.cached->apart;
 }
 
 // Adds the first `most` pairs that `chosen` is true of to levels.reused, in canonical order.

@@ -381,8 +381,8 @@ void account_time(const StepInput& step, const FrameCounts& counts, std::uint64_
   TimeFacts& facts = forecasts.times;
   forecasts.head.learn(facts.head_work, times.predict + times.broad_phase + times.coarse);
   facts.candidate_pairs = report.candidate_pairs;
-  facts.active_pairs = report.coarse_pairs;
-  facts.load = counts.dynamic_bodies + report.coarse_pairs;
+  facts.active_pairs = counts.table.size();
+  facts.load = counts.dynamic_bodies + facts.active_pairs;
   if (facts.load > 0) {
     // What was refined, and what was left.
     const Nanoseconds refined = std::max(Nanoseconds(0), times.refine - report.planning - of_refinement);

@@ -151,9 +151,8 @@ void Islands::find(const parallel::UnsetVector<PairProgress>& progress, double a
     sums_.parent[visited[k]] = visited[k];
     sums_.islands[visited[k]] = {};
   });
-  each(table.size(), [&](std::uint32_t i) {
-    const ActivePair& pair = table.pairs[i];
-    if (bodies_.dynamic[pair.a] != 0 && bodies_.dynamic[pair.b] != 0) roots_.unite(pair.a, pair.b);
+  table.for_each_near_bodies(executor_, [&](std::uint32_t a, std::uint32_t b) {
+    if (bodies_.dynamic[a] != 0 && bodies_.dynamic[b] != 0) roots_.unite(a, b);
   });
   if (apart_s > 0 && bodies_.dynamic_count() > 0) unite_near(apart_s);
   sum(visited.size(), [&](std::uint32_t k, auto&& island_of) {
@@ -174,10 +173,21 @@ void Islands::find(const parallel::UnsetVector<PairProgress>& progress, double a
     IslandSums::Island& island = island_of(dynamic_of(pair));
     ++island.pairs;
     if (progress[i].refinable()) ++island.open;
-    if (bodies_.moves_by_itself(pair.a) || bodies_.moves_by_itself(pair.b)) island.restless = 1;
     if (!progress[i].apart()) {
       ++island.contacts;
       if (progress[i].cached == CacheUse::None) ++island.unknown;
+    }
+  });
+  note_driven();
+}
+
+// Those near a body that moves by itself.
+void Islands::note_driven() {
+  if (bodies_.kinematic_count() == 0) return;
+  input_.table.for_each_near_bodies(executor_, [&](std::uint32_t a, std::uint32_t b) {
+    for (const auto& [driver, driven] : {std::pair(a, b), std::pair(b, a)}) {
+      if (bodies_.moves_by_itself(driver) && bodies_.dynamic[driven] != 0)
+        parallel::raise_shared(sums_.islands[roots_.root(driven)].restless, 1U);
     }
   });
 }

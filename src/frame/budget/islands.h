@@ -74,6 +74,7 @@ class Islands {
   template <class Use>
   void sum(std::size_t count, Use&& use);
   void unite_near(double apart_s);
+  void note_driven();
   [[nodiscard]] double speed_mps(std::size_t slot) const;
   [[nodiscard]] bool waits_before(std::uint32_t x, std::uint32_t y) const;
 

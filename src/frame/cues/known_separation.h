@@ -32,7 +32,7 @@ struct KnownSeparation {
   double error_m = 0;       ///< that is expected of it
 };
 inline KnownSeparation known_separation_of(const SceneView& scene, const ActivePair& pair) {
-  const CachedPair& cached = pair.cached;
+  const CachedPair& cached = *pair.cached;
   if (cached.point_count > 0) {
     return {false, cached.nearest_m,
             kExpected * cached.moved_m + kExpectedOfCached * protrusion_m(scene, pair, cached.level)};

@@ -33,8 +33,8 @@ inline PairPlace place_of(const PredictedMotion& motion, const ActivePair& pair)
 
 /// The same of a pair whose points are cached: where the first of them is, that of the impact.
 inline PairPlace place_of(const PredictedMotion& motion, const ActivePair& pair, const PointCache& points) {
-  if (pair.cached.point_count == 0) return place_of(motion, pair);
-  const solver::ContactPoint& point = points.points[PointCache::begin(pair.cached.slot)];
+  if (pair.cached->point_count == 0) return place_of(motion, pair);
+  const solver::ContactPoint& point = points.points[PointCache::begin(pair.cached->slot)];
   const collision::Pose& a = motion.poses[pair.a];
   return {a.position_m + a.rotation * point.on_a_m, motion.poses[pair.b].rotation * point.normal};
 }

@@ -41,7 +41,7 @@ PairView pair_view_of(const RefineInput& input, const ActivePair& pair) {
   view.extent_m = pair.skin_m / kSkin;
   if (measures_closing(policy)) view.closing_mps = surface_closing_mps(input.scene.bodies, input.motion, pair, place);
   view.importance = input.scene.bodies.importance[pair.a] * input.scene.bodies.importance[pair.b];
-  view.frames_waited = pair.cached.frames_waited;
+  view.frames_waited = pair.cached->frames_waited;
   if (measures(policy, &Policy::gap)) view.gap_m = answered_gap_m(input.motion, pair);
   if (measures(policy, &Policy::delay) && view.closing_mps > 0)
     view.delay_s = input.terms.dt_s * static_cast<double>(view.frames_waited);

@@ -22,8 +22,8 @@ class PairCueSource {
       parallel::prefetch(input_.motion.poses[body]);
       parallel::prefetch(input_.motion.body_bounds[body]);
     }
-    if (pair.cached.point_count > 0 && input_.points != nullptr)
-      parallel::prefetch(input_.points->points[PointCache::begin(pair.cached.slot)]);
+    if (pair.cached->point_count > 0 && input_.points != nullptr)
+      parallel::prefetch(input_.points->points[PointCache::begin(pair.cached->slot)]);
   }
   /// How well an error of the pair is seen now, whatever it has waited and a host thinks of it: a weight, >= 0.
   [[nodiscard]] double seen(std::uint32_t index) const;

@@ -40,7 +40,7 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
   }
   // What is known of a deeper level, and how far the bodies have moved since. Shallower levels bring nothing more.
   if (progress.has_cached_points() || progress.cached == CacheUse::Parted) {
-    const float moved_m = progress.cached == CacheUse::Points ? 0.0F : static_cast<float>(pair.cached.moved_m);
+    const float moved_m = progress.cached == CacheUse::Points ? 0.0F : static_cast<float>(pair.cached->moved_m);
     const float known_m = error_m[progress.cached_level] + moved_m;
     for (std::size_t level = 0; level < progress.cached_level; ++level)
       error_m[level] = std::min(error_m[level], known_m);
@@ -54,7 +54,7 @@ double score_of(const RefineInput& input, const scheduler::FrameFacts& facts, co
                              progress.level.next_units,
                              user_data_of(input.scene, pair),
                              progress.level.level > 0,
-                             pair.cached.level};
+                             pair.cached->level};
   if (learns) {
     chain.lifetime_frames = of_levels(expected.lifetime_frames);
     chain.ended = of_levels(expected.ended);

@@ -157,6 +157,7 @@ class Replay {
     explanation.frame = input_.frame;
     explanation.policy = input_.policy;
     explanation.pairs.clear();
+    explanation.pairs_apart = input_.table.apart_count();
     explanation.levels.clear();
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const auto index = static_cast<std::uint32_t>(i);

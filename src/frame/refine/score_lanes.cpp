@@ -261,7 +261,7 @@ void LaneScorer::score(std::span<const std::uint32_t> pairs, std::span<const Pai
 
 void LaneScorer::gather(std::uint32_t index, const PairProgress& progress, LanePairs& into, std::size_t lane) {
   const ActivePair& pair = input_.table.pairs[index];
-  const CachedPair& cached = pair.cached;
+  const CachedPair& cached = *pair.cached;
   const dynamics::BodyStore& bodies = input_.scene.bodies;
   into.a[lane] = pair.a;
   into.b[lane] = pair.b;

@@ -68,7 +68,7 @@ LevelsReached levels_reached(const WorldState& world, const View& view) {
     const PairProgress& pair = frame.levels.progress[i];
     if (pair.apart() || !pair.refinable()) continue;
     ++(pair.full ? reached.left_for_capacity : reached.left_for_time);
-    const std::uint32_t waited = frame.table.pairs[i].cached.frames_waited;
+    const std::uint32_t waited = frame.table.pairs[i].cached->frames_waited;
     reached.longest_wait = std::max(reached.longest_wait, pair.solved_level() > 0 ? 0U : waited + 1);
   }
   return reached;
