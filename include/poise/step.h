@@ -223,7 +223,7 @@ struct FrameReport {
   // Counted work
   std::size_t bodies = 0;           ///< dynamic bodies, sleeping ones included
   std::size_t candidate_pairs = 0;  ///< from the broad phase
-  std::size_t coarse_pairs = 0;     ///< candidate pairs that overlap at their mandatory level
+  std::size_t coarse_pairs = 0;     ///< candidate pairs that are near at their mandatory level, apart or not
   std::size_t contact_pairs = 0;    ///< with a contact
   /// Point iterations of the contact solver, over all iterations and substeps; one with extrapolation counts seven
   /// times.

@@ -244,7 +244,11 @@ void fill_chunk(const CoarseInput& input, std::size_t chunk, PairTable& table) {
   };
   KnownCount known;
   for (std::size_t k = first; k < past; ++k) {
-    if (k + kBoundsAhead < past) parallel::prefetch(body_bounds[candidate(k + kBoundsAhead).high]);
+    if (k + kBoundsAhead < past) {
+      parallel::prefetch(body_bounds[candidate(k + kBoundsAhead).high]);
+      const std::uint32_t at = near[k + kBoundsAhead - first].cached;
+      if (at != NearCandidate::kNone) parallel::prefetch(input.cached[at]);
+    }
     const NearCandidate& from = near[k - first];
     const CachedPair& cached = from.cached == NearCandidate::kNone ? kNothingCached : input.cached[from.cached];
     const ActivePair& pair =

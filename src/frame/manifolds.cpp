@@ -244,6 +244,7 @@ void make_points(const ManifoldsInput& input, PointCache& cache, Manifolds& mani
     ChunkManifolds of_chunk;
     const std::size_t end = table.end_of(chunk);
     for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
+      if (distant && i + 2 * kPointsAhead < end) parallel::prefetch(*table.pairs[i + 2 * kPointsAhead].cached);
       if (distant && i + kPointsAhead < end) prefetch_points_of(input, i + kPointsAhead, cache);
       if (distant && i + kFoundAhead < end) prefetch_found_points_of(input, i + kFoundAhead);
       make_pair(input, i, cache, count, of_chunk, manifolds);

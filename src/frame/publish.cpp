@@ -26,6 +26,7 @@ HWY_INLINE void prefetch_motions_of(const PublishInput& input, std::uint32_t a, 
 }
 HWY_INLINE void prefetch_of_pair(const PublishInput& input, std::size_t i) {
   const ActivePair& pair = input.table.pairs[i];
+  parallel::prefetch(*pair.cached);
   prefetch_motions_of(input, pair.a, pair.b);
   const PairProgress& progress = input.levels.progress[i];
   if (progress.found != 0) hwy::Prefetch(&input.levels.found.of(progress).reach_m);

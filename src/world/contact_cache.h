@@ -59,7 +59,7 @@ struct PointCache {
 /// What a frame found out about a pair holds until its bodies have moved too far against each other: that it is
 /// separated, or the points where it may touch. Invariant: the first of its points is that of the impact; the others
 /// (or the first, if it is the only one) are the manifold.
-struct CachedPair {
+struct alignas(64) CachedPair {
   std::uint32_t low = 0, high = 0;  ///< body slots
   std::uint32_t frames_waited = 0;  ///< since a level was completed, or nothing was left to complete
   std::uint32_t slot = kNoSlot;     ///< of its points in the PointCache; which one is not part of the state
@@ -81,6 +81,8 @@ struct CachedPair {
   /// more than the surfaces have moved.
   [[nodiscard]] double changed_m() const { return 2.0 * (moved_m - looked_m); }
 };
+
+static_assert(sizeof(CachedPair) == 64, "one cache line");
 
 /// Of a pair of which nothing is cached.
 inline constexpr CachedPair kNothingCached{};

@@ -106,6 +106,7 @@ class Ranking {
     const std::size_t end = input_.table.end_of(chunk.chunk);
     std::size_t position = chunk.position;
     for (std::size_t i = input_.table.begin_of(chunk.chunk); i < end; ++i) {
+      if (distant && i + 2 * kAhead < end) parallel::prefetch(*input_.table.pairs[i + 2 * kAhead].cached);
       if (distant && i + kAhead < end && waits(i + kAhead)) source_.prefetch(static_cast<std::uint32_t>(i + kAhead));
       if (waits(i)) use(position++, static_cast<std::uint32_t>(i));
     }

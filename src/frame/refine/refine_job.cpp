@@ -98,9 +98,11 @@ class OpenRefinement::Job {
       if (again != scheduler::PriorityBands::kNone) return again;
     }
     if (distant_) {
-      if (batch_.next + kPosesAhead < batch_.past)
-        prefetch_bodies(run_.input.scene, run_.input.motion,
-                        run_.input.table.pairs[order.pair_at(batch_.next + kPosesAhead)]);
+      if (batch_.next + kPosesAhead < batch_.past) {
+        const ActivePair& ahead = run_.input.table.pairs[order.pair_at(batch_.next + kPosesAhead)];
+        parallel::prefetch(*ahead.cached);
+        prefetch_bodies(run_.input.scene, run_.input.motion, ahead);
+      }
       if (batch_.next + kPairsAhead < batch_.past) prefetch_pair(order.pair_at(batch_.next + kPairsAhead));
     }
     return order.pair_at(batch_.next++);
