@@ -73,11 +73,13 @@ void for_each_near(const simulation::WorldState& world, const Use& use) {
   const simulation::Frame& frame = world.outputs;
   const simulation::PairTable& table = frame.table;
   table.for_each_near([&](std::size_t i) { use(table.pairs[i].a, table.pairs[i].b, frame.levels.progress[i]); },
-                      [&](const simulation::CachedPair& pair) {
+                      [&](const simulation::CachedPair& cached) {
+                        const simulation::ActivePair pair =
+                            simulation::near_pair(table.terms, frame.motion, {cached.low, cached.high}, cached);
                         simulation::PairProgress progress =
-                            simulation::progress_of_apart(world.scene(), table, frame.motion, pair);
-                        progress.held = frame.levels.held.holds(pair.low) || frame.levels.held.holds(pair.high);
-                        use(pair.low, pair.high, progress);
+                            simulation::progress_of_apart(world.scene(), table.terms, frame.motion, pair);
+                        progress.held = frame.levels.held.holds(pair.a) || frame.levels.held.holds(pair.b);
+                        use(pair.a, pair.b, progress);
                       });
 }
 

@@ -31,17 +31,17 @@ constexpr double kWideOfSize = 4 * kReachOfSize;
 // meets.
 class CachedPairs {
  public:
-  CachedPairs(std::span<const CachedPair> cached, parallel::UnsetVector<std::uint8_t>& still_active,
+  CachedPairs(std::span<const CachedPair> cached, parallel::UnsetVector<std::uint8_t>& still_near,
               const collision::CandidatePair& lowest)
       : cached_(cached),
         at_(static_cast<std::size_t>(std::lower_bound(cached.begin(), cached.end(), lowest, before) - cached.begin())),
-        still_active_(still_active) {}
+        still_near_(still_near) {}
   /// Where that of a candidate is, or NearCandidate::kNone.
   std::uint32_t find(const collision::CandidatePair& pair) {
     while (at_ < cached_.size() && before(cached_[at_], pair)) ++at_;
     if (at_ == cached_.size() || cached_[at_].low != pair.low || cached_[at_].high != pair.high)
       return NearCandidate::kNone;
-    still_active_[at_] = 1;
+    still_near_[at_] = 1;
     return static_cast<std::uint32_t>(at_);
   }
 
@@ -51,7 +51,7 @@ class CachedPairs {
   }
   std::span<const CachedPair> cached_;
   std::size_t at_;
-  parallel::UnsetVector<std::uint8_t>& still_active_;
+  parallel::UnsetVector<std::uint8_t>& still_near_;
 };
 
 // Bodies of pairs lie anywhere in memory: fetched some pairs ahead.
@@ -188,7 +188,7 @@ void select_near_of(const CoarseInput& input, std::size_t chunk, PairTable& tabl
   std::size_t active = begin;
   std::size_t apart = begin + PairTable::kMostOfChunk;
   std::uint8_t place = 0;
-  CachedPairs cached(input.cached, table.still_active, candidates[begin]);
+  CachedPairs cached(input.cached, table.still_near, candidates[begin]);
   for (std::size_t i = begin; i < end; ++i) {
     if (i + kBoundsAhead < end) parallel::prefetch(body_bounds[candidates[i + kBoundsAhead].high]);
     const bool fast = swept.fast(candidates[i].low) || swept.fast(candidates[i].high);
@@ -220,9 +220,9 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
   table.near.resize(chunks * PairTable::kMostOfChunk);
   table.cached = input.cached;
   table.terms = input.terms;
-  parallel::reserve_anew(table.still_active, table.pairs.capacity());
-  table.still_active.clear();
-  parallel::resize(executor, table.still_active, input.cached.size());
+  parallel::reserve_anew(table.still_near, table.pairs.capacity());
+  table.still_near.clear();
+  parallel::resize(executor, table.still_near, input.cached.size());
   parallel::parallel_for(executor, chunks, 1,
                          [&](std::size_t chunk, std::size_t, int) { select_near_of(input, chunk, table); });
   for (std::size_t chunk = 1; chunk <= chunks; ++chunk) {
@@ -301,14 +301,14 @@ ActivePair near_pair(const StepTerms& terms, const PredictedMotion& motion, cons
   return {bodies.a, bodies.b, margin.margin_m, margin.skin_m, margin.margin_m + beyond_m, &cached};
 }
 
-PairProgress progress_of_apart(const SceneView& scene, const PairTable& table, const PredictedMotion& motion,
-                               const CachedPair& cached) {
+PairProgress progress_of_apart(const SceneView& scene, const StepTerms& terms, const PredictedMotion& motion,
+                               const ActivePair& pair) {
   PairStart start;
-  set_levels(scene, table.terms, motion, cached.low, cached.high, start);
+  set_levels(scene, terms, motion, pair.a, pair.b, start);
   start.cached = CacheUse::Separated;
-  start.cached_level = cached.level;
-  start.seen = cached.seen;
-  start.band = cached.band;
+  start.cached_level = pair.cached->level;
+  start.seen = pair.cached->seen;
+  start.band = pair.cached->band;
   return PairProgress(start);
 }
 

@@ -85,20 +85,27 @@ struct PairTable {
     return cached[near_apart(chunk, k).cached];
   }
   [[nodiscard]] std::size_t near_count() const { return size() + apart_count(); }
-  /// Among all near pairs, the place of an active pair of a chunk, and of the k-th of those that are apart.
-  [[nodiscard]] std::size_t place(std::size_t chunk, std::size_t active) const {
-    return near_begin(chunk) + near[chunk * kMostOfChunk + active - begin_of(chunk)].place;
+  /// Near pairs of all chunks before.
+  [[nodiscard]] std::size_t near_begin(std::size_t chunk) const {
+    return std::size_t{known_of_chunk[chunk].begin} + known_of_chunk[chunk].apart_begin;
   }
-  [[nodiscard]] std::size_t place_of_apart(std::size_t chunk, std::size_t k) const {
-    return near_begin(chunk) + near_apart(chunk, k).place;
+  /// Of a chunk, the k-th that is active, and the k-th that is apart.
+  [[nodiscard]] const NearCandidate& near_active(std::size_t chunk, std::size_t k) const {
+    return near[chunk * kMostOfChunk + k];
+  }
+  [[nodiscard]] const NearCandidate& near_apart(std::size_t chunk, std::size_t k) const {
+    return near[(chunk + 1) * kMostOfChunk - 1 - k];
   }
   /// Calls active(i) or apart(cached pair) for all near pairs, in canonical order.
   template <class Active, class Apart>
   void for_each_near(Active&& active, Apart&& apart_pair) const {
     for (std::size_t chunk = 0; chunk < chunks(); ++chunk) {
-      for (std::size_t i = begin_of(chunk), k = 0; i < end_of(chunk) || k < apart_count(chunk);) {
-        if (k == apart_count(chunk) || (i < end_of(chunk) && place(chunk, i) < place_of_apart(chunk, k))) {
-          active(i++);
+      const std::size_t begin = begin_of(chunk);
+      const std::size_t actives = end_of(chunk) - begin;
+      const std::size_t aparts = apart_count(chunk);
+      for (std::size_t i = 0, k = 0; i < actives || k < aparts;) {
+        if (k == aparts || (i < actives && near_active(chunk, i).place < near_apart(chunk, k).place)) {
+          active(begin + i++);
         } else {
           apart_pair(apart(chunk, k++));
         }
@@ -118,33 +125,24 @@ struct PairTable {
   }
 
   parallel::UnsetVector<ActivePair> pairs;
-  parallel::UnsetVector<PairStart> start;            ///< where refinement begins
-  std::vector<KnownCount> known_of_chunk;            ///< per chunk, and their sums at the end
-  std::span<const CachedPair> cached;                ///< with which the step began
-  StepTerms terms;                                   ///< of the step
-  parallel::UnsetVector<std::uint8_t> still_active;  ///< one a cached pair of the last step: it is near in this one
-  std::vector<SweptPair> swept;                      ///< with backtracking: pairs with a fast body, in canonical order
+  parallel::UnsetVector<PairStart> start;          ///< where refinement begins
+  std::vector<KnownCount> known_of_chunk;          ///< per chunk, and their sums at the end
+  std::span<const CachedPair> cached;              ///< with which the step began
+  StepTerms terms;                                 ///< of the step
+  parallel::UnsetVector<std::uint8_t> still_near;  ///< one a cached pair of the last step: it is near in this one
+  std::vector<SweptPair> swept;                    ///< with backtracking: pairs with a fast body, in canonical order
 
   /// Of each chunk, from where that begins, those that are active; and from its end back those that are apart.
   parallel::UnsetVector<NearCandidate> near;
-
- private:
-  [[nodiscard]] const NearCandidate& near_apart(std::size_t chunk, std::size_t k) const {
-    return near[(chunk + 1) * kMostOfChunk - 1 - k];
-  }
-  // Near pairs of all chunks before.
-  [[nodiscard]] std::size_t near_begin(std::size_t chunk) const {
-    return std::size_t{known_of_chunk[chunk].begin} + known_of_chunk[chunk].apart_begin;
-  }
 };
 
-/// A candidate as an active pair, with what is cached of it.
+/// A candidate as if it were an active pair, with what is cached of it.
 ActivePair near_pair(const StepTerms& terms, const PredictedMotion& motion, const collision::CandidatePair& candidate,
                      const CachedPair& cached);
 
-/// How far one that is apart has come: nowhere.
-PairProgress progress_of_apart(const SceneView& scene, const PairTable& table, const PredictedMotion& motion,
-                               const CachedPair& cached);
+/// How far a near pair that is apart has come: nowhere.
+PairProgress progress_of_apart(const SceneView& scene, const StepTerms& terms, const PredictedMotion& motion,
+                               const ActivePair& pair);
 
 /// What the host gave the bodies of an active pair, that of the lower slot first.
 scheduler::UserData user_data_of(const SceneView& scene, const ActivePair& pair);

@@ -206,7 +206,7 @@ void release_unused(const PublishInput& input, PointCache& points, Publication& 
 // Contacts end of cached pairs that are no longer active, and their slots are released.
 void end_inactive(const PublishInput& input, ContactCache& cache, Publication& publication,
                   parallel::Executor& executor) {
-  const parallel::UnsetVector<std::uint8_t>& active = input.table.still_active;
+  const parallel::UnsetVector<std::uint8_t>& active = input.table.still_near;
   std::vector<std::uint32_t>& free = cache.points.free;
   const std::size_t free_before = free.size();
   parallel::select(
@@ -273,10 +273,12 @@ void make_events(const PublishInput& input, Publication& publication, const Cont
 void fill_chunk_after(const PublishInput& input, std::size_t chunk, CachedPairList& next, Publication& publication) {
   const PairTable& table = input.table;
   const bool distant = table.near_count() > parallel::kPairsAtHand;
+  const std::size_t begin = table.begin_of(chunk);
   const std::size_t end = table.end_of(chunk);
-  for (std::size_t i = table.begin_of(chunk); i < end; ++i) {
+  const std::size_t before = table.near_begin(chunk);
+  for (std::size_t i = begin; i < end; ++i) {
     if (distant && i + kMotionsAhead < end) prefetch_of_pair(input, i + kMotionsAhead);
-    const std::size_t place = table.place(chunk, i);
+    const std::size_t place = before + table.near_active(chunk, i - begin).place;
     publication.place[i] = static_cast<std::uint32_t>(place);
     fill_cached_after(input, i, next[place]);
     // What waits goes on touching as it did.
@@ -290,7 +292,7 @@ void fill_chunk_after(const PublishInput& input, std::size_t chunk, CachedPairLi
       const CachedPair& ahead = table.apart(chunk, k + kMotionsAhead);
       prefetch_motions_of(input, ahead.low, ahead.high);
     }
-    fill_apart_after(input, table.apart(chunk, k), next[table.place_of_apart(chunk, k)]);
+    fill_apart_after(input, table.apart(chunk, k), next[before + table.near_apart(chunk, k).place]);
   }
 }
 
