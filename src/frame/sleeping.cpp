@@ -14,7 +14,6 @@ namespace poise::simulation {
 namespace {
 
 constexpr std::size_t kIslandGrain = 1024;
-constexpr std::size_t kIslandPairGrain = 1024;
 // Chosen: long enough for a body that turns back at the end of a swing to be seen moving.
 constexpr double kStillForS = 0.5;
 // Of sqrt(g R). Chosen: what a settled pile jitters by is below, and what it drifts in kStillForS cannot be seen.
