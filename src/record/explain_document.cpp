@@ -178,8 +178,9 @@ std::string head_of(const ExplainedFrame& e, const std::vector<Turn>& turns) {
   std::vector<bool> served(e.explanation.pairs.size(), false);
   for (const Turn& turn : turns) served[turn.level->pair] = true;
   std::string text =
-      fmt::format("frame {}: {} active pairs, {} levels of {} pairs completed\n", f.decisions.frame,
-                  e.explanation.pairs.size(), turns.size(), std::count(served.begin(), served.end(), true));
+      fmt::format("frame {}: {} active pairs, and {} known to be apart; {} levels of {} pairs completed\n",
+                  f.decisions.frame, e.explanation.pairs.size(), e.explanation.pairs_apart, turns.size(),
+                  std::count(served.begin(), served.end(), true));
   if (e.wall_clock) {
     text += fmt::format(
         "time: {:.3f} ms from the start to the deadline, {:.3f} ms for refinement, {:.3f} ms kept for what came after "
@@ -364,6 +365,7 @@ nlohmann::ordered_json explain_json(const ExplainedFrame& e) {
           {"policy", policy_name(e.explanation.policy.kind)},
           {"unfinished", f.decisions.unfinished},
           {"active_pairs", e.explanation.pairs.size()},
+          {"pairs_apart", e.explanation.pairs_apart},
           {"budget_ms", ms(f.budget)},
           {"refine_available_ms", ms(f.refine_available)},
           {"reserve_ms", ms(f.reserve)},
