@@ -221,6 +221,7 @@ void select_near(const CoarseInput& input, PairTable& table, parallel::Executor&
   table.cached = input.cached;
   table.terms = input.terms;
   parallel::reserve_anew(table.still_near, table.pairs.capacity());
+  parallel::make_room_anew(table.still_near, input.cached.size());
   table.still_near.clear();
   parallel::resize(executor, table.still_near, input.cached.size());
   parallel::parallel_for(executor, chunks, 1,

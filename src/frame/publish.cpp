@@ -311,6 +311,7 @@ void publish(const PublishInput& input, ContactCache& cache, ContactEvents& even
   std::swap(cache.pairs, cache.previous_pairs);
   CachedPairList& next = cache.pairs;
   parallel::reserve_anew(next, table.capacity());
+  parallel::make_room_anew(next, table.near_count());
   next.resize(table.near_count());
   parallel::UnsetVector<std::uint8_t>& touch_changed = publication.touch_changed;
   touch_changed.resize(table.size());
