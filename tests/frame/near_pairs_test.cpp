@@ -47,6 +47,7 @@ TEST(NearPairs, AreActiveOrApartAndInOneOrder) {
   JackHeap heap;
   const StepInput input = step_of(1.0 / 60);
   std::size_t apart_pairs = 0;
+  std::size_t planes = 0;
   for (int i = 0; i < 300; ++i) {
     const FrameReport report = heap.stage.world.step(input);
     WorldState& world = heap.state();
@@ -64,6 +65,11 @@ TEST(NearPairs, AreActiveOrApartAndInOneOrder) {
           ++at;
         },
         [&](const CachedPair& pair) {
+          const ActivePair shown = simulation::near_pair(simulation::terms_of(world.settings, input),
+                                                         world.outputs.motion, {pair.low, pair.high}, pair);
+          planes += world.outputs.motion.body_bounds[shown.b].plane ? 1U : 0U;
+          ASSERT_FALSE(world.outputs.motion.body_bounds[shown.a].plane) << "a plane is second";
+          ASSERT_EQ(shown.margin_m, all.pairs[at].margin_m);
           ASSERT_EQ(slots_of(pair), slots_of(all.pairs[at]));
           ASSERT_EQ(&pair, all.pairs[at].cached);
           ASSERT_EQ(all.start[at].cached, simulation::CacheUse::Separated) << "it is known for sure";
@@ -73,6 +79,7 @@ TEST(NearPairs, AreActiveOrApartAndInOneOrder) {
     ASSERT_EQ(at, all.size());
   }
   EXPECT_GT(apart_pairs, 5000U) << "of a heap at rest many are";
+  EXPECT_GT(planes, 0U) << "and some of these are of a body and a wall";
 }
 
 // What is known for sure needs no place in the table, unless its bodies have just parted or are fast.
