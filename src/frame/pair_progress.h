@@ -53,6 +53,8 @@ static_assert(sizeof(PairStart) == 12);
 
 /// How far a pair has come in this frame. Small: the budget goes through all pairs, and most of them need no more.
 ///
+/// Active pairs have one. A pair that is apart (coarse.h) would be CachedSeparated from *coarse* to the end.
+///
 /// Transitions, in the order of stages. A pair has one state at a time; what is not listed does not happen.
 ///
 ///   stage   from             event                                                to
