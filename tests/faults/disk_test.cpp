@@ -35,12 +35,23 @@ bool says(const std::string& error, const std::string& file, const char* reason)
   return error.find(file + ": cannot be written: " + reason) != std::string::npos;
 }
 
-// All outgrow the limit but the JSON; a frame of the states does not.
+// All outgrow the limit but the JSON; a frame of the states does not. With a budget the record says in each frame who
+// was refined: without one it hardly grows once the jacks rest, least where one worker did all.
 TEST(Disk, AnOutputThatCannotBeWrittenTakesNothingFromTheOthers) {
   const TemporaryFolder folder;
-  std::vector<std::string> words{
-      "run",     "jacks",           "--bodies",          "300", "--frames", "300", "--clock", "work",
-      "--quiet", "--capture-pairs", "--capture-contacts"};
+  std::vector<std::string> words{"run",
+                                 "jacks",
+                                 "--bodies",
+                                 "300",
+                                 "--frames",
+                                 "300",
+                                 "--clock",
+                                 "work",
+                                 "--budget-work",
+                                 "3000",
+                                 "--quiet",
+                                 "--capture-pairs",
+                                 "--capture-contacts"};
   const std::vector<std::string> outputs = all_outputs(folder.path());
   words.insert(words.end(), outputs.begin(), outputs.end());
   Program program(folder.path(), words, limit_files_to_72_kib);
