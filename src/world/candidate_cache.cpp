@@ -24,31 +24,49 @@ bool same(const collision::PlaneBound& a, const collision::PlaneBound& b) {
 }  // namespace
 
 CandidateCache::Look CandidateCache::look(std::span<const collision::MotionBound> bounds,
-                                          std::span<const collision::PlaneBound> planes,
-                                          parallel::Executor& executor) const {
+                                          std::span<const collision::PlaneBound> planes, parallel::Executor& executor) {
   if (bounds.size() != bounds_.size() ||
       !std::equal(planes.begin(), planes.end(), planes_.begin(), planes_.end(), same))
     return {};
+  left_.resize(collision::BroadPhase::kMostMoved);
+  parallel::Tickets changed;
   parallel::Tickets outside;
   parallel::Tickets restless;
   parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
+    std::size_t others = 0;
     std::size_t left = 0;
     std::size_t moved = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const collision::MotionBound& now = bounds[i];
       const collision::MotionBound& cached = bounds_[i];
       const double away_m = (now.center_m - cached.center_m).norm();
-      const bool fits = now.slot == cached.slot && now.group == cached.group &&
-                        now.collides_with == cached.collides_with && now.dynamic == cached.dynamic &&
-                        away_m + now.radius_m <= cached.radius_m;
-      left += fits ? 0U : 1U;
+      others += now.slot == cached.slot && now.group == cached.group && now.collides_with == cached.collides_with &&
+                        now.dynamic == cached.dynamic
+                    ? 0U
+                    : 1U;
       moved += away_m + now.radius_m - radius_m_[i] > 0.25 * kWider * radius_m_[i] ? 1U : 0U;
+      if (away_m + now.radius_m <= cached.radius_m) continue;
+      ++left;
+      if (outside.next() >= left_.size()) continue;
+      const std::size_t place = outside.take();
+      --left;
+      if (place < left_.size()) left_[place] = static_cast<std::uint32_t>(i);
     }
+    if (others > 0) changed.take(others);
     if (left > 0) outside.take(left);
     if (moved > 0) restless.take(moved);
   });
   const auto most = static_cast<std::size_t>(kRestless * static_cast<double>(bounds.size()));
-  return {outside.take(0) == 0, restless.take(0) <= most};
+  const std::size_t left = outside.take(0);
+  left_.resize(std::min(left, left_.size()));
+  std::sort(left_.begin(), left_.end());
+  return {changed.take(0) == 0, left, restless.take(0) <= most};
+}
+
+void CandidateCache::keep(const collision::MotionBound& bound, std::size_t i) {
+  bounds_[i] = bound;
+  radius_m_[i] = bound.radius_m;
+  if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
 }
 
 collision::BroadPhase::Result CandidateCache::find(
@@ -61,17 +79,18 @@ collision::BroadPhase::Result CandidateCache::find(
   }
   const Look seen = look(bounds, planes, executor);
   const bool same_resting = std::exchange(resting_version_, resting.version()) == resting.version();
-  if (wide_ && seen.inside && same_resting) return found_;
+  if (wide_ && seen.same && same_resting && seen.left == left_.size()) {
+    if (seen.left == 0) return found_;
+    for (const std::uint32_t i : left_) keep(bounds[i], i);
+    const auto found = broad_phase.find_moved(bounds_, left_, planes_, limits, executor, &resting);
+    if (found) return found_ = *found;
+  }
   wide_ = seen.calm && !bounds.empty();
   planes_.assign(planes.begin(), planes.end());
   bounds_.resize(bounds.size());
   radius_m_.resize(bounds.size());
   parallel::parallel_for(executor, bounds.size(), kBoundGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      bounds_[i] = bounds[i];
-      radius_m_[i] = bounds[i].radius_m;
-      if (wide_) bounds_[i].radius_m *= 1.0 + kWider;
-    }
+    for (std::size_t i = begin; i < end; ++i) keep(bounds[i], i);
   });
   found_ = broad_phase.find(bounds_, planes_, limits, executor, {}, &resting);
   if (wide_ && found_.discarded > 0) {

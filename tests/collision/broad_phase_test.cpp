@@ -8,25 +8,11 @@
 #include <random>
 
 #include "collision/brute_force.h"
-#include "collision/shapes.h"
 
 namespace poise::collision {
 namespace {
 
 constexpr std::uint32_t kMany = 65536;
-
-std::vector<MotionBound> random_bounds(std::mt19937_64& random, std::size_t n, double spread_m, int octaves) {
-  std::vector<MotionBound> bounds(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    bounds[i].center_m = random_vector(random, spread_m);
-    bounds[i].radius_m = std::exp2(uniform(random, -octaves, 0));
-    bounds[i].slot = static_cast<std::uint32_t>(i * 3 + 1);
-    bounds[i].dynamic = random() % 8 != 0;
-    bounds[i].group = 1U << (random() % 3);
-    bounds[i].collides_with = static_cast<std::uint32_t>(random() % 8);
-  }
-  return bounds;
-}
 
 std::vector<CandidatePair> found(BroadPhase& broad, std::span<const MotionBound> bounds,
                                  std::span<const PlaneBound> planes, parallel::Executor& executor) {

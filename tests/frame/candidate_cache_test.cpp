@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "geometry/primitives/random.h"
@@ -56,6 +57,40 @@ TEST(CandidateCache, HoldEveryPairOfLaterFramesWhileBoundsMoveLittleAndAfterThey
     before = pairs;
   }
   EXPECT_GT(reused, 40U);
+}
+
+TEST(CandidateCache, OfAFewThatLeaveTheirBoundsThePairsAreLookedForOneByOne) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  collision::BroadPhase broad_phase;
+  CandidateCache cached;
+  std::vector<MotionBound> bounds = cloud(3000);
+  const auto find = [&] { return cached.find(broad_phase, bounds, {}, {}, {}, {256}, *executor); };
+  find();
+  const std::size_t of_all = find().looked_at;
+  EXPECT_GT(of_all, bounds.size());
+  std::size_t anew = 0;
+  for (int frame = 0; frame < 100; ++frame) {
+    // Ten cross the cloud, and one changes its size.
+    for (std::size_t i = 0; i < 10; ++i) bounds[i * 300].center_m += Vec3(0.05, 0.02, 0.03);
+    bounds[77].radius_m = 0.6 + 0.004 * frame;
+    const auto found = find();
+    anew += found.looked_at > 11 ? 1U : 0U;
+    const auto before = [](const CandidatePair& a, const CandidatePair& b) {
+      return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+    };
+    ASSERT_TRUE(std::is_sorted(found.pairs.begin(), found.pairs.end(), before));
+    for (std::uint32_t i = 0; i < bounds.size(); ++i) {
+      // The resting ones have not changed among each other.
+      if (i % 300 != 0 && i != 77) continue;
+      for (std::uint32_t j = 0; j < bounds.size(); ++j) {
+        if (i == j || !meet(bounds[i], bounds[j])) continue;
+        ASSERT_TRUE(std::binary_search(found.pairs.begin(), found.pairs.end(),
+                                       CandidatePair{std::min(i, j), std::max(i, j)}, before))
+            << frame;
+      }
+    }
+  }
+  EXPECT_EQ(anew, 0U);
 }
 
 TEST(CandidateCache, AreFoundAnewWhenABodyComesOrChangesItsGroup) {

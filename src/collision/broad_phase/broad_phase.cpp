@@ -283,6 +283,8 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
                                     std::span<const SweptBound> swept, const RestingGrid* resting) {
   Result result;
   PartnerLimits used = limits;
+  moved_.clear();
+  pair_count_ = most_found_ = 0;
   if (bounds.empty() && swept.empty()) return result;
   sort_into_cells(bounds, limits.crowds != nullptr ? most_tests_of_crowded() : most_tests(0), executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
@@ -298,7 +300,9 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
     count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   }
   sort_pairs(count, executor);
-  result.pairs = std::span<const CandidatePair>(sorted_).first(count);
+  pair_count_ = count;
+  for (const Scratch& scratch : scratch_) most_found_ = std::max(most_found_, scratch.most_found);
+  result.pairs = sorted_pairs();
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -88,6 +89,15 @@ class BroadPhase {
   Result find(std::span<const MotionBound> bounds, std::span<const PlaneBound> planes, const PartnerLimits& limits,
               parallel::Executor& executor, std::span<const SweptBound> swept = {},
               const RestingGrid* resting = nullptr);
+  /// What find() found, and the pairs of bounds that are elsewhere since: those of a few are looked for one by one.
+  /// Pairs that no longer overlap stay. `moved` are their numbers in `bounds`, ascending; the others are as they were.
+  /// Empty, and to be found anew, where more than kMostMoved are elsewhere since find(), or so that pairs might have to
+  /// be discarded. There must be no swept bodies. The same result on any number of threads.
+  std::optional<Result> find_moved(std::span<const MotionBound> bounds, std::span<const std::uint32_t> moved,
+                                   std::span<const PlaneBound> planes, const PartnerLimits& limits,
+                                   parallel::Executor& executor, const RestingGrid* resting = nullptr);
+  /// Each is compared with all others. Chosen.
+  static constexpr std::size_t kMostMoved = 1024;
   /// Bounds that the search of one looks at, at most. Far more than cells hold where bounds do not overlap.
   static std::uint32_t most_tests(std::uint32_t max_partners) { return std::max(4096U, 16 * max_partners); }
   /// That the search of one looks at, at most, before it is told whether it is in a crowd. Chosen: a body that is in
@@ -145,6 +155,7 @@ class BroadPhase {
     std::vector<std::uint32_t> hits;  // entries; the first `partners` are its partners
     std::size_t partners = 0;
     std::vector<Partner> resting;  // those among the bounds at rest
+    std::size_t most_found = 0;    // by a search
     [[nodiscard]] std::size_t found() const { return partners + resting.size(); }
   };
   struct Collector;
@@ -171,6 +182,16 @@ class BroadPhase {
   void keep_nearest(const Entry& self, std::uint32_t max_partners, Scratch& scratch, Collector& found) const;
   void list_own_grid(const Cell& own, Scratch& scratch) const;
   void list_coarser_grids(const Entry& self, RangeList& ranges) const;
+  bool list_grid(const Vec3& center_m, double radius_m, int grid, RangeList& ranges) const;
+  bool find_partners_anywhere(const MotionBound& self, std::span<const MotionBound> bounds,
+                              std::span<const std::uint32_t> moved_now, std::uint32_t room, const RestingGrid* resting,
+                              Scratch& scratch) const;
+  bool gain(std::span<const CandidatePair> added, std::span<const PlaneBound> planes, std::size_t most,
+            parallel::Executor& executor);
+  void insert_pairs(std::span<const CandidatePair> added, parallel::Executor& executor);
+  [[nodiscard]] std::span<const CandidatePair> sorted_pairs() const {
+    return std::span<const CandidatePair>(sorted_).first(pair_count_);
+  }
   struct RowPieces;
   void list_rows(const RowPieces& along, std::int32_t first_y, std::int32_t last_y, const BlockKey& layer,
                  RangeList& ranges) const;
@@ -181,6 +202,7 @@ class BroadPhase {
   template <class Visit>
   void visit_row(const Cell& first, std::int32_t count, Visit&& visit) const;
   [[nodiscard]] std::uint64_t bucket(const Cell& cell) const;
+  void make_scratch(std::size_t bounds, std::uint32_t max_partners, parallel::Executor& executor);
   std::size_t collect(std::size_t bounds, std::span<const PlaneBound> planes, std::span<const SweptBound> swept,
                       const PartnerLimits& limits, const RestingGrid* resting, parallel::Executor& executor,
                       Result& result);
@@ -221,7 +243,12 @@ class BroadPhase {
   parallel::UnsetVector<std::uint64_t> marks_;  // scratch: a bit a slot, for each list as many words as it is long
   parallel::UnsetVector<CandidatePair> sorted_;
   parallel::UnsetVector<std::uint32_t> low_begin_;
-  std::vector<std::uint32_t> slots_of_range_;  // scratch
+  std::vector<std::uint32_t> slots_of_range_;    // scratch
+  std::size_t pair_count_ = 0;                   // of sorted_
+  std::size_t most_found_ = 0;                   // by a search since the last find()
+  std::vector<std::uint32_t> moved_;             // since then: numbers of bounds, ascending
+  std::vector<std::uint32_t> moved_before_;      // scratch: those that have not moved again now
+  parallel::UnsetVector<std::uint32_t> gained_;  // by slot: partners added since then
 };
 
 }  // namespace poise::collision

@@ -12,12 +12,22 @@
 #include "collision/broad_phase/grid_blocks.h"
 #include "parallel/shared_counters.h"
 
-/// What the two searches of the broad phase share: cells and the list of what was found.
+/// What the searches of the broad phase share: cells, the test of two balls and the list of what was found.
 namespace poise::collision {
 
 inline bool meet(std::uint32_t group_a, std::uint32_t with_a, std::uint32_t group_b, std::uint32_t with_b) {
   return (group_a & with_b) != 0 && (group_b & with_a) != 0;
 }
+
+/// Squared distance of two centres less that at which the balls would touch.
+template <class A, class B>
+double beyond_m2(const A& self, const B& other) {
+  const double reach = self.radius_m + other.radius_m;
+  return (other.center_m - self.center_m).squaredNorm() - reach * reach;
+}
+
+/// Do balls overlap that are so far beyond touching? What is no number counts as near.
+inline bool overlap(double beyond) { return !(beyond >= 0); }
 
 /// Collects the pairs of one worker and writes them out in batches.
 struct BroadPhase::Collector {

@@ -25,16 +25,6 @@ std::size_t cut_to_room(std::span<NearRange> ranges, std::uint32_t& room) {
   return cut;
 }
 
-// Squared distance of two centres less that at which the balls would touch.
-template <class A, class B>
-double beyond_m2(const A& self, const B& other) {
-  const double reach = self.radius_m + other.radius_m;
-  return (other.center_m - self.center_m).squaredNorm() - reach * reach;
-}
-
-// What is no number counts as near.
-bool overlap(double beyond) { return !(beyond >= 0); }
-
 }  // namespace
 
 // Cells in a row along x: what lies in one block lies side by side.
@@ -90,23 +80,29 @@ void BroadPhase::list_own_grid(const Cell& own, Scratch& scratch) const {
   scratch.of_own_grid = ranges.count;
 }
 
-// The cells that hold the centre of any ball that it can meet. Rounding must lose none of them.
-void BroadPhase::list_coarser_grids(const Entry& self, RangeList& ranges) const {
+// The cells that hold the centre of any ball of a grid that a ball can meet. Rounding must lose none of them. False
+// where they are too many to look at: the ball is far larger than those of the grid.
+bool BroadPhase::list_grid(const Vec3& center_m, double radius_m, int grid, RangeList& ranges) const {
   constexpr double kRounding = 1e-15;
+  const Grid& of = grids_[static_cast<std::size_t>(grid)];
+  const double reach = radius_m + 0.5 * of.widest_m;
+  if (2 * reach * of.cells_per_m > kBlockRow / 2.0) return false;
+  const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * center_m.cwiseAbs();
+  const Vec3 low = center_m - around;
+  const Vec3 high = center_m + around;
+  const std::int32_t first_x = cell_of(low.x(), of.cells_per_m);
+  const RowPieces along(first_x, cell_of(high.x(), of.cells_per_m) - first_x + 1);
+  const std::int32_t first_y = cell_of(low.y(), of.cells_per_m);
+  const std::int32_t last_y = cell_of(high.y(), of.cells_per_m);
+  const std::int32_t last_z = cell_of(high.z(), of.cells_per_m);
+  for (std::int32_t z = cell_of(low.z(), of.cells_per_m); z <= last_z; ++z)
+    list_rows(along, first_y, last_y, BlockKey::of_z(z) + BlockKey::of_grid(grid), ranges);
+  return true;
+}
+
+void BroadPhase::list_coarser_grids(const Entry& self, RangeList& ranges) const {
   for (const int g : used_grids_) {
-    if (g <= self.cell.grid) continue;
-    const Grid& grid = grids_[static_cast<std::size_t>(g)];
-    const double reach = self.radius_m + 0.5 * grid.widest_m;
-    const Vec3 around = Vec3::Constant((1.0 + kRounding) * reach) + kRounding * self.center_m.cwiseAbs();
-    const Vec3 low = self.center_m - around;
-    const Vec3 high = self.center_m + around;
-    const std::int32_t first_x = cell_of(low.x(), grid.cells_per_m);
-    const RowPieces along(first_x, cell_of(high.x(), grid.cells_per_m) - first_x + 1);
-    const std::int32_t first_y = cell_of(low.y(), grid.cells_per_m);
-    const std::int32_t last_y = cell_of(high.y(), grid.cells_per_m);
-    const std::int32_t last_z = cell_of(high.z(), grid.cells_per_m);
-    for (std::int32_t z = cell_of(low.z(), grid.cells_per_m); z <= last_z; ++z)
-      list_rows(along, first_y, last_y, BlockKey::of_z(z) + BlockKey::of_grid(g), ranges);
+    if (g > self.cell.grid) list_grid(self.center_m, self.radius_m, g, ranges);
   }
 }
 
@@ -177,6 +173,7 @@ void BroadPhase::search(std::uint32_t entry, std::span<const PlaneBound> planes,
   if (limits.crowds != nullptr) most = std::min(most, most_tests_of_crowded());
   std::uint32_t room = most;
   std::size_t left = find_partners(entry, room, resting, scratch);
+  scratch.most_found = std::max(scratch.most_found, scratch.found());
   if (limits.crowds != nullptr && (left > 0 || scratch.found() > CrowdedBodies::kLeast)) {
     const std::uint32_t outside = limits.crowds->most_partners(self.slot);
     if (left > 0 && scratch.found() <= outside) {
@@ -197,21 +194,25 @@ void BroadPhase::search(std::uint32_t entry, std::span<const PlaneBound> planes,
   }
 }
 
+// As much for each worker as any search may need, so that no later step has to allocate.
+void BroadPhase::make_scratch(std::size_t bounds, std::uint32_t max_partners, parallel::Executor& executor) {
+  constexpr std::size_t kRangesOfGrid = 32;
+  const std::size_t hits = std::min<std::size_t>(bounds, most_tests(max_partners)) + NearBalls::kPast;
+  scratch_.resize(static_cast<std::size_t>(executor.concurrency()));
+  for (Scratch& scratch : scratch_) {
+    scratch.ranges.count = scratch.of_own_grid = scratch.most_found = 0;
+    scratch.ranges.make_room(kRangesOfGrid * (used_grids_.size() + 1));
+    if (scratch.hits.size() < hits) scratch.hits.resize(hits);
+  }
+}
+
 std::size_t BroadPhase::collect(std::size_t bounds, std::span<const PlaneBound> planes,
                                 std::span<const SweptBound> swept, const PartnerLimits& limits,
                                 const RestingGrid* resting, parallel::Executor& executor, Result& result) {
   parallel::Tickets points;
   parallel::Tickets lost;
   parallel::Tickets looked_at;
-  // As much for each worker as any search may need, so that no later step has to allocate.
-  constexpr std::size_t kRangesOfGrid = 32;
-  const std::size_t hits = std::min<std::size_t>(bounds, most_tests(limits.of_body)) + NearBalls::kPast;
-  scratch_.resize(static_cast<std::size_t>(executor.concurrency()));
-  for (Scratch& scratch : scratch_) {
-    scratch.ranges.count = scratch.of_own_grid = 0;
-    scratch.ranges.make_room(kRangesOfGrid * (used_grids_.size() + 1));
-    if (scratch.hits.size() < hits) scratch.hits.resize(hits);
-  }
+  make_scratch(bounds, limits.of_body, executor);
   parallel::parallel_for(executor, bounds, kSearchGrain, [&](std::size_t begin, std::size_t end, int worker) {
     Scratch& scratch = scratch_[static_cast<std::size_t>(worker)];
     Collector found(found_, points);

@@ -24,7 +24,7 @@ constexpr std::size_t kAhead = 6;
 double seen_radpm(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
   return cues.visibility * (cues.hidden ? policy.hidden_visibility : 1.0) * cues.angle_radpm;
 }
-std::uint8_t seen_band(double radpm) {
+std::uint8_t band_of_seen(double radpm) {
   return static_cast<std::uint8_t>(std::clamp<std::uint32_t>(scheduler::octave_band(radpm), 1, scheduler::kBands - 1));
 }
 
@@ -32,7 +32,7 @@ std::uint8_t seen_band(double radpm) {
 RankedPair note_score(const scheduler::Policy& policy, double score, double radpm, std::uint32_t waited,
                       PairProgress& pair) {
   RankedPair ranked;
-  pair.seen = seen_band(radpm);
+  pair.seen = band_of_seen(radpm);
   ranked.left_out = scheduler::left_out(policy, score);
   ranked.band = scheduler::band_of(policy, score);
   pair.turn = turn_at(ranked.band);
@@ -179,7 +179,7 @@ std::size_t positions_of(const PairTable& table, std::span<const std::uint32_t> 
 }  // namespace
 
 std::uint8_t seen_band(const scheduler::Policy& policy, const scheduler::PairCues& cues) {
-  return seen_band(seen_radpm(policy, cues));
+  return band_of_seen(seen_radpm(policy, cues));
 }
 
 void choose_chunks(const PairTable& table, std::uint64_t frame, std::size_t most, std::vector<std::uint32_t>& chosen) {

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "collision/broad_phase/broad_phase.h"
+#include "collision/broad_phase/resting_grid.h"
+#include "collision/brute_force.h"
+#include "collision/shapes.h"
+
+namespace poise::collision {
+namespace {
+
+using PairList = std::vector<CandidatePair>;
+
+bool in_order(const CandidatePair& a, const CandidatePair& b) {
+  return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+}
+
+std::optional<PairList> pairs_of(const std::optional<BroadPhase::Result>& found) {
+  if (!found) return std::nullopt;
+  return PairList(found->pairs.begin(), found->pairs.end());
+}
+
+/// Bounds in a cloud whose neighbours they are all along, and some of them on their way.
+struct Cloud {
+  std::vector<MotionBound> bounds;
+  std::vector<std::uint32_t> moved;
+
+  Cloud(std::size_t n, double spread_m) : bounds(n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      bounds[i].center_m = random_vector(random, spread_m);
+      bounds[i].radius_m = 0.5;
+      bounds[i].slot = static_cast<std::uint32_t>(i);
+    }
+  }
+  // Each of the first `count` to another place.
+  void move(std::size_t count, double spread_m) {
+    moved.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      bounds[i].center_m = random_vector(random, spread_m);
+      moved.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  std::mt19937_64 random{5};
+};
+
+RC_GTEST_PROP(MovedBounds, AllPairsThatOverlapAreFoundInOrderAndNoOthersAreAdded, ()) {
+  std::mt19937_64 random(*rc::gen::arbitrary<std::uint64_t>());
+  const auto n = *rc::gen::inRange<std::size_t>(1, 300);
+  const double spread = *rc::gen::element(0.5, 2.0, 10.0);
+  // As many octaves as cells may be wide of what is found anywhere.
+  std::vector<MotionBound> bounds = random_bounds(random, n, spread, *rc::gen::element(0, 1, 2));
+  const std::vector<PlaneBound> planes = {{Vec3(0.6, 0, 0.8), 0.2, 0, 1, 0xffffffffU}, {Vec3::UnitY(), -1.0, 2, 6, 3}};
+  const auto executor = parallel::make_executor(ExecutorKind::Threads, *rc::gen::element(1, 3));
+  // Every fifth rests.
+  std::vector<MotionBound> rests;
+  std::erase_if(bounds, [&](const MotionBound& bound) {
+    if (bound.slot % 5 != 0) return false;
+    rests.push_back(bound);
+    rests.back().dynamic = false;
+    return true;
+  });
+  RestingGrid resting;
+  resting.change({}, rests, *executor);
+  const auto overlapping = [&] {
+    std::vector<MotionBound> all = bounds;
+    all.insert(all.end(), rests.begin(), rests.end());
+    PairList pairs = brute_force(all, planes);
+    // What rests searches for nothing.
+    const auto moves = [&](std::uint32_t slot) {
+      return std::any_of(bounds.begin(), bounds.end(), [&](const MotionBound& bound) { return bound.slot == slot; });
+    };
+    std::erase_if(pairs, [&](const CandidatePair& pair) { return !moves(pair.low) && !moves(pair.high); });
+    return pairs;
+  };
+  std::vector<double> radius_m;
+  for (const MotionBound& bound : bounds) radius_m.push_back(bound.radius_m);
+  BroadPhase broad;
+  const BroadPhase::Result first = broad.find(bounds, planes, {65536}, *executor, {}, &resting);
+  PairList expected = overlapping();
+  RC_ASSERT(PairList(first.pairs.begin(), first.pairs.end()) == expected);
+  for (int frame = 0; frame < 5; ++frame) {
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t i = 0; i < bounds.size(); ++i) {
+      if (random() % 8 != 0) continue;
+      bounds[i].center_m += random_vector(random, 0.5 * spread);
+      bounds[i].radius_m = uniform(random, 0.8, 1.2) * radius_m[i];
+      moved.push_back(i);
+    }
+    const auto found = pairs_of(broad.find_moved(bounds, moved, planes, {65536}, *executor, &resting));
+    RC_ASSERT(found.has_value());
+    RC_ASSERT(std::is_sorted(found->begin(), found->end(), in_order));
+    RC_ASSERT(std::adjacent_find(found->begin(), found->end()) == found->end());
+    const PairList now = overlapping();
+    RC_ASSERT(std::includes(found->begin(), found->end(), now.begin(), now.end(), in_order));
+    // All others overlapped at some time, or with where one was that has moved.
+    for (const CandidatePair& pair : *found) {
+      const auto has_moved = [&](std::uint32_t slot) {
+        return std::any_of(moved.begin(), moved.end(), [&](std::uint32_t i) { return bounds[i].slot == slot; });
+      };
+      const bool was = std::binary_search(expected.begin(), expected.end(), pair, in_order);
+      RC_ASSERT(was || has_moved(pair.low) || has_moved(pair.high));
+    }
+    expected = *found;
+  }
+}
+
+TEST(MovedBounds, AnyNumberOfThreadsGivesTheSamePairs) {
+  std::vector<PairList> found;
+  for (const int threads : {1, 2, 4}) {
+    const auto executor = parallel::make_executor(ExecutorKind::Threads, threads);
+    Cloud cloud(20000, 12);
+    BroadPhase broad;
+    broad.find(cloud.bounds, {}, {256}, *executor);
+    for (int frame = 0; frame < 3; ++frame) {
+      cloud.move(300, 12);
+      const auto pairs = pairs_of(broad.find_moved(cloud.bounds, cloud.moved, {}, {256}, *executor));
+      ASSERT_TRUE(pairs.has_value());
+      found.push_back(*pairs);
+    }
+  }
+  for (std::size_t k = 3; k < found.size(); ++k) EXPECT_EQ(found[k], found[k % 3]);
+  EXPECT_GT(found[1].size(), found[0].size());
+}
+
+TEST(MovedBounds, AreFoundAnewWhereTooManyHaveMoved) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  Cloud cloud(3000, 12);
+  BroadPhase broad;
+  broad.find(cloud.bounds, {}, {256}, *executor);
+  cloud.move(BroadPhase::kMostMoved, 12);
+  EXPECT_TRUE(broad.find_moved(cloud.bounds, cloud.moved, {}, {256}, *executor).has_value());
+  // The same again are not more; one more is.
+  EXPECT_TRUE(broad.find_moved(cloud.bounds, cloud.moved, {}, {256}, *executor).has_value());
+  const std::uint32_t another = 2999;
+  EXPECT_FALSE(broad.find_moved(cloud.bounds, {&another, 1}, {}, {256}, *executor).has_value());
+  broad.find(cloud.bounds, {}, {256}, *executor);
+  EXPECT_TRUE(broad.find_moved(cloud.bounds, {&another, 1}, {}, {256}, *executor).has_value());
+}
+
+TEST(MovedBounds, AreFoundAnewWherePairsMightHaveToBeDiscarded) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  constexpr std::uint32_t kMost = 20;
+  const PlaneBound floor{Vec3::UnitZ(), 100, 5000, 1, 0xffffffffU};
+  Cloud cloud(200, 100);
+  BroadPhase broad;
+  EXPECT_EQ(broad.find(cloud.bounds, {&floor, 1}, {kMost}, *executor).discarded, 0U);
+  // One after another comes to the same place; with the plane all pair anyway.
+  bool added = true;
+  std::uint32_t came = 0;
+  for (; added && came < 2 * kMost; ++came) {
+    cloud.bounds[came].center_m = Vec3::Zero();
+    added = broad.find_moved(cloud.bounds, {&came, 1}, {&floor, 1}, {kMost}, *executor).has_value();
+  }
+  EXPECT_FALSE(added);
+  EXPECT_GT(came, kMost / 2);
+  EXPECT_LE(came, kMost + 1);
+  // Where all may have so many partners none is left out, of all together neither.
+  const PairList all = brute_force(cloud.bounds, {&floor, 1});
+  broad.find(cloud.bounds, {&floor, 1}, {kMost, all.size()}, *executor);
+  cloud.bounds[199].center_m = Vec3::Zero();
+  const std::uint32_t last = 199;
+  EXPECT_FALSE(broad.find_moved(cloud.bounds, {&last, 1}, {&floor, 1}, {256, all.size()}, *executor).has_value());
+  broad.find(cloud.bounds, {&floor, 1}, {256}, *executor);
+  EXPECT_TRUE(broad.find_moved(cloud.bounds, {&last, 1}, {&floor, 1}, {256}, *executor).has_value());
+}
+
+TEST(MovedBounds, AreFoundAnewForOneThatIsFarLargerThanTheOthers) {
+  const auto executor = parallel::make_executor(ExecutorKind::Serial, 1);
+  Cloud cloud(500, 10);
+  cloud.bounds[7].radius_m = 20;
+  BroadPhase broad;
+  broad.find(cloud.bounds, {}, {1024}, *executor);
+  const std::uint32_t large = 7;
+  EXPECT_FALSE(broad.find_moved(cloud.bounds, {&large, 1}, {}, {1024}, *executor).has_value());
+  // A small one next to it is no trouble.
+  broad.find(cloud.bounds, {}, {1024}, *executor);
+  const std::uint32_t small = 8;
+  EXPECT_TRUE(broad.find_moved(cloud.bounds, {&small, 1}, {}, {1024}, *executor).has_value());
+}
+
+}  // namespace
+}  // namespace poise::collision
