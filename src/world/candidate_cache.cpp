@@ -28,7 +28,8 @@ CandidateCache::Look CandidateCache::look(std::span<const collision::MotionBound
   if (bounds.size() != bounds_.size() ||
       !std::equal(planes.begin(), planes.end(), planes_.begin(), planes_.end(), same))
     return {};
-  left_.resize(collision::BroadPhase::kMostMoved);
+  // They are of no use but to wide bounds.
+  left_.resize(wide_ ? collision::BroadPhase::most_moved(bounds.size()) : 0);
   parallel::Tickets changed;
   parallel::Tickets outside;
   parallel::Tickets restless;

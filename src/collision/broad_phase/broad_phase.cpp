@@ -284,7 +284,7 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
   Result result;
   PartnerLimits used = limits;
   moved_.clear();
-  pair_count_ = most_found_ = 0;
+  pair_count_ = found_pairs_ = most_found_ = 0;
   if (bounds.empty() && swept.empty()) return result;
   sort_into_cells(bounds, limits.crowds != nullptr ? most_tests_of_crowded() : most_tests(0), executor);
   if (found_.empty()) found_.resize(std::max<std::size_t>(1024, 8 * (bounds.size() + swept.size())));
@@ -300,7 +300,7 @@ BroadPhase::Result BroadPhase::find(std::span<const MotionBound> bounds, std::sp
     count = collect(bounds.size(), planes, swept, used, resting, executor, result);
   }
   sort_pairs(count, executor);
-  pair_count_ = count;
+  pair_count_ = found_pairs_ = count;
   for (const Scratch& scratch : scratch_) most_found_ = std::max(most_found_, scratch.most_found);
   result.pairs = sorted_pairs();
   return result;

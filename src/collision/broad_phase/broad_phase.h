@@ -91,13 +91,14 @@ class BroadPhase {
               const RestingGrid* resting = nullptr);
   /// What find() found, and the pairs of bounds that are elsewhere since: those of a few are looked for one by one.
   /// Pairs that no longer overlap stay. `moved` are their numbers in `bounds`, ascending; the others are as they were.
-  /// Empty, and to be found anew, where more than kMostMoved are elsewhere since find(), or so that pairs might have to
-  /// be discarded. There must be no swept bodies. The same result on any number of threads.
+  /// Empty, and to be found anew, where more than most_moved(bounds) are elsewhere since find(), where they have added
+  /// more than a sixteenth of its pairs, or so that pairs might have to be discarded. There must be no swept bodies.
+  /// The same result on any number of threads.
   std::optional<Result> find_moved(std::span<const MotionBound> bounds, std::span<const std::uint32_t> moved,
                                    std::span<const PlaneBound> planes, const PartnerLimits& limits,
                                    parallel::Executor& executor, const RestingGrid* resting = nullptr);
-  /// Each is compared with all others. Chosen.
-  static constexpr std::size_t kMostMoved = 1024;
+  /// Each is compared with all others, and pairs that it no longer has stay. Chosen.
+  static std::size_t most_moved(std::size_t bounds) { return std::min<std::size_t>(1024, bounds / 16); }
   /// Bounds that the search of one looks at, at most. Far more than cells hold where bounds do not overlap.
   static std::uint32_t most_tests(std::uint32_t max_partners) { return std::max(4096U, 16 * max_partners); }
   /// That the search of one looks at, at most, before it is told whether it is in a crowd. Chosen: a body that is in
@@ -245,7 +246,8 @@ class BroadPhase {
   parallel::UnsetVector<std::uint32_t> low_begin_;
   std::vector<std::uint32_t> slots_of_range_;    // scratch
   std::size_t pair_count_ = 0;                   // of sorted_
-  std::size_t most_found_ = 0;                   // by a search since the last find()
+  std::size_t found_pairs_ = 0;                  // by the last find()
+  std::size_t most_found_ = 0;                   // by a search since then
   std::vector<std::uint32_t> moved_;             // since then: numbers of bounds, ascending
   std::vector<std::uint32_t> moved_before_;      // scratch: those that have not moved again now
   parallel::UnsetVector<std::uint32_t> gained_;  // by slot: partners added since then

@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::size_t kMovedGrain = 4;
 constexpr std::size_t kInsertGrain = 8192;
+// Pairs stay that no longer overlap: at most so many, as a share of those that were found. Chosen.
+constexpr std::size_t kAddedShare = 16;
 
 bool in_order(const CandidatePair& a, const CandidatePair& b) {
   return std::pair(a.low, a.high) < std::pair(b.low, b.high);
@@ -125,7 +127,7 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
   std::set_difference(moved_.begin(), moved_.end(), moved.begin(), moved.end(), std::back_inserter(moved_before_));
   moved_.clear();
   std::merge(moved_before_.begin(), moved_before_.end(), moved.begin(), moved.end(), std::back_inserter(moved_));
-  if (moved_.size() > kMostMoved) return std::nullopt;
+  if (moved_.size() > most_moved(bounds.size())) return std::nullopt;
   const std::uint32_t most = limits.crowds != nullptr ? CrowdedBodies::kLeast : limits.of_body;
   make_scratch(bounds.size(), limits.of_body, executor);
   parallel::Tickets points;
@@ -163,6 +165,7 @@ std::optional<BroadPhase::Result> BroadPhase::find_moved(std::span<const MotionB
   std::sort(first, first + static_cast<std::ptrdiff_t>(count), in_order);
   const auto past = std::unique(first, first + static_cast<std::ptrdiff_t>(count));
   const auto added = std::span<const CandidatePair>(found_).first(static_cast<std::size_t>(past - first));
+  if (pair_count_ + added.size() > found_pairs_ + found_pairs_ / kAddedShare) return std::nullopt;
   if (!gain(added, planes, most, executor)) return std::nullopt;
   if (!added.empty()) insert_pairs(added, executor);
   Result result;
